@@ -2,12 +2,13 @@
 
 import html
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.results.display import Picture, quantity
+from rattle.results.display import Picture, grid, printed, quantity
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +104,40 @@ def test_times_are_texts_or_numbers(fourbar, run):
 def test_a_curve_is_asked_for_by_one_name(run):
     with pytest.raises(TypeError, match="one name"):
         run["a", "b"]
+
+
+def test_what_studies_find_are_cards_of_one_look(fourbar):
+    shown = {
+        "samples": fourbar.many({"l2": [0.6, 0.61]}, ["max(O3.force)"], "2 ms"),
+        "film": rt.Film("50 mPa*s", length="10 mm", radius="10 mm", clearance="50 um"),
+        "balance": fourbar.simulate("2 ms").power(),
+        "equilibria": rt.example("balanced_arm").equilibrium(),
+    }
+    for words, one in shown.items():
+        text = one._repr_html_()
+        assert text.startswith('<div class="rattle-card">')
+        assert words in text
+        assert "next: <code>" in text
+    assert "50 mPa·s" in shown["film"]._repr_html_()
+    assert "50 µm" in shown["film"]._repr_html_()
+
+
+@pytest.mark.nojit
+def test_units_are_printed_after_numbers_only():
+    assert printed("4 N*m, 9.81 m/s^2, 3 um, +-2 N") == "4 N·m, 9.81 m/s², 3 µm, ±2 N"
+    assert printed("max(2*x) um m*g l1*sin(a)") == "max(2*x) um m*g l1*sin(a)"
+    assert '<td class="number">4 N·m</td>' in grid(("a", "b"), [("x", "4 N*m")])
+
+
+def test_trust_says_what_holds_and_what_does_not(run):
+    assert [one.partition(":")[0] for one in run.trust.holds()] == ["the equations were solved well"]
+    doubts = run.trust.doubts()
+    assert doubts[0].startswith("how long the curves can be trusted was not computed")
+    assert "would have to pull" in doubts[1]
+    loose = replace(run.trust, drift=1e-5, pulled={}, horizon=0.01)
+    assert loose.holds(size=1.0) == ("the curves can be trusted over the whole run, to t = 0.01 s",)
+    assert "solved loosely" in loose.doubts(size=1.0)[0]
+    assert loose.doubts(size=100.0) == ()
 
 
 @pytest.mark.nojit

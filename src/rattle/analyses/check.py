@@ -54,7 +54,8 @@ class Check:
 
     def _repr_html_(self) -> str:
         first, *rest = str(self).splitlines()
-        return table(("what", "found"), [line.partition(": ")[::2] for line in rest if ": " in line], first)
+        rows = [line.partition(": ")[::2] for line in rest if ": " in line]
+        return table(("what", "found"), rows, first, hint="m.plot(), m.simulate()")
 
     def __str__(self) -> str:
         dof = (

@@ -19,6 +19,7 @@ _KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xm
 LARGEST = 20_000_000  # size of an animation that is embedded in a notebook [bytes]
 _NUMBER = re.compile(r"[-+±\N{MINUS SIGN}]?\+?-?\d[\d.e+-]*( ?(%|°)| [^ ]{1,9})?( dry)?$|[-\u2013]$")
 _UNIT = re.compile(r"(?<=\d )[a-zA-Z]+(?:[*/^]\(?[a-zA-Z0-9]+\)?)+(?![\w*(])")  # after a number
+_ALONE = re.compile(r"[a-zA-Z]{1,3}(?:[*/^]\(?[a-zA-Z0-9]{1,3}\)?){1,3}")
 _MICRO = re.compile(r"(?<=\d )u(?=[ms]\b)")
 _RIGHT = ' class="number"'
 _PRINTED = str.maketrans("*", "·")
@@ -78,7 +79,7 @@ def table(
     head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", below: Iterable[str] = (), hint: str = ""
 ) -> str:
     """A card with one table; names and texts are escaped.  hint: what to type next."""
-    return card(caption, grid(head, rows), *(f"<p>{html.escape(line)}</p>" for line in below), hint=hint)
+    return card(caption, grid(head, rows), *(f"<p>{html.escape(printed(line))}</p>" for line in below), hint=hint)
 
 
 def grid(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -94,6 +95,8 @@ def grid(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _cell(text: str) -> str:
+    if _ALONE.fullmatch(text):
+        return f"<td>{html.escape(printed(f'1 {text}')[2:])}</td>"
     return f"<td{_RIGHT if _NUMBER.match(text) else ''}>{html.escape(printed(text))}</td>"
 
 
@@ -108,7 +111,7 @@ def card(title: str, *parts: str, hint: str = "") -> str:
 
     title and hint are escaped, the parts are not.
     """
-    top = f"<header>{html.escape(title)}</header>" if title else ""
+    top = f"<header>{html.escape(printed(title))}</header>" if title else ""
     end = f"<footer>next: <code>{html.escape(hint)}</code></footer>" if hint else ""
     return f'<div class="rattle-card">{STYLE}{top}{"".join(parts)}{end}</div>'
 

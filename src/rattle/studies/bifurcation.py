@@ -13,6 +13,7 @@ from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
 from rattle.errors import SolverError
 from rattle.progress_bar import progress_bar
+from rattle.results.display import quantity, table
 from rattle.studies.poincare import period_of
 
 if TYPE_CHECKING:
@@ -35,6 +36,14 @@ class Bifurcation:
     points: np.ndarray  # (k, points) of the output [SI]; nan where a run ended early
     rule: str
     interrupted: bool = False  # stopped by the user; points at values that were not reached are nan
+
+    def _repr_html_(self) -> str:
+        known = self.points[np.isfinite(self.points)]
+        sizes = [quantity(float(x), self.of_unit, 6) for x in (known.min(), known.max())] if len(known) else ["-", "-"]
+        ends = [quantity(float(x), self.parameter_unit, 6) for x in self.values[[0, -1]]] if len(self.values) else []
+        rows = [(self.parameter, *ends), (self.of, *sizes)] if ends else []
+        title = f"{len(self.values)} values, {self.points.shape[1]} points each, {self.rule}"
+        return table(("", "from", "to"), rows, title, hint="b.plot()")
 
     def __repr__(self) -> str:
         first, last = self.values[[0, -1]] if len(self.values) else (0.0, 0.0)

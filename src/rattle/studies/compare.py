@@ -54,7 +54,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         below = [f"{model}: {why}" for model, why in self.skipped.items()]
-        return table(HEAD, self.rows(), f"{self.name}: joint {self.joint}", [*below, *self.assumed])
+        return table(HEAD, self.rows(), f"{self.name}: joint {self.joint}", [*below, *self.assumed], "c.plot()")
 
     def __str__(self) -> str:
         rows = [HEAD, *self.rows()]

@@ -15,6 +15,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.errors import suggest
+from rattle.results.display import table
 from rattle.results.result import UnknownName
 from rattle.studies.runs.progress import Bar
 from rattle.studies.runs.runner import Batch, Runner, cores
@@ -58,11 +59,25 @@ class Many:
         """SI unit of an output, "" if it has none."""
         return self.units[output]
 
+    def _repr_html_(self) -> str:
+        rows = [
+            (output, self.units[output], *_sizes(row)) for output, row in zip(self.outputs, self.values, strict=True)
+        ]
+        title = f"{len(self)} samples of {', '.join(self.samples)}"
+        failed = [f"{len(self.messages)} failed: found.message(i) says why"] if self.messages else []
+        below = [self.stats["how"], *failed]
+        return table(("output", "unit", "least", "mean", "greatest"), rows, title, below, hint="found[output]")
+
     def __str__(self) -> str:
         said = [f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed", self.stats["how"]]
         for output, row in zip(self.outputs, self.values, strict=True):
             said.append(f"{output} [{self.units[output] or '-'}]: {_span(row)}")
         return "\n".join(said)
+
+
+def _sizes(row: np.ndarray) -> tuple[str, ...]:
+    known = row[np.isfinite(row)]
+    return tuple(f"{x:.6g}" for x in (known.min(), known.mean(), known.max())) if len(known) else ("-", "-", "-")
 
 
 def _span(row: np.ndarray) -> str:

@@ -13,6 +13,7 @@ from rattle.analyses import arguments
 from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.errors import SolverError
+from rattle.results.display import quantity, table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,6 +63,15 @@ class Section:
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, quantity(float(one.min()), unit, 6), quantity(float(one.max()), unit, 6))
+            for (name, one), unit in zip(self.values.items(), map(self.units.__getitem__, self.values), strict=True)
+            if len(one)
+        ]
+        title = f"Poincare section: {len(self.t)} points, {self.rule}"
+        return table(("curve", "least", "greatest"), rows, title, [self.message] if self.message else [], "s.plot()")
 
     def __repr__(self) -> str:
         return f"<rattle.Section: {len(self.t)} points of {', '.join(self.values)}, {self.rule}>"

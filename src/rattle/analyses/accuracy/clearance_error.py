@@ -133,7 +133,7 @@ class Accuracy:
         ]
         report = str(self).splitlines()
         facts = [line for line in report[1:] if not line.startswith("  ")]
-        return table(("joint", "clearance", "contribution", "share"), rows, report[0], facts)
+        return table(("joint", "clearance", "contribution", "share"), rows, report[0], facts, hint="a.plot()")
 
     def plot(self) -> Figure:
         """Output with its band, and a bar of contributions; see `rattle.plots.statics.plot_accuracy`."""

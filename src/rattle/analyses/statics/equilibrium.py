@@ -9,12 +9,13 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from html import escape
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from rattle.analyses.arguments import MOST_EFFORT
-from rattle.results.display import quantity, table
+from rattle.results.display import card, quantity, table
 from rattle.results.film_columns import DRY
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -236,6 +237,7 @@ class Equilibria(list[Equilibrium]):
             )
             rows.append((str(n), "yes" if one.stable else "no", "yes" if one.admissible else "no", angles, str(one)))
         if not rows:
-            return "no equilibrium was found"
-        said = f"<p>{self.note}</p>" if self.note else ""
-        return table(("", "stable", "admissible", "angles", ""), rows) + said
+            return card("no equilibrium was found", f"<p>{escape(self.note)}</p>" if self.note else "")
+        title = f"{len(self)} equilibri{'a' if len(self) > 1 else 'um'}"
+        head, below = ("", "stable", "admissible", "angles", ""), [self.note] if self.note else []
+        return table(head, rows, title, below, hint="E[0], m.modes()")

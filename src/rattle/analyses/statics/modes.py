@@ -145,7 +145,9 @@ class Modes:
         return f"{cycles}, comes to rest with time constant {-1.0 / other.real:.{digits}g} s" if other.real else cycles
 
     def _repr_html_(self) -> str:
-        return table(("mode", "frequency", "damping", "moving bodies"), self.rows(), f"about: {self.about}")
+        return table(
+            ("mode", "frequency", "damping", "moving bodies"), self.rows(), f"about: {self.about}", hint="modes.plot(0)"
+        )
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """One row per mode: number from 1, frequency [Hz], time constants or growth, damping, bodies that move most."""

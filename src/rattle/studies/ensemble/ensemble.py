@@ -219,7 +219,7 @@ class Ensemble(Samples):
         return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])
 
     def _repr_html_(self) -> str:
-        return table(HEADER, self.rows(), self._title(), self.remarks())
+        return table(HEADER, self.rows(), self._title(), self.remarks(), f'e.plot("{self.outputs[0]}")')
 
 
 HEADER = ("output", "unit", "nominal", "mean (95 %)", "sd", "5 %", "median", "95 %", "min", "max")

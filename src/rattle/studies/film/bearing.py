@@ -13,6 +13,7 @@ from rattle import registry
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.quantities import Quantity, in_si
 from rattle.results.archive import package
+from rattle.results.display import quantity, table
 from rattle.studies.film.journal import JournalPosition, located, position_at, threshold
 from rattle.studies.film.locus import locus
 
@@ -96,6 +97,14 @@ class Film:
     def _packed(self, least: float) -> Array:
         """Parameters of the kernel; least: thickness [m] below which a film acts as one that thick."""
         return np.array(self._kind.leaf.pack(self._values, self.clearance, least), dtype=float)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("viscosity", f"{1e3 * self.viscosity:.4g} mPa*s"), ("length", quantity(self.length, "m")),
+            ("bush radius", quantity(self.radius, "m")), ("radial clearance", f"{1e6 * self.clearance:.4g} um"),
+            ("length over diameter", f"{self.ratio:.3g}"), ("model", f"{self.model}, cavitation {self.cavitation}"),
+        ]  # fmt: skip
+        return table(("oil film", ""), rows, "", self.notes, 'f.static(load="500 N", speed="1000 rpm")')
 
     def __repr__(self) -> str:
         sizes = f"{self.viscosity:g} Pa*s, L {self.length:g} m, R {self.radius:g} m, c {self.clearance:g} m"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rattle.errors import suggest
 from rattle.mechanism import Mechanism
 from rattle.results.archive import package
+from rattle.results.display import table
 from rattle.results.result import UnknownName
 from rattle.studies.wear.cycle import Sliding, State
 from rattle.studies.wear.pins import Depths, Pin, as_documents
@@ -220,6 +221,18 @@ class Worn:
         joint, side = self.limiting
         lines.append(f"life is limited by the {side} of {joint}")
         return "\n".join([*lines, *(f"- {one}" for one in self.trust)])
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for pin in self._pins:
+            for side, one in zip(SIDES, self.profile(pin.joint), strict=True):
+                where = f"{math.degrees(float(one.angle[one.depth.argmax()])):.1f} deg"
+                deep = (_length(one.deepest), f"{one.deepest / pin.clearance:.3g}", where)
+                volume = f"{1e9 * one.volume:.4g} mm^3"
+                rows.append((pin.joint, side, volume, *(deep if one.deepest > 0.0 else ("-", "-", "-"))))
+        head = ("joint", "side", "volume worn", "deepest", "in clearances", "at")
+        title, *rest = str(self).splitlines()
+        return table(head, rows, title, [line for line in rest if not line.startswith("  ")], "w.plot()")
 
     def __repr__(self) -> str:
         return f"<rattle.Worn: {', '.join(self.joints)} after {self.cycles:.6g} cycles>"
