@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from rattle.analyses.analysed_model import AnalysedModel
 from rattle.errors import ModelError, suggest
@@ -84,24 +84,31 @@ class Mechanism(AnalysedModel):
 
         return plot_model(self, ax)
 
+    def view(self, t_end: Seconds | None = None) -> Any:
+        """The mechanism in a notebook, moving, with sliders; a widget.  t_end: of the motion at first [s].
+
+        Computed in the browser where the model can be recorded, else by the kernel.  Raises MissingPackage, ModelError,
+        AssemblyError.
+        """
+        from rattle.pages.notebook import view
+
+        return view(self, seconds_or_none(t_end, "t_end"))
+
     def report(
         self, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: Seconds | None = None,
         paper: str = "A4", progress: bool = False,
     ) -> Path:  # fmt: skip
         """Write a report to hand on: one .html page that needs nothing else and prints well, or a .pdf.
 
-        Model, drawing, assumptions, checks, motion, forces, contacts, equilibria, power and accuracy, as far as they
-        apply, and how far to trust them.  A motion that fails gives a report that says so at its top.
-        title, author: default the name of the model, and none.  t_end: end of the motion [s].  paper: A4 or Letter, of
-        a .pdf, which a browser prints.  progress: show a progress bar.  Returns the path.
+        What is in it: docs/report.md.  A motion that fails gives a report that says so at its top.
+        title: default the name of the model.  t_end: end of the motion [s].  paper: A4 or Letter, of a .pdf, which a
+        browser prints.  progress: show a progress bar.  Returns the path.
         Raises ModelError, ValueError for another suffix, MissingProgram for a .pdf without a browser, OSError.
         """
         from rattle.pages.report import report
 
-        return report(
-            self, path, title=title, author=author, t_end=seconds_or_none(t_end, "t_end"), paper=paper,
-            progress=progress,
-        )  # fmt: skip
+        end = seconds_or_none(t_end, "t_end")
+        return report(self, path, title=title, author=author, t_end=end, paper=paper, progress=progress)
 
     def page(
         self, path: str | os.PathLike[str], *, t_end: Seconds | None = None,

@@ -37,6 +37,7 @@ STUDIO = 'pip install "rattle[studio]"'
 HINTS = {
     "pyarrow": "pip install pyarrow",
     "distributed": "pip install distributed",
+    "anywidget": 'pip install "rattle[notebook]"',
     "panel": STUDIO,
     "bokeh": STUDIO,
 }  # where other packages are needed

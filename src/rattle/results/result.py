@@ -293,6 +293,15 @@ class Result:
 
         return amplitude_spectrum(self.t, self[name])
 
+    def view(self) -> Any:
+        """The motion in a notebook: play, curves, forces, orbits.  Returns a widget.
+
+        Raises MissingPackage without anywidget, ValueError for a result without motion.
+        """
+        from rattle.pages.notebook import view_result
+
+        return view_result(self)
+
     @overload
     def plot_path(self, *points: str, ax: None = None) -> Figure: ...
     @overload
