@@ -7,7 +7,7 @@ const LASTS = 5; // seconds that a motion lasts at least when it is first played
 export function speedsFor(span) {
   const found = [];
   for (let power = -5; power <= 1; power++) for (const one of MANTISSAS) found.push(Number((one * 10 ** power).toPrecision(1)));
-  return found.filter((one) => one <= 10 && (one >= 0.01 || one >= 0.2 * span / LASTS));
+  return found.filter((one) => one <= 10 && (one >= 0.01 || (span > 0 && one >= 0.2 * span / LASTS)));
 }
 
 export function usualSpeed(span) {

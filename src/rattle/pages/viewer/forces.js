@@ -21,6 +21,7 @@ export function forcesOf(stage) {
   }
   for (const [name, form] of Object.entries(geometry.loads)) {
     if (motion.has(`${name}.force`) && form.coordinate === "length") forces.push({ name, form, kind: "load" });
+    else if (form.fields?.torque) moments.push({ name, form, constant: form.fields.torque }); // others a result does not hold
   }
   for (const [name, joint] of driversOf(motion)) {
     const form = geometry.joints[joint];
@@ -30,7 +31,7 @@ export function forcesOf(stage) {
   const sizes = forces.flatMap((one) => motion.sample(`${one.name}.force`));
   return {
     forces, moments, scale: usual(sizes),
-    turn: usual(moments.flatMap((one) => motion.sample(`${one.name}.torque`))),
+    turn: usual(moments.flatMap((one) => (one.constant ? [Math.abs(one.constant)] : motion.sample(`${one.name}.torque`)))),
   };
 }
 
@@ -64,8 +65,8 @@ export function drawForces(p, stage, known, pose, time, side) {
     put(b, size * Math.cos(angle), size * Math.sin(angle), colour);
     if (kind === "load") put(a, -size * Math.cos(angle), -size * Math.sin(angle), colour);
   }
-  for (const { name, form } of known.moments) {
-    if (known.turn > 0) drawMoment(p, pointAt(pose, form.bodies[1], form.points[1]), value(`${name}.torque`) / known.turn);
+  for (const { name, form, constant } of known.moments) {
+    if (known.turn > 0) drawMoment(p, pointAt(pose, form.bodies[1], form.points[1]), (constant ?? value(`${name}.torque`)) / known.turn);
   }
 }
 
@@ -99,7 +100,7 @@ export function forceScale(p, known, side) {
   if (known.moments.length && known.turn > 0) {
     const { factor, unit } = handyUnit("N*m", known.turn);
     const step = niceStep(0.45 * factor * known.turn);
-    found.push({ text: `${short(step)} ${unit} driver`, share: step / (factor * known.turn), colour: p.theme.curve(3) });
+    found.push({ text: `${short(step)} ${unit} driver, load`, share: step / (factor * known.turn), colour: p.theme.curve(3) });
   }
   return found;
 }

@@ -81,7 +81,7 @@ export class Knobs {
     for (const [name, { knob, low, high, slider, box, shown, element }] of this.rows) {
       const share = (set[name] - low) / (high - low);
       slider.value = String(Math.round(share * STEPS));
-      slider.style.setProperty("--share", `${100 * Math.min(1, Math.max(0, share))}%`);
+      slider.style.setProperty("--share", Math.min(1, Math.max(0, share)).toFixed(5));
       slider.setAttribute("aria-valuetext", `${tidy(set[name] / shown.factor)} ${shown.unit}`);
       if (box !== this.viewer.shadow.activeElement) box.value = tidy(set[name] / shown.factor);
       element.classList.toggle("changed", set[name] !== knob.value);

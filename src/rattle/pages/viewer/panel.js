@@ -125,7 +125,8 @@ export class Panel {
       }
     }
     if (!Number.isFinite(low + high)) [low, high] = [0, 1];
-    const size = Math.max(Math.abs(low), Math.abs(high)), least = 1e-6 * size || 1 / this.handy.factor, air = Math.max(0.06 * (high - low), least);
+    const size = Math.max(Math.abs(low), Math.abs(high)), constant = high - low < 1e-6 * size || size === 0; // but for rounding
+    const air = constant ? 0.5 * size || 1 / this.handy.factor : 0.06 * (high - low);
     this.low = this.handy.factor * (low - air);
     this.high = this.handy.factor * (high + air);
   }

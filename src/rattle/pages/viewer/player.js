@@ -45,7 +45,7 @@ export class Player {
     }
     if (Number(this.line.value) !== time) this.line.value = time;
     const share = this.motion.span ? (time - this.motion.start) / this.motion.span : 0;
-    this.line.style.setProperty("--share", `${100 * share}%`);
+    this.line.style.setProperty("--share", share.toFixed(5));
     const text = `${this.text(time).padStart(this.width, "\u2007")} s`;
     say(this.time, text);
     this.line.setAttribute("aria-valuetext", text.trim());

@@ -115,6 +115,8 @@ export class Viewer {
     this.others = others.map(motionOf);
     this.tools.ghost.hidden = !this.ghost;
     this.regroup();
+    const { forces, moments } = this.view.forces;
+    this.tools.forces.hidden = forces.length + moments.length === 0;
     this.parts.canvas.style.setProperty("--tall", Math.min(2, this.view.tall).toFixed(3));
     this.insets.setMotion(this.motion, this.scene);
     this.player.setMotion(this.motion);
