@@ -14,8 +14,10 @@ VIEWER = Path(rt.__file__).parent / "pages" / "viewer"
 SCRIPT = """
 import fs from "node:fs";
 import * as model from "./model.mjs";
+import * as ideal from "./ideal.mjs";
 import { runLive, runWithHorizon } from "%s/engine.js";
 const { settings, parameters, horizon } = JSON.parse(fs.readFileSync("job.json"));
+if (model.needsIdeal) model.setIdeal(ideal.start);
 let said;
 try {
   const run = (horizon ? runWithHorizon : runLive)(model, settings, parameters);
@@ -38,6 +40,7 @@ def program_of(name):
 def computed(folder, live, parameters=None, horizon=False, **settings):
     """What the engine makes of a live program: its run, with `columns` as arrays."""
     (folder / "model.mjs").write_text(live.module, encoding="utf-8")
+    (folder / "ideal.mjs").write_text("" if live.ideal is None else live.ideal.module, encoding="utf-8")
     (folder / "go.mjs").write_text(SCRIPT % VIEWER.as_uri(), encoding="utf-8")
     job = {"settings": {**live.settings, **settings}, "parameters": parameters or {}, "horizon": horizon}
     (folder / "job.json").write_text(json.dumps(job))

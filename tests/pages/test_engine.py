@@ -115,6 +115,24 @@ def test_a_short_pulse_is_not_stepped_over(tmp_path):
         assert run["columns"]["block.x"][-1] == pytest.approx(want, rel=1e-9)
 
 
+def test_rates_that_are_not_given_are_those_of_the_mechanism_without_play(tmp_path):
+    """The page solves for them anew: the start and the motion are those of the assembly."""
+    text = rt.example("fourbar").to_toml().replace(", omega = 0", "")
+    m = rt.loads(text)
+    live = live_program(m)
+    for p in ({}, {"r3": 0.003, "l1": 0.19}, {"omega": 7.0, "alpha": 1.1}):
+        run = computed(tmp_path, live, p, t_end=0.01, outputs=5)
+        r = simulated(m, run, live, t_end=0.01)
+        assert apart(run, r, [name for name in run["names"] if name.endswith((".x", ".y", ".angle", ".omega"))]) < 1e-10
+
+
+def test_parameters_that_leave_the_start_as_it_is_need_no_given_start(tmp_path):
+    live = live_program(rt.loads(PULSE.replace("x = 0, ", "")))
+    run = computed(tmp_path, live, {"width": 0.01})
+    assert run["columns"]["block.vx"][-1] == pytest.approx(0.5, rel=1e-9)
+    assert "outside of its limits" in computed(tmp_path, live, {"width": 0.5})["error"]
+
+
 def test_a_motion_through_singular_positions_goes_on_as_in_python(tmp_path):
     """The rods of the windows fall into one line at 0.708 s: steps leap across."""
     live, m = program_of("windows")

@@ -20,12 +20,12 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at,
 from rattle.equations.closure import open_by
 from rattle.equations.motion import derivative
 from rattle.equations.state import state_layout
-from rattle.errors import ModelError
+from rattle.errors import AssemblyError, ModelError, TraceError
 from rattle.jit import layout as at
 from rattle.language.recorded import Recorded, symbol_of
 from rattle.mechanism import Mechanism
 from rattle.pages.live_text import LIVE
-from rattle.pages.same_start import tried_values, with_the_same_start
+from rattle.pages.same_start import tried_values, with_the_ideal_start, with_the_same_start
 from rattle.results.columns import geometry
 from rattle.solvers import dop853_tableau, step_audit
 from rattle.solvers.stepper import ATOL, LONGEST, RTOL
@@ -54,6 +54,7 @@ class LiveProgram(NamedTuple):
     settings: dict[str, Any]  # of a run, see viewer/engine.js
     constants: Mapping[str, str]  # parameters that the page cannot change, and why
     notes: tuple[str, ...]
+    ideal: LiveProgram | None = None  # the same mechanism without play, with all parameters
 
 
 def live_program(m: Mechanism, t_end: float | None = None) -> LiveProgram:
@@ -63,6 +64,9 @@ def live_program(m: Mechanism, t_end: float | None = None) -> LiveProgram:
     """
     constants: Mapping[str, str]
     model, constants = with_parameters(m.recorded())
+    ideal, beside = _without_play(m, t_end), False
+    if not model.parameters and ideal is not None:
+        model, constants, beside = with_the_ideal_start(m, model, constants)
     if not model.parameters:
         model, constants = with_the_same_start(m, model, constants)
     model, undrawn = _drawable(m, model)
@@ -73,8 +77,26 @@ def live_program(m: Mechanism, t_end: float | None = None) -> LiveProgram:
     if model.parameters and model.first is None:
         further["readable"] = [sound]
     made = straight_line(model, constants, further)
+    if beside and made.begin is not None:
+        made = made._replace(begin=made.begin._replace(beside=True))
+    known = () if ideal is None else {one.name for one in ideal.program.parameters}
+    if ideal is not None and not set(known) >= {one.name for one in made.parameters}:
+        if beside:
+            raise TraceError("its start follows from the mechanism without play, which has other parameters")
+        ideal = None
     settings, notes = run_settings(m, t_end)
-    return LiveProgram(_module(model, made, drawing, places), made, settings, constants, (*notes, *_uncertain(model)))
+    module = _module(model, made, drawing, places, beside)
+    return LiveProgram(module, made, settings, constants, (*notes, *_uncertain(model)), ideal)
+
+
+def _without_play(m: Mechanism, t_end: float | None) -> LiveProgram | None:
+    """The program of the same mechanism without play, if it has play; None too where there is no such program."""
+    if not any(one.contact is not None and not one.contact.closed for one in m.model.joints.values()):
+        return None
+    try:
+        return live_program(m.ideal(), t_end)
+    except (TraceError, ModelError, AssemblyError):
+        return None
 
 
 # ---------------------------------------------------------------- functions of a run
@@ -254,7 +276,7 @@ def _misdrawn(model: RecordedModel, name: str) -> str:
 
 
 # ---------------------------------------------------------------- the module
-def _module(model: RecordedModel, made: Program, drawing: Any, places: Sequence[Place]) -> str:
+def _module(model: RecordedModel, made: Program, drawing: Any, places: Sequence[Place], beside: bool) -> str:
     """The text: what parameters alone determine is computed once for a run, by `prepare`."""
     plain = json.loads(json.dumps(drawing, default=float))
     moving = {"project": made.projection, "outputs": made.outputs} | {name: made.further[name] for name in MOVING}
@@ -271,6 +293,7 @@ def _module(model: RecordedModel, made: Program, drawing: Any, places: Sequence[
     for key, value in (
         ("layout", javascript.as_text(_layout(model, made, len(hoisted.prepared)))),
         ("drawing", javascript.as_text(plain)), ("places", javascript.as_text([list(place) for place in places])),
+        ("needs", "true" if beside else "false"),
         ("functions", ", ".join(f"{name}: {name}Of" for name in (*once, "prepare", *moving))),
     ):  # fmt: skip
         text = text.replace(f"@{key}@", value)

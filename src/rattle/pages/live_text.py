@@ -1,6 +1,16 @@
 """What stands after the functions in the module of a live page; `live_program` puts in what stands in @...@ here."""
 
 LIVE = """
+// rates at the start of the mechanism without play, where those of this one follow from them
+let startOfIdeal = null;
+export const needsIdeal = @needs@;
+export function setIdeal(start) {
+  startOfIdeal = start;
+}
+function beside(p) {
+  const ideal = startOfIdeal(Object.fromEntries(sliders.map((one, k) => [one.name, p[k]]))), nq = 3 * layout.nb;
+  return ideal.subarray(nq, 2 * nq);
+}
 export { values };
 export const inputs = input.length;
 export const layout = @layout@;

@@ -8,9 +8,10 @@ import json
 import os
 import re
 from collections.abc import Mapping, Sequence
+from string import ascii_letters
 from typing import Any
 
-from rattle.errors import AssemblyError, ModelError, TraceError
+from rattle.errors import TraceError
 from rattle.language.units import parse_quantity
 from rattle.mechanism import Mechanism
 from rattle.pages.live_program import LiveProgram, live_program
@@ -22,7 +23,10 @@ from rattle.results.columns import geometry
 
 WORKER = "live_worker.js"
 EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
-NAMES = "names, units, parameters, sliders, values, start, inputs, layout, functions, geometry"
+RECORDED = re.compile(r"^function \w+Of\d*\(.*?^\}$", re.MULTILINE | re.DOTALL)  # a function of operations
+NAME = re.compile(r"\bx(\d+)\b")
+SPACED = re.compile(r" ([-+*/=<]|<=|===|&&|\|\||[?:]) ")
+NAMES = "names, units, parameters, sliders, values, start, inputs, layout, functions, geometry, needsIdeal, setIdeal"
 
 
 def page(
@@ -63,7 +67,6 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
     whose motion cannot be computed in a page; ModelError, AssemblyError.
     """
     live = live_program(m, t_end)
-    ghost = _ideal(m, live, t_end)
     drawing = json.loads(json.dumps(geometry(m.model)))
     return {
         **frame_of(drawing),
@@ -73,10 +76,10 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "ideal": None,
         "knobs": knobs(m, live),
         "live": {
-            "packed": _packed(worker_text(live, ghost)), "settings": {"t_end": live.settings["t_end"]},
-            "ideal": ghost is not None, "model": m.to_toml(),
+            "packed": _packed(worker_text(live)), "settings": {"t_end": live.settings["t_end"]},
+            "ideal": live.ideal is not None, "model": m.to_toml(),
         },
-        "show": {},
+        "show": {"ghost": live.ideal is not None},
         "notes": [*live.notes, *_fixed(live)],
     }  # fmt: skip
 
@@ -109,29 +112,39 @@ def _fixed(live: LiveProgram) -> list[str]:
     return [f"not to be changed here: {', '.join(names)} ({why})" for why, names in groups.items()]
 
 
-def _ideal(m: Mechanism, live: LiveProgram, t_end: float | None) -> LiveProgram | None:
-    """The same mechanism without play, if it has play and follows the same parameters."""
-    if not any(joint.clearance for joint in m.model.joints.values()):
-        return None
-    try:
-        ghost = live_program(m.ideal(), t_end)
-    except (TraceError, ModelError, AssemblyError):
-        return None
-    known = {one.name for one in ghost.program.parameters}
-    return ghost if known >= {one.name for one in live.program.parameters} else None
-
-
-def worker_text(live: LiveProgram, ideal: LiveProgram | None = None) -> str:
+def worker_text(live: LiveProgram) -> str:
     """The program of the page's worker: the engine, the recorded functions, and settings of their runs."""
-    models = {"model": live} | ({} if ideal is None else {"ideal": ideal})
-    parts = [f"{name}: (() => {{\n{_inside(one.module)}return {{ {NAMES} }};\n}})()" for name, one in models.items()]
+    models = {"model": live} | ({} if live.ideal is None else {"ideal": live.ideal})
+    parts = [
+        f"{name}: (() => {{\n{_inside(shortened(one.module))}return {{ {NAMES} }};\n}})()"
+        for name, one in models.items()
+    ]
     engine = _inside(joined(viewer_files(), WORKER))
     return (
         f'"use strict";\n(() => {{\n{engine}'
         f"const models = {{ settings: {json.dumps(live.settings)}, {', '.join(parts)} }};\n"
+        "if (models.model.needsIdeal) models.model.setIdeal(models.ideal.start);\n"
         "const serve = (port) => serveModels(port, models);\n"
         'if (typeof document === "undefined") serve(self);\nelse globalThis.rattleLive = serve;\n})();\n'
     )
+
+
+def shortened(module: str) -> str:
+    """A module with its recorded functions in fewer letters: no spaces, short names, one list of constants."""
+    return RECORDED.sub(lambda found: _short(found[0]), module)
+
+
+def _short(function: str) -> str:
+    text = NAME.sub(lambda found: f"${_letters(int(found[1]))}", function)
+    return SPACED.sub(r"\1", text).replace("\n  ", "\n").replace(";\nconst ", ",")
+
+
+def _letters(n: int) -> str:
+    """A number written with letters."""
+    text = ""
+    while n >= 0:
+        text, n = ascii_letters[n % 52] + text, n // 52 - 1
+    return text
 
 
 def _inside(module: str) -> str:

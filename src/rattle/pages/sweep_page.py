@@ -12,6 +12,7 @@ from rattle.description.model import Parameter
 from rattle.errors import AssemblyError, ModelError
 from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
+from rattle.progress_bar import progress_bar
 from rattle.results.result import Result
 from rattle.studies.ensemble.shown import in_one_unit
 
@@ -99,9 +100,12 @@ def _label(m: Mechanism, plan: Mapping[str, Any]) -> str:
 
 
 def _counted(plans: Sequence[dict[str, Any]], progress: bool) -> Iterator[dict[str, Any]]:
-    if not progress:
-        yield from plans
-        return
-    from tqdm import tqdm
-
-    yield from tqdm(plans, desc="page", unit="run", delay=1.0)
+    bar = progress_bar(len(plans), "page", unit="run", delay=1.0) if progress else None
+    try:
+        for plan in plans:
+            yield plan
+            if bar is not None:
+                bar.update()
+    finally:
+        if bar is not None:
+            bar.close()

@@ -47,6 +47,7 @@ function mantissaOf(x) {{
   return number[0];
 }}
 """
+BESIDE = "y.set(beside(p), NQ); "
 SIZE = 2000  # operations of one function: engines leave large ones to their slow tiers (V8 beyond 60 kB of byte code)
 
 
@@ -132,7 +133,7 @@ def _begin(begin: Begin) -> str:
         ("sizes", ", ".join(map(number, begin.sizes))),
         ("gaps", as_text([[name, unit] for name, _, unit in begin.gaps])), ("rounds", str(begin.rounds)),
         ("small", number(begin.small)), ("closed", number(begin.closed)), ("far", number(begin.far)),
-        ("missed", number(begin.missed)), ("pieces", str(PIECES)),
+        ("missed", number(begin.missed)), ("pieces", str(PIECES)), ("guess", BESIDE if begin.beside else ""),
     ):  # fmt: skip
         text = text.replace(f"@{key}@", value)
     return text

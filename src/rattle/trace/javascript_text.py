@@ -231,7 +231,7 @@ function begin(y, p) {
   }
   if (why !== "") refuse(once, first, p);
   y.set(q);
-  put(0, y, p);
+  @guess@put(0, y, p);
   closeRatesOf(input, found);
   let fastest = 0;
   for (let i = 0; i < NQ; i++) fastest = larger(fastest, Math.abs(found[i]));

@@ -40,6 +40,7 @@ class Begin(NamedTuple):
     far: float
     rounds: int
     small: float
+    beside: bool = False  # rates of y at the start are those of another model, the mechanism without play
 
 
 class Program(NamedTuple):

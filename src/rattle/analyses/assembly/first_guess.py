@@ -42,12 +42,12 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
             other = joint.b.body if joint.a.body == body else joint.a.body
             if other not in done:
                 loose = joint.contact is not None and not joint.contact.closed
-                loose |= joint.name not in driven and _leaves_place(joint)
+                loose |= joint.name not in driven and leaves_place(joint)
                 heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
     return order
 
 
-def _leaves_place(joint: Joint) -> bool:
+def leaves_place(joint: Joint) -> bool:
     """True if the joint, even without clearance, does not determine the position of its B on its A."""
     return joint.line is not None or joint.distance > 0.0
 
@@ -168,7 +168,7 @@ def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray,
     for body, _, joint in outward(model):
         k = number[body]
         rate = otherwise[k : k + 2].tolist()
-        if not _leaves_place(joint):
+        if not leaves_place(joint):
             own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)
             v[k : k + 2] = 0.0
             rate = [one - two for one, two in zip(rate_of(other), rate_of(own), strict=True)]

@@ -31,8 +31,11 @@ def program(model: RecordedModel) -> Program:
     return straight_line(*with_parameters(model))
 
 
-def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]]:
-    """A model, recorded without parameters, with all that can be inputs; the other parameters, and why they cannot."""
+def with_parameters(model: RecordedModel, beside_ideal: bool = False) -> tuple[RecordedModel, dict[str, str]]:
+    """A model, recorded without parameters, with all that can be inputs; the other parameters, and why they cannot.
+
+    beside_ideal: see `record_start`.
+    """
     if counting := constants_of(model.system.model):
         why = f"the start sets how {', '.join(counting)} mesh, anew with every parameter: only `rattle` can do that"
         return model, dict.fromkeys(model.values, why)
@@ -40,7 +43,7 @@ def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]
     chosen = [name for name in list(model.values) if name not in constants]
     if not chosen:
         return model, constants
-    made, refused = _recorded(model, chosen)
+    made, refused = _recorded(model, chosen, beside_ideal)
     constants |= refused
     if made is not None and made.first is None:
         why = "the start does not follow from given values alone: only `rattle` can put the mechanism together anew"
@@ -50,7 +53,7 @@ def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]
         fixed = _structural(made)
         constants |= fixed
         if fixed:
-            made, _ = _recorded(model, [name for name in made.parameters if name not in fixed])
+            made, _ = _recorded(model, [name for name in made.parameters if name not in fixed], beside_ideal)
     return made or model, constants
 
 
@@ -67,21 +70,23 @@ def _dependent(document: Mapping[str, Any], known: Sequence[str]) -> dict[str, s
     return found
 
 
-def _recorded(model: RecordedModel, chosen: Sequence[str]) -> tuple[RecordedModel | None, dict[str, str]]:
+def _recorded(
+    model: RecordedModel, chosen: Sequence[str], beside_ideal: bool
+) -> tuple[RecordedModel | None, dict[str, str]]:
     """The model recorded with these parameters, without those that cannot be recorded, and why not."""
     if not chosen:
         return None, {}
     try:
-        return record_model(model.document, model.system, model.start, chosen), {}
+        return record_model(model.document, model.system, model.start, chosen, beside_ideal), {}
     except TraceError as error:
         if len(chosen) == 1:
             return None, {chosen[0]: str(error)}
     refused: dict[str, str] = {}
     for name in chosen:
-        refused |= _recorded(model, [name])[1]
+        refused |= _recorded(model, [name], beside_ideal)[1]
     if not refused:  # each alone, but not together
         return None, dict.fromkeys(chosen, "it cannot be recorded together with the others")
-    made, more = _recorded(model, [name for name in chosen if name not in refused])
+    made, more = _recorded(model, [name for name in chosen if name not in refused], beside_ideal)
     return made, refused | more
 
 
