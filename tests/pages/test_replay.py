@@ -201,6 +201,16 @@ def test_parts_are_drawn_without_complaint(page_of, name):
     page.wait_for_timeout(60)
 
 
+def test_a_press_elsewhere_closes_a_list(page_of):
+    page = page_of(circling())
+    page.get_by_title("Paths of points (T)").click()
+    box = page.get_by_role("checkbox", name="arm.P")
+    box.check()
+    assert page.get_by_title("Paths of points (T)").text_content() == "Paths (1)"
+    page.mouse.click(400, 650)
+    assert box.is_hidden()
+
+
 def test_two_runs_and_a_ghost_are_shown_together(page_of):
     wide, narrow = circling(), circling(clearance=0.5 * C)
     page = page_of(None, scene=scene_of([("wide", wide), ("narrow", narrow)], ideal=circling(clearance=0.1 * C)))

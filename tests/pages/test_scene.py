@@ -126,3 +126,37 @@ def test_points_are_drawn_where_they_are_in_every_example(viewer_in_node):
             np.testing.assert_allclose(np.array(path), there, atol=1e-6 * (1 + np.abs(there).max()))
             assert (there >= np.array(found["low"]) - 1e-5).all()
             assert (there <= np.array(found["high"]) + 1e-5).all()
+
+
+CRANK = """
+import { crankOf, Motion } from "./viewer.mjs";
+const found = data.map((scene) => crankOf(new Motion(scene.runs[0], scene.geometry)));
+console.log(JSON.stringify(found.map((one) => one && [one.name, one.last])));
+"""
+
+
+def test_last_turn_of_the_crank_is_found(viewer_in_node):
+    """Two turns and a half in either sense: the last begins after one and a half; who swings has none."""
+    n = 501
+    turning = [5 * np.pi * np.linspace(0, 1, n), -5 * np.pi * np.linspace(0, 1, n), np.sin(np.linspace(0, 9, n))]
+    geometry = {
+        "bodies": {"crank": {"points": {"O": [0.0, 0.0]}}},
+        "ground": {"points": {"O": [0.0, 0.0]}},
+        "joints": {
+            "O": {
+                "type": "revolute", "bodies": ["ground", "crank"], "points": [[0.0, 0.0], [0.0, 0.0]],
+                "clearance": 0.0, "contact": "", "coordinate": "angle", "fields": {},
+            }
+        },
+        "loads": {},
+        "driven": ["O"],
+    }  # fmt: skip
+    units = {"crank.x": "m", "crank.y": "m", "crank.angle": "rad"}
+    scenes = [
+        scene_of([("", Result(
+            t=np.linspace(0, 1, n), data=np.column_stack([0 * angle, 0 * angle, angle]), names=units, units=units,
+            geometry=geometry, trust=Trust(drift=0.0), stats={}, provenance={},
+        ))])
+        for angle in turning
+    ]  # fmt: skip
+    assert viewer_in_node(CRANK, scenes) == [["O", 300], ["O", 300], None]

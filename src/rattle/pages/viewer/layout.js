@@ -8,7 +8,7 @@ const KEYS = [
   ["N", "names of bodies"], ["0", "show everything again"], ["D", "dark or light"], ["?", "this help"],
 ];
 const MOUSE = [
-  ["Mechanism", "drag to move, wheel or pinch to zoom, double-click to show everything"],
+  ["Mechanism", "point at a joint to read its name and force, drag to move, wheel or pinch to zoom, double-click to show everything"],
   ["Curves", "click to go to a time, drag to zoom into a span, wheel or pinch to zoom, double-click to show everything"],
 ];
 

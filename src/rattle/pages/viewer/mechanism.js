@@ -1,11 +1,11 @@
 // The mechanism to scale: bodies and parts, paths of points, another motion behind it, forces, and a scale bar.
 
 import { drawBody, drawGhost } from "./bodies.js";
-import { pathOf } from "./data.js";
+import { pathOf, pointAt } from "./data.js";
 import { drawForces, drawMoment, forcesOf, forceScale } from "./forces.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { pinsWithPlay, Stage } from "./stage.js";
-import { drawingUnit, niceStep, short } from "./units.js";
+import { drawingUnit, handyUnit, niceStep, short } from "./units.js";
 
 const DASHED = [6, 5];
 
@@ -98,6 +98,26 @@ export class MechanismView {
       }
     }
     this.legend(p, show, side);
+    if (this.over) this.hover(p, pose, time);
+  }
+
+  // What lies under the mouse: the name of a joint, load or point, and the force there.
+  hover(p, pose, time) {
+    const { stage } = this, { motion } = stage, found = [];
+    const add = (text, at) => {
+      const far = Math.hypot(p.X(at[0]) - this.over[0], p.Y(at[1]) - this.over[1]);
+      if (far < 16) found.push({ text, at, far });
+    };
+    for (const part of stage.parts()) {
+      const force = motion.has(`${part.name}.force`) ? `${part.name}.force` : null, { factor, unit } = handyUnit(force ? motion.unit(force) : "", force ? motion.largest(force) : 0);
+      const text = `${part.name}, ${part.form.type}${force ? `, ${short(factor * motion.value(force, time))} ${unit}` : ""}`;
+      for (const at of stage.ends(part.form, pose)) add(text, at);
+    }
+    for (const body of Object.keys(stage.bodies).filter((one) => pose[one])) {
+      for (const [point, at] of Object.entries(stage.bodies[body].points)) add(`${body}.${point}`, pointAt(pose, body, at));
+    }
+    const lines = found.sort((a, b) => a.far - b.far).map((one) => one.text);
+    [...new Set(lines)].slice(0, 4).forEach((text, k) => p.tag(text, found[0].at, { dx: 14, dy: 26 + 17 * k }));
   }
 
   grid(p) {

@@ -1,6 +1,7 @@
 // Orbits of pins in their clearance circles, coloured by the normal force, or in oil by the pressure of the film.
 
 import { make, say } from "./dom.js";
+import { crankDots, crankOf, oilKey, oilMarks } from "./oil_marks.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { pinNow, pinPath } from "./pins.js";
 import { pinsWithPlay } from "./stage.js";
@@ -41,6 +42,7 @@ export class Orbits {
     const sizes = Array.from(strength).filter(Number.isFinite).sort((a, b) => a - b);
     const top = sizes[Math.min(sizes.length - 1, Math.floor(0.999 * sizes.length))] || 1;
     Object.assign(tile, { form, path, oil, strength, top, factor, unit, fresh: false, stale: null });
+    tile.crank = oil ? crankOf(motion) : null;
     tile.shown = handyUnit(oil ? "Pa" : "N", top);
     tile.least = Math.max(1, ...Array.from(path.x, (x, k) => Math.hypot(x, path.y[k]) / form.clearance).filter(Number.isFinite));
     tile.hits = motion.events.filter((one) => one.joint === name && one.kind === "impact" && one.impulse > 0);
@@ -48,7 +50,7 @@ export class Orbits {
     tile.pulls = form.contact === "massless-link" ? Array.from(path.normal.keys()).filter((k) => path.normal[k] < 0) : [];
     say(tile.title, `${name}: orbit of the pin${oil ? " in oil" : ""}, clearance ${short(factor * form.clearance)} ${unit}`);
     tile.below.setAttribute("aria-label", tile.title.textContent);
-    say(tile.key, keyOf(tile));
+    say(tile.key, keyOf(motion, tile));
     tile.texts = {
       place: steady(factor * form.clearance, 4), angle: steady(360, 4),
       force: steady(tile.shown.factor * Math.max(...sizes.slice(-1), 0), 4),
@@ -84,12 +86,12 @@ export class Orbits {
   }
 }
 
-function keyOf(tile) {
+function keyOf(motion, tile) {
   const found = [];
   if (tile.pulls.length) found.push("red ticks: the bush would have to pull");
   if (tile.hits.length) found.push(`dots: ${tile.hits.length} impact${tile.hits.length > 1 ? "s" : ""}, area by impulse`);
   if (tile.lasting.length) found.push(`rings: ${tile.lasting.length} contact${tile.lasting.length > 1 ? "s" : ""} begin`);
-  if (tile.oil) found.push(`red ring: boundary film, ${short(1e6 * tile.form.oil.boundary)} µm`);
+  if (tile.oil) found.push(`red ring: boundary film, ${short(1e6 * tile.form.oil.boundary)} µm`, ...oilKey(motion, tile.name, tile.crank));
   return found.join("; ");
 }
 
@@ -103,9 +105,11 @@ function drawPath(p, motion, tile, side, height) {
     const most = Math.max(strength[k], strength[k + 1]), level = Math.min(LEVELS - 1, Math.floor((LEVELS * most) / tile.top) || 0);
     bins[level].push([path.x[k], path.y[k]], [path.x[k + 1], path.y[k + 1]], null);
   }
-  const width = path.pieces > 1 ? 4.5 : 1.5;
+  const width = path.pieces > 1 ? 4.5 : tile.oil ? 2.4 : 1.5;
   bins.forEach((bin, level) => p.line(bin, { colour: theme.force(level / (LEVELS - 1)), width }));
   p.dot([path.x[0], path.y[0]], 4, { width: 1.4 });
+  if (tile.crank) crankDots(p, motion, tile.name, tile.crank);
+  if (tile.oil) oilMarks(p, motion, tile.name);
   drawMarks(p, motion, tile);
   drawBar(p, tile, side, height);
 }

@@ -117,7 +117,7 @@ export class Painter {
     const { context } = this;
     context.font = `${bold ? 600 : 400} ${size}px ${FONT}`;
     const left = this.X(x) + dx, base = this.Y(y) + dy, width = context.measureText(text).width;
-    context.globalAlpha = 0.78;
+    context.globalAlpha = 0.85;
     context.fillStyle = this.theme.paper;
     context.fillRect(left - 2, base - size + 1, width + 4, size + 3);
     context.globalAlpha = 1;

@@ -74,7 +74,10 @@ export class Viewer {
     listen(document, "visibilitychange", () => this.wake());
     const dark = globalThis.matchMedia?.("(prefers-color-scheme: dark)");
     if (dark) listen(dark, "change", () => this.turnTheme(this.wish));
+    listen(this.frame, "pointerdown", (event) => this.closeLists(event.composedPath()));
     this.ends.push(handleKeys(this), gestures(this.parts.canvas, {
+      hover: (x, y) => { this.view.over = [x, y]; this.invalidate(); },
+      leave: () => { this.view.over = null; this.invalidate(); },
       double: () => this.fit(),
       drag: (x, y, dx, dy) => { this.view.pan(dx, dy); this.invalidate(); },
       pinch: (x, y, factor, dx, dy) => { this.view.zoom(x, y, factor); this.view.pan(dx, dy); this.invalidate(); },
@@ -190,6 +193,13 @@ export class Viewer {
     this.tools.traces.setAttribute("aria-expanded", String(now));
     if (now) this.tools.list.querySelector("input")?.focus();
     else this.tools.traces.focus();
+  }
+
+  // A press elsewhere closes the lists of points and of curves.
+  closeLists(path) {
+    const { list, traces } = this.tools, { element, toggle } = this.chooser;
+    if (!list.hidden && !path.includes(list) && !path.includes(traces)) this.openTraces(false);
+    if (!element.hidden && !path.includes(element) && !path.includes(toggle)) this.chooser.open(false);
   }
 
   // Paths off, or on again: those shown before, or the point that says most.
