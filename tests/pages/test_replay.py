@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from any_motion import any_motion
 from circling import C, circling
+from rattle.cli.main import main
 from rattle.pages.replay import replay, write_page
 from rattle.pages.scene import scene_of
 
@@ -221,3 +223,24 @@ def test_two_runs_and_a_ghost_are_shown_together(page_of):
     np.testing.assert_allclose(curve, narrow["O.ex"], atol=1e-9)
     page.keyboard.press("g")
     page.wait_for_timeout(60)
+
+
+def test_command_writes_the_page_of_a_saved_result(tmp_path, open_page):
+    circling().save(tmp_path / "out.npz")
+    given = [
+        "animate",
+        str(tmp_path / "out.npz"),
+        "-o",
+        str(tmp_path / "out.html"),
+        "--trace",
+        "arm.P",
+        "--speed",
+        "0.05",
+    ]
+    done = CliRunner().invoke(main, given)
+    assert done.exit_code == 0, done.output
+    page = open_page((tmp_path / "out.html").as_uri())
+    page.wait_for_function("window.rattle && rattle.speed === 0.05")
+    assert page.get_by_title("Paths of points (T)").text_content() == "Paths (1)"
+    refused = CliRunner().invoke(main, [*given, "--frames", "20"])
+    assert refused.exit_code != 0

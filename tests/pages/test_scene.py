@@ -160,3 +160,21 @@ def test_last_turn_of_the_crank_is_found(viewer_in_node):
         for angle in turning
     ]  # fmt: skip
     assert viewer_in_node(CRANK, scenes) == [["O", 300], ["O", 300], None]
+
+
+TEETH = """
+import { Motion, pitchPoint, Stage } from "./viewer.mjs";
+const motion = new Motion(data.runs[0], data.geometry), stage = new Stage(motion, data);
+const { mesh } = stage.geometry.joints;
+console.log(JSON.stringify(Array.from(motion.t, (t) => pitchPoint(stage, mesh, motion.pose(t)))));
+"""
+
+
+def test_force_of_a_gear_acts_where_its_pitch_circles_touch(viewer_in_node):
+    r = any_motion("gear_rattle")
+    at = np.array(viewer_in_node(TEETH, plain(scene_of([("", r)]))))
+    away = np.hypot(at[:, 0] - r["driver.C.x"], at[:, 1] - r["driver.C.y"])
+    np.testing.assert_allclose(away, 0.03, atol=1e-6)
+    between = np.column_stack([r["idle.C.x"] - r["driver.C.x"], r["idle.C.y"] - r["driver.C.y"]])
+    out = at - np.column_stack([r["driver.C.x"], r["driver.C.y"]])
+    np.testing.assert_allclose(between[:, 0] * out[:, 1] - between[:, 1] * out[:, 0], 0.0, atol=1e-6)

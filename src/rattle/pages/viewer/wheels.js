@@ -130,20 +130,17 @@ export function gear(stage, part) {
     .map((one) => ({ z: 2, draw: wheelDraw(stage, every.find((wheel) => same(wheel, one))) }));
 }
 
-// The pitch line of a rack with teeth away from the pinion, as far as this goes, and the pinion as a gear.
+// The teeth of a rack along its pitch line, towards the pinion, as far as this goes, and the pinion as a gear.
 export function rack(stage, part) {
   const { form } = part, [a] = form.bodies, [px, py] = form.points[0];
   const { axis, radius } = form.fields, along = [Math.cos(axis), Math.sin(axis)], across = [-along[1], along[0]];
-  const [low, high] = stage.range((pose) => {
-    const [from, to] = stage.ends(form, pose), turn = pose[a].angle + axis;
-    return (to[0] - from[0]) * Math.cos(turn) + (to[1] - from[1]) * Math.sin(turn);
-  }).map((way, k) => way + (k ? 1 : -1) * BEYOND * radius);
+  const [low, high] = stage.range((pose) => wayOf(stage, form, pose)).map((way, k) => way + (k ? 1 : -1) * BEYOND * radius);
   const { step: pitch } = pitchOf(stage), step = pitch * Math.max(1, (high - low) / (pitch * LONGEST)), h = DEPTH * step;
-  const line = [[low, -2.2 * h], [low, -h]];
-  for (let x = Math.ceil(low / step) * step; x < high - 0.5 * step; x += step) {
-    line.push([x + 0.14 * step, -h], [x + 0.37 * step, h], [x + 0.63 * step, h], [x + 0.86 * step, -h]);
+  const line = [[low, 2.4 * h], [low, h]], first = firstTooth(stage, form) - 0.5 * step; // the pinion is on the side -h
+  for (let x = first + Math.ceil((low - first) / step) * step; x < high - step; x += step) {
+    line.push([x + 0.14 * step, h], [x + 0.37 * step, -h], [x + 0.63 * step, -h], [x + 0.86 * step, h]);
   }
-  line.push([high, -h], [high, -2.2 * h]);
+  line.push([high, h], [high, 2.4 * h]);
   const body = line.map(([x, y]) => [0, 1].map((k) => [px, py][k] + x * along[k] + y * across[k]));
   const draw = (p, pose) => {
     const shown = body.map((point) => pointAt(pose, a, point)), colour = p.theme.body(a);
@@ -151,6 +148,30 @@ export function rack(stage, part) {
     p.line(shown, { colour, width: 1.4, closed: true });
   };
   return [...gear(stage, part), { z: 1.8, draw }];
+}
+
+// Where the centre of the pinion is along the line of its rack.
+function wayOf(stage, form, pose) {
+  const [from, to] = stage.ends(form, pose), turn = pose[form.bodies[0]].angle + form.fields.axis;
+  return (to[0] - from[0]) * Math.cos(turn) + (to[1] - from[1]) * Math.sin(turn);
+}
+
+// Where a tooth of the rack is, so that at the start it lies in a gap of the pinion.
+function firstTooth(stage, form) {
+  const pinion = meshing(stage).find((one) => same(one, wheelsOf(form)[0])), [a, b] = form.bodies;
+  const turned = pinion.phase + stage.first[b].angle - stage.first[a].angle - form.fields.axis - Math.PI / 2;
+  return wayOf(stage, form, stage.first) - pinion.radius * turned + 0.5 * pinion.step;
+}
+
+// Where the force of a gear pair or rack acts: where the pitch circles touch, or the circle and the line.
+export function pitchPoint(stage, form, pose) {
+  const [one, other] = stage.ends(form, pose), { radii, radius, axis } = form.fields;
+  if (radii) {
+    const d = Math.hypot(other[0] - one[0], other[1] - one[1]) || 1;
+    return [0, 1].map((k) => one[k] + (radii[0] / d) * (other[k] - one[k]));
+  }
+  const turn = pose[form.bodies[0]].angle + axis;
+  return [other[0] - radius * Math.sin(turn), other[1] + radius * Math.cos(turn)];
 }
 
 // ---------------------------------------------------------------- belts
