@@ -30,8 +30,8 @@ def report(
     FILE is a model file or the name of a shipped example.
 
     \b
-    Example:  rattle report fourbar -o fourbar.html
-              rattle report fourbar --set r3="2 mm" --author "A. Engineer" -o fourbar.pdf
+    Example:  rattle report slider_crank -o engine.html
+              rattle report slider_crank --set speed="3000 rpm" --author "A. Engineer" -o slower.html
     """
     from pathlib import Path
 
