@@ -36,7 +36,8 @@ def force_section(s: Study) -> Section:
     run = s.run
     if run is None or not len(run.t):
         return Section("Forces", "", s.reasons.get("motion", "there is no motion"))
-    parts = [_drivers(s, run), *figures.driver_figures(s), _joints(s, run), *figures.force_figures(s)]
+    parts = [_drivers(s, run), *figures.driver_figures(s), _joints(s, run), _clutches(s, run)]
+    parts += figures.force_figures(s)
     if s.path is not None:
         parts.append(figures.path_figure(s))
     return Section("Forces and efforts", "".join(parts), "no joint and no driver exerts a force")
@@ -55,6 +56,18 @@ def _joints(s: Study, run: Result) -> str:
         rows.append([*row, said(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])
     head = ("joint", "peak force", "at t", "RMS force", "peak without play", "ratio", "peak moment")
     return table(head, rows, "Joint forces over the whole run; peaks are found within the steps") + _late_note(rows)
+
+
+def _clutches(s: Study, run: Result) -> str:
+    rows = []
+    for name, joint in s.m.model.joints.items():
+        if joint.leaf.bodies and f"{name}.torque" in run:
+            moment, when = run.peak(f"{name}.torque")
+            rms = said(run.rms(f"{name}.torque"), "N*m")
+            share = f"{100 * float(np.mean(run[f'{name}.locked'] > 0.0)):.3g} %"
+            rows.append((name, said(moment, "N*m"), _at(run, when), rms, share))
+    head = ("clutch", "peak moment", "at t", "RMS moment", "share of outputs at which it drives")
+    return table(head, rows, "Clutches over the whole run") + _late_note(rows)
 
 
 def late(run: Result, t: float) -> bool:
@@ -155,7 +168,7 @@ def wear_section(s: Study) -> Section:
         "worn through at",
         "cycles of a study",
     )
-    lead = "This report is of the mechanism as it is now. `rattle wear` carries the wear over many cycles."
+    lead = "This report is of the mechanism as it is now. The wear of many cycles is a study of its own (rattle wear)."
     return Section("Wear", paragraph(lead) + table(head, rows))
 
 

@@ -100,7 +100,7 @@ def trust_section(s: Study) -> Section:
         if share < 1e-6:
             good += ("powers of every body add up to the rate of its kinetic energy",)
     parts = [_said("What was checked and holds", good, "good"), _said("What this report cannot vouch for", bad, "bad")]
-    if not bad:
+    if not bad and not run.trust.notes:
         parts.append(paragraph("Beyond the assumptions below there is nothing in the numbers that needs a warning."))
     parts.append(_said("Also said by the run", run.trust.notes, "note"))
     return Section(title, "".join(parts))
