@@ -175,6 +175,9 @@ def test_a_model_with_contacts_becomes_runs_to_choose_from(tmp_path, open_page):
     assert "computed before" in tab.evaluate("() => window.rattle.viewer.scene.notes.join()")
     tab.get_by_role("combobox").first.select_option(label="c = 0.4 mm")
     tab.wait_for_function("() => window.rattle.run.label === 'c = 0.4 mm'")
+    assert tab.evaluate(SET, ["c", 0.0002]) == "there"
+    assert tab.evaluate("() => window.rattle.run.label") == "c = 0.2 mm"
+    assert "there are" in tab.evaluate(SET, ["c", 0.3])
 
 
 def test_a_model_without_limits_has_number_boxes(tmp_path):

@@ -44,7 +44,7 @@ def page(
             scene = live_scene(m, t_end)
             why = _nothing_to_turn(scene, m)
         except TraceError as error:
-            why = str(error)
+            why = str(error).replace("straight-line code", "a page")
     if scene is None or why:
         scene = sweep_scene(m, why, t_end=t_end, over=over, progress=progress)
     write_page(scene, path)
@@ -91,6 +91,7 @@ def knobs(m: Mechanism, live: LiveProgram) -> list[dict[str, Any]]:
         {
             "name": one.name, "value": one.value, "unit": one.unit, "min": one.low, "max": one.high, "label": one.name,
             "shown": _written_unit(written.get(one.name)),
+            "together": [name for name in live.program.bound if one.name in live.program.bound],
         }
         for one in live.program.parameters
     ]  # fmt: skip

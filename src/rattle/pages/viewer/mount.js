@@ -57,6 +57,15 @@ function computeMotions(viewer, scene, host) {
   viewer.ends.push(() => knobs.destroy());
 }
 
+// Number of the run with this value of a parameter, of several the one in which least else changes.
+function runWith(runs, now, name, value) {
+  const found = runs.map((run, k) => [Object.keys(now).filter((one) => one !== name && run.parameters?.[one] !== now[one]).length, k])
+    .filter(([, k]) => Math.abs(runs[k].parameters?.[name] - value) <= 1e-9 * Math.abs(value)).sort((a, b) => a[0] - b[0]);
+  if (found.length) return found[0][1];
+  const known = [...new Set(runs.map((run) => run.parameters?.[name]).filter((one) => one !== undefined))];
+  throw new Error(`no motion of this page has ${name} = ${value}; ${known.length ? `there are ${known.join(", ")}` : `it has no parameter ${name}`}`);
+}
+
 // Which of several runs is shown, and which one is dashed beside it.
 function chooseRuns(viewer, runs) {
   const options = (none) => [...(none ? [make("option", { value: "" }, "nothing")] : []),
@@ -69,6 +78,10 @@ function chooseRuns(viewer, runs) {
   };
   shown.addEventListener("change", change);
   beside.addEventListener("change", change);
+  viewer.turnKnob = async (name, value) => {
+    shown.value = String(runWith(runs, runs[Number(shown.value)].parameters ?? {}, name, value));
+    change();
+  };
   viewer.parts.runs.append(make("label", {}, "Motion ", shown), make("label", {}, "dashed beside it ", beside));
   viewer.parts.runs.hidden = false;
 }
