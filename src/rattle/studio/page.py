@@ -80,9 +80,10 @@ class Studio(JSComponent):
     def _tell(self, message: Message) -> None:
         if message.get("kind") == "tab" and message.get("state") == "done" and message["tab"] in TABS:
             tab, content = message["tab"], message["value"]
-            self._content[tab] = content
-            self._show(tab, content)
-            message = {**message, "value": {"told": content.get("told", "")}}
+            if "blocks" in content:  # of what is no report
+                self._content[tab] = content
+                self._show(tab, content)
+            message = {**message, "value": {key: one for key, one in content.items() if key != "blocks"}}
         elif message.get("kind") == "text" and message.get("fresh"):
             self._content.clear()
             for column in self._sheets.values():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rattle.studio.jobs import ensemble, motion, oil, power, sensitivity, statics, thumbnail
+from rattle.studio.jobs import ensemble, motion, oil, power, report, sensitivity, statics, thumbnail
 
 JOBS: dict[str, Callable[..., Any]] = {
     "motion": motion.motion,
@@ -18,5 +18,6 @@ JOBS: dict[str, Callable[..., Any]] = {
     "sample": ensemble.sample,
     "power": power.power,
     "wear": oil.wear,
+    "report": report.report,
     "thumbnail": thumbnail.thumbnail,
 }

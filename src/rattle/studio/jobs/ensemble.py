@@ -6,24 +6,30 @@ from typing import Any
 
 import numpy as np
 
+from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
 from rattle.plots.curves import QUANTITY, axis_label, handy_unit
 from rattle.results.display import quantity
 from rattle.studies.ensemble.ensemble import Ensemble
+from rattle.studies.ensemble.fields import Vary
 from rattle.studio.jobs.blocks import Block, Content, content, table, words
+from rattle.studio.jobs.motion import usual_force
 from rattle.studio.shelf import Shelf, Source
 
 MOST = 100_000
 BINS = 32
+SHARE = 0.01  # by which parameters differ where none has a tolerance
 
 
-def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "256") -> Content:
+def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Content:
     """The histogram of a number over mechanisms whose parameters differ by their tolerances."""
     m = shelf.mechanism(source)
     count = int(float(n))
     if not 2 <= count <= MOST:
         raise ValueError(f"mechanisms: give a whole number from 2 to {MOST}")
-    e = m.ensemble(count, [of.strip()], progress=True)
+    output = of.strip() or usual_force(shelf.motion(source))
+    vary, note = _vary(m)
+    e = m.ensemble(count, [output], vary, progress=True)
     if e.interrupted:
         raise KeyboardInterrupt
     shelf.studies["ensemble"] = e
@@ -32,10 +38,25 @@ def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "256") -> Cont
     failed = {key: value for key, value in counts.items() if value and key not in ("ok", "samples")}
     told = f"{count} mechanisms {e.how}" + "".join(f", {value} {key}" for key, value in failed.items())
     return content(
-        told, words("\n".join(e.notes), "care"), _histogram(e, output),
+        told, words("\n".join([*note, *e.notes]), "care"), _histogram(e, output),
         words("Click a bar: one of its mechanisms is replayed in Motion."), _numbers(e, output), _shares(e, output),
         table(("how many", "why they have no number"), [(str(value), key) for key, value in e.why().items()]),
     )  # fmt: skip
+
+
+def _vary(m: Mechanism) -> tuple[Vary, list[str]]:
+    """What differs: parameters with a tolerance, otherwise all by 1 %; and what is to be said of that."""
+    every = m.model.parameters
+    if any(one.tol for one in every.values()):
+        return None, []
+    if not every:
+        raise ValueError("the model has no parameters that could differ; write a dimension as one in Text, with a tol")
+    follow = {other for name in every for other in m.following([name]) - {name}}
+    vary = {name: SHARE * (abs(one.value) or 1.0) for name, one in every.items() if name not in follow}
+    said = (
+        f'no parameter has a tolerance, so each is varied by {100 * SHARE:g} %; tol = "0.1 mm" in Text says otherwise'
+    )
+    return vary, [said]
 
 
 def _histogram(e: Ensemble, output: str) -> Block | None:

@@ -4,17 +4,40 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from rattle.pages.scene import scene_of
 from rattle.results.contact_summary import joint_rows
 from rattle.results.result import Result
 from rattle.studio.jobs.blocks import Content, content, of_result, table, words
 from rattle.studio.shelf import Shelf, Source
 
+MOVES = 1e-6  # range of a position beyond which a body moves [m, rad]
+
 
 def motion(shelf: Shelf, source: Source) -> dict[str, Any]:
     """The motion for the viewer."""
     r = shelf.motion(source)
-    return {**_said(r), "scene": scene_of([("", r)])}
+    return {**_said(r), "scene": scene_of([("", r)]), "output": usual_output(r), "force": usual_force(r)}
+
+
+def usual_output(r: Result) -> str:
+    """The curve that is asked about unless the user says which: the position of the last body that moves."""
+    for body in reversed(r.geometry["bodies"]):
+        if body in r.geometry["driven"] and len(r.geometry["bodies"]) > 1:
+            continue
+        for key in ("angle", "x", "y"):
+            name = f"{body}.{key}"
+            if name in r and len(r.t) and float(np.ptp(r[name])) > MOVES:
+                return name
+    return next((name for name in r.names if name.endswith(".angle")), r.names[0])
+
+
+def usual_force(r: Result) -> str:
+    """The largest force of a joint, as an output."""
+    forces = [name for name in r.names if name.endswith(".force")]
+    largest = max(forces, key=lambda name: float(np.nanmax(r[name], initial=0.0)), default="")
+    return f"max({largest})" if largest else f"max({usual_output(r)})"
 
 
 def trust(shelf: Shelf, source: Source) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from rattle.errors import ModelError, SolverError, TraceError
 from rattle.plots.curves import axis_label, handy_unit
 from rattle.results.result import Result
 from rattle.studio.jobs.blocks import MOST_LINES, Content, bars, content, curves, line, table, words
+from rattle.studio.jobs.motion import usual_output
 from rattle.studio.shelf import Shelf, Source
 
 POINTS = 201
@@ -17,10 +18,12 @@ POINTS = 201
 def sensitivity(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Content:
     """What a usual change of each parameter does to an output: its tolerance, or 1 % of it."""
     m = shelf.mechanism(source)
+    every = m.model.parameters
+    if not every:
+        raise ValueError("the model has no parameters; write a dimension as one in Text")
     parameters = [one.strip() for one in to.split(",") if one.strip()]
-    outputs = [one.strip() for one in of.split(",") if one.strip()]
-    if not parameters or not outputs:
-        raise ValueError("write which curve, such as rocker.angle, and by which parameters, such as l2, r3")
+    parameters = parameters or [name for name, one in every.items() if one.tol] or list(every)
+    outputs = [one.strip() for one in of.split(",") if one.strip()] or [usual_output(shelf.motion(source))]
     t = np.linspace(0.0, m.model.settings.t_end, POINTS)
     result, note = _of_motion(m, outputs, parameters, t)
     found = sorted(effects(result), key=lambda one: -float(np.abs(one.derivative).max(initial=0.0)) * one.change)

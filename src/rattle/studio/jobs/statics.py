@@ -15,6 +15,7 @@ from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
 from rattle.results.display import quantity
 from rattle.studio.jobs.blocks import Block, Content, bars, content, curves, drawing, line, table, words
+from rattle.studio.jobs.motion import usual_output
 from rattle.studio.shelf import Shelf, Source
 
 DRAWN = 6  # equilibria that are drawn, at most
@@ -91,7 +92,8 @@ def accuracy(shelf: Shelf, source: Source, of: str = "") -> Content:
     """How far play lets an output deviate over the motion, and which joint to tighten first."""
     m = shelf.mechanism(source)
     end = m.model.settings.t_end
-    found = m.accuracy(of.strip(), np.linspace(0.0, end, POINTS))
+    of = of.strip() or usual_output(shelf.motion(source))
+    found = m.accuracy(of, np.linspace(0.0, end, POINTS))
     factor, unit = handy_unit(found.unit, float(found.worst.max(initial=0.0)))
     exact = not np.isnan(found.low).all()
     t = found.t

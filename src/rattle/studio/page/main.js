@@ -8,6 +8,7 @@ import { History } from "./history.js";
 import { Knobs } from "./knobs.js";
 import { listen } from "./keys.js";
 import { Show } from "./motion.js";
+import { Report } from "./report.js";
 import { Status, stateOf } from "./status.js";
 import { Strip, TABS, TabHead, fieldsOf } from "./tabs.js";
 
@@ -23,6 +24,7 @@ class Page {
     this.knobs = new Knobs((message) => this.tell(message), (name, value) => this.show.turned(name, value));
     this.strip = new Strip((name) => this.choose(name));
     this.status = new Status((message) => this.tell(message));
+    this.report = new Report();
     this.show = new Show(model, (message) => this.tell(message));
     this.header = new Header({
       gallery: () => this.tell({ do: "files", gallery: true }), open: () => this.tell({ do: "files" }),
@@ -53,6 +55,7 @@ class Page {
   content(name) {
     if (name === "motion") return this.show.el;
     if (name === "text") return this.editor.el;
+    if (name === "report") return [this.heads.get(name).el, this.report.el];
     return [this.heads.get(name).el, h("div", { class: "sheet-of" }, this.model.get_child(name))];
   }
 
@@ -135,15 +138,17 @@ class Page {
     if (tab === "motion") { this.motion(message); return; }
     if (tab === "trust") { this.trusted(message); return; }
     this.heads.get(tab)?.show(message);
+    if (tab === "report" && state === "done") this.report.show(message.value.page, this.facts.title);
     this.strip.mark(tab, state === "waiting" || state === "running" ? "busy" : state === "old" || state === "failed" ? state : "");
   }
 
   motion(message) {
     this.strip.mark("motion", message.state === "waiting" || message.state === "running" ? "busy" : message.state === "failed" ? "failed" : "");
     if (message.state === "done") {
-      this.show.take(message.value);
+      this.facts.output = message.value.output;
+      this.facts.force = message.value.force;
+      this.show.take(message.value).then(() => this.offer());
       this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
-      this.offer();
     } else if (message.state === "failed") {
       this.show.failed(message.words);
       this.status.say("bad", [message.words]);

@@ -31,7 +31,7 @@ export class TabHead {
   // What can be chosen, as fields: [{key, label, kind: "select" | "text", options, value, hint}].
   offer(fields) {
     const text = JSON.stringify(fields);
-    if (text === this.offered) return;
+    if (text === this.offered || this.touched) return;
     this.offered = text;
     const inputs = new Map();
     replace(this.form, fields.map((field) => {
@@ -40,6 +40,7 @@ export class TabHead {
         ? h("select", { id }, field.options.map((one) => h("option", { value: one, selected: one === field.value }, one)))
         : h("input", { id, value: field.value, spellcheck: "false", placeholder: field.hint ?? "", size: field.size ?? 18, list: field.options ? `${id}-list` : null });
       inputs.set(field.key, input);
+      input.addEventListener("input", () => { this.touched = true; });
       input.addEventListener(field.kind === "select" ? "change" : "keydown", (event) => {
         if (event.type === "change" || event.key === "Enter") this.compute();
       });
@@ -102,8 +103,7 @@ export class Strip {
 
 // What can be chosen in each tab, from the facts of the model and the names of curves.
 export function fieldsOf(tab, facts, names) {
-  const driver = facts.curves?.[0] ?? names.find((one) => one.endsWith(".angle")) ?? names[0] ?? "";
-  const force = names.find((one) => one.endsWith(".force")) ?? "";
+  const driver = facts.output ?? "", force = facts.force ?? "";
   if (tab === "equilibrium") {
     return [{ key: "t", label: "drivers held at", kind: "text", value: "0 s", size: 8 },
       { key: "branches", label: "look in", kind: "select", options: ["near", "all"], value: "near" }];
@@ -114,8 +114,8 @@ export function fieldsOf(tab, facts, names) {
       { key: "to", label: "to", kind: "text", value: (facts.tolerances.length ? facts.tolerances : facts.knobs.map((one) => one.name)).slice(0, 6).join(", "), size: 22 }];
   }
   if (tab === "ensemble") {
-    return [{ key: "of", label: "number", kind: "text", value: force ? `max(${force})` : `max(${driver})`, size: 22 },
-      { key: "n", label: "mechanisms", kind: "text", value: "256", size: 6 }];
+    return [{ key: "of", label: "number", kind: "text", value: force, size: 22 },
+      { key: "n", label: "mechanisms", kind: "text", value: "64", size: 6 }];
   }
   if (tab === "wear" && facts.wear.length) return [{ key: "cycles", label: "cycles", kind: "text", value: "1e5", size: 8 }];
   return [];

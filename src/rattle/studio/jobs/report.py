@@ -1,0 +1,17 @@
+"""The report of a model, as the page that `rattle report` writes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rattle.pages.report import page_of
+from rattle.pages.report_study import study
+from rattle.studio.shelf import Shelf, Source
+
+
+def report(shelf: Shelf, source: Source) -> dict[str, Any]:
+    """The whole report as one HTML page."""
+    found = study(shelf.mechanism(source), progress=True)
+    if found.run is not None and found.run.interrupted:
+        raise KeyboardInterrupt
+    return {"told": "one page that prints well; the model, its checks, figures and numbers", "page": page_of(found)}
