@@ -49,6 +49,7 @@ class Desk:
         self.sound: Source | None = None  # the last text without problems
         self._checking = False
         self.shown = "motion"
+        self._shape = ""  # of the model that the page computes by itself
         self.options: dict[str, Message] = {}
         self.computed: dict[str, tuple[Source, Message]] = {}  # what tabs show was computed for
         self._began: dict[str, float] = {}
@@ -199,10 +200,11 @@ class Desk:
     # ------------------------------------------------------------ text
     def _begin(self, text: str, name: str) -> None:
         self.draft.begin(text, name)
+        self._shape = ""
         self.version += 1
         self.computed.clear()
         self.options.clear()
-        self.bench.drop(*TABS, "motion", "trust")
+        self.bench.drop(*TABS, "motion", "trust", "live", "sample")
         self._send_text(fresh=True)
         self._check()
 
@@ -249,7 +251,7 @@ class Desk:
 
     def _model_changed(self) -> None:
         """Compute the motion anew; tabs say that they are out of date, the open one is computed too if it is quick."""
-        self.bench.drop(*(tab for tab in (*TABS, "trust") if tab != "motion"))
+        self.bench.drop(*TABS, "trust", "live", "sample")
         self._compute("motion")
         for tab in self.computed:
             if tab in TABS:
@@ -277,6 +279,11 @@ class Desk:
                 _thumbnails[name] = outcome.value
                 self.send({"kind": "thumbnail", "name": name, "svg": outcome.value})
             return
+        if tab == "live":  # without it the page replays what is computed here
+            if outcome.kind == "done":
+                self._shape = outcome.value["shape"]
+                self.send({"kind": "live", **outcome.value})
+            return
         if tab == "sample" and outcome.kind == "done":
             self.send({"kind": "sample", **outcome.value})
             self.send({"kind": "tab", "tab": tab, "state": "done"})
@@ -290,6 +297,7 @@ class Desk:
                 self.computed[tab] = (self.sound, self.options.get(tab, {}))
             self.send({"kind": "tab", "tab": tab, "state": "done", "value": outcome.value})
             if tab == "motion" and self.sound is not None:
+                self.bench.ask("live", source=self.sound, known=self._shape)
                 self.bench.ask("trust", source=self.sound)
         else:
             words = outcome.value if outcome.kind == "failed" else "stopped"

@@ -171,6 +171,7 @@ def _curves(block: Content, look: Look, pick: Pick) -> Any:
 def _bars(block: Content, look: Look, pick: Pick) -> Any:
     labels = list(dict.fromkeys(block["labels"]))
     plot = _plot(block, "", block["y"], look, x_range=labels)
+    plot.sizing_mode, plot.width = "fixed", min(980, 150 + 110 * len(labels))
     plot.vbar(x=labels, top=block["values"][: len(labels)], width=0.62, color=colour_of(0, look))
     plot.y_range.start = 0
     plot.xgrid.grid_line_color = None

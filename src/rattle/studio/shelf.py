@@ -17,6 +17,7 @@ class Shelf:
         self._source: Source = {}
         self._mechanism: Mechanism | None = None
         self._results: dict[bool, Result] = {}  # by whether the horizon is known
+        self.turnable: dict[str, set[str]] = {}  # parameters that a page can turn by itself, by the shape of the model
         self.studies: dict[str, Any] = {}  # the last ensemble, from which samples are taken
 
     def mechanism(self, source: Source) -> Mechanism:

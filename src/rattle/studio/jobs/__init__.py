@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rattle.studio.jobs import ensemble, motion, oil, power, report, sensitivity, statics, thumbnail
+from rattle.studio.jobs import ensemble, live, motion, oil, power, report, sensitivity, statics, thumbnail
 
 JOBS: dict[str, Callable[..., Any]] = {
     "motion": motion.motion,
     "trust": motion.trust,
+    "live": live.live,
     "forces": motion.forces,
     "equilibrium": statics.equilibrium,
     "accuracy": statics.accuracy,

@@ -10,6 +10,7 @@ from rattle.pages.scene import scene_of
 from rattle.results.contact_summary import joint_rows
 from rattle.results.result import Result
 from rattle.studio.jobs.blocks import Content, content, of_result, table, words
+from rattle.studio.jobs.live import shape_of
 from rattle.studio.shelf import Shelf, Source
 
 MOVES = 1e-6  # range of a position beyond which a body moves [m, rad]
@@ -18,7 +19,13 @@ MOVES = 1e-6  # range of a position beyond which a body moves [m, rad]
 def motion(shelf: Shelf, source: Source) -> dict[str, Any]:
     """The motion for the viewer."""
     r = shelf.motion(source)
-    return {**_said(r), "scene": scene_of([("", r)]), "output": usual_output(r), "force": usual_force(r)}
+    return {
+        **_said(r),
+        "scene": scene_of([("", r)]),
+        "base": shape_of(source["text"]),
+        "output": usual_output(r),
+        "force": usual_force(r),
+    }
 
 
 def usual_output(r: Result) -> str:

@@ -110,7 +110,7 @@ def accuracy(shelf: Shelf, source: Source, of: str = "") -> Content:
     if not np.isnan(found.loaded).all():
         lines.append(line("under the loads, at rest", t, factor * found.loaded))
     k = int(np.argmax(found.worst))
-    said = str(found).splitlines()
+    said = str(found).replace("+-", "±").splitlines()
     return content(
         said[-1 - len(found.notes)],
         curves(f"What play lets {of} deviate", "time [s]", axis_label("deviation", unit), lines),

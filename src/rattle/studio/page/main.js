@@ -21,11 +21,11 @@ class Page {
     this.tell = (message) => { this.editor.flush(); model.send_msg(message); };
     this.dialogs = new Dialogs((message) => this.tell(message));
     this.editor = new Editor((text) => this.typed(text));
-    this.knobs = new Knobs((message) => this.tell(message), (name, value) => this.show.turned(name, value));
+    this.knobs = new Knobs((message) => this.tell(message), (name, value) => this.show.turn({ ...this.show.values, [name]: value }));
     this.strip = new Strip((name) => this.choose(name));
     this.status = new Status((message) => this.tell(message));
     this.report = new Report();
-    this.show = new Show(model, (message) => this.tell(message));
+    this.show = new Show(model, (run) => this.computed(run));
     this.header = new Header({
       gallery: () => this.tell({ do: "files", gallery: true }), open: () => this.tell({ do: "files" }),
       save: () => this.tell({ do: "save" }), saveAs: () => this.tell({ do: "save-as" }), python: () => this.tell({ do: "python" }),
@@ -64,7 +64,6 @@ class Page {
     this.strip.select(name);
     for (const [one, panel] of this.panels) panel.hidden = one !== name;
     if (name === "text") this.editor.follow();
-    this.show.visible(name === "motion");
     this.model.send_msg({ do: "show", tab: name, options: this.heads.get(name)?.read() ?? {} });
     dispatchEvent(new Event("resize"));
   }
@@ -125,6 +124,7 @@ class Page {
     this.header.title.textContent = message.facts.title || "mechanism";
     document.title = `${message.facts.title || "mechanism"} – rattle studio`;
     this.knobs.show(message.facts);
+    this.show.turn(Object.fromEntries(message.facts.knobs.map((one) => [one.name, one.value])));
     this.offer();
   }
 
@@ -160,6 +160,14 @@ class Page {
 
   trusted(message) {
     if (message.state === "done") this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
+  }
+
+  on_live(message) { this.show.compute(message); }
+
+  // The page itself has computed a motion: it says how far that can be trusted, until the studio has checked it.
+  computed(run) {
+    const lines = run.trust?.text ?? [];
+    if (lines.length) this.status.say(stateOf({ success: run.success !== false, trust: lines }), [...(run.success === false ? [run.message] : []), ...lines]);
   }
 
   on_trouble(message) {

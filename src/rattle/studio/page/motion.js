@@ -1,75 +1,128 @@
-// The Motion tab: the viewer, with the motion that the studio has computed, the old one until the new one is there.
+// The Motion tab: the viewer.  Where the page can compute the motion by itself it follows a knob at once; otherwise the
+// motion comes from the studio, and the old one stays until the new one is there, marked as old.
 
 import { h, replace } from "./dom.js";
 
 export class Show {
-  constructor(model, tell) {
-    this.tell = tell;
+  // told: called with a run that the page has computed.
+  constructor(model, told) {
+    this.told = told;
     this.place = h("div", { class: "viewer" });
     this.badge = h("div", { class: "badge", role: "status", hidden: true });
     this.back = h("div", { class: "sample", hidden: true });
     this.el = h("div", { class: "motion-of" }, this.back, this.badge, this.place);
     const address = URL.createObjectURL(new Blob([model.viewer], { type: "text/javascript" }));
     this.ready = import(address).finally(() => URL.revokeObjectURL(address));
-    this.names = [];
     this.app = null;
-    this.waiting = [];
+    this.live = null; // the scene that the page computes by itself, with its base
+    this.values = {};
   }
 
-  // A motion has come: the viewer is made anew where the mechanism is another one.
+  get names() { return this.app?.names ?? []; }
+
+  // A motion has come from the studio.
   async take(value) {
     const { mount } = await this.ready;
-    this.quiet();
     this.latest = value;
+    this.badge.hidden = true;
+    const run = value.scene.runs[0];
+    if (this.live && this.live.base === value.base && this.follows(run.parameters)) {
+      if (this.lost) this.app.setRun(run); // what the page could not compute the studio could
+      this.lost = false;
+      return;
+    }
+    this.live = null;
     this.back.hidden = true;
     this.put(mount, value.scene);
-    for (const done of this.waiting.splice(0)) done();
   }
 
-  put(mount, scene) {
-    const shape = JSON.stringify([scene.title, Object.keys(scene.geometry.bodies), Object.keys(scene.geometry.joints), scene.runs[0]?.names]);
-    if (this.app && shape === this.shape) this.app.setRun(scene.runs[0]);
+  // The scene of a model that the page can compute, or none.
+  async compute(message) {
+    const { mount } = await this.ready;
+    if (message.scene && this.latest?.base === message.base) {
+      this.live = message;
+      this.put(mount, message.scene, true);
+      this.app.on("run", (run) => { if (this.live) this.told(run); });
+      this.turn(this.values);
+    }
+  }
+
+  // True if all parameters that differ from what is shown can be turned in the page.
+  follows(parameters) {
+    const names = new Set(this.live.scene.knobs.map((knob) => knob.name)), shown = this.app.parameters;
+    return Object.entries(parameters).every(([name, value]) => names.has(name) || !(name in shown) || same(value, shown[name]));
+  }
+
+  put(mount, scene, live = false) {
+    const shape = JSON.stringify([live, scene.title, Object.keys(scene.geometry.bodies), Object.keys(scene.geometry.joints), scene.runs[0]?.names]);
+    if (this.app && shape === this.shape && !live) this.app.setRun(scene.runs[0]);
     else {
+      const before = this.app && { time: this.app.time, playing: this.app.playing, chosen: this.app.viewer.curves.chosen };
       this.app?.destroy();
       this.place.replaceChildren();
       this.app = mount(this.place, scene, { inside: true, theme: this.theme });
       window.rattle = this.app;
-      this.names = this.app.names;
+      if (before && this.title === scene.title) this.goOn(before);
     }
+    this.title = scene.title;
     this.shape = shape;
   }
 
-  quiet() { this.badge.hidden = true; }
+  goOn({ time, playing, chosen }) {
+    const kept = chosen.filter((name) => this.app.names.includes(name));
+    if (kept.length) this.app.choose(kept);
+    this.app.seek(Math.min(time, this.app.run.t.at(-1)));
+    if (playing) this.app.play();
+    else this.app.pause();
+  }
 
   busy(message) {
-    const words = { waiting: "old: the new motion is waiting", running: "old: computing the new motion …", stopped: "old: the new motion was stopped" }[message.state];
+    if (this.live && !this.lost && message.state !== "stopped") return;
+    const words = { waiting: "old: the new motion is waiting", running: "old: computing the new motion", stopped: "old: the new motion was stopped" }[message.state];
     if (!words) return;
     this.badge.hidden = false;
-    this.badge.textContent = this.app ? words : words.replace("old: the new motion", "the motion").replace("old: computing the new motion", "computing the motion");
-    if (message.share !== undefined) this.badge.textContent += ` ${Math.round(100 * message.share)} %`;
+    this.badge.textContent = this.app ? words : words.replace("old: the new", "the").replace("old: computing the new", "computing the");
+    if (message.share !== undefined) this.badge.textContent += ` … ${Math.round(100 * message.share)} %`;
   }
 
   failed(words) {
     this.badge.hidden = false;
     this.badge.textContent = `${this.app ? "old; " : ""}no motion: ${words}`;
-    for (const done of this.waiting.splice(0)) done();
   }
 
-  // A slider was moved: a page that computes by itself follows at once.
-  turned(name, value) { this.live?.(name, value); }
+  // Parameters have these values now [SI]: a page that computes by itself follows at once.
+  turn(values) {
+    this.values = values;
+    if (!this.live || !this.back.hidden) return;
+    const shown = this.app.parameters;
+    for (const { name } of this.live.scene.knobs) {
+      if (name in values && !same(values[name], shown[name])) this.app.set(name, values[name]).then(() => { this.lost = false; }, () => this.refuse());
+    }
+  }
+
+  // The page could not compute this motion: what is shown is old until the studio has it, or says why there is none.
+  refuse() {
+    this.lost = true;
+    this.badge.hidden = false;
+    this.badge.textContent = "old: computing the new motion";
+  }
 
   async sample(message) {
     const { mount } = await this.ready;
     this.put(mount, message.scene);
     this.back.hidden = false;
-    replace(this.back, h("span", {}, message.words), h("button", { onclick: () => { this.back.hidden = true; this.put(mount, this.latest.scene); } }, "Back to the model"));
+    const back = () => {
+      this.back.hidden = true;
+      if (this.live) this.compute(this.live);
+      else this.put(mount, this.latest.scene);
+    };
+    replace(this.back, h("span", { title: message.more }, message.words), h("button", { onclick: back }, "Back to the model"));
   }
 
   clear() {
     this.app?.destroy();
-    this.app = null;
+    this.app = this.live = this.latest = null;
     this.place.replaceChildren();
-    this.names = [];
     this.back.hidden = true;
   }
 
@@ -77,10 +130,12 @@ export class Show {
     if (this.app) (this.app.playing ? this.app.pause() : this.app.play());
   }
 
-  visible() {}
-
   dark(dark) {
     this.theme = dark ? "dark" : "light";
     this.app?.viewer.turnTheme(this.theme);
   }
+}
+
+function same(a, b) {
+  return a === b || Math.abs(a - b) <= 1e-12 * Math.max(Math.abs(a), Math.abs(b));
 }
