@@ -5,6 +5,7 @@ import os
 import pytest
 from hypothesis import settings
 
+from browsing import browser, open_page  # noqa: F401  # fixtures
 from rattle import registry
 
 os.environ["MPLBACKEND"] = "Agg"

@@ -47,6 +47,7 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
 
     pn.config.sizing_mode = "stretch_width"
     server = Server(lambda: Studio(make_desk), address, port)
+    server.heed()
     threading.Thread(target=prepare, daemon=True).start()
     click.echo(f"rattle studio: {server.address}")
     try:

@@ -63,14 +63,17 @@ class Server:
         shown = "127.0.0.1" if self.host == "0.0.0.0" else "[::1]" if self.host == "[::]" else self.host
         return f"http://{shown}:{self.port}/?token={self.keys.token}"
 
-    def run(self, open_browser: bool) -> None:
-        """Serve until Ctrl-C or SIGTERM."""
+    def heed(self) -> None:
+        """From now on Ctrl-C and SIGTERM end `run`, also before it has begun."""
         loop = asyncio.get_event_loop()
         for one in (signal.SIGINT, signal.SIGTERM):
             try:
                 loop.add_signal_handler(one, self.loop.stop)
             except NotImplementedError:  # Windows
                 signal.signal(one, lambda *_: self.loop.add_callback_from_signal(self.loop.stop))
+
+    def run(self, open_browser: bool) -> None:
+        """Serve until Ctrl-C or SIGTERM."""
         if open_browser:
             threading.Thread(target=webbrowser.open, args=(self.address,), daemon=True).start()
         self.loop.start()

@@ -88,7 +88,7 @@ export class Knobs {
   settingRows(settings) {
     const fields = settings.gravity.map((_, k) => this.entryRow(`gravity ${"xy"[k]}`, `gravity.${k}`, (s) => withUnit(s.gravity[k], "m/s²")));
     const end = this.entryRow("end", "simulate.t_end", (s) => withUnit(s.t_end, "s"));
-    const method = h("select", { id: "setting-method" }, h("option", { value: "" }, "chosen by rattle"), settings.methods.map((one) => h("option", { value: one }, one)));
+    const method = h("select", { id: "setting-method" }, h("option", { value: "" }, "automatic"), settings.methods.map((one) => h("option", { value: one }, one)));
     method.addEventListener("change", () => this.tell({ do: "method", method: method.value }));
     this.rows.set("settings", (fresh) => {
       for (const row of [...fields, end]) row.update(fresh);

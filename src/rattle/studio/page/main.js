@@ -1,7 +1,7 @@
 // The page of the studio: it shows what the studio tells and tells what the user does; every decision is the studio's.
 
 import { Dialogs, hints } from "./dialogs.js";
-import { h, kept, replace } from "./dom.js";
+import { h } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Header, Theme } from "./header.js";
 import { History } from "./history.js";
@@ -18,7 +18,11 @@ class Page {
     this.history = new History();
     this.shown = "motion";
     this.facts = { knobs: [], contacts: [], wear: [], tolerances: [] };
-    this.tell = (message) => { this.editor.flush(); model.send_msg(message); };
+    this.tell = (message) => {
+      this.editor.flush();
+      if (["setting", "contact", "method"].includes(message.do)) this.show.otherwise = true;
+      model.send_msg(message);
+    };
     this.dialogs = new Dialogs((message) => this.tell(message));
     this.editor = new Editor((text) => this.typed(text));
     this.knobs = new Knobs((message) => this.tell(message), (name, value) => this.show.turn({ ...this.show.values, [name]: value }));
@@ -39,7 +43,7 @@ class Page {
     this.panels = new Map(TABS.map(([name, title]) => [name, h("section", { class: `panel ${name}`, role: "tabpanel", id: `panel-${name}`, "aria-label": title, hidden: true }, this.content(name))]));
     this.main = h("main", {}, this.strip.el, [...this.panels.values()]);
     this.toast = h("div", { class: "toast", role: "status", hidden: true });
-    this.el = h("div", { class: "studio" }, h("style", {}, this.model.style), this.header.el, this.knobs.el, this.main, this.status.el, this.toast, this.dialogs.el);
+    this.el = h("div", { class: "desk" }, h("style", {}, this.model.style), this.header.el, this.knobs.el, this.main, this.status.el, this.toast, this.dialogs.el);
     this.theme = new Theme(this.el, (dark, choice) => { this.show.dark(dark, choice); this.model.send_msg({ do: "dark", dark }); });
     this.theme.button = this.header.theme;
     this.theme.apply();
@@ -71,8 +75,8 @@ class Page {
   typed(text) {
     this.history.record(text, "typing");
     this.header.steps(this.history);
+    this.show.otherwise = true;
     this.model.send_msg({ do: "text", text });
-    kept("draft", text);
   }
 
   step(way) {
@@ -81,6 +85,7 @@ class Page {
     this.header.steps(this.history);
     if (text === null) return;
     this.editor.show(text);
+    this.show.otherwise = true;
     this.model.send_msg({ do: "text", text });
   }
 
@@ -171,9 +176,9 @@ class Page {
   }
 
   on_trouble(message) {
+    if (this.facts.settings) this.knobs.show(this.facts); // what was entered is taken back
     if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
     else this.say(message.words);
-    this.knobs.show(this.facts.settings ? this.facts : null, message.words);
   }
 
   on_said(message) { this.say(message.words); }

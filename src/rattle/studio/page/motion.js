@@ -16,6 +16,8 @@ export class Show {
     this.app = null;
     this.live = null; // the scene that the page computes by itself, with its base
     this.values = {};
+    this.lost = false; // the page could not compute the motion that is asked for
+    this.otherwise = false; // more was changed than a knob
   }
 
   get names() { return this.app?.names ?? []; }
@@ -24,6 +26,7 @@ export class Show {
   async take(value) {
     const { mount } = await this.ready;
     this.latest = value;
+    this.otherwise = false;
     this.badge.hidden = true;
     const run = value.scene.runs[0];
     if (this.live && this.live.base === value.base && this.follows(run.parameters)) {
@@ -77,7 +80,7 @@ export class Show {
   }
 
   busy(message) {
-    if (this.live && !this.lost && message.state !== "stopped") return;
+    if (this.live && !this.lost && !this.otherwise && message.state !== "stopped") return;
     const words = { waiting: "old: the new motion is waiting", running: "old: computing the new motion", stopped: "old: the new motion was stopped" }[message.state];
     if (!words) return;
     this.badge.hidden = false;

@@ -1,0 +1,52 @@
+"""One browser for all tests of pages and of the studio."""
+
+import shutil
+
+import pytest
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+WITHIN = (
+    "file:",
+    "data:",
+    "blob:",
+    "about:",
+    "http://127.0.0.1",
+    "http://localhost",
+    "ws://127.0.0.1",
+    "ws://localhost",
+)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Chromium, once for all tests; without it they are skipped."""
+    program = next(filter(None, map(shutil.which, BROWSERS)), None)
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if program is None:
+        pytest.skip(f"no browser: none of {', '.join(BROWSERS)} is installed")
+    with playwright.sync_playwright() as play:
+        options = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        one = play.chromium.launch(executable_path=program, args=options)
+        yield one
+        one.close()
+
+
+@pytest.fixture
+def open_page(browser):
+    """A function that opens an address in a fresh tab; at the end no tab may have said an error or asked outside."""
+    contexts, wrong = [], []
+
+    def open_one(address, **options):
+        context = browser.new_context(**{"viewport": {"width": 1366, "height": 768}, **options})
+        contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.on("request", lambda one: None if one.url.startswith(WITHIN) else wrong.append(f"asked for {one.url}"))
+        page.goto(address)
+        return page
+
+    yield open_one
+    for context in contexts:
+        context.close()
+    assert wrong == []

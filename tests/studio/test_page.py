@@ -1,0 +1,281 @@
+"""The studio in a real browser."""
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+from studio_models import PENDULUM, start_studio
+
+import rattle as rt
+
+ROOT = """() => {
+  for (const one of document.querySelectorAll("*")) if (one.shadowRoot?.querySelector(".desk")) return one.shadowRoot;
+}"""
+PICTURES = os.environ.get("RATTLE_PICTURES")  # a folder in which pictures of the page are kept, to be looked at
+
+
+@pytest.fixture
+def visit(open_page, studio):
+    """A function that opens a page of the studio and waits until it shows a motion; the model is the file's again."""
+    (studio.folder / "m.toml").write_text(PENDULUM)
+    asked = []
+
+    def opened(served=studio, **options):
+        page = open_page("about:blank", **options)
+        page.on("request", lambda one: asked.append(one.url))
+        page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
+        page.goto(served.address)
+        page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+        return page
+
+    yield opened
+    ours = (f"http://127.0.0.1:{studio.port}/", "data:", "blob:", "about:")
+    assert [one for one in asked if not one.startswith(ours)] == []
+
+
+def parameter(page, value, name="l"):
+    page.wait_for_function(f"Math.abs(window.rattle.parameters.{name} - {value}) < 1e-9", timeout=20000)
+
+
+def text_of(page):
+    return page.locator("textarea.area").input_value()
+
+
+def test_the_page_shows_the_motion_that_simulate_computes(visit):
+    page = visit()
+    curve = page.evaluate("window.rattle.curve('rod.angle')")
+    expected = rt.loads(PENDULUM).simulate(t_eval=curve["t"])["rod.angle"]
+    assert max(abs(a - b) for a, b in zip(curve["y"], expected, strict=True)) < 1e-6  # single precision
+    assert page.url.endswith("/")  # the token has left the address
+    assert "a pendulum" in page.title()
+    assert page.locator(".status").get_by_text("constraint error").is_visible()
+
+
+def test_a_knob_that_is_dragged_turns_the_motion_and_the_text(visit):
+    page = visit()
+    slider = page.locator("#knob-l")
+    slider.focus()
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function("window.rattle.parameters.l !== 1", timeout=20000)
+    page.get_by_role("tab", name="Text").click()
+    page.wait_for_function(
+        f"""() => !({ROOT})().querySelector("textarea").value.includes('"1 m", min')""", timeout=20000
+    )
+    written = text_of(page)
+    value = rt.loads(written).parameters["l"]
+    assert value > 1.0
+    parameter(page, value)
+    assert "# a pendulum; this comment stays" in written
+    assert "# length" in written
+
+
+def test_a_value_is_typed_with_its_unit_and_undone(visit):
+    page = visit()
+    entry = page.get_by_label("l, value with unit")
+    entry.fill("1250 mm")
+    entry.press("Enter")
+    parameter(page, 1.25)
+    assert 'value = "1250 mm"' in text_of(page)
+    page.keyboard.press("Control+z")
+    parameter(page, 1.0)
+    assert text_of(page) == PENDULUM
+    page.keyboard.press("Control+y")
+    parameter(page, 1.25)
+    entry.fill("5 kg")
+    entry.press("Enter")
+    page.locator(".knobs .trouble").wait_for(state="visible")
+    assert "length" in page.locator(".knobs .trouble").inner_text()  # that is what it has to be
+    assert 'value = "1250 mm"' in text_of(page)
+
+
+def test_a_bad_text_shows_its_line_and_the_old_motion_stays(visit):
+    page = visit()
+    page.keyboard.press("t")
+    page.locator("textarea.area").fill(PENDULUM.replace("mass = 1", 'mas = 1\ncolour = "red"'))
+    row = PENDULUM.split("\n").index("mass = 1") + 1
+    page.locator(".problem").first.wait_for()
+    said = page.locator(".problems").inner_text()
+    assert f"line {row}" in said
+    assert f"line {row + 1}" in said  # all problems, not the first alone
+    page.locator(".problem", has_text=f"line {row + 1}").click()
+    at = page.evaluate(
+        f"() => {{ const a = ({ROOT})().querySelector('textarea.area');"
+        " return a.value.slice(a.selectionStart, a.selectionEnd) }"
+    )
+    assert at == "colour"
+    assert page.locator(".status").get_by_text("before the change").is_visible()
+    assert page.evaluate("window.rattle.curve('rod.angle').t.length") > 10
+    page.locator("textarea.area").fill(PENDULUM)
+    page.wait_for_function(f"() => ({ROOT})().querySelectorAll('.problem').length === 0")
+
+
+def test_a_run_shows_how_far_it_is_and_is_stopped(visit):
+    page = visit()
+    end = page.get_by_label("end", exact=True)
+    end.fill("1e6 s")
+    end.press("Enter")
+    page.locator(".motion-of > .badge", has_text="old: computing").wait_for(timeout=20000)
+    page.locator(".motion-of > .badge", has_text="%").wait_for(timeout=20000)  # how far it is
+    page.locator(".work").get_by_role("button", name="Stop").click()
+    page.locator(".badge", has_text="stopped").wait_for(timeout=8000)
+    assert page.evaluate("window.rattle.curve('rod.angle').t.length") > 10  # the old motion
+    end.fill("1 s")
+    end.press("Enter")
+    page.wait_for_function(f"() => ({ROOT})().querySelector('.badge').hidden", timeout=20000)
+
+
+def test_saving_asks_before_a_file_is_overwritten(visit, studio):
+    page = visit()
+    entry = page.get_by_label("l, value with unit")
+    entry.fill("1.5 m")
+    entry.press("Enter")
+    parameter(page, 1.5)
+    page.keyboard.press("Control+s")
+    page.get_by_role("heading", name="Overwrite?").wait_for()
+    page.get_by_role("button", name="Cancel").click()
+    assert (studio.folder / "m.toml").read_text() == PENDULUM
+    page.keyboard.press("Control+s")
+    page.get_by_role("button", name="Overwrite", exact=True).click()
+    page.get_by_text("saved as m.toml").wait_for()
+    assert (studio.folder / "m.toml").read_text() == PENDULUM.replace('value = "1 m"', 'value = "1.5 m"')
+    page.get_by_role("button", name="Save as").click()
+    page.get_by_label("File name").fill("../outside.toml")
+    page.get_by_role("button", name="Save", exact=True).last.click()
+    page.get_by_text("leads out of the folder").wait_for()
+    assert not (studio.folder.parent / "outside.toml").exists()
+
+
+def test_two_users_do_not_mix(visit):
+    one, other = visit(), visit()
+    entry = one.get_by_label("l, value with unit")
+    entry.fill("1.75 m")
+    entry.press("Enter")
+    parameter(one, 1.75)
+    assert other.evaluate("window.rattle.parameters.l") == 1.0
+    assert text_of(other) == PENDULUM
+    entry = other.get_by_label("l, value with unit")
+    entry.fill("0.5 m")
+    entry.press("Enter")
+    parameter(other, 0.5)
+    assert one.evaluate("window.rattle.parameters.l") == 1.75
+    assert "1.75 m" in text_of(one)
+
+
+def test_without_the_right_token_the_browser_shows_nothing(browser, studio):
+    context = browser.new_context()
+    page = context.new_page()
+    assert page.goto(studio.address.partition("?")[0]).status == 403
+    assert page.goto(studio.address[:-1] + ("A" if studio.address[-1] != "A" else "B")).status == 403
+    assert page.evaluate("window.rattle === undefined && document.scripts.length === 0")
+    context.close()
+
+
+def processes(pid):
+    """All processes below one, by number."""
+    found, waiting = [], [pid]
+    while waiting:
+        one = waiting.pop()
+        for task in Path(f"/proc/{one}/task").glob("*/children"):
+            below = [int(number) for number in task.read_text().split()]
+            found += below
+            waiting += below
+    return found
+
+
+def memory(pid):
+    """Resident memory [MB]."""
+    line = next(one for one in Path(f"/proc/{pid}/status").read_text().splitlines() if one.startswith("VmRSS"))
+    return float(line.split()[1]) / 1e3
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="threads are counted in /proc")
+def test_two_hundred_quick_moves_and_a_closed_page_leave_nothing_behind(visit, studio):
+    pid = studio.process.pid
+    end = time.monotonic() + 20
+    while len(processes(pid)) > 2 and time.monotonic() < end:  # of pages of other tests, which end with their page
+        time.sleep(0.3)
+    alone = len(processes(pid))
+    page = visit()
+    page.wait_for_function("window.rattle.viewer.scene.live", timeout=40000)
+    move = f"""async () => {{
+      const slider = ({ROOT})().querySelector("#knob-l");
+      for (let k = 0; k < 200; k++) {{
+        slider.value = 20 + (k % 2 ? k : 200 - k);
+        slider.dispatchEvent(new Event("input", {{ bubbles: true }}));
+        if (k % 10 === 0) await new Promise((done) => setTimeout(done, 25));
+      }}
+      slider.value = 320;
+      slider.dispatchEvent(new Event("input", {{ bubbles: true }}));
+    }}"""
+    page.evaluate(move)
+    parameter(page, 1.64)
+    page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=40000)
+    threads, used = len(list(Path(f"/proc/{pid}/task").iterdir())), memory(pid)
+    page.evaluate(move)
+    page.wait_for_timeout(400)
+    page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=40000)
+    assert 'value = "1.64 m"' in text_of(page)  # the last one counts
+    assert len(list(Path(f"/proc/{pid}/task").iterdir())) <= threads
+    assert memory(pid) < used + 15
+    assert len(processes(pid)) == alone + 1
+    page.close()
+    end = time.monotonic() + 20
+    while len(processes(pid)) > alone and time.monotonic() < end:
+        time.sleep(0.3)
+    assert len(processes(pid)) == alone
+    assert len(list(Path(f"/proc/{pid}/task").iterdir())) < threads
+
+
+SIZES = {"laptop": (1366, 768), "large": (1920, 1080), "phone": (390, 844)}
+
+
+@pytest.mark.parametrize(
+    ("size", "scheme"), [("laptop", "light"), ("laptop", "dark"), ("large", "light"), ("phone", "light")]
+)
+def test_nothing_is_cut_off_and_the_trust_is_always_there(visit, size, scheme):
+    width, height = SIZES[size]
+    page = visit(viewport={"width": width, "height": height}, color_scheme=scheme)
+    for tab in ("Motion", "Forces", "Text"):
+        page.get_by_role("tab", name=tab).click()
+        page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=40000)
+        page.wait_for_timeout(150)
+        if PICTURES:
+            page.screenshot(path=f"{PICTURES}/{size}-{scheme}-{tab}.png")
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        box = page.locator(".status").bounding_box()
+        assert box["y"] + box["height"] <= height + 1
+        assert page.locator("button.trust").is_visible()
+    ground = page.evaluate(f"() => getComputedStyle(({ROOT})().querySelector('.desk')).backgroundColor")
+    assert (sum(map(int, ground[4:-1].split(","))) < 200) == (scheme == "dark")
+
+
+def test_a_bar_of_an_ensemble_is_replayed(visit):
+    page = visit()
+    page.get_by_role("tab", name="Ensemble").click()
+    page.get_by_label("mechanisms").fill("16")
+    page.get_by_label("mechanisms").press("Enter")
+    page.wait_for_function(
+        f"() => /^16 mechanisms/.test(({ROOT})().querySelector('.panel.ensemble .words').textContent)", timeout=60000
+    )
+    page.wait_for_timeout(500)
+    box = page.locator(".panel.ensemble canvas").first.bounding_box()
+    for share in (0.3, 0.45, 0.6, 0.2, 0.7):
+        page.mouse.click(box["x"] + share * box["width"], box["y"] + 0.8 * box["height"])
+        page.wait_for_timeout(600)
+        if page.locator(".sample").is_visible():
+            break
+    assert "of the ensemble" in page.locator(".sample").inner_text()
+    assert page.evaluate("window.rattle.parameters.l") != 1.0
+    page.get_by_role("button", name="Back to the model").click()
+    parameter(page, 1.0)
+
+
+def test_a_studio_ends_at_once_when_it_is_told_to(tmp_path):
+    (tmp_path / "m.toml").write_text(PENDULUM)
+    served = start_studio(tmp_path, "m.toml")
+    began = time.monotonic()
+    served.process.terminate()
+    assert served.process.wait(10) == 0
+    assert time.monotonic() - began < 6
