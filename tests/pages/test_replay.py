@@ -9,6 +9,7 @@ from circling import C, circling
 from rattle.cli.main import main
 from rattle.pages.replay import replay, write_page
 from rattle.pages.scene import scene_of
+from rattle.results.result import Result
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
@@ -244,3 +245,17 @@ def test_command_writes_the_page_of_a_saved_result(tmp_path, open_page):
     assert page.get_by_title("Paths of points (T)").text_content() == "Paths (1)"
     refused = CliRunner().invoke(main, [*given, "--frames", "20"])
     assert refused.exit_code != 0
+
+
+def test_a_run_that_stopped_says_so_first(page_of):
+    r = circling()
+    stopped = Result(
+        t=r.t, data=np.where(r.t[:, None] > 0.1, np.nan, r._data), names=r.stored, units=r._units, geometry=r.geometry,
+        trust=r.trust, stats={}, provenance={}, success=False,
+        message="at t = 0.1 s joint O came apart: shorten the step",
+    )  # fmt: skip
+    page = page_of(stopped)
+    assert page.get_by_text("Stopped", exact=True).is_visible()
+    assert page.get_by_text("The run stopped: at t = 0.1 s joint O came apart: shorten the step").is_visible()
+    page.keyboard.press("End")
+    page.wait_for_timeout(60)
