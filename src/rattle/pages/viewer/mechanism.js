@@ -89,6 +89,11 @@ export class MechanismView {
       const there = ghost.motion.pose(time);
       for (const one of ghost.drawn) one.draw(p, there);
     }
+    show.traces.forEach((name, n) => { // ends of the paths on top of what moves them
+      const colour = theme.curve(n);
+      if (!pathOf(stage.motion, name)) return;
+      p.dot([stage.motion.value(`${name}.x`, time), stage.motion.value(`${name}.y`, time)], 4, { colour: theme.paper, fill: colour });
+    });
     const side = Math.min(this.width, this.height);
     if (show.forces) drawForces(p, stage, this.forces, pose, time, side);
     for (const [name, form] of this.pins) p.tag(name, stage.ends(form, pose)[0], { bold: true });
@@ -144,7 +149,6 @@ export class MechanismView {
       p.line(all, { colour, width: 1, opacity: 0.4 });
       const now = [motion.value(`${name}.x`, time), motion.value(`${name}.y`, time)];
       p.line([...all.slice(0, k + 1), ...(f ? [now] : [])], { colour, width: 2 });
-      p.dot(now, 3.6, { colour, fill: colour });
       for (const ghost of this.ghosts.filter((one) => one.name !== "ideal" || show.ghost)) {
         const other = pathOf(ghost.motion, name);
         if (other) p.line(Array.from(other.x, (x, i) => [x, other.y[i]]), { colour, width: 1.1, dash: DASHED, opacity: 0.7 });
