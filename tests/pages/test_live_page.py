@@ -191,3 +191,16 @@ def test_a_model_without_limits_has_number_boxes(tmp_path):
     assert (knob["min"], knob["max"], knob["value"]) == (None, None, 0.005)
     assert rt.loads(scene["live"]["model"]).model.parameters["r3"].value == 0.005
     json.dumps(scene, allow_nan=False)
+
+
+def test_a_host_is_asked_only_when_a_parameter_is_turned(tmp_path, open_page):
+    """A notebook whose kernel has gone still shows the motion that it has."""
+    m = rt.example("slider_crank_play").set({"simulate.t_end": 0.001})
+    page(m, tmp_path / "play.html", over={"c": ["0.2 mm"]})
+    text = (tmp_path / "play.html").read_text()
+    asking = "(p) => { globalThis.asked = p; return { promise: new Promise(() => {}), cancel() {} }; }"
+    host = f"{{ page: true, compute: {asking} }}"
+    (tmp_path / "host.html").write_text(text.replace("{ page: true }", host))
+    tab = open_page((tmp_path / "host.html").as_uri())
+    tab.wait_for_function("() => window.rattle && window.rattle.names.length > 10")
+    assert tab.evaluate("() => globalThis.asked === undefined")

@@ -9,7 +9,7 @@ const STEPS = 400; // of a slider
 
 export class Knobs {
   // source: {compute(slot, model, parameters, settings) -> promise of a run}; ideal: there is a mechanism without play
-  constructor(viewer, source, { ideal = false, model = "" } = {}) {
+  constructor(viewer, source, { ideal = false, model = "", first = null } = {}) {
     const { knobs, live } = viewer.scene;
     this.viewer = viewer;
     this.source = source;
@@ -23,10 +23,12 @@ export class Knobs {
     this.runs = { A: null, B: null, ideal: null };
     this.now = "A";
     this.rows = new Map();
+    this.runs.A = first; // of the parameters as they are given, if somebody has computed it already
     this.fromLink();
     this.build(viewer.parts.knobs);
     this.fill();
-    this.ready = this.computeAll();
+    this.ready = first && !this.linkText() ? Promise.resolve() : this.computeAll();
+    this.quietly(this.ready);
   }
 
   // ---------------------------------------------------------------- what is shown

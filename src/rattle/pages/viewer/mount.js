@@ -13,7 +13,7 @@ export function mount(root, scene, host = {}) {
   const runs = (scene.runs ?? []).map(unpack);
   if (runs.length) viewer.setRun(runs[0], { others: runs.length === 2 ? [runs[1]] : [] });
   if (runs.length > 1) chooseRuns(viewer, runs);
-  if (scene.live || host.compute) computeMotions(viewer, scene, host);
+  if (scene.live || host.compute) computeMotions(viewer, scene, host, runs[0] ?? null);
   return app;
 }
 
@@ -48,11 +48,11 @@ function appOf(viewer) {
 }
 
 // Motions for other parameters: computed by the page itself, or by the host of the viewer.
-function computeMotions(viewer, scene, host) {
+function computeMotions(viewer, scene, host, first) {
   let knobs = null;
   const heard = (slot, trust) => knobs.heard(slot, trust);
   const source = scene.live ? new LiveSource(scene.live, heard) : new HostSource(host, heard);
-  knobs = new Knobs(viewer, source, { ideal: Boolean(scene.live?.ideal), model: scene.live?.model ?? "" });
+  knobs = new Knobs(viewer, source, { ideal: Boolean(scene.live?.ideal), model: scene.live?.model ?? "", first });
   viewer.turnKnob = (name, value) => knobs.turned(name, value);
   viewer.ends.push(() => knobs.destroy());
 }
