@@ -7,13 +7,23 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import rattle as rt
+from rattle.cli.main import main
 from rattle.errors import MissingProgram
 from rattle.pages import print_pdf
 from rattle.pages.report_html import said
 from rattle.pages.report_model import assumed_by
 
+TOO_FAR = """format = 1
+name = "too far"
+ground.points = { O = [0, 0] }
+bodies.a = { bar = ["O", "A"], length = 1, mass = 1 }
+joints.O = { type = "revolute", connect = ["ground.O", "a.O"] }
+drivers.d = { joint = "O", angle = "sqrt(0.5 - t)" }
+simulate.t_end = 1
+"""
 VOID = {"meta", "br", "link", "path", "use", "image", "rect", "circle", "ellipse", "line", "polygon", "polyline"}
 
 
@@ -128,13 +138,7 @@ def test_a_mechanism_at_rest_has_its_equilibria(tmp_path):
 
 
 def test_a_motion_that_fails_is_said_at_the_top(tmp_path):
-    m = rt.loads(
-        'format = 1\nname = "too far"\n[ground.points]\nO = [0, 0]\n'
-        '[bodies.a]\nbar = ["O", "A"]\nlength = 1\nmass = 1\n'
-        '[joints.O]\ntype = "revolute"\nconnect = ["ground.O", "a.O"]\n'
-        '[drivers.d]\njoint = "O"\nangle = "sqrt(0.5 - t)"\n[simulate]\nt_end = 1\n'
-    )
-    page = write(m, tmp_path)
+    page = write(rt.loads(TOO_FAR), tmp_path)
     at = page.text.index("This needs attention.")
     assert at < page.text.index("How far this can be trusted")
     assert "The motion ends early, at t = 0.5" in page.text[at:]
@@ -145,6 +149,39 @@ def test_a_mechanism_that_does_not_close_has_a_report_too(tmp_path):
     assert "This needs attention." in page.text
     assert "open by" in page.text  # in the drawing
     assert "Joint forces" not in page.text
+
+
+def test_the_command_writes_the_command_that_made_it_without_folders(tmp_path):
+    target = tmp_path / "own report.html"
+    words = [
+        "report",
+        "slider_crank",
+        "--set",
+        "speed=3000 rpm",
+        "--t-end",
+        "1 ms",
+        "--author",
+        "me",
+        "-o",
+        str(target),
+    ]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 0, done.output
+    page = Page(target.read_text(encoding="utf-8"))
+    typed = "rattle report slider_crank --set 'speed=3000 rpm' --t-end 0.001 --author me -o 'own report.html'"
+    assert typed in page.text
+    assert str(tmp_path) not in page.text
+    assert '"3000 rpm"' in page.text  # the model of the appendix
+
+
+def test_a_motion_that_fails_is_exit_status_1_and_has_its_report(tmp_path):
+    model, target = tmp_path / "far.toml", tmp_path / "far.html"
+    model.write_text(TOO_FAR, encoding="utf-8")
+    done = CliRunner().invoke(main, ["report", str(model), "-o", str(target)])
+    assert done.exit_code == 1
+    assert "ends early" in done.output
+    assert "This needs attention" in target.read_text(encoding="utf-8")
+    assert CliRunner().invoke(main, ["report", str(model), "-o", str(model)]).exit_code == 2
 
 
 def test_names_are_text(tmp_path):
