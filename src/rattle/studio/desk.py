@@ -75,6 +75,10 @@ class Desk:
         self._send_text()
         self._check()
 
+    def do_alive(self) -> None:
+        """The page asks whether the studio is still there."""
+        self.send({"kind": "alive"})
+
     def do_text(self, text: str) -> None:
         """The text was changed in the editor."""
         if text == self.draft.text:

@@ -61,8 +61,8 @@ def as_python(text: str, name: str, original: str | None) -> str:
             lines = "".join(f"    {key!r}: {value!r},\n" for key, value in values.items())
             change = f"m = m.set({{\n{lines}}})\n" if values else ""
             return f"{head}m = rt.load({name!r})\n{change}{tail}"
-    quote = '"""' if '"""' not in text and "\\" not in text else ""
-    body = f'r"""\n{text}"""' if quote and not text.endswith('"') else repr(text)
+    plain = '"""' not in text and not text.endswith(('"', "\\"))  # may stand in a raw text, with its backslashes
+    body = f'r"""\n{text}"""' if plain else repr(text)
     return f"{head}m = rt.loads({body})\n{tail}"
 
 

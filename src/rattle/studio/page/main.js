@@ -12,6 +12,8 @@ import { Report } from "./report.js";
 import { Status, stateOf } from "./status.js";
 import { Strip, TABS, TabHead, fieldsOf } from "./tabs.js";
 
+const BEAT = 5000; // between two questions whether the studio is there [ms]
+
 class Page {
   constructor(model) {
     this.model = model;
@@ -25,7 +27,10 @@ class Page {
     };
     this.dialogs = new Dialogs((message) => this.tell(message));
     this.editor = new Editor((text) => this.typed(text));
-    this.knobs = new Knobs((message) => this.tell(message), (name, value) => this.show.turn({ ...this.show.values, [name]: value }));
+    this.knobs = new Knobs((message) => this.tell(message), (name, value) => {
+      this.checked = false;
+      this.show.turn({ ...this.show.values, [name]: value });
+    });
     this.strip = new Strip((name) => this.choose(name));
     this.status = new Status((message) => this.tell(message));
     this.report = new Report();
@@ -52,9 +57,25 @@ class Page {
     this.choose("motion");
     listen(this);
     this.model.on("msg:custom", (message) => this.hear(message.kind ? message : message.data));
+    this.heard = performance.now();
+    setInterval(() => this.listen(), BEAT);
     addEventListener("beforeunload", (event) => { if (this.unsaved) event.preventDefault(); });
     this.model.send_msg({ do: "hello" });
   }
+
+  // Ask the studio whether it is there; a page that has slept asks again before it complains.
+  listen() {
+    const silent = performance.now() - this.heard, slept = performance.now() - (this.asked ?? 0) > 3 * BEAT;
+    this.asked = performance.now();
+    if (silent > 4 * BEAT && !slept && !this.gone) {
+      this.gone = true;
+      this.dialogs.ask("The studio does not answer", "It was ended, or this computer has slept. What is not saved is in Text, from where it can be copied; after that, open the studio again.",
+        [["Open again", () => location.reload()], ["Stay here", null]]);
+    }
+    this.model.send_msg({ do: "alive" });
+  }
+
+  on_alive() { this.gone = false; }
 
   content(name) {
     if (name === "motion") return this.show.el;
@@ -98,6 +119,7 @@ class Page {
 
   // ---------------------------------------------------------------- what the studio says
   hear(message) {
+    this.heard = performance.now();
     const answer = this[`on_${message.kind.replaceAll("-", "_")}`];
     if (answer) answer.call(this, message);
   }
@@ -116,6 +138,7 @@ class Page {
   }
 
   on_model(message) {
+    this.checked = false;
     this.editor.mark(message.problems);
     this.strip.mark("text", message.problems.length ? "failed" : "");
     this.el.classList.toggle("broken", message.problems.length > 0);
@@ -164,13 +187,16 @@ class Page {
   }
 
   trusted(message) {
-    if (message.state === "done") this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
+    if (message.state !== "done") return;
+    this.checked = true;
+    this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
   }
 
   on_live(message) { this.show.compute(message); }
 
   // The page itself has computed a motion: it says how far that can be trusted, until the studio has checked it.
   computed(run) {
+    if (this.checked) return;
     const lines = run.trust?.text ?? [];
     if (lines.length) this.status.say(stateOf({ success: run.success !== false, trust: lines }), [...(run.success === false ? [run.message] : []), ...lines]);
   }
