@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import click
 
@@ -37,7 +38,7 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
         name = place.relative_to(root).as_posix()
         text = Folder(root).read(name)
     folder = Folder(root)
-    desks: set[Desk] = set()
+    desks: WeakSet[Desk] = WeakSet()  # of pages that are open
 
     def make_desk(**wires: Callable[..., Any]) -> Desk:
         desk = Desk(folder, **wires)
@@ -53,7 +54,7 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
     try:
         server.run(open_browser)
     finally:
-        for desk in desks:
+        for desk in list(desks):
             desk.end()
         server.close()
         aside.shutdown(wait=False, cancel_futures=True)
