@@ -224,7 +224,7 @@ def _histogram(block: Content, look: Look, pick: Pick) -> Any:
 
     source.selected.on_change("indices", clicked)
     top = float(max(block["counts"]))
-    plot.y_range.start, plot.y_range.end = 0, 1.18 * top
+    plot.y_range.start, plot.y_range.end = 0, 1.3 * top
     for k, mark in enumerate(block["marks"]):
         nominal = mark["label"] == "nominal"
         colour = colour_of(1, look) if nominal else look.ink
@@ -234,7 +234,7 @@ def _histogram(block: Content, look: Look, pick: Pick) -> Any:
         plot.add_layout(
             Label(
                 x=mark["x"],
-                y=(1.02 + 0.08 * (k % 2)) * top,
+                y=(1.2 if nominal else 1.02 + 0.09 * (k % 2)) * top,
                 text=f" {mark['label']}",
                 text_color=colour,
                 text_font_size="11px",

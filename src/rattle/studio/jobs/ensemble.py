@@ -36,7 +36,7 @@ def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Conte
     output = e.outputs[0]
     counts = e.counts()
     failed = {key: value for key, value in counts.items() if value and key not in ("ok", "samples")}
-    told = f"{count} mechanisms {e.how}" + "".join(f", {value} {key}" for key, value in failed.items())
+    told = f"{count} mechanisms: {e.how}" + "".join(f", {value} {key}" for key, value in failed.items())
     return content(
         told, words("\n".join([*note, *e.notes]), "care"), _histogram(e, output),
         words("Click a bar: one of its mechanisms is replayed in Motion."), _numbers(e, output), _shares(e, output),
