@@ -25,6 +25,8 @@ html_theme = "pydata_sphinx_theme"
 html_title = "rattle"
 html_static_path = ["_static"]
 html_css_files = ["rattle.css"]
+(HERE / "generated" / "beside").mkdir(parents=True, exist_ok=True)
+html_extra_path = ["generated/beside"]  # live/NAME.html: pages of their own, shown in frames
 html_copy_source = html_show_sourcelink = False
 html_theme_options = {
     "navbar_align": "left",

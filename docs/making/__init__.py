@@ -1,4 +1,4 @@
-"""Pages made from the code: kinds, commands, names in Python, validation, gallery, map, citation.
+"""Pages made from the code: kinds, commands, names in Python, validation, live pages, gallery, map, citation.
 
 Each module returns Markdown texts by file name; pages in docs/ include them.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
-MAKERS = ("kinds", "commands", "interface", "validation", "gallery", "pictures", "potential", "developers", "citing")
+MAKERS = ("kinds", "commands", "interface", "validation", "live", "gallery", "pictures", "potential", "developers", "citing")
 
 
 def write_pages(folder: Path, makers: tuple[str, ...] = MAKERS) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 import rattle as rt
+from making import live
 from making.runs import SHORTER, header, run
 from making.text import paragraph, shell
 from making.tree import module_with
@@ -88,6 +89,7 @@ def _example(folder: Path, name: str) -> list[str]:
         f"`{name}`: {paragraph(said.intro)}",
         f"![{name}: the mechanism to scale and a curve](generated/pictures/{name}.png)",
         f"*{paragraph(_number(name))}.*{shortened} Look at {paragraph(said.look)}",
+        live.opened(name),
         shell(said.commands),
         f"Source: {paragraph(said.source)}",
     ]

@@ -1,0 +1,34 @@
+"""A live page of every shipped example that can be computed in a browser, and a replay of every other one."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+
+import rattle as rt
+from making.runs import run
+from making.tree import module_with
+from rattle.errors import TraceError
+
+FOLDER = Path("beside") / "live"  # copied as it is: live/NAME.html
+
+
+def pages(folder: Path) -> dict[str, str]:
+    """Writes the pages into `folder`/beside/live; nothing is included by other pages."""
+    (folder / FOLDER).mkdir(parents=True, exist_ok=True)
+    for name in rt.examples():
+        path = folder / FOLDER / f"{name}.html"
+        try:
+            scene = module_with("live_scene").live_scene(rt.example(name))
+        except (TraceError, ValueError):
+            run(name).result.animate(path)
+        else:
+            module_with("write_page").write_page(scene, path)
+    return {}
+
+
+def opened(name: str) -> str:
+    """The page of an example in a frame that is loaded when it is opened, as HTML in Markdown."""
+    frame = f'<iframe src="live/{name}.html" title="{escape(name)} in motion" loading="lazy"></iframe>'
+    alone = f'<a href="live/{name}.html">in a window of its own</a>'
+    return f'```{{raw}} html\n<details class="live"><summary>See it move</summary>{frame}<p>{alone}</p></details>\n```'
