@@ -11,16 +11,18 @@ from making.tree import module_with
 from rattle.errors import TraceError
 
 FOLDER = Path("beside") / "live"  # copied as it is: live/NAME.html
+FRONT = "front"  # the page on the front: `rattle page fourbar --set l3=l2 --t-end 0.5s`
 
 
 def pages(folder: Path) -> dict[str, str]:
     """Writes the pages into `folder`/beside/live; nothing is included by other pages."""
     (folder / FOLDER).mkdir(parents=True, exist_ok=True)
+    rt.example("fourbar").set(l3="l2").page(folder / FOLDER / f"{FRONT}.html", t_end=0.5)
     for name in rt.examples():
         path = folder / FOLDER / f"{name}.html"
         try:
             scene = module_with("live_scene").live_scene(rt.example(name))
-        except (TraceError, ValueError):
+        except TraceError:
             run(name).result.animate(path)
         else:
             module_with("write_page").write_page(scene, path)
