@@ -8,7 +8,18 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
-MAKERS = ("kinds", "commands", "interface", "validation", "live", "gallery", "pictures", "potential", "developers", "citing")
+MAKERS = (
+    "kinds",
+    "commands",
+    "interface",
+    "validation",
+    "live",
+    "gallery",
+    "pictures",
+    "potential",
+    "developers",
+    "citing",
+)
 
 
 def write_pages(folder: Path, makers: tuple[str, ...] = MAKERS) -> None:

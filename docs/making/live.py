@@ -8,7 +8,6 @@ from pathlib import Path
 import rattle as rt
 from making.runs import run
 from making.tree import module_with
-from rattle.errors import TraceError
 
 FOLDER = Path("beside") / "live"  # copied as it is: live/NAME.html
 FRONT = "front"  # the page on the front: `rattle page fourbar --set l3=l2 --t-end 0.5s`
@@ -22,7 +21,7 @@ def pages(folder: Path) -> dict[str, str]:
         path = folder / FOLDER / f"{name}.html"
         try:
             scene = module_with("live_scene").live_scene(rt.example(name))
-        except TraceError:
+        except module_with("TraceError").TraceError:
             run(name).result.animate(path)
         else:
             module_with("write_page").write_page(scene, path)
