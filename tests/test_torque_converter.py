@@ -13,6 +13,7 @@ from test_pages import BLOCK, DOCS, shows
 BLOCKS = BLOCK.findall(DOCS["torque-converter.md"])
 
 
+@pytest.mark.long
 def test_the_guide_prints_what_it_shows(tmp_path):
     code = "\n".join(text for language, text in BLOCKS if language == "python")
     done = subprocess.run(

@@ -282,7 +282,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("options", ["dict(threads=2)", "dict(workers=1)"])
+@pytest.mark.parametrize("options", ["dict(threads=2)", pytest.param("dict(workers=1)", marks=pytest.mark.long)])
 def test_ctrl_c_ends_everything_and_leaves_a_folder_that_goes_on(tmp_path, options):
     pytest.importorskip("pyarrow")
     pytest.importorskip("distributed")

@@ -296,6 +296,7 @@ def test_allocated_tolerances_keep_the_limits_of_an_output_that_is_not_linear():
         assert inside.mean() == pytest.approx(share, abs=1e-3)
 
 
+@pytest.mark.long
 def test_no_tolerance_goes_beyond_the_limits_of_the_model():
     t = rt.loads(LINEAR.replace("value = 0.3,", "value = 0.3, min = 0.299,")).tolerance(X, ["b"], t_end=T, n=16)
     assert t.contributors == ("b",)

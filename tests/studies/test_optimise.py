@@ -295,6 +295,7 @@ def test_a_search_survives_designs_that_cannot_be_put_together():
     assert "could not be evaluated" in o.report
 
 
+@pytest.mark.long
 def test_a_search_survives_instants_outside_of_the_run_and_may_end_at_its_end():
     """x falls until t = k/50; beyond k = 16.5 that is after the end at 0.33 s."""
     o = rt.loads(SPRING).optimise("at(block.x, k/50)", {"k": (5, 20)}, t_end=0.33, starts=5)

@@ -131,7 +131,9 @@ def test_growth_is_that_of_the_linearised_equations_along_the_same_chaotic_motio
     assert found.growth.sum() > math.log(50.0)
 
 
-@pytest.mark.parametrize(("name", "span"), [("double_pendulum", 2.0), ("squeezer", 0.03), ("chain", 0.3)])
+@pytest.mark.parametrize(
+    ("name", "span"), [("double_pendulum", 2.0), ("squeezer", 0.03), pytest.param("chain", 0.3, marks=pytest.mark.long)]
+)
 def test_growth_agrees_with_two_runs_within_their_distance(name, span, monkeypatch):
     m = rt.example(name)
     found = m.lyapunov(span)

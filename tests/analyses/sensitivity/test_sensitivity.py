@@ -242,9 +242,9 @@ def differences(m, name, outputs, t):
     [
         ("balanced_arm", [0.1, 0.3], ["l", "angle", "s"]),
         ("double_pendulum", [0.4, 1.0], ["upper_length", "start"]),
-        ("five_bar", [0.1, 0.2], ["a", "size"]),
+        pytest.param("five_bar", [0.1, 0.2], ["a", "size"], marks=pytest.mark.long),
         ("fourbar", [0.01, 0.02], ["l1", "r4", "alpha", "M"]),
-        ("quick_return", [0.1, 0.3], ["d", "cut"]),
+        pytest.param("quick_return", [0.1, 0.3], ["d", "cut"], marks=pytest.mark.long),
         ("slider_crank", [0.002, 0.005], ["rod_length", "speed"]),
         ("toggle", [0.1, 0.2], ["l", "stiffness"]),
     ],
