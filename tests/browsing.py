@@ -1,8 +1,11 @@
-"""One browser for all tests of pages and of the studio."""
+"""One browser for all tests of pages and of the studio; pictures of what they show are kept, to be looked at."""
 
 import shutil
+from pathlib import Path
 
 import pytest
+
+PICTURES = Path(__file__).parent.parent / "build" / "screenshots"
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 WITHIN = (
@@ -15,6 +18,12 @@ WITHIN = (
     "ws://127.0.0.1",
     "ws://localhost",
 )
+
+
+def keep_picture(page, name):
+    """Keep what a page shows now as build/screenshots/NAME.png."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=PICTURES / f"{name}.png")
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from browsing import keep_picture
 from rattle.pages.page import live_scene, page
 
 READY = "() => window.rattle && window.rattle.curve('rocker.angle').t.length > 10"
@@ -204,3 +205,13 @@ def test_a_host_is_asked_only_when_a_parameter_is_turned(tmp_path, open_page):
     tab = open_page((tmp_path / "host.html").as_uri())
     tab.wait_for_function("() => window.rattle && window.rattle.names.length > 10")
     assert tab.evaluate("() => globalThis.asked === undefined")
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "scheme"), [(1366, 768, "light"), (1920, 1080, "dark"), (390, 844, "light")]
+)
+def test_sliders_and_curves_fit_the_screen(fourbar_page, open_page, width, height, scheme):
+    tab = open_page(fourbar_page, viewport={"width": width, "height": height}, color_scheme=scheme)
+    tab.wait_for_function(READY, timeout=20000)
+    assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    keep_picture(tab, f"live-{width}x{height}-{scheme}")

@@ -5,6 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from any_motion import any_motion
+from browsing import keep_picture
 from circling import C, circling
 from rattle.cli.main import main
 from rattle.pages.replay import replay, write_page
@@ -173,16 +174,17 @@ def test_two_viewers_on_one_page_do_not_disturb_each_other(page_of):
     page.keyboard.press("Home")
 
 
-@pytest.mark.parametrize("size", [(1366, 768), (390, 844)])
-def test_page_fits_the_screen(page_of, size):
+@pytest.mark.parametrize(("size", "scheme"), [((1366, 768), "light"), ((1920, 1080), "dark"), ((390, 844), "light")])
+def test_page_fits_the_screen(page_of, size, scheme):
     width, height = size
-    page = page_of(circling(), viewport={"width": width, "height": height})
+    page = page_of(circling(), viewport={"width": width, "height": height}, color_scheme=scheme)
     wide, tall = page.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]")
     assert wide <= width
     if width > 800:
         assert tall <= height
     player = page.get_by_role("group", name="Player").bounding_box()
     assert player["y"] + player["height"] <= height
+    keep_picture(page, f"replay-{width}x{height}-{scheme}")
 
 
 def test_dark_is_a_matter_of_taste(page_of):

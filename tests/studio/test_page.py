@@ -1,6 +1,5 @@
 """The studio in a real browser."""
 
-import os
 import time
 from pathlib import Path
 
@@ -8,11 +7,11 @@ import pytest
 from studio_models import PENDULUM, start_studio
 
 import rattle as rt
+from browsing import keep_picture
 
 ROOT = """() => {
   for (const one of document.querySelectorAll("*")) if (one.shadowRoot?.querySelector(".desk")) return one.shadowRoot;
 }"""
-PICTURES = os.environ.get("RATTLE_PICTURES")  # a folder in which pictures of the page are kept, to be looked at
 
 
 @pytest.fixture
@@ -241,8 +240,7 @@ def test_nothing_is_cut_off_and_the_trust_is_always_there(visit, size, scheme):
         page.get_by_role("tab", name=tab).click()
         page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=40000)
         page.wait_for_timeout(150)
-        if PICTURES:
-            page.screenshot(path=f"{PICTURES}/{size}-{scheme}-{tab}.png")
+        keep_picture(page, f"studio-{size}-{scheme}-{tab}")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         box = page.locator(".status").bounding_box()
         assert box["y"] + box["height"] <= height + 1
