@@ -116,7 +116,8 @@ export class Painter {
   tag(text, [x, y], { dx = 10, dy = -10, colour = this.theme.ink, size = 12, bold = false } = {}) {
     const { context } = this;
     context.font = `${bold ? 600 : 400} ${size}px ${FONT}`;
-    const left = this.X(x) + dx, base = this.Y(y) + dy, width = context.measureText(text).width;
+    const width = context.measureText(text).width, room = context.canvas.clientWidth - this.X(x) - dx;
+    const left = this.X(x) + (room < width ? -dx - width : dx), base = this.Y(y) + dy;
     context.globalAlpha = 0.85;
     context.fillStyle = this.theme.paper;
     context.fillRect(left - 2, base - size + 1, width + 4, size + 3);
