@@ -68,6 +68,8 @@ def test_the_usual_method_takes_the_steps_of_simulate(name, tmp_path):
     assert (run["stats"]["steps"], run["stats"]["rejected"]) == (r.stats["steps"], r.stats["rejected"])
     assert apart(run, r, [name for name in run["names"] if name.endswith((".x", ".y", ".angle"))]) < 1e-9
     assert apart(run, r) < 1e-7
+    as_written = m.simulate(1e-3 * end)  # with plain numbers for parameters, signals of them have no unit
+    assert run["units"] == {name: as_written.unit(name) for name in run["names"]}
 
 
 @pytest.mark.parametrize(("name", "end"), [("dc_motor_pid", 0.5), ("double_wishbone", 0.3), ("toggle", 0.1)])

@@ -1,6 +1,7 @@
 """Live pages in a browser: the motion is computed there, follows its parameters, and says what it cannot vouch for."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -11,7 +12,29 @@ from rattle.pages.page import live_scene, page
 
 READY = "() => window.rattle && window.rattle.curve('rocker.angle').t.length > 10"
 SET = "([name, value]) => window.rattle.set(name, value).then(() => 'there', (error) => error.message)"
+SAID = "() => window.rattle.trust.text.join(' ')"
 CURVE = "(name) => { const c = window.rattle.curve(name); return [Array.from(c.t), Array.from(c.y)] }"
+
+
+PENDULUM = """
+format = 1
+[parameters]
+long = { value = 0.3, min = 0.1, max = 0.5 }
+heavy = { value = 2, min = 1, max = 4 }
+[ground.points]
+O = [0, 0]
+[bodies.arm]
+bar = ["A", "B"]
+length = "long"
+mass = "heavy"
+[joints.pin]
+type = "revolute"
+connect = ["ground.O", "arm.A"]
+[initial]
+arm = { angle = 1, omega = 0 }
+[simulate]
+t_end = 1
+"""
 
 
 def short_fourbar(**simulate):
@@ -167,6 +190,25 @@ def test_a_page_without_workers_computes_too(fourbar_page, browser):
     context.close()
 
 
+def test_addresses_that_nobody_wrote_are_no_harm(fourbar_page, open_page):
+    """What can be read of them counts; an end that is no time, or never comes, does not."""
+    tab = open_page(f"{fourbar_page}#%=1&%E0%A4%A=2&r3=0.003&l1=1e400&t_end=Infinity&t_end=-1&x=1&&=&r4")
+    tab.wait_for_function(READY, timeout=20000)
+    assert tab.evaluate("() => window.rattle.parameters.r3") == 0.003
+    assert tab.evaluate(CURVE, "rocker.angle")[0][-1] == 0.05
+
+
+def test_parameters_may_have_the_names_of_what_else_is_in_an_address(tmp_path, open_page):
+    text = PENDULUM.replace("long", "B").replace("heavy", "t_end")
+    page(rt.loads(text), tmp_path / "p.html")
+    tab = open_page((tmp_path / "p.html").as_uri() + "#B=0.4&t_end=3&.t_end=0.1")
+    tab.wait_for_function("() => window.rattle?.run?.t.length > 10")
+    assert tab.evaluate("() => [window.rattle.parameters.B, window.rattle.parameters.t_end]") == [0.4, 3]
+    assert tab.evaluate(CURVE, "arm.angle")[0][-1] == 0.1
+    tab.get_by_role("button", name="Compare").click()
+    tab.wait_for_function("() => location.hash === '#B=0.4&t_end=3&.B=&B.B=0.4&B.t_end=3&.t_end=0.1'")
+
+
 def test_a_model_with_contacts_becomes_runs_to_choose_from(tmp_path, open_page):
     m = rt.example("slider_crank_play").set({"simulate.t_end": 0.002})
     why = page(m, tmp_path / "play.html", over={"c": ["0.2 mm", "0.4 mm"]})
@@ -174,10 +216,12 @@ def test_a_model_with_contacts_becomes_runs_to_choose_from(tmp_path, open_page):
     tab = open_page((tmp_path / "play.html").as_uri())
     tab.wait_for_function("() => window.rattle && window.rattle.names.length > 10")
     assert "computed before" in tab.evaluate("() => window.rattle.viewer.scene.notes.join()")
+    assert "the curves can be trusted" in tab.evaluate(SAID)  # of the model as it is written
     tab.get_by_role("combobox").first.select_option(label="c = 0.4 mm")
     tab.wait_for_function("() => window.rattle.run.label === 'c = 0.4 mm'")
     assert tab.evaluate(SET, ["c", 0.0002]) == "there"
     assert tab.evaluate("() => window.rattle.run.label") == "c = 0.2 mm"
+    assert re.search("was not computed(?! [(])", tab.evaluate(SAID))
     assert "there are" in tab.evaluate(SET, ["c", 0.3])
 
 

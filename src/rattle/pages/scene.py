@@ -13,7 +13,7 @@ import numpy as np
 from rattle import registry
 from rattle.plots.scene import BODIES
 from rattle.results.result import Result
-from rattle.results.trust import Trust
+from rattle.results.trust import HOW, Trust
 from rattle.version import __version__
 
 FORMAT = "rattle-scene 1"
@@ -129,7 +129,7 @@ def trust_of(trust: Trust) -> dict[str, Any]:
         "energy_share": trust.energy_share,
         "pulled": dict(trust.pulled),
         "horizon": trust.horizon,
-        "text": str(trust).splitlines(),
+        "text": str(trust).replace(HOW, "").splitlines(),
     }
 
 

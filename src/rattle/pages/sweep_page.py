@@ -40,16 +40,19 @@ def sweep_scene(
     for plan in _counted(plans, progress):
         label = _label(m, plan)
         try:
-            result = (m.set(**plan) if plan else m).simulate(t_end, t_eval=_instants(m, t_end))
+            changed = m.set(**plan) if plan else m
+            result = changed.simulate(t_end, t_eval=_instants(m, t_end), horizon=not plan)
         except (ModelError, AssemblyError) as error:
             if not plan:
                 raise
             failed.append(f"{label}: {str(error).splitlines()[0]}")
             continue
-        if result.interrupted:
+        if result.interrupted or result.stats.get("horizon_interrupted"):
             raise KeyboardInterrupt
         made.append((label, result))
     notes = [f"this page holds {len(made)} runs that were computed before, because {why}", *failed]
+    if len(made) > 1:
+        notes.append("how long curves can be trusted was computed for the first run only, the model as in its file")
     return scene_of(made, title=m.name, notes=notes)
 
 

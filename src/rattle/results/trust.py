@@ -15,6 +15,7 @@ from rattle.results.display import card, marks
 Array = NDArray[np.float64]
 LOOSE = 1e-6  # drift over the size of the mechanism, and share of the energy, above which a solution is loose
 FEW = 6  # steps in the shortest contact below which its forces are coarse
+HOW = " (horizon=True does)"  # what computes the horizon, for those who write Python; pages leave it out
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,7 +102,7 @@ class Trust:
 
     def _reach(self) -> str:
         if self.horizon is None:
-            return "how long the curves can be trusted was not computed (horizon=True does)"
+            return f"how long the curves can be trusted was not computed{HOW}"
         if self.t_end == self.horizon == 0.0 and not self.stopped:  # one position: no time in which errors could grow
             return "the curves can be trusted at t = 0 s"
         whole = f"up to where the run ended, t = {self.t_end:.4g} s"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from rattle.analyses.assembly.start_constants import constants_of
+from rattle.analyses.straight_line.derived_curves import derived_units
 from rattle.analyses.straight_line.recorded_model import NUDGES, RecordedModel, record_model
 from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL, Starts
 from rattle.errors import TraceError
@@ -23,7 +24,7 @@ from rattle.version import __version__
 
 ALONE = 1e-6  # change of a parameter by which `_bound` tries it, in shares of its value
 ENERGIES = 5  # result curves that come last: kinetic, potential, work, dissipated, balance
-__all__ = ["LONGEST", "c_program", "javascript_module", "program", "straight_line", "with_parameters"]
+__all__ = ["LONGEST", "c_program", "javascript_module", "program", "straight_line", "units_of", "with_parameters"]
 
 
 def program(model: RecordedModel) -> Program:
@@ -150,7 +151,7 @@ def straight_line(
     ]
     switching = sorted({one.name for one in model.system.switches})
     return Program(
-        graph, rates, projection, outputs, list(curves), [model.units.get(name, "m") for name in curves], inputs,
+        graph, rates, projection, outputs, list(curves), units_of(model, curves), inputs,
         model.start_state.tolist(), begin, switching, constants or {}, [] if first is None else _bound(model),
         dict(zip(further, more[len(more) - len(further) :], strict=True)),
     )  # fmt: skip
@@ -162,6 +163,12 @@ def all_curves(model: RecordedModel) -> dict[str, Any]:
     ordered = [*names[:-ENERGIES], *model.points, *names[-ENERGIES:]]
     known = model.curves | model.points
     return {name: known[name] for name in ordered}
+
+
+def units_of(model: RecordedModel, names: Iterable[str]) -> list[str]:
+    """SI units of curves of `all_curves`."""
+    known = derived_units(model.system.model, model.curves) | model.units
+    return [known[name] for name in names]
 
 
 def c_program(made: Program, title: str, t_end: float, step: float) -> str:

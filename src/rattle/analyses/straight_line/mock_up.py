@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rattle.analyses.arguments import TIGHTEST
-from rattle.analyses.straight_line.code import all_curves, with_parameters
+from rattle.analyses.straight_line.code import all_curves, units_of, with_parameters
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL
 from rattle.equations.state import state_layout
@@ -151,7 +151,8 @@ def _variables(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]
         if unit and not rate:
             rate = unit_name(dimension_of(unit).over(TIME))
         found.append(Variable(f"der({name})", Kind.RATE, rate, f"rate of {name}", state=first + k))
-    return found + [Variable(name, Kind.CURVE, model.units.get(name, "m"), said(name)) for name in curves]
+    units = units_of(model, curves)
+    return found + [Variable(name, Kind.CURVE, unit, said(name)) for name, unit in zip(curves, units, strict=True)]
 
 
 def said(name: str) -> str:

@@ -76,7 +76,7 @@ class RecordedModel:
 
     @property
     def points(self) -> dict[str, Any]:
-        """Points of bodies in ground axes [m]: "body.point.x" and .y."""
+        """What follows from the result columns: points of bodies, coordinates, rates and powers of joints and loads."""
         names = [name for name in derived_names(self.recorded.model, self.curves) if not name.endswith(".force")]
         return {name: self.symbol(name) for name in names}
 

@@ -89,7 +89,7 @@ export function trustOf(s, reach) {
     drift: s.drift, drift_angle: s.driftAngle, drift_joint: s.driftRow < 0 ? "" : layout.rows[s.driftRow][0],
     energy: balance.reduce((most, x) => Math.max(most, Math.abs(x)), s.written ? 0 : NaN),
     energy_share: s.mostUnrest, t_end: s.t, stopped: s.message !== "", ...pulls(s),
-    horizon: reach && reach.time, horizon_motion: reach && reach.motion, horizon_curve: reach ? reach.first : "",
+    pending: reach === null && s.written > 1, horizon: reach && reach.time, horizon_motion: reach && reach.motion, horizon_curve: reach ? reach.first : "",
     notes: [...(s.module.startNotes ? s.module.startNotes(s.p) : []), ...(s.message ? [] : remarks(s))],
   };
   if (s.method === "dop853" && settings.rtol > 1e-6)

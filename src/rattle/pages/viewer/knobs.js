@@ -7,6 +7,15 @@ import { printed } from "./units.js";
 
 const STEPS = 400; // of a slider
 
+// A part of an address as it was written; as it stands where it is none.
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
 export class Knobs {
   // source: {compute(slot, model, parameters, settings) -> promise of a run}; ideal: there is a mechanism without play
   constructor(viewer, source, { ideal = false, model = "", first = null } = {}) {
@@ -263,17 +272,22 @@ export class Knobs {
     return make("span", { class: "hand" }, toggle, menu);
   }
 
-  // Parameters that differ from the model's, as #r3=0.002&B.r3=0.004.
+  // Parameters that differ from the model's, as #r3=0.002&B.r3=0.004; what is no parameter has a dot in its name where a
+  // parameter is called so.
   linkText() {
     const parts = [];
     for (const [slot, set] of Object.entries(this.sets)) {
       if (!set) continue;
       const head = slot === "B" ? "B." : "";
-      if (slot === "B") parts.push("B=");
+      if (slot === "B") parts.push(`${this.linkKey("B")}=`);
       for (const { name, value } of this.knobs.values()) if (set[name] !== value) parts.push(`${head}${encodeURIComponent(name)}=${set[name]}`);
     }
-    if (this.end !== this.usualEnd) parts.push(`t_end=${this.end}`);
+    if (this.end !== this.usualEnd) parts.push(`${this.linkKey("t_end")}=${this.end}`);
     return parts.join("&");
+  }
+
+  linkKey(word) {
+    return this.knobs.has(word) ? `.${word}` : word;
   }
 
   keepLink() {
@@ -285,12 +299,13 @@ export class Knobs {
 
   fromLink() {
     if (!this.viewer.host.page) return;
-    for (const part of location.hash.slice(1).split("&").filter(Boolean)) {
-      const [key, text] = part.split("="), value = Number(text), second = key.startsWith("B.") || key === "B";
-      if (second) this.sets.B ??= { ...Object.fromEntries([...this.knobs.values()].map((one) => [one.name, one.value])) };
-      const name = decodeURIComponent(key.startsWith("B.") ? key.slice(2) : key);
-      if (this.knobs.has(name) && text !== "" && Number.isFinite(value)) this.sets[second ? "B" : "A"][name] = value;
-      else if (name === "t_end" && value > 0) this.end = value;
+    for (const part of location.hash.slice(1).split("&")) {
+      const [key, text = ""] = part.split("=").map(decoded), value = Number(text);
+      const second = key.startsWith("B."), name = second ? key.slice(2) : key;
+      if (second || key === this.linkKey("B")) this.sets.B ??= Object.fromEntries([...this.knobs.values()].map((one) => [one.name, one.value]));
+      if (text === "" || !Number.isFinite(value)) continue;
+      if (this.knobs.has(name)) this.sets[second ? "B" : "A"][name] = value;
+      else if (key === this.linkKey("t_end") && value > 0 && this.end !== null) this.end = value;
     }
   }
 

@@ -6,6 +6,7 @@
 
 import { advanceRun, beginRun, beginSecond, endRun } from "./engine.js";
 import { agreement } from "./horizon.js";
+import { trustLines } from "./trust_words.js";
 
 const SLICE = 12; // milliseconds between two looks at the messages
 
@@ -27,6 +28,11 @@ export function serveModels(port, models) {
     trusting.delete(task.slot);
     port.postMessage({ id: task.id, trust: endRun(task.first, agreement(task.first, task.second)).trust });
   };
+  const giveUp = (task) => { // a horizon that cannot be known is not waited for
+    trusting.delete(task.slot);
+    const { trust: known } = endRun(task.first), said = { ...known, pending: false };
+    port.postMessage({ id: task.id, trust: { ...said, text: trustLines(said) } });
+  };
   channel.port1.onmessage = () => {
     const [task] = waiting.values(), [quiet] = trusting.values();
     try {
@@ -35,7 +41,7 @@ export function serveModels(port, models) {
     } catch (error) {
       if (task) port.postMessage({ id: task.id, error: error.message });
       if (task) waiting.delete(task.id);
-      else trusting.delete(quiet.slot);
+      else giveUp(quiet);
     }
     busy = waiting.size + trusting.size > 0;
     if (busy) soon();

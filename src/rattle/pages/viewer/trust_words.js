@@ -22,7 +22,7 @@ function accuracy(trust) {
 
 function reach(trust) {
   const { horizon, t_end: end, stopped } = trust;
-  if (horizon === null) return "how long the curves can be trusted is being computed";
+  if (horizon === null) return `how long the curves can be trusted ${trust.pending ? "is being" : "was not"} computed`;
   let whole = `up to where the run ended, t = ${general(end, 4)} s`;
   if (!stopped) whole = `over the whole run, to t = ${general(end, 4)} s`;
   const agree = horizon >= end || (stopped && !trust.horizon_curve);
