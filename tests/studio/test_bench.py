@@ -8,7 +8,7 @@ import time
 import pytest
 from studio_models import PENDULUM
 
-from rattle.studio.bench import Bench
+from rattle.studio.bench import Bench, Outcome
 
 LONG = PENDULUM.replace('t_end = "1 s"', 't_end = "1e5 s"\nrtol = 1e-12\noutput = 1e4')
 
@@ -89,6 +89,14 @@ def test_the_motion_goes_before_all_that_waits(page):
     page.until(lambda: len(page.kinds()) == 4)
     assert [name for name, _ in page.kinds()] == ["equilibrium", "motion", "forces", "thumbnail slider_crank"]
     assert {kind for _, kind in page.kinds()} == {"done"}
+
+
+def test_an_answer_to_what_was_dropped_is_not_told_though_it_was_on_its_way(page):
+    number = page.bench.ask("forces", source=source(1.0))
+    page.bench._process.wait()
+    page.bench.drop("forces")
+    page.bench._hear(page.bench._process, Outcome(number, "done", "of the model before"))
+    assert page.kinds() == [("forces", "stopped")]
 
 
 def test_an_answer_that_is_an_error_is_plain_words(page):

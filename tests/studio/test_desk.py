@@ -199,6 +199,17 @@ def test_tabs_are_computed_when_they_are_opened_and_say_when_they_are_out_of_dat
     assert desk.bench.asked[-1][0] == "equilibrium"
 
 
+def test_a_tab_shows_what_its_fields_say_when_it_is_opened_again(desk):
+    desk.hear({"do": "show", "tab": "accuracy", "options": {"of": "rod.x"}})
+    desk._outcome("accuracy", Outcome(2, "done", {"told": "", "blocks": []}))
+    desk.hear({"do": "show", "tab": "accuracy", "options": {}})  # the field is as usual again
+    assert len(desk.bench.asked) == 3
+    assert "of" not in desk.bench.asked[-1][1]
+    desk._outcome("accuracy", Outcome(3, "done", {"told": "", "blocks": []}))
+    desk.hear({"do": "show", "tab": "accuracy", "options": {}})
+    assert len(desk.bench.asked) == 3
+
+
 def test_python_code_makes_the_same_mechanism(desk, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     desk.hear({"do": "knob", "name": "l", "value": "1.25 m"})

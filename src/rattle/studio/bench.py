@@ -132,6 +132,7 @@ class Bench:
         self._waiting: dict[str, Job] = {}
         self._running: Job | None = None
         self._count = 0
+        self._dropped = 0  # number of the last job whose answer no longer matters
         self._timer: threading.Timer | None = None
         self.ended = False
 
@@ -173,6 +174,7 @@ class Bench:
         for name in names:
             self._waiting.pop(name, None)
             if self._running is not None and self._running.name == name:
+                self._dropped = self._running.number  # it may have ended already, with an answer on its way
                 self._send("stop", self._running.number)
 
     def end(self) -> None:
@@ -215,13 +217,15 @@ class Bench:
         if running is None or outcome.number not in (running.number, 0):
             return
         if outcome.kind == "progress":
-            if running.name not in self._waiting:
+            if running.name not in self._waiting and running.number != self._dropped:
                 self._tell(running.name, outcome)
             return
         self._cancel_timer()
         self._running = None
         if outcome.kind == "ended":
             outcome = Outcome(running.number, "failed", "the process that computes was ended from outside")
+        elif running.number == self._dropped:
+            outcome = Outcome(running.number, "stopped")
         if running.name not in self._waiting:  # otherwise a newer request is waiting
             self._tell(running.name, outcome)
         self._go_on()

@@ -121,9 +121,11 @@ class Desk:
     def do_show(self, tab: str, options: Message | None = None) -> None:
         """A tab was opened: what it shows is computed with these options if that has not been done."""
         self.shown = tab
-        self.options.setdefault(tab, dict(options or {}))
-        if tab in TABS and not self._is_current(tab) and tab not in (self.bench.busy, *self.bench.waiting):
-            self._compute(tab)
+        if tab in TABS and tab not in (self.bench.busy, *self.bench.waiting):
+            if options is not None:
+                self.options[tab] = dict(options)  # what its fields say is what it shows
+            if not self._is_current(tab):
+                self._compute(tab)
 
     def do_compute(self, tab: str, options: Message) -> None:
         """A tab is to be computed with these options."""

@@ -25,6 +25,7 @@ from rattle.studio.guard import LOOPBACK, Guard, Secrets
 
 LARGEST_MESSAGE = 20_000_000  # from the page, over its web socket [bytes]; a model text has at most 8 MB
 LARGEST_BODY = 100_000  # of a request; none has a body [bytes]
+IDLE = 30.0  # a connection that asks for nothing, or never ends to ask, is closed after this time [s]
 LIFETIME = 4000  # a session without a page ends after this time [ms]
 LOOK = 1000  # how often sessions without a page are looked for [ms]
 GRACE = 3.0  # for whatever still works when the studio is told to end [s]
@@ -51,7 +52,7 @@ class Server:
         )  # fmt: skip
         guard = Guard(self.application, self.keys, names, self.port)
         self.application.add_transform(partial(_WithHeaders, guard.headers()))
-        self.http = HTTPServer(guard, max_body_size=LARGEST_BODY, max_header_size=32_000)
+        self.http = HTTPServer(guard, max_body_size=LARGEST_BODY, max_header_size=32_000, idle_connection_timeout=IDLE)
         self.http.add_sockets(sockets)
         self.loop = IOLoop.current()
         self.bokeh = BaseServer(self.loop, self.application, self.http)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import panel as pn
-from bokeh.models import BoxAnnotation, ColumnDataSource, HoverTool, Label, Span, TapTool
+from bokeh.models import BoxAnnotation, ColumnDataSource, FactorRange, HoverTool, Label, Span, TapTool
 from bokeh.plotting import figure as new_plot
 
 from rattle.plots.curves import CURVES, MORE
@@ -16,6 +16,7 @@ from rattle.plots.curves import CURVES, MORE
 Content = dict[str, Any]
 Pick = Callable[[dict[str, Any]], None]
 HEIGHT = 290  # of a figure [px]
+FEW_BARS = 8  # fewer leave room beside them, so that they do not become broad
 
 
 class Look(NamedTuple):
@@ -147,16 +148,7 @@ def _curves(block: Content, look: Look, pick: Pick) -> Any:
         plot.add_layout(
             BoxAnnotation(left=after, fill_color=look.soft, fill_alpha=0.13, line_color=None, level="underlay")
         )
-        plot.add_layout(
-            Label(
-                x=after,
-                y=4,
-                y_units="screen",
-                text=" after the horizon: statistics only",
-                text_color=look.soft,
-                text_font_size="11px",
-            )
-        )
+        plot.title.text += "  (grey: after the horizon, statistics only)"
     if plot.legend:
         legend = plot.legend[0]
         plot.add_layout(legend, "right")
@@ -170,8 +162,10 @@ def _curves(block: Content, look: Look, pick: Pick) -> Any:
 
 def _bars(block: Content, look: Look, pick: Pick) -> Any:
     labels = list(dict.fromkeys(block["labels"]))
-    plot = _plot(block, "", block["y"], look, x_range=labels)
-    plot.sizing_mode, plot.width = "fixed", min(980, 150 + 110 * len(labels))
+    room = max(0.0, 0.5 * (FEW_BARS - len(labels)))
+    plot = _plot(
+        block, "", block["y"], look, x_range=FactorRange(*labels, range_padding=room, range_padding_units="absolute")
+    )
     plot.vbar(x=labels, top=block["values"][: len(labels)], width=0.62, color=colour_of(0, look))
     plot.y_range.start = 0
     plot.xgrid.grid_line_color = None

@@ -24,7 +24,10 @@ SHARE = 0.01  # by which parameters differ where none has a tolerance
 def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Content:
     """The histogram of a number over mechanisms whose parameters differ by their tolerances."""
     m = shelf.mechanism(source)
-    count = int(float(n))
+    try:
+        count = int(float(n))
+    except (ValueError, OverflowError):
+        count = 0
     if not 2 <= count <= MOST:
         raise ValueError(f"mechanisms: give a whole number from 2 to {MOST}")
     output = of.strip() or usual_force(shelf.motion(source))
@@ -36,7 +39,9 @@ def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Conte
     output = e.outputs[0]
     counts = e.counts()
     failed = {key: value for key, value in counts.items() if value and key not in ("ok", "samples")}
-    told = f"{count} mechanisms: {e.how}" + "".join(f", {value} {key}" for key, value in failed.items())
+    told = f"{count} mechanisms: {e.how.partition(':')[0]}" + "".join(
+        f", {value} {key}" for key, value in failed.items()
+    )
     return content(
         told, words("\n".join([*note, *e.notes]), "care"), _histogram(e, output),
         words("Click a bar: one of its mechanisms is replayed in Motion."), _numbers(e, output), _shares(e, output),

@@ -24,7 +24,11 @@ def wear(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
     told = f"oil in {', '.join(oiled)}" if oiled else "no oil"
     if not worn:
         return content(f"{told}, no wear", *blocks, words(HOW_WEAR))
-    found = m.wear(float(cycles), progress=True)
+    try:
+        count = float(cycles)
+    except ValueError:
+        raise ValueError(f"cycles: {cycles!r} is not a number; give one such as 1e5") from None
+    found = m.wear(count, progress=True)
     if found.interrupted:
         raise KeyboardInterrupt
     history = found.columns

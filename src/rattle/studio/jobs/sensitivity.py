@@ -32,6 +32,9 @@ def sensitivity(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Con
     alike = [one for one in found if one.unit == found[0].unit][:MOST_LINES]
     name = (lambda one: one.parameter) if len(outputs) == 1 else (lambda one: f"{one.output} by {one.parameter}")
     lines = [line(f"{name(one)} by {one.words}", result.t, factor * one.derivative * one.change) for one in alike]
+    idle = [one.parameter for one in found if not np.any(one.derivative)]
+    if idle and note:
+        note += f".\n{', '.join(dict.fromkeys(idle))} changes nothing there; Accuracy and Ensemble are with play"
     rows = [
         (one.output, one.parameter, one.words, one.slope, one.effect, f"{result.t[one.largest]:.4g} s") for one in found
     ]
@@ -61,8 +64,11 @@ def _of_motion(m, outputs: list[str], parameters: list[str], t: np.ndarray) -> t
         return m.sensitivity(outputs, parameters, t), ""
     except (ModelError, TraceError) as error:
         why = str(error).splitlines()[0]
+        because = why.partition("; ")[0].removeprefix(
+            "no sensitivities: "
+        )  # what follows is for those who write Python
     try:
         found = m.ideal().sensitivity(outputs, parameters, t, "kinematics", strict=True)
     except (ModelError, TraceError, SolverError):
         raise ModelError([]) from None if not why else ValueError(why)
-    return found, f"These are of the mechanism without play, driven through its motion, because {why}"
+    return found, f"These are of the mechanism without play, driven through its motion, because {because}"

@@ -13,13 +13,14 @@ import { Status, stateOf } from "./status.js";
 import { Strip, TABS, TabHead, fieldsOf } from "./tabs.js";
 
 const BEAT = 5000; // between two questions whether the studio is there [ms]
+const EMPTY = { knobs: [], contacts: [], wear: [], tolerances: [] }; // what is known of a model that was not read yet
 
 class Page {
   constructor(model) {
     this.model = model;
     this.history = new History();
     this.shown = "motion";
-    this.facts = { knobs: [], contacts: [], wear: [], tolerances: [] };
+    this.facts = EMPTY;
     this.tell = (message) => {
       this.editor.flush();
       if (["setting", "contact", "method"].includes(message.do)) this.show.otherwise = true;
@@ -125,7 +126,7 @@ class Page {
   }
 
   on_text(message) {
-    if (message.fresh) { this.history.start(message.text); this.show.clear(); for (const head of this.heads.values()) head.show({ state: "" }); }
+    if (message.fresh) { this.history.start(message.text); this.show.clear(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } }
     else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
     else this.history.record(message.text, "knob");
     this.header.steps(this.history);
@@ -148,7 +149,7 @@ class Page {
       this.status.old();
       return;
     }
-    this.facts = message.facts;
+    this.facts = { output: this.facts.output, force: this.facts.force, ...message.facts }; // until its motion is there
     this.header.title.textContent = message.facts.title || "mechanism";
     document.title = `${message.facts.title || "mechanism"} – rattle studio`;
     this.knobs.show(message.facts);
@@ -187,6 +188,7 @@ class Page {
   }
 
   trusted(message) {
+    if (message.state === "stopped" || message.state === "failed") this.status.unchecked();
     if (message.state !== "done") return;
     this.checked = true;
     this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);

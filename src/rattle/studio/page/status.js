@@ -1,6 +1,11 @@
 // The line at the bottom that is always there: how far the result can be trusted, and what is being computed.
 
 import { h, replace } from "./dom.js";
+import { TABS } from "./tabs.js";
+
+const NAMES = new Map([...TABS, ["trust", "Trust"], ["sample", "Mechanism of the ensemble"]]);
+const UNCHECKED = "how long the curves can be trusted was not computed (horizon=True does)"; // of a run of rattle
+const PREPARING = 4; // a job that has not said for so long how far it is compiles [s]
 
 export class Status {
   constructor(tell) {
@@ -20,27 +25,43 @@ export class Status {
     this.trust.setAttribute("aria-expanded", String(open));
   }
 
-  // state: "good", "care", "bad", "old" or "wait".
+  // state: "good", "check", "care", "bad", "old" or "wait".
   say(state, lines) {
-    const names = { good: "Trusted", care: "With care", bad: "Not trusted", old: "Old", wait: "Wait" };
+    const names = { good: "Trusted", check: "Being checked", care: "With care", bad: "Not trusted", old: "Old", wait: "Wait" };
     this.el.dataset.state = state;
-    replace(this.text, h("b", {}, names[state]), h("span", {}, lines.join(" · ")));
+    replace(this.text, h("b", {}, names[state]), h("span", {}, lines.join(" · ").replaceAll(UNCHECKED, state === "check" ? "how long the curves can be trusted is computed now" : "how long the curves can be trusted was not computed")));
     this.last = [state, lines];
+  }
+
+  // The second run, from which one knows how long the curves can be trusted, was stopped or has failed.
+  unchecked() {
+    if (this.last[0] === "check") this.say("care", this.last[1]);
   }
 
   old() {
     if (this.last[0] !== "wait") this.say("old", ["this is of the model before the change", ...this.last[1].filter((one) => !one.startsWith("this is of"))]);
   }
 
-  // What is computed at the moment: a message of a job, or null.
+  // What is computed at the moment, for how long, and how far it is; message: of a job.
   working(job, message) {
     const busy = message.state === "waiting" || message.state === "running";
     if (!busy && job !== this.job) return;
+    if (busy && (job !== this.job || this.work.hidden)) this.since = performance.now();
     this.job = job;
+    this.message = message;
     this.work.hidden = !busy;
-    this.words.textContent = message.what ? `${job}: ${message.what}` : `${job} …`;
     if (message.share === undefined) this.bar.removeAttribute("value");
     else this.bar.value = message.share;
+    clearInterval(this.clock);
+    if (busy) this.clock = setInterval(() => this.tick(), 1000);
+    this.tick();
+  }
+
+  tick() {
+    const { what, share } = this.message, seconds = Math.floor((performance.now() - this.since) / 1000);
+    const name = NAMES.get(this.job) ?? this.job;
+    const first = seconds >= PREPARING && share === undefined ? ", a mechanism of a new kind is prepared first" : "";
+    this.words.textContent = `${name}${what && what !== this.job ? `, ${what}` : ""} …${seconds >= 2 ? ` ${seconds} s` : ""}${first}`;
   }
 }
 
@@ -49,5 +70,6 @@ export function stateOf(value) {
   if (!value.success) return "bad";
   const text = value.trust.join(" ");
   if (/would have to pull|does not hold|statistics only|too few|up to t =/.test(text) && !/over the whole run/.test(text)) return "care";
-  return /would have to pull|does not hold|too few/.test(text) ? "care" : "good";
+  if (/would have to pull|does not hold|too few/.test(text)) return "care";
+  return text.includes(UNCHECKED) ? "check" : "good";
 }

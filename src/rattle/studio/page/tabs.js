@@ -21,37 +21,72 @@ export class TabHead {
     this.stop = h("button", { class: "quiet", hidden: true, onclick: () => tell({ do: "stop", tab }) }, "Stop");
     this.again = h("button", { hidden: true, onclick: () => this.compute() }, "Compute");
     this.form = h("div", { class: "form" });
-    this.read = () => ({});
+    this.inputs = new Map();
+    this.entered = new Set(); // fields into which the user has written
+    this.usual = new Map();
     this.el = h("div", { class: "tab-head" }, this.form, h("div", { class: "state" }, this.words, this.bar, this.stop, this.again));
     this.state = "";
   }
 
   compute() { this.tell({ do: "compute", tab: this.tab, options: this.read() }); }
 
-  // What can be chosen, as fields: [{key, label, kind: "select" | "text", options, value, hint}].
+  // What can be chosen, as fields: [{key, label, kind: "select" | "text", options, value, hint}].  What the user has
+  // entered stays; a field that was left alone follows the model, and what it means is left to the studio.
   offer(fields) {
     const text = JSON.stringify(fields);
-    if (text === this.offered || this.touched) return;
+    if (text === this.offered) return;
     this.offered = text;
-    const inputs = new Map();
+    if (fields.map((one) => one.key).join() !== [...this.inputs.keys()].join()) this.build(fields);
+    for (const field of fields) {
+      const { input, list } = this.inputs.get(field.key);
+      this.usual.set(field.key, field.value);
+      if (!this.entered.has(field.key)) input.value = field.value;
+      if (list) replace(list, field.options.map((one) => h("option", { value: one })));
+    }
+  }
+
+  build(fields) {
+    this.forget();
     replace(this.form, fields.map((field) => {
       const id = `${this.tab}-${field.key}`;
       const input = field.kind === "select"
-        ? h("select", { id }, field.options.map((one) => h("option", { value: one, selected: one === field.value }, one)))
-        : h("input", { id, value: field.value, spellcheck: "false", placeholder: field.hint ?? "", size: field.size ?? 18, list: field.options ? `${id}-list` : null });
-      inputs.set(field.key, input);
-      input.addEventListener("input", () => { this.touched = true; });
+        ? h("select", { id }, field.options.map((one) => h("option", { value: one }, one)))
+        : h("input", { id, spellcheck: "false", autocomplete: "off", placeholder: field.hint ?? "", size: field.size ?? 18, list: field.options ? `${id}-list` : null });
+      const list = field.kind !== "select" && field.options ? h("datalist", { id: `${id}-list` }) : null;
+      this.inputs.set(field.key, { input, list });
+      input.addEventListener("input", () => this.entered.add(field.key));
       input.addEventListener(field.kind === "select" ? "change" : "keydown", (event) => {
         if (event.type === "change" || event.key === "Enter") this.compute();
       });
-      const list = field.kind !== "select" && field.options ? h("datalist", { id: `${id}-list` }, field.options.map((one) => h("option", { value: one }))) : null;
       return h("label", { for: id }, h("span", {}, field.label), input, list);
     }));
-    this.read = () => Object.fromEntries([...inputs].map(([key, input]) => [key, input.value]));
+  }
+
+  // Another model: nothing that was entered for the one before holds.
+  forget() {
+    this.inputs.clear();
+    this.entered.clear();
+    this.usual.clear();
+    this.offered = "";
+    replace(this.form, []);
+  }
+
+  // What was entered; a field that is empty gets back what is usual.
+  read() {
+    const found = {};
+    for (const key of this.entered) {
+      const { input } = this.inputs.get(key), value = input.value.trim();
+      if (value !== "" && value !== this.usual.get(key)) found[key] = value;
+      else {
+        this.entered.delete(key);
+        input.value = this.usual.get(key);
+      }
+    }
+    return found;
   }
 
   show(message) {
-    this.state = message.state;
+    this.state = this.el.dataset.state = message.state;
     const busy = message.state === "waiting" || message.state === "running";
     this.words.textContent = message.words && message.state === "failed" ? message.words : message.value?.told ?? SAID[message.state];
     this.words.className = message.state === "failed" ? "words failed" : message.state === "old" ? "words old" : "words";
@@ -103,18 +138,18 @@ export class Strip {
 
 // What can be chosen in each tab, from the facts of the model and the names of curves.
 export function fieldsOf(tab, facts, names) {
-  const driver = facts.output ?? "", force = facts.force ?? "";
+  const driver = facts.output ?? "", force = facts.force ?? "", hint = "known after the motion";
   if (tab === "equilibrium") {
     return [{ key: "t", label: "drivers held at", kind: "text", value: "0 s", size: 8 },
       { key: "branches", label: "look in", kind: "select", options: ["near", "all"], value: "near" }];
   }
-  if (tab === "accuracy") return [{ key: "of", label: "of", kind: "text", value: driver, options: names, size: 22 }];
+  if (tab === "accuracy") return [{ key: "of", label: "of", kind: "text", value: driver, options: names, hint, size: 22 }];
   if (tab === "sensitivity") {
-    return [{ key: "of", label: "of", kind: "text", value: driver, options: names, size: 22 },
-      { key: "to", label: "to", kind: "text", value: (facts.tolerances.length ? facts.tolerances : facts.knobs.map((one) => one.name)).slice(0, 6).join(", "), size: 22 }];
+    return [{ key: "of", label: "of", kind: "text", value: driver, options: names, hint, size: 22 },
+      { key: "to", label: "to", kind: "text", value: (facts.tolerances.length ? facts.tolerances : facts.knobs.map((one) => one.name)).join(", "), size: 22 }];
   }
   if (tab === "ensemble") {
-    return [{ key: "of", label: "number", kind: "text", value: force, size: 22 },
+    return [{ key: "of", label: "number", kind: "text", value: force, hint, size: 22 },
       { key: "n", label: "mechanisms", kind: "text", value: "64", size: 6 }];
   }
   if (tab === "wear" && facts.wear.length) return [{ key: "cycles", label: "cycles", kind: "text", value: "1e5", size: 8 }];
