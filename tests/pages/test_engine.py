@@ -128,6 +128,13 @@ def test_rates_that_are_not_given_are_those_of_the_mechanism_without_play(tmp_pa
         assert apart(run, r, [name for name in run["names"] if name.endswith((".x", ".y", ".angle", ".omega"))]) < 1e-10
 
 
+def test_values_of_the_start_are_rounded_in_a_model_file_and_parameters_may_change_nevertheless(tmp_path):
+    """A given angle that closes a loop to nine digits only: loads and masses have nothing to do with it."""
+    live, _ = program_of("excavator")
+    run = computed(tmp_path, live, {"payload": 0.0, "r": 0.25}, t_end=0.1, outputs=5)
+    assert apart(run, simulated(rt.example("excavator"), run, live, t_end=0.1)) < 1e-7
+
+
 def test_parameters_that_leave_the_start_as_it_is_need_no_given_start(tmp_path):
     live = live_program(rt.loads(PULSE.replace("x = 0, ", "")))
     run = computed(tmp_path, live, {"width": 0.01})
@@ -163,6 +170,55 @@ def test_a_chaotic_motion_has_a_horizon(tmp_path):
     run = computed(tmp_path, live, horizon=True)
     assert 8.0 < run["trust"]["horizon"] < 14.0
     assert run["trust"]["text"][1].endswith("(horizon), after it statistics only")
+
+
+STEEP_RAIL = """
+format = 1
+[parameters]
+tilt = { value = "15 deg", min = "-80 deg", max = "80 deg" }
+[ground.points]
+O = [0, 0]
+S = [0.3, 0.1]
+[bodies.crank]
+points = { O = [0, 0], A = [0.05, 0] }
+mass = 1
+inertia = 0.01
+[bodies.slide]
+points = { P = [0, 0] }
+mass = 0.5
+inertia = 0.002
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "crank.O"]
+[joints.rail]
+type = "prismatic"
+connect = ["ground.S", "slide.P"]
+axis = "tilt"
+[joints.rod]
+type = "rod"
+connect = ["crank.A", "slide.P"]
+length = 0.27
+[drivers.motor]
+joint = "O"
+angle = "12*t"
+[initial]
+crank = { angle = 0 }
+slide = { x = 0.25 }
+[simulate]
+t_end = 1
+"""
+
+
+def test_a_dead_centre_that_ends_a_run_is_named_and_so_are_values_of_the_start(tmp_path):
+    """A rail so steep that the rod cannot get round: no load is to blame, and `simulate` ends there too."""
+    m = rt.loads(STEEP_RAIL)
+    live = live_program(m)
+    assert any("asked for slide.x = 0.25 m, got " in note for note in live.notes)
+    run = computed(tmp_path, live, {"tilt": 1.3962634015954636})
+    r = m.set(tilt=1.3962634015954636).simulate()
+    assert (run["success"], r.success) == (False, False)
+    assert "dead centre" in run["message"]
+    assert run["trust"]["t_end"] == pytest.approx(r.trust.t_end, rel=1e-4)
 
 
 def test_a_step_that_tears_joints_apart_ends_the_run_in_words(tmp_path):

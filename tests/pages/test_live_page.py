@@ -225,6 +225,13 @@ def test_a_model_with_contacts_becomes_runs_to_choose_from(tmp_path, open_page):
     assert "there are" in tab.evaluate(SET, ["c", 0.3])
 
 
+@pytest.mark.parametrize("over", [{"cc": [1.0]}, {"c": ["5 kg", "-1 mm"]}])
+def test_values_that_the_model_does_not_take_are_no_page(over, tmp_path):
+    with pytest.raises(rt.ModelError, match=r"no parameter 'cc'|is a mass"):
+        page(rt.example("slider_crank_play"), tmp_path / "p.html", over=over)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_model_without_limits_has_number_boxes(tmp_path):
     """And a model file in a scene is the model again."""
     text = rt.example("fourbar").to_toml()

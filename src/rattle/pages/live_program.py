@@ -86,7 +86,8 @@ def live_program(m: Mechanism, t_end: float | None = None) -> LiveProgram:
         ideal = None
     settings, notes = run_settings(m, t_end)
     module = _module(model, made, drawing, places, beside)
-    return LiveProgram(module, made, settings, constants, (*notes, *_uncertain(model)), ideal)
+    asked = [f"the model as it is written: {note}" for note in m.start.notes]
+    return LiveProgram(module, made, settings, constants, (*notes, *asked, *_uncertain(model)), ideal)
 
 
 def _without_play(m: Mechanism, t_end: float | None) -> LiveProgram | None:

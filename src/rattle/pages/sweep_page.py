@@ -35,6 +35,7 @@ def sweep_scene(
     plans = list(runs_of(m, over))
     if len(plans) > MOST:
         raise ValueError(f"{len(plans)} runs are too many for a page; ask for at most {MOST}")
+    _require_known(m, plans[1:] if over is not None else [])
     made: list[tuple[str, Result]] = []
     failed: list[str] = []
     for plan in _counted(plans, progress):
@@ -54,6 +55,20 @@ def sweep_scene(
     if len(made) > 1:
         notes.append("how long curves can be trusted was computed for the first run only, the model as in its file")
     return scene_of(made, title=m.name, notes=notes)
+
+
+def _require_known(m: Mechanism, plans: Sequence[Mapping[str, Any]]) -> None:
+    """Raise ModelError where the model takes none of these changes: a name that it does not know, a wrong unit."""
+    first: ModelError | None = None
+    for plan in plans:
+        try:
+            m.set(**plan)
+        except ModelError as error:
+            first = first or error
+        else:
+            return
+    if first is not None:
+        raise first
 
 
 def runs_of(m: Mechanism, over: Mapping[str, Sequence[float | str]] | None) -> Iterator[dict[str, Any]]:

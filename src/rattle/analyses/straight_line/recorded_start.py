@@ -77,7 +77,8 @@ def record_start(
     if kept is None or (kept_rates is None and not beside_ideal):
         return None
     q = y[:nq]
-    correction, sound_correction, gaps = _positions(recorded, recorder, kept, q)
+    slack = KEPT * _scale(system, start.q)
+    correction, sound_correction, gaps = _positions(recorded, recorder, kept, q, slack * _sizes(system))
     if kept_rates is None:
         rates, sound_rates = rates_beside_ideal(recorded, recorder, q, y[nq : 2 * nq])
     else:
@@ -201,8 +202,17 @@ def _left_at_zero(system: System, now: np.ndarray, given: np.ndarray) -> list[in
 
 def _agrees(system: System, now: np.ndarray, given: np.ndarray) -> np.ndarray:
     """(3 nb,) True where a coordinate or rate has its given value; not where none is given."""
-    size = np.tile([system.size, system.size, 1.0], system.body_count)
-    return np.asarray(np.abs(now - given) <= KEPT * max(1.0, float(np.abs(now / size).max(initial=0.0))) * size)
+    return np.asarray(np.abs(now - given) <= KEPT * _scale(system, now) * _sizes(system))
+
+
+def _scale(system: System, now: np.ndarray) -> float:
+    """The largest coordinate or rate, in sizes of the mechanism or rad (per second), at least 1."""
+    return max(1.0, float(np.abs(now / _sizes(system)).max(initial=0.0)))
+
+
+def _sizes(system: System) -> np.ndarray:
+    """(3 nb,) what coordinates are compared with [m, m, rad]."""
+    return np.tile([system.size, system.size, 1.0], system.body_count)
 
 
 def _unit(n: int, k: int) -> np.ndarray:
@@ -306,7 +316,10 @@ def _hinges(system: System, pins: Sequence[str], offsets: Mapping[str, Any] | No
 
 
 # ---------------------------------------------------------------- recording
-def _positions(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any, list[Gap]]:
+def _positions(
+    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray
+) -> tuple[list[Any], Any, list[Gap]]:
+    """The correction of positions, its flag, and what is open; slack: (3 nb,) as `_missed` takes it."""
     held = Recording(_held(without_counting(recorded.model), kept.pins, kept.needed), recorder)
     offsets = recorded.model.initial.offsets
     open_at_q: list[Gap] = []
@@ -316,24 +329,29 @@ def _positions(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) 
         made, still = q.copy(), np.zeros(len(q), dtype=object)
         closing.begin(made, still)
         open_at_q.extend(_open_rows(held.system, closing.workspace.rows, recorder))
-        open_at_q.extend(_missed(recorded, recorder, kept, q))
+        open_at_q.extend(_missed(recorded, recorder, kept, q, slack))
         closing.correct(made, still)
-        left = [closing.gap(), *(gap.open for gap in _missed(recorded, recorder, kept, made))]
+        left = [closing.gap(), *(gap.open for gap in _missed(recorded, recorder, kept, made, slack))]
         return [*made, recorder.largest(left)]
 
     correction, sound = held.guarded(correct)
     return correction, sound, open_at_q
 
 
-def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> list[Gap]:
-    """What has no row of its own: given coordinates that the joints determine, and clearances that pins stand off."""
+def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray) -> list[Gap]:
+    """What has no row of its own: given coordinates that the joints determine, and clearances that pins stand off.
+
+    slack: (3 nb,) up to which the values of the model file count as kept [m or rad], since they are rounded there;
+    only what is beyond it is missed.
+    """
     bodies, found = list(recorded.model.bodies), []
     for k in kept.also:
         name = f"{bodies[k // 3]}.{KEYS[0][k % 3]} of [initial] is missed by"
-        found.append(Gap(name, abs(q[k] - symbol_of(_given(recorded, k, 0))), ("m", "m", "rad")[k % 3]))
+        missed = recorder.largest([abs(q[k] - symbol_of(_given(recorded, k, 0))) - slack[k]])
+        found.append(Gap(name, missed, ("m", "m", "rad")[k % 3]))
     for name in kept.pins:
         length = recorder.graph.apply("hypot", *map(symbol_of, recorded.model.initial.offsets[name]))
-        missed = abs(length - symbol_of(recorded.model.joints[name].clearance))
+        missed = recorder.largest([abs(length - symbol_of(recorded.model.joints[name].clearance)) - 2.0 * slack[0]])
         found.append(Gap(f"the length of the offset of joint '{name}' is not its clearance, by", missed, "m"))
     return found
 

@@ -56,10 +56,12 @@ export function floorOf(s) {
 }
 
 // ---------------------------------------------------------------- the end, in words
+export const WEAK = 1e-3; // share of a pivot below which the position is next to a singular one
 export const SINGULAR =
   "the mechanism gets to a singular position there (a dead centre, or points that coincide), which a page cannot pass;"
   + " `rattle run` tries to";
 export const NOT_FINITE = "a load, driver or signal has no finite value there";
+export const TOO_FAST = "the motion, or a load, driver or signal, changes too fast there, or has no finite value from there on";
 export const cannot = (t) => `cannot go on at t = ${general(t)} s`;
 
 export const tooMany = (s) =>
@@ -77,6 +79,9 @@ export function unsound(s, tNew) {
   }
   if (!(s.unrest <= limits.energy))
     what.push(`the energy error would be ${general(100 * s.unrest, 2)} % of the largest energy`);
+  if (s.method !== "rk4" && s.pivot < WEAK)
+    return `ended at t = ${general(s.t)} s, before ${what.join(" and ")}: a singular position (a dead centre, or points that`
+      + " coincide); start from another position, or change the lengths slightly";
   const why = s.method === "rk4"
     ? `the step of ${general(tNew - s.t, 3)} s is far too long for this motion; choose a shorter step`
     : `the steps are too long for this motion at rtol = ${general(s.rtol)}; choose a smaller rtol or limit the step`;
@@ -90,7 +95,7 @@ export function trustOf(s, reach) {
     energy: balance.reduce((most, x) => Math.max(most, Math.abs(x)), s.written ? 0 : NaN),
     energy_share: s.mostUnrest, t_end: s.t, stopped: s.message !== "", ...pulls(s),
     pending: reach === null && s.written > 1, horizon: reach && reach.time, horizon_motion: reach && reach.motion, horizon_curve: reach ? reach.first : "",
-    notes: [...(s.module.startNotes ? s.module.startNotes(s.p) : []), ...(s.message ? [] : remarks(s))],
+    notes: s.message ? [] : remarks(s),
   };
   if (s.method === "dop853" && settings.rtol > 1e-6)
     trust.notes.push(`rtol = ${general(settings.rtol)} is loose: short contacts may be missed and the horizon may be overestimated`);

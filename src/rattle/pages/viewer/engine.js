@@ -5,14 +5,13 @@
 // Nothing here touches a page, so it also runs in a worker and in node.
 
 import {
-  NOT_FINITE, SINGULAR, cannot, checkResidual, diverged, floorOf, stands, tooMany, trustOf, unsound,
+  NOT_FINITE, SINGULAR, TOO_FAST, WEAK, cannot, checkResidual, diverged, floorOf, stands, tooMany, trustOf, unsound,
 } from "./audit.js";
 import { interpolate, prepareDense, stepDop853, stepRk4 } from "./dop853.js";
 import { agreement } from "./horizon.js";
 import { endOnSwitch, nextInstant, release, slides, takeSides, turnSwitch } from "./switches.js";
 
 const OK = 0, AGAIN = 1, STOP = 2;
-const WEAK = 1e-3; // share of a pivot below which the position is next to a singular one
 const LEAP = 0.1, LEAP_ERROR = 1e-8, MOST_TRIES = 20; // steps across it, see solvers/step_loop.py
 const SAME = 1e-13; // share of a run within which two instants count as one
 const SCAN = 8; // parts of a step that are searched for zeros of a link's force
@@ -210,6 +209,8 @@ function tryStep(s, t, h, last) {
 function stepAnew(s, t, h, error, weak) {
   s.trouble = t + h;
   s.lands = 0;
+  if (s.why === NOT_FINITE && s.pivot < WEAK) s.why = SINGULAR;
+  else if (s.why === NOT_FINITE && error < Infinity) s.why = TOO_FAST;
   if (!(error < Infinity) && s.crossed && release(s)) return s.rejected++, AGAIN;
   if (s.method === "rk4") return stop(s, diverged(s, h)), STOP;
   s.rejected++;
