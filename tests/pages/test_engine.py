@@ -221,6 +221,48 @@ def test_a_dead_centre_that_ends_a_run_is_named_and_so_are_values_of_the_start(t
     assert run["trust"]["t_end"] == pytest.approx(r.trust.t_end, rel=1e-4)
 
 
+LOOP = """
+format = 1
+[parameters]
+rod = { value = "0.5 m", min = "0.4 m", max = "1 m" }
+[ground.points]
+A = [0, 0]
+D = [0.8, 0]
+[bodies.crank]
+bar = ["A", "B"]
+length = 0.3
+mass = 1
+[bodies.link]
+bar = ["B", "C"]
+length = "rod"
+mass = 1
+[bodies.rocker]
+bar = ["D", "C"]
+length = 0.5
+mass = 1
+[joints.A]
+type = "revolute"
+connect = ["ground.A", "crank.A"]
+[joints.B]
+type = "revolute"
+connect = ["crank.B", "link.B"]
+[joints.C]
+type = "revolute"
+connect = ["link.C", "rocker.C"]
+[joints.D]
+type = "revolute"
+connect = ["ground.D", "rocker.D"]
+[drivers.motor]
+joint = "A"
+angle = "1 + 2*t"
+[initial]
+link = { angle = 0.3 }
+rocker = { angle = 1.9 }
+[simulate]
+t_end = 1
+"""
+
+
 def test_a_step_that_tears_joints_apart_ends_the_run_in_words(tmp_path):
     live, m = program_of("double_pendulum")
     settings = {"method": "rk4", "t_end": 20.0, "step": 1.0, "outputs": 20}
@@ -278,6 +320,14 @@ def same_numbers(got, want):
         assert got == pytest.approx(want, rel=1e-12, abs=1e-14)
     else:
         assert got == want
+
+
+def test_a_start_far_from_the_model_s_is_said(tmp_path):
+    """Far away the assembly of Python may take the other half of a loop; the page goes on with the one that it has."""
+    live = live_program(rt.loads(LOOP))
+    for rod, far in ((0.52, False), (0.95, True)):
+        run = computed(tmp_path, live, {"rod": rod}, t_end=0.01, outputs=2)
+        assert ("put together in several ways" in " ".join(run["trust"]["text"])) == far
 
 
 def test_what_cannot_compute_in_a_page_says_why():

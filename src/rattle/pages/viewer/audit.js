@@ -61,6 +61,9 @@ export const SINGULAR =
   "the mechanism gets to a singular position there (a dead centre, or points that coincide), which a page cannot pass;"
   + " `rattle run` tries to";
 export const NOT_FINITE = "a load, driver or signal has no finite value there";
+const ANOTHER_WAY =
+  "this start is far from that of the model as it is written: if the mechanism can be put together in several ways,"
+  + " `rattle run` may take another one";
 export const TOO_FAST = "the motion, or a load, driver or signal, changes too fast there, or has no finite value from there on";
 export const cannot = (t) => `cannot go on at t = ${general(t)} s`;
 
@@ -95,7 +98,7 @@ export function trustOf(s, reach) {
     energy: balance.reduce((most, x) => Math.max(most, Math.abs(x)), s.written ? 0 : NaN),
     energy_share: s.mostUnrest, t_end: s.t, stopped: s.message !== "", ...pulls(s),
     pending: reach === null && s.written > 1, horizon: reach && reach.time, horizon_motion: reach && reach.motion, horizon_curve: reach ? reach.first : "",
-    notes: s.message ? [] : remarks(s),
+    notes: [...(s.anotherWay ? [ANOTHER_WAY] : []), ...(s.message ? [] : remarks(s))],
   };
   if (s.method === "dop853" && settings.rtol > 1e-6)
     trust.notes.push(`rtol = ${general(settings.rtol)} is loose: short contacts may be missed and the horizon may be overestimated`);

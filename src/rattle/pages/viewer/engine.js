@@ -12,6 +12,7 @@ import { agreement } from "./horizon.js";
 import { endOnSwitch, nextInstant, release, slides, takeSides, turnSwitch } from "./switches.js";
 
 const OK = 0, AGAIN = 1, STOP = 2;
+const FAR = 0.5; // [rad, sizes of the mechanism], see analyses/straight_line/starts.py
 const LEAP = 0.1, LEAP_ERROR = 1e-8, MOST_TRIES = 20; // steps across it, see solvers/step_loop.py
 const SAME = 1e-13; // share of a run within which two instants count as one
 const SCAN = 8; // parts of a step that are searched for zeros of a link's force
@@ -38,6 +39,7 @@ export function runWithHorizon(module, settings, parameters) {
 export function beginRun(module, settings, parameters = {}) {
   const p = module.values(parameters), y = module.start(p);
   const s = newState(module, settings, p, y);
+  s.anotherWay = startsFar(module, y);
   s.times = outputTimes(settings);
   s.data = new Float64Array(s.no * s.times.length);
   s.began = now();
@@ -72,6 +74,13 @@ export function advanceRun(s, milliseconds) {
     if (until !== Infinity && now() >= until) break;
   }
   return s.done;
+}
+
+// whether positions at the start are so far from the model's own that the assembly of Python would begin anew
+function startsFar(module, y) {
+  const { nb, size } = module.layout, own = module.start(module.values({}));
+  for (let n = 0; n < 3 * nb; n++) if (Math.abs(y[n] - own[n]) > FAR * (n % 3 === 2 ? 1 : size)) return true;
+  return false;
 }
 
 const now = () => (typeof performance === "undefined" ? Date.now() : performance.now());
