@@ -1,4 +1,4 @@
-"""Positions of rest, small vibrations about them, and what play does to the accuracy of an output."""
+"""Equilibria, small vibrations about them, and what play does to the accuracy of an output."""
 
 from __future__ import annotations
 

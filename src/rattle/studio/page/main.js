@@ -177,7 +177,7 @@ class Page {
       this.facts.output = message.value.output;
       this.facts.force = message.value.force;
       this.show.take(message.value).then(() => this.offer());
-      this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
+      this.vouch(message.value);
     } else if (message.state === "failed") {
       this.show.failed(message.words);
       this.status.say("bad", [message.words]);
@@ -191,7 +191,13 @@ class Page {
     if (message.state === "stopped" || message.state === "failed") this.status.unchecked();
     if (message.state !== "done") return;
     this.checked = true;
-    this.status.say(stateOf(message.value), [...(message.value.success ? [] : [message.value.message]), ...message.value.trust]);
+    this.vouch(message.value);
+  }
+
+  // What a motion says of itself; while the text has problems it is not that of the text.
+  vouch(value) {
+    this.status.say(stateOf(value), [...(value.success ? [] : [value.message]), ...value.trust]);
+    if (this.el.classList.contains("broken")) this.status.old();
   }
 
   on_live(message) { this.show.compute(message); }

@@ -4,7 +4,7 @@ import { h, replace } from "./dom.js";
 import { TABS } from "./tabs.js";
 
 const NAMES = new Map([...TABS, ["trust", "Trust"], ["sample", "Mechanism of the ensemble"]]);
-const UNCHECKED = "how long the curves can be trusted was not computed (horizon=True does)"; // of a run of rattle
+const UNCHECKED = /how long the curves can be trusted was not computed( \([^)]*\))?/g; // of a run of rattle
 const PREPARING = 4; // a job that has not said for so long how far it is compiles [s]
 
 export class Status {
@@ -71,5 +71,5 @@ export function stateOf(value) {
   const text = value.trust.join(" ");
   if (/would have to pull|does not hold|statistics only|too few|up to t =/.test(text) && !/over the whole run/.test(text)) return "care";
   if (/would have to pull|does not hold|too few/.test(text)) return "care";
-  return text.includes(UNCHECKED) ? "check" : "good";
+  return text.search(UNCHECKED) >= 0 ? "check" : "good";
 }
