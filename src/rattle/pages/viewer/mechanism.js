@@ -55,7 +55,8 @@ export class MechanismView {
   get view() {
     if (this.own) return this.own;
     const side = Math.min(this.width, this.height), edge = Math.max(22, 0.07 * side) + (this.roomy ? 0.09 * side : 0), below = edge + 26, above = Math.max(edge, 56); // room for the scale bar and the tools
-    const wide = Math.max(this.high[0] - this.low[0], 1e-9), tall = Math.max(this.high[1] - this.low[1], 1e-9);
+    const spans = [0, 1].map((k) => this.high[k] - this.low[k]), least = Math.max(...spans) > 0 ? 1e-9 : 1; // a point that rests
+    const [wide, tall] = spans.map((span) => Math.max(span, least));
     const room = [Math.max(20, this.width - 2 * edge), Math.max(20, this.height - above - below)];
     const scale = Math.min(room[0] / wide, room[1] / tall);
     const middle = [0, 1].map((k) => (this.low[k] + this.high[k]) / 2);
