@@ -104,7 +104,7 @@ def output_times(
     interval = settings.output or end / POINTS
     count = max(1, round(end / interval))
     if count > arguments.MOST_POINTS:
-        raise ValueError(f"{count} outputs are too many; choose a larger output interval")
+        raise ValueError(f"{count:.6g} outputs are too many; choose a larger output interval")
     return end, np.linspace(0.0, end, count + 1)
 
 
