@@ -117,6 +117,7 @@ def test_long_chain_is_put_together_like_a_short_one():
 
 
 # ---------------------------------------------------------------- what cannot be
+@pytest.mark.machine
 def test_links_too_short_name_the_loop_and_the_gap():
     with pytest.raises(rt.AssemblyError) as caught:
         _ = four_bar(ground=0.8).start
@@ -128,12 +129,14 @@ def test_links_too_short_name_the_loop_and_the_gap():
     assert "coupler" in message
 
 
+@pytest.mark.machine
 def test_impossible_driver_angle_is_told_with_its_value():
     m = four_bar(crank=0.3, coupler=0.1, rocker=0.25, ground=0.3).driver("motor", "A", angle="170 deg")
     with pytest.raises(rt.AssemblyError, match=r"motor = 170 deg"):
         _ = m.start
 
 
+@pytest.mark.machine
 def test_only_the_loop_that_is_open_is_named():
     m = four_bar().initial("crank", angle=1.0)
     m.ground(E=[5, 0]).bar("link", "C", "E", length=1, mass=1)

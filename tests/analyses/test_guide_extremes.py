@@ -51,6 +51,7 @@ def test_a_block_turns_until_two_corners_touch(length, height, clearance):
     assert low > clearance / (0.5 * length)  # first order is on the small side
 
 
+@pytest.mark.machine
 @nojit
 @pytest.mark.parametrize("point", [(0.03, 0.0), (0.01, 0.05), (0.045, 0.06), (-0.05, 0.09), (0.041, -0.08)])
 def test_no_place_inside_the_guide_beats_the_extremes_of_a_tool(point):

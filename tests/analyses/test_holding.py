@@ -323,6 +323,7 @@ def test_the_words_say_whether_it_rests_holds_itself_or_jams():
     assert "jams: however large push is, it does not move (from 0.9173 times this friction on)" in steep
 
 
+@pytest.mark.machine
 def test_friction_holds_a_block_on_a_spring_and_a_pendulum_in_a_band_of_positions():
     spring = '[loads.spring]\ntype = "spring"\nconnect = ["ground.O", "block.C"]\nstiffness = 10\nfree_length = 0\n'
     m = rt.loads(ramp(0.0, "friction = 0.1", force="[2, 0]", more=spring))

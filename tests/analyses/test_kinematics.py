@@ -195,6 +195,7 @@ def test_an_output_exactly_at_a_change_point_has_the_rates_of_the_smooth_motion(
     np.testing.assert_allclose(r["rocker.alpha"], 0, atol=1e-8)
 
 
+@pytest.mark.machine
 @nojit
 def test_a_rocker_stops_at_its_dead_centre_which_is_located():
     text = fourbar_text(

@@ -243,6 +243,7 @@ def test_a_point_mass_on_a_rod_without_mass_is_a_simple_pendulum():
     assert found[2] == pytest.approx(-9.81 / 0.7 * math.cos(0.2), rel=1e-12)
 
 
+@pytest.mark.machine
 @nojit
 def test_inverse_dynamics_and_equilibrium_do_without_the_mass_too():
     t = [0.0, 0.02, 0.05]

@@ -190,6 +190,7 @@ force = ["-{push}*cos(low.angle)", "-{push}*sin(low.angle)"]
 ROD_MASS = np.array([[4 / 3, 1 / 2], [1 / 2, 1 / 3]])  # two rods stretched out, by their angles
 
 
+@pytest.mark.machine
 @nojit
 def test_frequencies_under_a_follower_force_are_those_of_the_unsymmetric_stiffness():
     found = follower(8.0)
@@ -219,6 +220,7 @@ def test_a_column_under_a_large_follower_force_flutters():
     np.testing.assert_allclose((stiffness + found.roots[0, 0] ** 2 * ROD_MASS) @ way, 0.0, atol=1e-12 * abs(way).max())
 
 
+@pytest.mark.machine
 @nojit
 def test_weak_damping_of_unsymmetric_modes_is_that_of_all_equations_together():
     d = 1e-4

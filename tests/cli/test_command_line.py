@@ -334,12 +334,14 @@ def test_a_program_that_is_interrupted_ends_at_once_with_the_status_of_shells(tm
 
 
 # ---------------------------------------------------------------- streams
+@pytest.mark.machine
 def test_a_reader_that_leaves_is_no_error():
     found = shell("rattle kinds | head -1")
     assert found.stderr == ""
     assert found.stdout
 
 
+@pytest.mark.machine
 def test_a_closed_stderr_changes_nothing():
     found = shell("rattle check fourbar 2>&-")
     assert found.returncode == 0

@@ -19,6 +19,7 @@ def run(command, *words):
     return CliRunner().invoke(main, ["-q", command, *words])
 
 
+@pytest.mark.machine
 def test_an_ensemble_says_what_the_python_interface_says():
     seen = run("ensemble", *SHORT, "-n", "64", "--vary", "r3,r4", "--vary", "l2=0.2 mm:normal", "--seed", "3", "--json")
     assert seen.exit_code == 0, seen.output
@@ -56,6 +57,7 @@ def test_tables_pictures_and_a_folder_that_goes_on(tmp_path):
     assert "holds another run" in seen.output
 
 
+@pytest.mark.machine
 def test_curves_are_kept_in_the_folder(tmp_path):
     words = ("ensemble", *SHORT, "--vary", "r3=0.5 mm", "-n", "3", "--history", "rocker.angle")
     seen = run(*words)

@@ -20,6 +20,7 @@ def run(*words):
     return CliRunner().invoke(main, ["-q", "tolerance", *words])
 
 
+@pytest.mark.machine
 def test_the_report_and_its_numbers_are_those_of_the_python_interface(tmp_path):
     picture = tmp_path / "t.svg"
     seen = run(*WORDS, "--limit", "0.1 mm", "--plot", str(picture))

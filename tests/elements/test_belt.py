@@ -79,6 +79,7 @@ def test_a_slack_strand_does_not_push():
     assert any(e.kind == "contact" and e.t + e.duration < 0.4 for e in r.events), "one strand went slack"
 
 
+@pytest.mark.machine
 def test_pretension_is_energy_that_a_slack_strand_gives_back():
     """Two stretched strands hold T0^2/K; of it nothing is lost where one goes slack, if nothing damps."""
     r = rt.loads(text(push="300")).simulate(0.1, t_eval=[0, 0.1], **FINE)

@@ -293,6 +293,7 @@ def test_viscous_clutch_is_a_damper_in_one_sense():
     assert times(r, "way", "lock") == []
 
 
+@pytest.mark.machine
 @nojit
 def test_viscous_clutch_changes_where_the_rates_are_equal():
     r = flywheels('model = "viscous"\ndamping = 1000').simulate(1.6, t_eval=[0, 1.6], rtol=1e-10, atol=1e-12)

@@ -103,6 +103,7 @@ def incline(shape, t):
     return math.sqrt(R**2 - (E * math.cos(W * t)) ** 2) / R
 
 
+@pytest.mark.machine
 @pytest.mark.parametrize("shape", [FLAT, ROUND], ids=["flat", "round"])
 def test_stiff_contacts_and_time_stepping_approach_the_rigid_flight(shape):
     _, on, _ = flight(shape)

@@ -312,6 +312,7 @@ def test_the_four_bar_agrees_with_another_solution():
 
 
 # ---------------------------------------------------------------- what a result says, what is refused
+@pytest.mark.machine
 @nojit
 def test_chaos_is_said(tmp_path):
     s = rt.example("double_pendulum").set(start=1.5).sensitivity(
