@@ -18,6 +18,7 @@ from rattle.studio.shelf import Shelf, Source
 
 MOST = 100_000
 BINS = 32
+FAR = 5.0  # distances between the quartiles beyond them, from which numbers share the outermost bar
 SHARE = 0.01  # by which parameters differ where none has a tolerance
 
 
@@ -43,7 +44,7 @@ def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Conte
         f", {value} {key}" for key, value in failed.items()
     )
     return content(
-        told, words("\n".join([*note, *e.notes]), "care"), _histogram(e, output),
+        told, words("\n".join([*note, *e.notes]), "care"), _histogram(e, output), words(_outside(e, output), "care"),
         words("Click a bar: one of its mechanisms is replayed in Motion."), _numbers(e, output), _shares(e, output),
         table(("how many", "why they have no number"), [(str(value), key) for key, value in e.why().items()]),
     )  # fmt: skip
@@ -64,15 +65,39 @@ def _vary(m: Mechanism) -> tuple[Vary, list[str]]:
     return vary, [said]
 
 
+def _fences(values: np.ndarray) -> tuple[float, float]:
+    """Limits outside of which a value is far from the others: it alone would leave one bar for all of them."""
+    low, high = np.quantile(values, (0.25, 0.75))
+    reach = FAR * (high - low)
+    return (float(low - reach), float(high + reach)) if reach > 0.0 else (-np.inf, np.inf)
+
+
+def _outside(e: Ensemble, output: str) -> str:
+    """Which mechanisms lie far away from the others, in words; "" if none does."""
+    values = e[output]
+    finite = np.flatnonzero(np.isfinite(values))
+    if not len(finite):
+        return ""
+    low, high = _fences(values[finite])
+    far = finite[(values[finite] < low) | (values[finite] > high)]
+    if not len(far):
+        return ""
+    most = far[np.argsort(-np.abs(values[far] - 0.5 * (low + high)))][:3]
+    named = ", ".join(f"number {k} with {quantity(float(values[k]), e.unit(output))}" for k in most)
+    what = "1 mechanism lies" if len(far) == 1 else f"{len(far)} mechanisms lie"
+    return f"{what} far outside, and in the outermost bar: {named}{' ...' if len(far) > 3 else ''}"
+
+
 def _histogram(e: Ensemble, output: str) -> Block | None:
     """Bars with the numbers of the samples in them, the middle one first."""
     values, unit = e[output], e.unit(output)
     finite = np.flatnonzero(np.isfinite(values))
     if not len(finite):
         return None
-    factor, shown = handy_unit(unit, float(np.abs(values[finite]).max()))
-    edges = np.histogram_bin_edges(factor * values[finite], min(BINS, max(6, int(np.sqrt(len(finite)) * 1.5))))
-    places = np.clip(np.searchsorted(edges, factor * values[finite], side="right") - 1, 0, len(edges) - 2)
+    near = np.clip(values[finite], *_fences(values[finite]))
+    factor, shown = handy_unit(unit, float(np.abs(near).max()))
+    edges = np.histogram_bin_edges(factor * near, min(BINS, max(6, int(np.sqrt(len(finite)) * 1.5))))
+    places = np.clip(np.searchsorted(edges, factor * near, side="right") - 1, 0, len(edges) - 2)
     samples = []
     for k in range(len(edges) - 1):
         mine = finite[places == k]
