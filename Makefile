@@ -22,12 +22,13 @@ check: ## the gate without the set-up
 	$(BIN)/lint-imports --no-logo
 	$(SPHINX)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q -n 2
-	RATTLE_JIT=plain $(BIN)/python -m pytest -q -n 2 tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'not events'
+	RATTLE_JIT=plain $(BIN)/python -m pytest -q -n 2 tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'compliant or positions or equilibria or workspace'
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_bounds.py
 	$(BIN)/python -m pytest -q -n 2 -m "not plain and not long"
 
 long: $(VENV)/.ready-dev ## proofs that take a minute or more each
 	$(BIN)/python -m pytest -q -m long
+	RATTLE_JIT=plain $(BIN)/python -m pytest -q -n 2 tests/jit/test_every_loop.py -k 'fixed or implicit or impacts_in_oil'
 
 docs: $(VENV)/.ready-docs ## the documentation as web pages: build/docs/index.html
 	$(SPHINX)
