@@ -174,6 +174,7 @@ def test_links_to_a_heading_find_it(page):
         assert anchor in {slug(one) for one in headings}, f"{page}: {target}#{anchor}"
 
 
+@pytest.mark.plain
 @pytest.mark.nojit
 def test_the_leaf_of_the_guide_brakes_as_its_closed_form():
     """dv/dt = -c v^2/m:  v = v0/(1 + c v0 t/m), and what is lost is in the balance."""

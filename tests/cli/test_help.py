@@ -23,7 +23,13 @@ def examples_of(command):
 
 
 LONG = ("demo", "warmup", "studio")  # run, and their output looked at, in test_commands; studio: in tests/studio
-LINES = [(command, line) for command in COMMANDS if command not in LONG for line in examples_of(command)]
+SLOW = ("compare", "optimise", "poincare")  # of which other tests run shorter ones
+LINES = [
+    pytest.param(command, line, marks=[pytest.mark.long] if command in SLOW else [])
+    for command in COMMANDS
+    if command not in LONG
+    for line in examples_of(command)
+]
 
 
 @pytest.fixture(scope="module")

@@ -282,6 +282,7 @@ def test_where_there_are_no_derivatives_runs_are_differenced_and_it_is_said():
 
 
 # ---------------------------------------------------------------- designs that cannot be
+@pytest.mark.long
 def test_a_search_survives_designs_that_cannot_be_put_together():
     """A shorter coupler is better until, below 2, the crank cannot turn: the search comes to the edge.
 

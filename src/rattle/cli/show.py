@@ -188,7 +188,6 @@ def animate(
 
     \b
     Example:  rattle animate out.nc -o out.html
-              rattle animate out.nc -o out.gif
               rattle animate out.nc --trace coupler.O3 --frames 40 -o out.gif
     """
     from pathlib import Path
