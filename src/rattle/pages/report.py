@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import datetime
-import itertools
 import logging
 import os
 import platform
-import re
 from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
@@ -132,8 +130,8 @@ def _section(one: Section) -> str:
 def _numbered(body: str) -> str:
     """Figures and tables with captions get their numbers in the order of the page."""
     for tag, word in (("figcaption", "Figure"), ("caption", "Table")):
-        number = itertools.count(1)
-        body = re.sub(f"<{tag}>", lambda _, w=word, n=number, t=tag: f"<{t}><b>{w} {next(n)}.</b> ", body)  # type: ignore[misc]
+        first, *others = body.split(f"<{tag}>")
+        body = first + "".join(f"<{tag}><b>{word} {n}.</b> {one}" for n, one in enumerate(others, 1))
     return body
 
 

@@ -143,9 +143,10 @@ def _at_rest(found: Study) -> None:
             found.reasons["equilibrium"] = found.rest.note or "no position was found in which all forces balance"
         return
     found.reasons["equilibrium"] = "drivers hold the mechanism"
-    fully = found.check is not None and found.check.mobility == 0 and found.run is not None
-    if fully and m.model.loads and not m.model.states and not found.loose:
-        times = np.linspace(0.0, found.run.trust.t_end, POSITIONS)  # type: ignore[union-attr]  # fully says so
+    run = found.run
+    fully = found.check is not None and found.check.mobility == 0
+    if run is not None and fully and m.model.loads and not m.model.states and not found.loose:
+        times = np.linspace(0.0, run.trust.t_end, POSITIONS)
         found.path = _tried(found, "quasi-static", "computing the quasi-static motion", lambda: m.equilibrium(times))
 
 
