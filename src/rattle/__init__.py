@@ -16,7 +16,7 @@ from rattle.version import __version__
 if TYPE_CHECKING:
     from rattle.elements.custom.contact_law import friction_law, normal_law
     from rattle.elements.custom.load_law import load_law
-    from rattle.errors import AssemblyError, ModelError, SolverError
+    from rattle.errors import AssemblyError, InputError, ModelError, SolverError
     from rattle.loading import example, examples, load, loads
     from rattle.mechanism import Mechanism
     from rattle.results.event import Event
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _HOME = {
     "Mechanism": "mechanism", "load": "loading", "loads": "loading", "example": "loading",
     "examples": "loading",
-    "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
+    "InputError": "errors", "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
     "Result": "results.result", "Event": "results.event", "Trust": "results.trust", "load_result": "results.result",
     "load_law": "elements.custom.load_law", "normal_law": "elements.custom.contact_law",
     "friction_law": "elements.custom.contact_law", "Film": "studies.film.bearing",
@@ -37,6 +37,7 @@ __all__ = [
     "AssemblyError",
     "Event",
     "Film",
+    "InputError",
     "Mechanism",
     "ModelError",
     "Result",

@@ -61,7 +61,15 @@ class Problem:
         return f"{self.key}: {self.message}" if self.path else self.message
 
 
-class ModelError(ValueError):
+class InputError(ValueError):
+    """What was asked for, or the model, cannot be used; the message says where, what is wrong and what is wanted."""
+
+
+class WrongType(InputError, TypeError):
+    """A value of another kind than is wanted, such as a list in place of a name."""
+
+
+class ModelError(InputError):
     """The model cannot be used; `.problems` lists every fault found (at most the first 50)."""
 
     def __init__(self, problems: list[Problem], file: str = "") -> None:
@@ -91,7 +99,7 @@ class WorkerError(RuntimeError):
     """Processes that run samples could not do it; the message says why, and what is kept."""
 
 
-class AssemblyError(RuntimeError):
+class AssemblyError(InputError, RuntimeError):
     """The mechanism cannot be assembled, or cannot take the position asked for."""
 
 
@@ -111,3 +119,7 @@ class SolverError(RuntimeError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (str(self), self.result)
+
+
+# what tells the user what is wrong; any other exception is a fault of rattle and keeps its traceback
+ANSWERS = (InputError, SolverError, TraceError, WorkerError, MissingPackage, MissingProgram, OSError)

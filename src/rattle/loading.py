@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from rattle.description import file as model_file
-from rattle.errors import suggest
+from rattle.errors import InputError, suggest
 from rattle.mechanism import Mechanism
 
 
@@ -27,8 +27,8 @@ def examples() -> dict[str, Path]:
 
 
 def example(name: str) -> Mechanism:
-    """A shipped example. Raises ValueError for an unknown name."""
+    """A shipped example. Raises InputError for an unknown name."""
     known = examples()
     if name not in known:
-        raise ValueError(f"no example '{name}'{suggest(str(name), known)}")
+        raise InputError(f"no example '{name}'{suggest(str(name), known)}")
     return load(known[name])

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.jit.functions import KernelFunction, jit_runs
 
 REQUIRED: Any = object()
@@ -120,14 +121,14 @@ def fields_of(leaf: type) -> dict[str, Field]:
 def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callable[[type], type]:
     """Class decorator: register the class as a kind of `family`.
 
-    Raises ValueError if another module has registered a kind of that name.
+    Raises InputError if another module has registered a kind of that name.
     """
 
     def enter(leaf: type) -> type:
         entries = _families.setdefault(family, {})
         old = entries.get(name)
         if old is not None and old.leaf.__module__ != leaf.__module__:
-            raise ValueError(f"{family} '{name}' is already registered ({old.leaf.__module__})")
+            raise InputError(f"{family} '{name}' is already registered ({old.leaf.__module__})")
         tag = old.tag if old is not None else len(entries)
         entries[name] = Kind(family, name, tag, kernel, leaf, fields_of(leaf))
         return leaf

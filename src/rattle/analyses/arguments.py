@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from rattle.errors import InputError, WrongType
+
 TIGHTEST = 1e-14  # least relative tolerance: floats have about 16 digits
 MOST_POINTS = 10_000_000
 MOST_BYTES = 2e9  # of the outputs of one run, at most
@@ -16,13 +18,13 @@ MOST_EFFORT = 10_000.0  # of a search for equilibria: minutes
 def number(name: str, value: Any) -> float:
     """The value as a finite float (any unit).  Raises TypeError if it is not a number, ValueError for nan and inf."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
-        raise TypeError(f"{name} must be a number, got {value!r:.60}")
+        raise WrongType(f"{name} must be a number, got {value!r:.60}")
     try:
         found = float(value)
     except OverflowError:
         found = math.inf
     if not math.isfinite(found):
-        raise ValueError(f"{name} must be a finite number, got {found}")
+        raise InputError(f"{name} must be a finite number, got {found}")
     return found
 
 
@@ -30,10 +32,12 @@ def positive(name: str, value: Any) -> float:
     """The value as a positive, finite float (any unit).  Raises as `number` does."""
     try:
         found = number(name, value)
-    except ValueError:
+    except WrongType:
+        raise
+    except InputError:
         found = math.nan
     if not found > 0.0:
-        raise ValueError(f"{name} must be positive and finite, got {value!s:.60}")
+        raise InputError(f"{name} must be positive and finite, got {value!s:.60}")
     return found
 
 
@@ -41,9 +45,9 @@ def relative_tolerance(value: Any) -> float:
     """A relative tolerance [-] within the range of double precision.  Raises as `number` does."""
     found = positive("rtol", value)
     if found < TIGHTEST:
-        raise ValueError(f"rtol = {found:g} is below the digits that numbers have; expected {TIGHTEST:g} or more")
+        raise InputError(f"rtol = {found:g} is below the digits that numbers have; expected {TIGHTEST:g} or more")
     if found >= 1.0:
-        raise ValueError(f"rtol = {found:g} leaves no correct digit; 1e-3 is coarse, 1e-8 the default")
+        raise InputError(f"rtol = {found:g} leaves no correct digit; 1e-3 is coarse, 1e-8 the default")
     return found
 
 
@@ -51,17 +55,17 @@ def effort(value: Any) -> float:
     """Work of a search [-], 1 being the usual amount.  Raises as `number` does, and ValueError above MOST_EFFORT."""
     found = positive("effort", value)
     if found > MOST_EFFORT:
-        raise ValueError(f"effort must be at most {MOST_EFFORT:g} (1 is the usual work of a search), got {found:g}")
+        raise InputError(f"effort must be at most {MOST_EFFORT:g} (1 is the usual work of a search), got {found:g}")
     return found
 
 
 def whole(name: str, value: Any, least: int, most: int = MOST_POINTS) -> int:
     """An integer from `least` to `most`.  Raises TypeError if it is not an integer, ValueError outside the limits."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise TypeError(f"{name} must be an integer, got {value!r:.60}")
+        raise WrongType(f"{name} must be an integer, got {value!r:.60}")
     if not least <= int(value) <= most:
         got = f"{int(value)}" if -(10**20) < int(value) < 10**20 else "a number far beyond"
-        raise ValueError(f"{name} must be from {least} to {most}, got {got}")
+        raise InputError(f"{name} must be from {least} to {most}, got {got}")
     return int(value)
 
 
@@ -70,16 +74,16 @@ def instants(value: Any) -> np.ndarray:
     try:
         return np.ascontiguousarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise (TypeError if not isinstance(value, list | tuple | int) else ValueError)(
+        raise (WrongType if not isinstance(value, list | tuple | int) else InputError)(
             f"t_eval must be a time or an array of times in s, got {value!r:.60}"
         ) from None
 
 
 def require_room(rows: int, columns: int) -> None:
-    """Raise ValueError if `rows` outputs of `columns` numbers would take too much memory."""
+    """Raise InputError if `rows` outputs of `columns` numbers would take too much memory."""
     size = 8.0 * rows * columns
     if size > MOST_BYTES:
-        raise ValueError(
+        raise InputError(
             f"{rows} outputs of {columns} numbers take {size / 1e9:.1f} GB; at most {MOST_BYTES / 1e9:g} GB are kept:"
             " choose fewer outputs (a larger output interval)"
         )

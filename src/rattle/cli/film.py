@@ -11,6 +11,7 @@ import click
 from click.core import ParameterSource
 
 from rattle.cli.output import say_written
+from rattle.errors import InputError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -81,7 +82,7 @@ def film(
     """
     table = output is not None and Path(output).suffix.lower() == ".csv"
     if output is not None and not table and Path(output).suffix.lower() not in PICTURES:
-        raise ValueError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
+        raise InputError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
     if boundary_film is None and (load is None) != (speed is None):
         raise click.UsageError("the point of a load needs both, --load and --speed")
     if boundary_film is not None and load is None:

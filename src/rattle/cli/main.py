@@ -6,12 +6,11 @@ import importlib
 import logging
 import os
 import sys
-from opcode import opmap
 from typing import Any
 
 import click
 
-from rattle.errors import SolverError, shown
+from rattle.errors import ANSWERS, SolverError, shown
 
 STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
@@ -132,7 +131,7 @@ class Lazy(click.Group):
             click.echo("stopped", err=True)
             ctx.exit(STOPPED)
         except Exception as error:
-            if isinstance(error, BrokenPipeError) or not _is_answer(error):
+            if isinstance(error, BrokenPipeError) or not isinstance(error, ANSWERS):
                 raise
             click.secho("error: ", fg="red", nl=False, err=True)
             click.echo(shown(str(error)), err=True)
@@ -164,26 +163,6 @@ def _open_streams() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  # as long as the program
-
-
-def _is_answer(error: Exception) -> bool:
-    """True for an error that tells the user what is wrong; an error in rattle itself keeps its traceback."""
-    from rattle.errors import AssemblyError, MissingPackage, MissingProgram, ModelError, TraceError, WorkerError
-
-    ours = ModelError | AssemblyError | SolverError | TraceError | WorkerError | MissingPackage | MissingProgram
-    if isinstance(error, ours | OSError):
-        return True
-    return isinstance(error, ValueError | KeyError) and type(error) is not KeyError and _said_by_us(error)
-
-
-def _said_by_us(error: Exception) -> bool:
-    """True if a `raise` statement of this package made the error, not a call that failed here or elsewhere."""
-    place = error.__traceback__
-    while place is not None and place.tb_next is not None:
-        place = place.tb_next
-    if place is None or not str(place.tb_frame.f_globals.get("__name__", "")).startswith("rattle"):
-        return False
-    return place.tb_frame.f_code.co_code[place.tb_lasti] == opmap["RAISE_VARARGS"]
 
 
 def _quieten(ctx: click.Context, param: click.Parameter, quiet: bool) -> None:

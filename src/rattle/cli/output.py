@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.errors import InputError
+
 if TYPE_CHECKING:
     from rattle.results.result import Result
 
@@ -53,7 +55,7 @@ def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[...,
 
 
 def check_results(read: str, output: str | None, csv: str | None, fallback: str | None) -> None:
-    """Refuse file names under which a result cannot be saved. Raises ValueError, OSError, click.UsageError."""
+    """Refuse file names under which a result cannot be saved. Raises InputError, OSError, click.UsageError."""
     from rattle.results import archive
     from rattle.results.result import require_table
 
@@ -69,7 +71,7 @@ def check_results(read: str, output: str | None, csv: str | None, fallback: str 
 def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -> None:
     """Refuse file names under which a picture cannot be written; moving: animations are allowed too.
 
-    Raises ValueError, OSError, MissingProgram.
+    Raises InputError, OSError, MissingProgram.
     """
     from rattle.plots.curves import SUFFIXES
     from rattle.plots.movie_file import FILMS, require_film
@@ -80,7 +82,7 @@ def check_pictures(read: str, *paths: str | Path | None, moving: bool = False) -
             continue
         if not moving or suffix not in (*FILMS, ".html"):
             films = f", an animation one in {' or '.join(FILMS)}" if moving else ""
-            raise ValueError(f"{path}: a picture needs a name ending in {', '.join(SUFFIXES)}{films}")
+            raise InputError(f"{path}: a picture needs a name ending in {', '.join(SUFFIXES)}{films}")
         require_film(path)
     check_files(read, *paths)
 

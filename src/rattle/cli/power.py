@@ -9,6 +9,7 @@ import click
 
 from rattle.cli.options import run_laws, time
 from rattle.cli.output import check_files, check_pictures, say_written
+from rattle.errors import InputError
 
 if TYPE_CHECKING:
     from rattle.studies.power.power import Power
@@ -45,7 +46,7 @@ def power(
 
     table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
     if table and Path(str(output)).suffix.lower() != ".csv":
-        raise ValueError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
+        raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
     if curves and (output is None or table):
         raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
     if instant is not None and output is not None and not table:

@@ -11,6 +11,7 @@ from rattle.cli.analyses import span_options
 from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, fallback_option, finish, keep, say_written
+from rattle.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -100,12 +101,12 @@ def _require_used(ctx: click.Context, analysis: str, t_end: float | None) -> Non
 
 
 def _require_name(output: str) -> None:
-    """Raise ValueError for a name that is none of a result, a table or a picture."""
+    """Raise InputError for a name that is none of a result, a table or a picture."""
     from rattle.atomic_file import is_special
     from rattle.results.archive import SUFFIXES
 
     if Path(output).suffix.lower() not in (*SUFFIXES, ".csv", *PICTURES) and not is_special(output):
-        raise ValueError(
+        raise InputError(
             f"{output}: curves and derivatives are saved as {', '.join(SUFFIXES)} or .csv, a drawing as"
             f" {', '.join(PICTURES)}; give a name ending in one of them"
         )

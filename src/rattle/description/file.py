@@ -12,7 +12,7 @@ from typing import Any
 
 from rattle.atomic_file import atomic, is_special
 from rattle.description.changes import Change, item, plain, put
-from rattle.errors import ModelError, Problem
+from rattle.errors import InputError, ModelError, Problem, WrongType
 
 SUFFIXES = (".toml", ".json")
 LARGEST = 8_000_000  # bytes; a chain of 10,000 links has about 2 MB
@@ -32,7 +32,7 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
     Raises ModelError if the file is missing, too large or not UTF-8, and TypeError if `path` is not a path.
     """
     if not isinstance(path, str | os.PathLike):
-        raise TypeError(f"expected the name of a model file, got {path!r:.60}")
+        raise WrongType(f"expected the name of a model file, got {path!r:.60}")
     name = str(path)
     try:
         with Path(path).open("rb") as file:
@@ -66,7 +66,7 @@ def parse(text: str, file: str = "") -> dict[str, Any]:
     Raises ModelError with line and caret if the text is neither, and TypeError if it is not a str.
     """
     if not isinstance(text, str):
-        raise TypeError(f"expected the text of a model, got {text!r:.60}")
+        raise WrongType(f"expected the text of a model, got {text!r:.60}")
     if len(text) > LARGEST:
         raise ModelError([Problem((), _too_large("text", len(text)))], file)
     try:
@@ -197,10 +197,10 @@ def dump_json(document: Mapping[str, Any]) -> str:
 
 
 def wants_json(path: str | os.PathLike[str]) -> bool:
-    """True for a name ending in .json, False for .toml and what is no plain file.  Raises ValueError for any other."""
+    """True for a name ending in .json, False for .toml and what is no plain file.  Raises InputError for any other."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES and not is_special(path) and not Path(path).is_dir():
-        raise ValueError(f"{os.fspath(path)}: a model is saved as TOML or JSON; give a name ending in .toml or .json")
+        raise InputError(f"{os.fspath(path)}: a model is saved as TOML or JSON; give a name ending in .toml or .json")
     return suffix == ".json"
 
 

@@ -11,7 +11,7 @@ from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from rattle.description.read_values import Path, Values, said
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import InputError, ModelError, Problem, suggest
 from rattle.language.expression import argument_of
 from rattle.language.syntax import FUNCTIONS, call_name
 from rattle.language.tables import Curve, curve
@@ -239,47 +239,47 @@ def with_files(
 
 
 def _of_file(given: Any, folder: FilePath | None) -> dict[str, Any]:
-    """x, y and units of a file.  Raises ValueError that says what is wrong with the file."""
+    """x, y and units of a file.  Raises InputError that says what is wrong with the file."""
     if not isinstance(given, str) or not given.strip():
-        raise ValueError(f"expected {PLAIN_FILE}, got {said(given)}")
+        raise InputError(f"expected {PLAIN_FILE}, got {said(given)}")
     if folder is None:
-        raise ValueError(f"{said(given)}: a model that was not read from a file has no folder; write out x and y")
+        raise InputError(f"{said(given)}: a model that was not read from a file has no folder; write out x and y")
     return read_points(inside(folder, given), given)
 
 
 def inside(folder: FilePath, name: str) -> FilePath:
-    """The place of a file in a folder.  Raises ValueError if it would be outside, or is no file."""
+    """The place of a file in a folder.  Raises InputError if it would be outside, or is no file."""
     parts = PureWindowsPath(name)
     if PurePosixPath(name).is_absolute() or parts.drive or parts.root or ".." in parts.parts:
-        raise ValueError(f"{said(name)} leads out of the folder of the model; expected {PLAIN_FILE}")
+        raise InputError(f"{said(name)} leads out of the folder of the model; expected {PLAIN_FILE}")
     try:
         home = folder.resolve()
         place = (home / name).resolve()
         if not place.is_relative_to(home):
-            raise ValueError(f"{said(name)} is a link out of the folder of the model; expected {PLAIN_FILE}")
+            raise InputError(f"{said(name)} is a link out of the folder of the model; expected {PLAIN_FILE}")
         if not place.is_file():
-            raise ValueError(f"there is no file {said(name)} in the folder of the model")
+            raise InputError(f"there is no file {said(name)} in the folder of the model")
     except (OSError, RuntimeError) as error:
-        raise ValueError(f"cannot find {said(name)}: {error}") from None
+        raise InputError(f"cannot find {said(name)}: {error}") from None
     return place
 
 
 def text_of(place: FilePath, name: str) -> str:
-    """Text of a file; name: as messages call it.  Raises ValueError for one that is too large or cannot be read."""
+    """Text of a file; name: as messages call it.  Raises InputError for one that is too large or cannot be read."""
     try:
         if place.stat().st_size > LARGEST:
-            raise ValueError(f"{said(name)} has more than {LARGEST / 1e6:.0f} MB")
+            raise InputError(f"{said(name)} has more than {LARGEST / 1e6:.0f} MB")
         return place.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise ValueError(f"cannot read {said(name)}: {error.strerror or error}") from None
+        raise InputError(f"cannot read {said(name)}: {error.strerror or error}") from None
     except UnicodeDecodeError:
-        raise ValueError(f"{said(name)} is not UTF-8 text") from None
+        raise InputError(f"{said(name)} is not UTF-8 text") from None
 
 
 def read_points(place: FilePath, name: str) -> dict[str, Any]:
     """x, y and their units from a file of two columns; name: as messages call it.
 
-    Its first line may be a header such as `angle [deg], lift [mm]`.  Raises ValueError with the line.
+    Its first line may be a header such as `angle [deg], lift [mm]`.  Raises InputError with the line.
     """
     text = text_of(place, name)
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
@@ -292,14 +292,14 @@ def read_points(place: FilePath, name: str) -> dict[str, Any]:
         if not any(cells) or cells[0].startswith("#"):
             continue
         if len(cells) != 2:
-            raise ValueError(f"{name}, line {number}: expected two columns, found {len(cells)}")
+            raise InputError(f"{name}, line {number}: expected two columns, found {len(cells)}")
         if header and not any(_is_number(cell) for cell in cells):
             units = [_unit(cell, f"{name}, line {number}") for cell in cells]
         else:
             points.append((_cell(cells[0], name, number), _cell(cells[1], name, number)))
         header = False
     if not points:
-        raise ValueError(f"{said(name)} holds no numbers")
+        raise InputError(f"{said(name)} holds no numbers")
     return {"x": [x for x, _ in points], "y": [y for _, y in points], "units": units}
 
 
@@ -313,7 +313,7 @@ def _is_number(cell: str) -> bool:
 
 def _cell(cell: str, name: str, number: int) -> float:
     if not _is_number(cell) or not math.isfinite(float(cell)):
-        raise ValueError(f"{name}, line {number}: {said(cell)} is not a finite number; a decimal point is written '.'")
+        raise InputError(f"{name}, line {number}: {said(cell)} is not a finite number; a decimal point is written '.'")
     return float(cell)
 
 
@@ -321,10 +321,10 @@ def _unit(cell: str, where: str) -> str:
     """The unit in the header of a column, "" if it has none."""
     found = HEADER.fullmatch(cell)
     if found is None:
-        raise ValueError(f"{where}: expected a header such as 'lift [mm]', found {said(cell)}")
+        raise InputError(f"{where}: expected a header such as 'lift [mm]', found {said(cell)}")
     unit = (found["unit"] or "").strip()
     try:
         _scale(unit)
     except QuantityError as error:
-        raise ValueError(f"{where}: {error}") from None
+        raise InputError(f"{where}: {error}") from None
     return unit

@@ -12,7 +12,7 @@ from typing import Any
 from rattle.description.changes import Change
 from rattle.description.read_tables import inside, text_of
 from rattle.description.read_values import said
-from rattle.errors import ModelError, Problem
+from rattle.errors import InputError, ModelError, Problem
 
 DEPTHS = "depths"  # key of `wear`: the numbers of a profile, where no file holds them
 HEADER = ("angle [rad]", "bush [m]", "pin [m]")
@@ -53,36 +53,36 @@ def with_profiles(
 
 
 def _of_file(given: Any, folder: Path | None, joint: str) -> dict[str, list[float]]:
-    """Depths by side [m].  Raises ValueError that says what is wrong with the file."""
+    """Depths by side [m].  Raises InputError that says what is wrong with the file."""
     if not isinstance(given, str) or not given.strip():
-        raise ValueError(f'expected a file beside the model file, such as "pin.wear.csv", got {said(given)}')
+        raise InputError(f'expected a file beside the model file, such as "pin.wear.csv", got {said(given)}')
     if folder is None:
-        raise ValueError(f"{said(given)}: a model that was not read from a file has no folder")
+        raise InputError(f"{said(given)}: a model that was not read from a file has no folder")
     return parsed(text_of(inside(folder, given), given), given, joint)
 
 
 def parsed(text: str, name: str, joint: str) -> dict[str, list[float]]:
-    """Depths by side [m] from the text of a profile.  Raises ValueError with the line."""
+    """Depths by side [m] from the text of a profile.  Raises InputError with the line."""
     lines = text.splitlines()
     whose = lines[0].removeprefix(TITLE).strip() if lines and lines[0].startswith(TITLE) else ""
     if not whose:
-        raise ValueError(f"{said(name)} is not a wear profile: its first line is not '{TITLE}NAME'")
+        raise InputError(f"{said(name)} is not a wear profile: its first line is not '{TITLE}NAME'")
     if whose != joint:
-        raise ValueError(f"{said(name)} is the wear profile of joint '{whose}', not of '{joint}'")
+        raise InputError(f"{said(name)} is the wear profile of joint '{whose}', not of '{joint}'")
     rows = [
         (number, row) for number, row in enumerate(csv.reader(lines), start=1) if row and not row[0].startswith("#")
     ]
     if not rows or tuple(cell.strip() for cell in rows[0][1]) != HEADER:
-        raise ValueError(f"{said(name)} needs the columns {', '.join(HEADER)}")
+        raise InputError(f"{said(name)} needs the columns {', '.join(HEADER)}")
     found: dict[str, list[float]] = {"bush": [], "pin": []}
     for number, row in rows[1:]:
         try:
             angle, bush, pin = (float(cell) for cell in row)
         except ValueError:
-            raise ValueError(f"{name}, line {number}: expected three numbers") from None
+            raise InputError(f"{name}, line {number}: expected three numbers") from None
         expected = (len(found["bush"]) + 0.5) * 2.0 * math.pi / (len(rows) - 1)
         if not abs(angle - expected) < 1e-6:
-            raise ValueError(f"{name}, line {number}: expected the angle {expected:.9g}: bins of equal width in order")
+            raise InputError(f"{name}, line {number}: expected the angle {expected:.9g}: bins of equal width in order")
         found["bush"].append(bush)
         found["pin"].append(pin)
     return found

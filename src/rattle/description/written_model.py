@@ -15,7 +15,7 @@ from rattle.description.changes import ENTRIES, Change, copied, path_of, put, th
 from rattle.description.model import Model, Parameter
 from rattle.description.read_tables import with_files
 from rattle.description.wear_profile import with_profiles, written
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import ModelError, Problem, WrongType, suggest
 from rattle.language.expression import names, parse
 from rattle.language.units import parse_quantity, unit_of_quantity
 
@@ -126,7 +126,7 @@ class WrittenModel(Building):
 
         A table that was read from a file stays in it if the model is saved in the same folder; otherwise its numbers
         are written into the model file.  Profiles of worn joints go to files beside it, `<joint>.wear.csv`.
-        Raises ValueError for a name that ends in neither .toml nor .json, OSError that says why it cannot be written.
+        Raises InputError for a name that ends in neither .toml nor .json, OSError that says why it cannot be written.
         """
         json = model_file.wants_json(path)
         here = bool(self._file) and Path(self._file).resolve().parent == Path(path).resolve().parent
@@ -150,7 +150,7 @@ class WrittenModel(Building):
         asked = {**(values or {}), **parameters}
         for name, value in asked.items():
             if not isinstance(name, str):
-                raise TypeError(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
+                raise WrongType(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
             path = path_of(name, made._document, value is None)
             if path[0] == "tables" and value is not None:
                 path, value = made._table_with(path, value)

@@ -28,6 +28,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.errors import InputError
 from rattle.jit.functions import compiled
 
 Array = NDArray[np.float64]
@@ -159,10 +160,10 @@ def nodes() -> dict[str, Array]:
 def coefficients(name: str, ratio: float) -> Array:
     """Coefficients of the splines of `nodes()[name]` at one L/D, flat; read-only.
 
-    Raises ValueError for an L/D beyond 2.
+    Raises InputError for an L/D beyond 2.
     """
     if not 0.0 < ratio <= LONGEST:
-        raise ValueError(f"the table of films ends at L/D = {LONGEST:g}, not {ratio:g}")
+        raise InputError(f"the table of films ends at L/D = {LONGEST:g}, not {ratio:g}")
     values = nodes()[name]
     found = _to_coefficients(_at_ratio(values, ratio), -1)
     found = np.ascontiguousarray(_to_coefficients(found, 0) if name != "full" else found).ravel()

@@ -12,6 +12,8 @@ import os
 from functools import cache
 from typing import Any, NamedTuple
 
+from rattle.errors import InputError
+
 
 class Choice(NamedTuple):
     """The way taken in this process, and the reason if it is the plain one."""
@@ -22,10 +24,10 @@ class Choice(NamedTuple):
 
 @cache
 def _by_environment() -> Choice:
-    """The way that the environment asks for.  Raises ValueError for an unknown one."""
+    """The way that the environment asks for.  Raises InputError for an unknown one."""
     wanted = os.environ.get("RATTLE_JIT", "")
     if wanted not in ("", "fast", "plain"):
-        raise ValueError(f"RATTLE_JIT is '{wanted}'; expected fast or plain, or nothing")
+        raise InputError(f"RATTLE_JIT is '{wanted}'; expected fast or plain, or nothing")
     return Choice(False, "RATTLE_JIT=plain asks for it") if wanted == "plain" else Choice(True)
 
 
@@ -46,7 +48,7 @@ _failed: list[Choice] = []
 
 
 def chosen() -> Choice:
-    """The way in which functions are compiled.  Raises ValueError for an unknown value of RATTLE_JIT."""
+    """The way in which functions are compiled.  Raises InputError for an unknown value of RATTLE_JIT."""
     return _failed[0] if _failed else _by_environment()
 
 

@@ -7,6 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rattle.errors import InputError
+
 SHIGLEY = "Shigley's Mechanical Engineering Design, table A-5"
 TYPICAL = "typical data-sheet value; differs by grade"
 POLYMER = "typical data-sheet value at 23 C, dry; differs by grade, falls with temperature"
@@ -55,7 +57,7 @@ ALIASES = {
 def material(given: Given) -> Material:
     """Material given by a name in `MATERIALS` (upper or lower case, hyphen or space), or by {E [Pa], nu [-]}.
 
-    Raises ValueError for an unknown name (with a suggestion), for a missing or unknown key, and unless
+    Raises InputError for an unknown name (with a suggestion), for a missing or unknown key, and unless
     E > 0 and -1 < nu <= 0.5.
     """
     if isinstance(given, Material):
@@ -66,15 +68,15 @@ def material(given: Given) -> Material:
         if name not in MATERIALS:
             near = difflib.get_close_matches(name, [*MATERIALS, *ALIASES], 1)
             hint = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(MATERIALS)}; or give {{ E, nu }}"
-            raise ValueError(f"unknown material '{given}'; {hint}")
+            raise InputError(f"unknown material '{given}'; {hint}")
         return MATERIALS[name]
     if set(given) != {"E", "nu"}:
-        raise ValueError(f"a material is a name or {{ E, nu }}, not {{ {', '.join(map(str, given))} }}")
+        raise InputError(f"a material is a name or {{ E, nu }}, not {{ {', '.join(map(str, given))} }}")
     modulus, nu = float(given["E"]), float(given["nu"])
     if not (modulus > 0.0 and math.isfinite(modulus)):
-        raise ValueError(f"Young's modulus must be positive, not {modulus:g} Pa")
+        raise InputError(f"Young's modulus must be positive, not {modulus:g} Pa")
     if not -1.0 < nu <= 0.5:
-        raise ValueError(f"Poisson's ratio must lie within -1 ... 0.5, not {nu:g}")
+        raise InputError(f"Poisson's ratio must lie within -1 ... 0.5, not {nu:g}")
     return Material(modulus, nu)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rattle.errors import InputError, WrongType
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 
 Quantity = float | str  # a number in SI units, or a text such as "20 ms"
@@ -12,7 +13,7 @@ Quantity = float | str  # a number in SI units, or a text such as "20 ms"
 def in_si(value: Quantity, what: str, unit: str, example: str) -> float:
     """A quantity as a number in its SI unit.
 
-    what: the name of the argument, unit: its SI unit, example: how it may be written, for messages.  Raises ValueError
+    what: the name of the argument, unit: its SI unit, example: how it may be written, for messages.  Raises InputError
     if a text or number is no such quantity, TypeError for other types.
     """
     dimension = dimension_of(unit)
@@ -21,19 +22,19 @@ def in_si(value: Quantity, what: str, unit: str, example: str) -> float:
         try:
             found = parse_quantity(value)
         except QuantityError as error:
-            raise ValueError(f"{what}: {error}") from None
+            raise InputError(f"{what}: {error}") from None
         if found is None:
-            raise ValueError(f"{what}: {value!r} is not {kind}; expected {unit}, as in {example}")
+            raise InputError(f"{what}: {value!r} is not {kind}; expected {unit}, as in {example}")
         if found[1] is not None and found[1] != dimension:
-            raise ValueError(f"{what}: {value!r} is {describe(found[1])}; expected {kind}, as in {example}")
+            raise InputError(f"{what}: {value!r} is {describe(found[1])}; expected {kind}, as in {example}")
         return found[0]
     try:
         return float(value)
     except OverflowError:
-        raise ValueError(f"{what}: the number is too large") from None
+        raise InputError(f"{what}: the number is too large") from None
     except (TypeError, ValueError):
         raise _wrong_type(value, what, f"{kind} in {unit}", example) from None
 
 
-def _wrong_type(value: Any, what: str, kind: str, example: str) -> TypeError:
-    return TypeError(f"{what} is {kind}, as in {example}; got {value!r}")
+def _wrong_type(value: Any, what: str, kind: str, example: str) -> WrongType:
+    return WrongType(f"{what} is {kind}, as in {example}; got {value!r}")

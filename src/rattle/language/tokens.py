@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import re
 
+from rattle.errors import InputError
 from rattle.language.units import FoundUnit, unit_at
 
 _REFUSED = {
@@ -16,7 +17,7 @@ _REFUSED = {
 }
 
 
-class ExpressionError(ValueError):
+class ExpressionError(InputError):
     """A fault in an expression; `column` is where it stands, in characters counted from 0."""
 
     def __init__(self, message: str, column: int = 0) -> None:

@@ -15,13 +15,13 @@ import math
 import re
 from typing import NamedTuple
 
-from rattle.errors import suggest
+from rattle.errors import InputError, suggest
 
 MAX_LENGTH = 100  # characters of a quantity; a longer text is not read as one
 MAX_POWER = 12.0
 
 
-class QuantityError(ValueError):
+class QuantityError(InputError):
     """A text that looks like a quantity, but whose unit is unknown or whose number is not finite."""
 
 

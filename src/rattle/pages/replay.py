@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rattle.atomic_file import atomic
+from rattle.errors import InputError
 from rattle.pages.ghost import ghost_of
 from rattle.pages.scene import require_motion, scene_json, scene_of
 from rattle.pages.viewer_text import viewer_text
@@ -51,7 +52,7 @@ def replay(
 
     trace: names of points ("coupler.P") whose paths are drawn at first.  names: bodies are labelled at first.
     speed: of the animation relative to the motion, at first.  ideal: the same mechanism without play, as a ghost.
-    Raises ValueError for a result without motion, UnknownName for an unknown point, OSError.
+    Raises InputError for a result without motion, UnknownName for an unknown point, OSError.
     """
     show: dict[str, Any] = {"traces": list(trace), "names": names, "speed": speed}
     for point in show["traces"]:
@@ -66,9 +67,9 @@ def animate(
 ) -> None:  # fmt: skip
     """`Result.animate` for a page; film: settings that only .gif and .mp4 have, and whether they were given."""
     if given := [key for key, is_given in film.items() if is_given]:
-        raise ValueError(f"{', '.join(given)}: only .gif and .mp4 have this; a page plays all instants, leave it out")
+        raise InputError(f"{', '.join(given)}: only .gif and .mp4 have this; a page plays all instants, leave it out")
     if speed is not None and not 0.0 < speed < math.inf:
-        raise ValueError(f"speed must be positive and finite, got {speed:g}")
+        raise InputError(f"speed must be positive and finite, got {speed:g}")
     require_motion(result)
     replay(result, path, trace=trace, names=names, speed=speed, ideal=ghost_of(result))
 

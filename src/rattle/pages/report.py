@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rattle.atomic_file import atomic
+from rattle.errors import InputError
 from rattle.pages import report_model, report_results, report_summary
 from rattle.pages.print_pdf import print_pdf, require_browser
 from rattle.pages.report_figures import drawing
@@ -56,11 +57,11 @@ def write_report(
 
 
 def require_name(path: Path, paper: str = "A4") -> None:
-    """Refuse what cannot be written before anything runs.  Raises ValueError, MissingProgram for a PDF."""
+    """Refuse what cannot be written before anything runs.  Raises InputError, MissingProgram for a PDF."""
     if path.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"{path}: a report needs a name ending in {' or '.join(SUFFIXES)}")
+        raise InputError(f"{path}: a report needs a name ending in {' or '.join(SUFFIXES)}")
     if paper not in PAPERS:
-        raise ValueError(f"paper {paper!r}: expected {' or '.join(PAPERS)}")
+        raise InputError(f"paper {paper!r}: expected {' or '.join(PAPERS)}")
     if path.suffix.lower() == ".pdf":
         require_browser(path)
 

@@ -9,6 +9,7 @@ from html import escape
 
 from matplotlib.figure import Figure
 
+from rattle.errors import WrongType
 from rattle.plots.figure import Page
 from rattle.results.display import grid, printed, quantity
 
@@ -81,7 +82,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "")
 def figure(picture: Figure, caption: str) -> str:
     """A picture with its caption; figures are numbered where the page is put together."""
     if not isinstance(picture, Page):
-        raise TypeError("a picture of a page is one of our own figures")
+        raise WrongType("a picture of a page is one of our own figures")
     return f"<figure>{picture.to_page(caption)}<figcaption>{escape(printed(caption))}</figcaption></figure>"
 
 

@@ -113,7 +113,7 @@ def _tried(found: Study, what: str, words: str, action: Callable[[], Found], fat
     try:
         return action()
     except FAILURES as error:
-        if fatal and isinstance(error, ValueError) and not isinstance(error, ModelError):
+        if fatal and isinstance(error, ValueError) and not isinstance(error, ModelError | AssemblyError):
             raise
         found.reasons[what] = str(error)
         if fatal:

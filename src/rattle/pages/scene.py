@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
+from rattle.errors import InputError
 from rattle.plots.scene import BODIES
 from rattle.results.result import Result
 from rattle.results.trust import HOW, Trust
@@ -28,10 +29,10 @@ def scene_of(
     """The scene of one or several results of a mechanism, each with a label; ready for JSON.
 
     ideal: a result of the same mechanism without play, the ghost.  show: what the viewer shows at first.
-    Raises ValueError without a result, or for one without motion of bodies.
+    Raises InputError without a result, or for one without motion of bodies.
     """
     if not results:
-        raise ValueError("a scene needs at least one result")
+        raise InputError("a scene needs at least one result")
     for _, one in results:
         require_motion(one)
     first = results[0][1]
@@ -80,11 +81,11 @@ def kinds_of(geometry: Mapping[str, Any]) -> dict[str, dict[str, str]]:
 
 
 def require_motion(result: Result) -> None:
-    """Raise ValueError if a result has no motion of bodies that could be shown."""
+    """Raise InputError if a result has no motion of bodies that could be shown."""
     if not result.geometry["bodies"]:
-        raise ValueError("this result holds curves only, no motion of bodies that could be shown")
+        raise InputError("this result holds curves only, no motion of bodies that could be shown")
     if not len(result.t):
-        raise ValueError("the result has no instant to show")
+        raise InputError("the result has no instant to show")
 
 
 def rows(result: Result) -> np.ndarray:

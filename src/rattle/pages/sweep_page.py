@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Parameter
-from rattle.errors import AssemblyError, ModelError
+from rattle.errors import AssemblyError, InputError, ModelError
 from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
 from rattle.progress_bar import progress_bar
@@ -34,7 +34,7 @@ def sweep_scene(
     """
     plans = list(runs_of(m, over))
     if len(plans) > MOST:
-        raise ValueError(f"{len(plans)} runs are too many for a page; ask for at most {MOST}")
+        raise InputError(f"{len(plans)} runs are too many for a page; ask for at most {MOST}")
     _require_known(m, plans[1:] if over is not None else [])
     made: list[tuple[str, Result]] = []
     failed: list[str] = []

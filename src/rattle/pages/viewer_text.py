@@ -12,6 +12,7 @@ import re
 from collections.abc import Mapping
 from importlib import resources
 
+from rattle.errors import InputError
 from rattle.pages.compact import compact
 
 ENTRY = "mount.js"
@@ -47,7 +48,7 @@ def style_text() -> str:
 def joined(files: Mapping[str, str], entry: str) -> str:
     """One module of an entry and all that it imports, each before those that need it.
 
-    Raises ValueError for an import of an unknown file or name, and for a name that two files declare.
+    Raises InputError for an import of an unknown file or name, and for a name that two files declare.
     """
     order: list[str] = []
     _follow(files, entry, order, [])
@@ -55,7 +56,7 @@ def joined(files: Mapping[str, str], entry: str) -> str:
     for name in order:
         for declared in declarations(files[name]):
             if declared in owner:
-                raise ValueError(f"{declared} is declared in {owner[declared]} and in {name}: give one another name")
+                raise InputError(f"{declared} is declared in {owner[declared]} and in {name}: give one another name")
             owner[declared] = name
     return "".join(_bare(files[name]) for name in order)
 
@@ -85,17 +86,17 @@ def _follow(files: Mapping[str, str], name: str, order: list[str], above: list[s
     if name in order:
         return
     if name in above:
-        raise ValueError(f"{' -> '.join([*above, name])}: files import each other in a circle")
+        raise InputError(f"{' -> '.join([*above, name])}: files import each other in a circle")
     for names, other in IMPORT.findall(files[name]):
         if other not in files:
-            raise ValueError(f"{name} imports {other}, which is not there")
+            raise InputError(f"{name} imports {other}, which is not there")
         known = {one for line in EXPORTED.findall(files[other]) for one in declarations(line)}
         for one in filter(None, (part.strip() for part in names.split(","))):
             if one not in known:
-                raise ValueError(f"{name} imports {one} from {other}, which does not export it")
+                raise InputError(f"{name} imports {one} from {other}, which does not export it")
         _follow(files, other, order, [*above, name])
     if re.search(r"^import\b", IMPORT.sub("", files[name]), re.MULTILINE):
-        raise ValueError(f'{name}: imports are written `import {{ name }} from "./file.js";`')
+        raise InputError(f'{name}: imports are written `import {{ name }} from "./file.js";`')
     order.append(name)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
+from rattle.errors import InputError
 from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, length_axes, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
 from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
@@ -50,20 +51,20 @@ def animate(
     speed: of the animation relative to the motion, 0.1 for ten times slower; it sets the number of frames.
     dpi: resolution [1/inch].
 
-    Raises ValueError for another suffix or an empty result, UnknownName for an unknown point and
+    Raises InputError for another suffix or an empty result, UnknownName for an unknown point and
     MissingProgram (a RuntimeError) if ffmpeg is missing.
     """
     require_film(path)
     if not result.geometry["bodies"]:
-        raise ValueError("this result holds curves only, no motion of bodies that could be shown")
+        raise InputError("this result holds curves only, no motion of bodies that could be shown")
     if not fps > 0:
-        raise ValueError(f"an animation needs a positive number of frames per second, got {fps}")
+        raise InputError(f"an animation needs a positive number of frames per second, got {fps}")
     if speed is not None:
         if not 0.0 < speed < math.inf:
-            raise ValueError(f"speed must be positive and finite, got {speed:g}")
+            raise InputError(f"speed must be positive and finite, got {speed:g}")
         frames = math.ceil(float(result.t[-1] - result.t[0]) / speed * fps) + 1 if len(result.t) else 0
         if frames > min(MOST_FRAMES, max(len(result.t), 1)):
-            raise ValueError(
+            raise InputError(
                 f"speed {speed:g} needs {frames} frames at {fps} per second, but the result has {len(result.t)} outputs"
                 f" and {MOST_FRAMES} frames are allowed: choose a larger speed or a smaller output interval"
             )
@@ -80,9 +81,9 @@ def scene(
 ) -> tuple[Figure, Update, int]:  # fmt: skip
     """The figure, the function that changes it to frame k, and the number of frames; arguments as of `animate`."""
     if not len(result.t):
-        raise ValueError("the result has no instant to show")
+        raise InputError("the result has no instant to show")
     if frames < 1:
-        raise ValueError(f"an animation needs at least one frame, got {frames}")
+        raise InputError(f"an animation needs at least one frame, got {frames}")
     instants = np.linspace(result.t[0], result.t[-1], min(frames, len(result.t)))
     pick = np.unique(np.searchsorted(result.t, instants - 1e-12 * (1 + abs(result.t[-1]))).clip(0, len(result.t) - 1))
     stage = Scene(result, pick, 1.0)

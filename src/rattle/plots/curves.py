@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
+from rattle.errors import InputError
 from rattle.results.display import scale
 
 if TYPE_CHECKING:
@@ -83,12 +84,12 @@ def plot(
     Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
     """
     if not names:
-        raise ValueError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
+        raise InputError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
     panels: dict[str, list[str]] = {}
     for name in dict.fromkeys(names):
         panels.setdefault(result.unit(name), []).append(name)
     if ax is not None and len(panels) > 1:
-        raise ValueError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
+        raise InputError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
     others = list(compare)
     axes = [ax] if ax is not None else new_axes(8.0, 1.0 + 2.2 * len(panels), rows=len(panels))
     across, along = _across(result, over)
@@ -195,10 +196,10 @@ def tidy(ax: Axes) -> Axes:
 
 
 def figure_of(ax: Axes) -> Figure:
-    """The figure that an axis belongs to. Raises ValueError if there is none."""
+    """The figure that an axis belongs to. Raises InputError if there is none."""
     figure = ax.get_figure(root=True)
     if figure is None:
-        raise ValueError("this axis belongs to no figure")
+        raise InputError("this axis belongs to no figure")
     return figure
 
 
@@ -252,10 +253,10 @@ def robust_limits(ax: Axes, curves: Sequence[Array], side: Literal["left", "righ
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str], dpi: float = 150) -> None:
-    """Write a figure as .svg, .png or .pdf; dpi: resolution [1/inch]. Raises ValueError for another suffix, OSError."""
+    """Write a figure as .svg, .png or .pdf; dpi: resolution [1/inch]. Raises InputError for another suffix, OSError."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
-        raise ValueError(f"{os.fspath(path)}: a picture needs a name ending in {', '.join(SUFFIXES)}")
+        raise InputError(f"{os.fspath(path)}: a picture needs a name ending in {', '.join(SUFFIXES)}")
     from matplotlib import rc_context
 
     from rattle.plots.figure import TEXT

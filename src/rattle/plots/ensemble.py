@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.plots.bulk import Bulk, bulk_of, set_range
 from rattle.plots.curves import (
     BLACK,
@@ -71,7 +72,7 @@ def finite(e: Ensemble, output: str) -> np.ndarray:
     found = values[np.isfinite(values)]
     if not len(found):
         why = next(iter(e.why()), "no sample was run" if not (e.store.status() >= 0).any() else "")
-        raise ValueError(
+        raise InputError(
             f"{output}: none of {len(e)} samples has a finite value, there is nothing to draw" + f": {why}" * bool(why)
         )
     return np.asarray(found)
@@ -122,11 +123,11 @@ def _number(shown: float, bulk: Bulk) -> str:
 
 
 def _ends(e: Ensemble, output: str, limit: Limit) -> tuple[float | None, float | None]:
-    """Limits (low, high) [SI].  Raises ValueError, TypeError."""
+    """Limits (low, high) [SI].  Raises InputError, TypeError."""
     low, high = limit if isinstance(limit, tuple) else (None, limit)
     found = tuple(None if one is None else e.limit(output, one) for one in (low, high))
     if found[0] is not None and found[1] is not None and found[0] >= found[1]:
-        raise ValueError(f"limit: the lower one, {low}, is not below the upper one, {high}")
+        raise InputError(f"limit: the lower one, {low}, is not below the upper one, {high}")
     return found[0], found[1]
 
 

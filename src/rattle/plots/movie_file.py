@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle.errors import MissingProgram
+from rattle.errors import InputError, MissingProgram
 from rattle.plots.curves import BORE, CURVES, GREY, LINES, MORE
 
 if TYPE_CHECKING:
@@ -20,14 +20,14 @@ Update = Callable[[int], None]  # changes the drawing to the instant of one fram
 
 
 def require_film(path: str | os.PathLike[str]) -> None:
-    """Refuse a file name for an animation. Raises ValueError for another suffix, MissingProgram without ffmpeg."""
+    """Refuse a file name for an animation. Raises InputError for another suffix, MissingProgram without ffmpeg."""
     from matplotlib.animation import FFMpegWriter
 
     suffix = Path(path).suffix.lower()
     if suffix == ".html":
-        raise ValueError(f"{os.fspath(path)}: only the result of a run becomes a page; use .gif or .mp4 here")
+        raise InputError(f"{os.fspath(path)}: only the result of a run becomes a page; use .gif or .mp4 here")
     if suffix not in FILMS:
-        raise ValueError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
+        raise InputError(f"{os.fspath(path)}: an animation needs a name ending in .gif or .mp4")
     if suffix == ".mp4" and not FFMpegWriter.isAvailable():
         raise MissingProgram("an .mp4 needs the program ffmpeg, which was not found; install it or use .gif")
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rattle import registry
+from rattle.errors import InputError
 from rattle.plots.curves import (
     BLACK,
     BORE,
@@ -48,7 +49,7 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     Raises UnknownName, or ValueError without a point.
     """
     if not points:
-        raise ValueError("name at least one point, such as 'coupler.P'")
+        raise InputError("name at least one point, such as 'coupler.P'")
     for name in points:
         require_point(result, name)
     paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
@@ -100,12 +101,12 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     where the bush would have to pull; dots on the circle are impacts, with an area proportional to the impulse;
     rings show where a contact that lasts begins.
     ax: draw there.  Returns a new figure, or `ax` if it is given.
-    Raises ValueError if the joint is not a pin with clearance in a bush.
+    Raises InputError if the joint is not a pin with clearance in a bush.
     """
     form = clearance_joints(result).get(joint)
     if form is None:
         known = ", ".join(clearance_joints(result)) or "none"
-        raise ValueError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {known}")
+        raise InputError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {known}")
     scale, length = length_unit(form["clearance"])
     c = form["clearance"] * scale
     x, y, normal = pin_path(result, joint)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.plots.bulk import Bulk, bulk_of, set_range
 from rattle.plots.curves import BLACK, BLUE, GREY, RED, axis_label, new_figure, tidy
 from rattle.plots.ensemble import finite, told_samples
@@ -78,9 +79,9 @@ def _chosen(e: Ensemble, what: str, asked: Sequence[str] | None, every: Sequence
     known = e.outputs if what == "outputs" else e.parameters
     for name in names:
         if name not in known:
-            raise ValueError(f"{what}: '{name}' is none of {', '.join(known)}")
+            raise InputError(f"{what}: '{name}' is none of {', '.join(known)}")
     if not 0 < len(names) <= MOST:
-        raise ValueError(f"{what}: {len(names)} are asked for; a scatter matrix shows 1 to {MOST}, choose those")
+        raise InputError(f"{what}: {len(names)} are asked for; a scatter matrix shows 1 to {MOST}, choose those")
     return names
 
 

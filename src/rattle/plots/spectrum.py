@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.plots.curves import QUANTITY, axis_label, figure_of, handy_unit, new_axes, note, panel_of, title_of
 from rattle.results.spectrum import amplitude_spectrum, steady_turns
 
@@ -23,7 +24,7 @@ QUIET = 1e-3  # the axis ends where all amplitudes of the first result stay belo
 def plot_spectrum(result: Result, *names: str, compare: Iterable[tuple[str, Result]] = ()) -> Figure:
     """See `Result.plot_spectrum`."""
     if not names:
-        raise ValueError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
+        raise InputError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
     panels: dict[str, list[str]] = {}
     for name in dict.fromkeys(names):
         panels.setdefault(result.unit(name), []).append(name)

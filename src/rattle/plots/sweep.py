@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.plots.bulk import Bulk, bulk_of, set_range
 from rattle.plots.curves import (
     BLACK,
@@ -55,7 +56,7 @@ def plot_sweep(
     """See `Sweep.plot`."""
     if output is None and len(w.outputs) > 1:
         if ax is not None:
-            raise ValueError(f"one axis shows one output; name one of {', '.join(w.outputs)}")
+            raise InputError(f"one axis shows one output; name one of {', '.join(w.outputs)}")
         names = w.outputs[:PANELS]
         figure = new_figure(8.0, 3.6 * len(names))
         for name, panel in zip(names, figure.subplots(len(names), 1), strict=True):
@@ -69,7 +70,7 @@ def plot_output(w: Sweep, output: str, ax: Axes | None, at: Mapping[str, float |
     found = section(w, output, {} if at is None else at)
     if not np.isfinite(found.values).any():
         why = next(iter(w.why()), "")
-        raise ValueError(
+        raise InputError(
             f"{output}: no combination has a finite value, there is nothing to draw" + f": {why}" * bool(why)
         )
     line = len(found.names) == 1
@@ -98,7 +99,7 @@ def section(w: Sweep, output: str, at: Mapping[str, float | str]) -> Section:
     said: list[str] = []
     for name in at:
         if name not in w.axes:
-            raise ValueError(f"at: '{name}' is none of {', '.join(w.axes)}")
+            raise InputError(f"at: '{name}' is none of {', '.join(w.axes)}")
     for name, axis in w.axes.items():
         if name in at or len(axis) == 1:
             n = _place(name, axis, at[name], w.unit(name)) if name in at else 0
@@ -113,7 +114,7 @@ def section(w: Sweep, output: str, at: Mapping[str, float | str]) -> Section:
         said.pop()
     if len(names) > 2:
         fix = {name: float(f"{w.axes[name][len(w.axes[name]) // 2]:.6g}") for name in names[2:]}
-        raise ValueError(
+        raise InputError(
             f"{output} varies with {', '.join(names)}, and a picture shows two of them; fix the others at one of their "
             f"values, such as at={fix}"
         )
@@ -128,12 +129,12 @@ def section(w: Sweep, output: str, at: Mapping[str, float | str]) -> Section:
 
 
 def _place(name: str, axis: np.ndarray, given: float | str, unit: str) -> int:
-    """Where a value is in the grid.  Raises ValueError, TypeError."""
+    """Where a value is in the grid.  Raises InputError, TypeError."""
     value = limit_of(given, unit, f"at: '{name}'")
     n = int(np.argmin(np.abs(axis - value)))
     if abs(axis[n] - value) > SAME * np.abs(axis).max():
         near = np.sort(axis[np.argsort(np.abs(axis - value))[:2]])
-        raise ValueError(
+        raise InputError(
             f"at: {name} = {value:g} is not in the sweep; the nearest: {', '.join(f'{x:g}' for x in near)}"
         )
     return n

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic, is_special
-from rattle.errors import MissingPackage, shown
+from rattle.errors import InputError, MissingPackage, WrongType, shown
 
 Array = NDArray[np.float64]
 FORMAT = 2  # 1: without checksum, netCDF only
@@ -52,10 +52,10 @@ def package(module: str, what: str) -> Any:
 
 
 def require(path: str | os.PathLike[str]) -> None:
-    """Raise ValueError or MissingPackage if a result cannot be saved under this name."""
+    """Raise InputError or MissingPackage if a result cannot be saved under this name."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES and not is_special(path):
-        raise ValueError(
+        raise InputError(
             f"{os.fspath(path)}: a result is saved as .nc (netCDF) or .npz; give a name ending in one of them"
             " (to_csv writes CSV)"
         )
@@ -74,7 +74,7 @@ def write(path: str | os.PathLike[str], record: Mapping[str, Any], t: Array, dat
     """Write curves and record; the file is made in memory first, so that a full disk leaves no partial file.
 
     record: names, units and other plain data.  t: (n,) [s].  data: (n, len(names)), SI units.
-    Raises ValueError, MissingPackage, OSError.
+    Raises InputError, MissingPackage, OSError.
     """
     require(path)
     text = json.dumps({"format": FORMAT, **record}, default=_plain)
@@ -90,7 +90,7 @@ def _plain(value: Any) -> Any:
     """A NumPy value in plain data as what JSON can write."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
-    raise TypeError(f"a result holds plain data only, not {type(value).__name__}")
+    raise WrongType(f"a result holds plain data only, not {type(value).__name__}")
 
 
 def _digest(text: str, t: Array, curves: Sequence[Array]) -> str:
@@ -148,7 +148,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
     if reader is None:
         model = file.suffix.lower() in (".toml", ".json")
         hint = f"; run a model file first: rattle run {file} -o out.npz" if model else ""
-        raise ValueError(f"{file} {NO_RESULT}{hint}")
+        raise InputError(f"{file} {NO_RESULT}{hint}")
     if reader is _read_netcdf:
         package("h5py", f"reading {file.name}, which is netCDF,")
         require_whole(file)
@@ -156,15 +156,15 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
         text, record, digest, t, curves = reader(file)
         _require_plain(record, len(curves))
     except Damaged as error:
-        raise ValueError(f"{file} {error}") from None
+        raise InputError(f"{file} {error}") from None
     except Exception as error:  # h5py, zipfile and json raise many kinds of errors; all mean the same here
-        raise ValueError(f"{file} {NO_RESULT}") from error
+        raise InputError(f"{file} {NO_RESULT}") from error
     if record["format"] > FORMAT:
-        raise ValueError(
+        raise InputError(
             f"{file} has format {record['format']}; this version of rattle reads up to {FORMAT}: install a newer one"
         )
     if (digest or record["format"] > 1) and digest != _digest(text, t, curves):
-        raise ValueError(f"{file} is damaged: its content does not match its checksum; compute it again")
+        raise InputError(f"{file} is damaged: its content does not match its checksum; compute it again")
     return record, t, np.column_stack(curves) if curves else np.empty((len(t), 0))
 
 
@@ -177,7 +177,7 @@ class Damaged(Exception):
 
 
 def require_whole(file: Path) -> bool:
-    """Compare the checksum after the data with the bytes; False if there is none.  Raises ValueError, OSError."""
+    """Compare the checksum after the data with the bytes; False if there is none.  Raises InputError, OSError."""
     size, length = file.stat().st_size, len(TRAILER) + 65
     with file.open("rb") as opened:
         opened.seek(max(0, size - length))
@@ -193,7 +193,7 @@ def require_whole(file: Path) -> bool:
             if not part:
                 break
     if trailer[len(TRAILER) :].strip() != found.hexdigest().encode():
-        raise ValueError(f"{file} is damaged: its bytes do not match its checksum; compute it again")
+        raise InputError(f"{file} is damaged: its bytes do not match its checksum; compute it again")
     return True
 
 
@@ -219,7 +219,7 @@ def _read_netcdf(file: Path) -> Found:
 
         record = variable(RECORD)
         if record.shape != () or h5py.check_string_dtype(record.dtype) is None:
-            raise ValueError("no text")
+            raise InputError("no text")
         text = record.asstr()[()]
         parsed, digest = json.loads(text), record.attrs.get(DIGEST, "")
         t = variable("t")
@@ -228,7 +228,7 @@ def _read_netcdf(file: Path) -> Found:
         _fits(len(columns) + 1, n, size)
         curves = [variable(name) for name in columns]
         if any(one.shape != (n,) or one.dtype.kind != "f" or one.dtype.itemsize != 8 for one in (t, *curves)):
-            raise ValueError("no curves")
+            raise InputError("no curves")
         if parsed["format"] == 1:
             parsed["units"] = {name: str(one.attrs["units"]) for name, one in zip(columns, curves, strict=True)}
         numbers = [np.asarray(one[()], dtype=np.float64) for one in (t, *curves)]
@@ -252,13 +252,13 @@ def _read_npz(file: Path) -> Found:
         def curve(name: str, n: int = -1) -> Array:
             dtype, shape, content = member(name)
             if dtype != np.dtype("<f8") or len(shape) != 1 or n not in (-1, shape[0]) or len(content) != 8 * shape[0]:
-                raise ValueError("no curve")
+                raise InputError("no curve")
             return np.frombuffer(content, "<f8").astype(np.float64)
 
         def word(name: str) -> str:
             dtype, shape, content = member(name)
             if dtype.kind != "S" or shape != ():
-                raise ValueError("no text")
+                raise InputError("no text")
             return content.decode("utf-8", "surrogatepass")
 
         text, digest, t = word(RECORD), word(DIGEST), curve("t")
@@ -269,7 +269,7 @@ def _read_npz(file: Path) -> Found:
 
 # ---------------------------------------------------------------- what a record may contain
 def _require_plain(record: Any, count: int) -> None:
-    """Refuse a record that is not as `Result.save` writes it.  Raises ValueError, TypeError, KeyError."""
+    """Refuse a record that is not as `Result.save` writes it.  Raises InputError, TypeError, KeyError."""
     names = record["names"]
     right = (
         type(record["format"]) is int
@@ -284,24 +284,24 @@ def _require_plain(record: Any, count: int) -> None:
         and isinstance(record["events"], list)
     )
     if not right:
-        raise ValueError("not as a result is written")
+        raise InputError("not as a result is written")
     if not all(isinstance(record["units"][name], str) and record["units"][name].isprintable() for name in names):
-        raise ValueError("units are texts")
+        raise InputError("units are texts")
     ahead: list[Any] = [record]
     while ahead:
         one = ahead.pop()
         if isinstance(one, dict | list):
             ahead += [*one, *one.values()] if isinstance(one, dict) else one
         elif isinstance(one, str) and shown(one) != one:
-            raise ValueError("texts with control characters")
+            raise InputError("texts with control characters")
     for event in record["events"]:
         _, joint, kind, *numbers = event
         texts = isinstance(joint, str) and isinstance(kind, str)
         if not texts or not all(type(one) in (int, float) for one in (event[0], *numbers)):
-            raise ValueError("an event is a time, a joint, a kind and numbers")
+            raise InputError("an event is a time, a joint, a kind and numbers")
     for group in ("bodies", "joints", "loads"):
         if not all(isinstance(one, dict) for one in record["geometry"].get(group, {}).values()):
-            raise ValueError("geometry is made of tables")
+            raise InputError("geometry is made of tables")
 
 
 def first_place(

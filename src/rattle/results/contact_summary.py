@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
 
@@ -33,13 +34,13 @@ class Curves(Protocol):
 
 
 def peak(result: Curves, name: str) -> tuple[float, float]:
-    """Largest magnitude of a curve [SI] and its time [s], see `Result.peak`. Raises ValueError without an output."""
+    """Largest magnitude of a curve [SI] and its time [s], see `Result.peak`. Raises InputError without an output."""
     known = result.peaks.get(name)
     if known is not None:
         return known.value, known.t
     values = np.abs(result[name])
     if not len(values):
-        raise ValueError(f"no output, so {name!r} has no peak")
+        raise InputError(f"no output, so {name!r} has no peak")
     return extreme(result.t, values)
 
 

@@ -13,6 +13,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.errors import InputError
 from rattle.language import arrays
 from rattle.language.syntax import Apply, Name, Node
 from rattle.results.reductions import CONDITIONS, EVENTS, IDEAL, READ_OFF, Output, Reduction, argument
@@ -30,7 +31,7 @@ def evaluate(
     parameters: values [SI], by default those of the result's provenance.  ideal: result of the mechanism without play
     at the same instants, if the output needs one.  Of a run that stopped early only what happened before is known: an
     `at` in that time, a `first` that came true.
-    Raises ValueError for an `at` outside the run, an `ideal` that is missing or has other instants, a result without
+    Raises InputError for an `at` outside the run, an `ideal` that is missing or has other instants, a result without
     an instant, and for events of a result that is no run in time; UnknownName for a curve that the result lacks.
     """
     if parameters is None:
@@ -53,11 +54,11 @@ def curve_of(
 
 
 def _require_ideal(output: Output, result: Result, ideal: Result | None) -> None:
-    """Raise ValueError if the result without play is missing or has other instants."""
+    """Raise InputError if the result without play is missing or has other instants."""
     if ideal is None:
-        raise ValueError(f"{output.text!r} needs a result of the mechanism without play (ideal)")
+        raise InputError(f"{output.text!r} needs a result of the mechanism without play (ideal)")
     if ideal.success and result.success and not np.array_equal(ideal.t, result.t):
-        raise ValueError("the results with and without play must have the same instants")
+        raise InputError("the results with and without play must have the same instants")
 
 
 class _Curves:
@@ -138,7 +139,7 @@ def _at(one: Reduction, curve: SampledCurve, known: _Curves) -> float:
         return curve.at(t)
     if t > last and not known.whole:
         return math.nan
-    raise ValueError(f"at(..., {t:g}): the instant is outside the run, which goes from {first:g} to {last:g} s")
+    raise InputError(f"at(..., {t:g}): the instant is outside the run, which goes from {first:g} to {last:g} s")
 
 
 def _share(curve: SampledCurve, strict: bool) -> float:
@@ -173,7 +174,7 @@ def _count(one: Reduction, result: Result) -> float:
     """Number of events of a joint; nan of a run that stopped early."""
     analysis = result.provenance.get("analysis", "simulate")
     if analysis != "simulate":
-        raise ValueError(f"events are counted in a run in time (simulate), and this is a result of {analysis}")
+        raise InputError(f"events are counted in a run in time (simulate), and this is a result of {analysis}")
     joint, _, events = one.inner.name.rpartition(".") if isinstance(one.inner, Name) else ("", "", "")
     found = sum(event.joint == joint and event.kind == EVENTS[events] for event in result.events)
     return float(found) if result.success else math.nan

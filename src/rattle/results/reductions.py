@@ -28,7 +28,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 from rattle.description.toml_locations import caret_under
-from rattle.errors import LONGEST, ModelError, Problem, suggest
+from rattle.errors import LONGEST, InputError, ModelError, Problem, suggest
 from rattle.language import arrays
 from rattle.language.expression import dimension
 from rattle.language.syntax import (
@@ -174,10 +174,10 @@ def read_constraint(text: str, known: Known) -> Constraint:
 def argument(reduction: Reduction, parameters: Mapping[str, float]) -> float:
     """The instant of an `at` [s] or the share of a `quantile`; parameters: values [SI].
 
-    Raises ValueError for the other kinds.
+    Raises InputError for the other kinds.
     """
     if reduction.argument is None:
-        raise ValueError(f"{reduction.kind} has no argument beside its curve")
+        raise InputError(f"{reduction.kind} has no argument beside its curve")
     return float(arrays.evaluate(reduction.argument, parameters.__getitem__))
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rattle.atomic_file import atomic
+from rattle.errors import InputError, WrongType
 from rattle.results import archive, contact_summary, film_summary
 from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture
@@ -34,7 +35,7 @@ Array = NDArray[np.float64]
 TABLES = (".csv", ".txt", ".dat", "")  # suffixes under which text is expected
 
 
-class UnknownName(KeyError):
+class UnknownName(InputError, KeyError):
     """A result has no curve of this name."""
 
     def __str__(self) -> str:
@@ -78,7 +79,7 @@ class Result:
         self.peaks: dict[str, Peak] = dict(peaks or {})
         self._data = _frozen(data)
         if self._data.shape != (len(self.t), len(self.stored)):
-            raise ValueError(f"data has shape {self._data.shape}; expected {(len(self.t), len(self.stored))}")
+            raise InputError(f"data has shape {self._data.shape}; expected {(len(self.t), len(self.stored))}")
         self._column = {name: k for k, name in enumerate(self.stored)}
         self._derived = rules(self.geometry, self._column)
         self._units = {name: units[name] for name in self.stored}
@@ -118,7 +119,7 @@ class Result:
     def __getitem__(self, name: str) -> Array:
         """One curve, (n,), in its SI unit, read-only.  Raises UnknownName (a KeyError) with suggestions."""
         if not isinstance(name, str):
-            raise TypeError(f"expected one name of a curve in quotes, got {name!r}")
+            raise WrongType(f"expected one name of a curve in quotes, got {name!r}")
         if name in self._column:
             return self._data[:, self._column[name]]
         if name not in self._derived:
@@ -173,7 +174,7 @@ class Result:
 
         By default the last turn of the driver, or the whole run if no driver turns steadily or it is shorter than that.
         The run of a motion in time is repeated from the model that the result holds.
-        Raises ValueError for a result of another analysis or times outside of the run, ModelError for a model with laws
+        Raises InputError for a result of another analysis or times outside of the run, ModelError for a model with laws
         in Python that are not known here.
         """
         from rattle.studies.power.power import power
@@ -209,7 +210,7 @@ class Result:
     def to_csv(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
         """Write all names as CSV, with a header such as `coupler.x [m]`; numbers in full precision.
 
-        fallback, return value: as for `save`.  Raises ValueError for a suffix of another format, OSError.
+        fallback, return value: as for `save`.  Raises InputError for a suffix of another format, OSError.
         """
         require_table(path)
         units = [self._units[name] for name in self.names]
@@ -230,7 +231,7 @@ class Result:
         """Write everything as netCDF (`.nc`) or `.npz`; `load_result` reads it back, bit for bit.
 
         fallback: a folder for a file of the same name, if the system cannot write `path` (a full disk).
-        Returns the file written.  Raises ValueError for another suffix, MissingPackage (an ImportError; `.npz` needs
+        Returns the file written.  Raises InputError for another suffix, MissingPackage (an ImportError; `.npz` needs
         no further package), OSError; the result is unchanged then and can be saved elsewhere.
         """
         record = {
@@ -323,7 +324,7 @@ class Result:
         """Path of a pin in its clearance circle [mm or µm], coloured by the normal force [N].
 
         For all details see `rattle.plots.orbit.plot_orbit`.
-        ax: draw there.  Returns a new figure, or `ax` if it is given.  Raises ValueError without clearance.
+        ax: draw there.  Returns a new figure, or `ax` if it is given.  Raises InputError without clearance.
         """
         from rattle.plots import orbit
 
@@ -341,7 +342,7 @@ class Result:
         animation relative to the motion, 0.1 for ten times slower; of a .gif or .mp4 it sets the number of frames.
         names: label the bodies with their names.  power: arrows show the power that goes through joints, and from
         drivers and loads, by their width.
-        Raises ValueError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
+        Raises InputError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
         """
         if Path(path).suffix.lower() == ".html":
             from rattle.pages import replay
@@ -382,14 +383,14 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             peaks={name: Peak(*values) for name, values in record.get("peaks", {}).items()},
         )
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise ValueError(f"{path} {archive.NO_RESULT}") from error
+        raise InputError(f"{path} {archive.NO_RESULT}") from error
 
 
 # ---------------------------------------------------------------- pieces
 def require_table(path: str | os.PathLike[str]) -> None:
-    """Raise ValueError for a file name whose suffix belongs to another format than CSV."""
+    """Raise InputError for a file name whose suffix belongs to another format than CSV."""
     if Path(path).suffix.lower() not in TABLES:
-        raise ValueError(f"{os.fspath(path)}: curves are written as plain text; give a name ending in .csv")
+        raise InputError(f"{os.fspath(path)}: curves are written as plain text; give a name ending in .csv")
 
 
 def _frozen(values: ArrayLike) -> Array:

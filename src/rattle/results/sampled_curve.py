@@ -25,6 +25,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rattle.errors import InputError
+
 Array = NDArray[np.float64]
 
 CENTRAL = 2.0  # the middle group is left for another whose third difference is smaller by more than this factor
@@ -47,16 +49,16 @@ class _Pieces(NamedTuple):
 class SampledCurve:
     """A curve of time through samples; t (n,) increasing [s], values (n,) finite or not, in any unit.
 
-    Raises ValueError if there is no instant, or if they do not increase.
+    Raises InputError if there is no instant, or if they do not increase.
     """
 
     def __init__(self, t: ArrayLike, values: ArrayLike) -> None:
         self.t: Array = np.asarray(t, dtype=np.float64)
         self.values: Array = np.asarray(values, dtype=np.float64)
         if not len(self.t):
-            raise ValueError("the result has no instant")
+            raise InputError("the result has no instant")
         if not (np.diff(self.t) > 0.0).all():
-            raise ValueError("the instants of the result must increase")
+            raise InputError("the instants of the result must increase")
         self.span = float(self.t[-1] - self.t[0])  # [s]
         self.finite = bool(np.isfinite(self.values).all())
 

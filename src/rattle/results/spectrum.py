@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.errors import InputError
+
 Array = NDArray[np.float64]
 FEWEST = 8  # instants
 EVEN = 1e-6  # allowed difference of the intervals, as a share of an interval
@@ -22,19 +24,19 @@ def amplitude_spectrum(t: Array, values: Array) -> tuple[Array, Array]:
     beside it and 0 elsewhere; between two multiples its largest value is 0.85 A at least.  A last interval that is
     shorter than the others is left out.
 
-    Raises ValueError for fewer than eight instants, uneven ones, or values that are not finite.
+    Raises InputError for fewer than eight instants, uneven ones, or values that are not finite.
     Source: Harris, Proc. IEEE 66 (1978) 51-83, Table 1.
     """
     if len(t) > 2 and t[-1] - t[-2] < (1.0 - EVEN) * (t[1] - t[0]):
         t, values = t[:-1], values[:-1]
     n = len(t)
     if n < FEWEST:
-        raise ValueError(f"a spectrum needs at least {FEWEST} output instants, there are {n}")
+        raise InputError(f"a spectrum needs at least {FEWEST} output instants, there are {n}")
     step = float(t[-1] - t[0]) / (n - 1)
     if not np.abs(np.diff(t) - step).max() <= EVEN * step:
-        raise ValueError("a spectrum needs evenly spaced output instants: simulate with an output interval, not t_eval")
+        raise InputError("a spectrum needs evenly spaced output instants: simulate with an output interval, not t_eval")
     if not np.isfinite(values).all():
-        raise ValueError("a spectrum needs values that are all finite")
+        raise InputError("a spectrum needs values that are all finite")
     window = 1.0 - np.cos(2.0 * np.pi * np.arange(n) / n)
     total = float(window.sum())
     mean = float(window @ values) / total

@@ -11,7 +11,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
-from rattle.errors import SolverError
+from rattle.errors import InputError, SolverError
 from rattle.progress_bar import progress_bar
 from rattle.results.display import quantity, table
 from rattle.studies.poincare import period_of
@@ -80,7 +80,7 @@ def bifurcation(
     arguments.whole("points", points, 1)
     given = np.asarray(values, dtype=float)
     if not given.size or given.ndim != 1:
-        raise ValueError("values of the parameter: expected a one-dimensional array with at least one value")
+        raise InputError("values of the parameter: expected a one-dimensional array with at least one value")
     changed = [m.set({parameter: float(value)}) for value in given]
 
     def run(one: Mechanism) -> tuple[np.ndarray, Result]:

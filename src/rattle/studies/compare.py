@@ -11,7 +11,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.description.switch_contact import recontact
-from rattle.errors import AssemblyError, ModelError, Problem, suggest
+from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
 from rattle.results.display import table
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ def compare(
     if joint is not None and joint not in loose:
         raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
     if law is not None and law not in registry.kinds("normal"):
-        raise ValueError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
+        raise InputError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
     end = t_end if t_end is not None else min(driver_period(m.system) or math.inf, m.model.settings.t_end)
     times = np.linspace(0.0, end, POINTS + 1)
     compliant, assumed = _compliant(m, loose, law)

@@ -15,7 +15,7 @@ from rattle.analyses import arguments
 from rattle.analyses.assembly.rank import rank
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
-from rattle.errors import TraceError
+from rattle.errors import InputError, TraceError
 from rattle.jit import functions
 from rattle.results.display import lines
 from rattle.studies import neighbouring_runs, variational_equations
@@ -94,16 +94,16 @@ def lyapunov(
     less than a hundredfold it may be zero or any other that small, as in a run shorter than the mechanism's own times.
     With set-valued contacts two runs are event-driven; a stretch lasts a little longer if at its end one run has had
     an impact that the other is about to have.
-    Raises ValueError if the drivers determine every position (then nothing can grow), or if a run cannot go on.
+    Raises InputError if the drivers determine every position (then nothing can grow), or if a run cannot go on.
     """
     functions.start()
     span = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     length = span / 400 if stretch is None else arguments.positive("stretch", stretch)
     rtol = arguments.relative_tolerance(rtol)
     if 2 * BLOCKS * length > span * (1.0 + 1e-9):
-        raise ValueError(f"a stretch of {length:g} s is too long for {span:g} s; take at most a {2 * BLOCKS}th of it")
+        raise InputError(f"a stretch of {length:g} s is too long for {span:g} s; take at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:
-        raise ValueError(f"skip must be a share of the run, from 0 to below 1; got {skip}")
+        raise InputError(f"skip must be a share of the run, from 0 to below 1; got {skip}")
     _require_mobility(m)
     growth, length, how = _growths(m, span, length, rtol)
     kept = growth[int(skip * len(growth)) :]
@@ -127,13 +127,13 @@ def _slope(growth: np.ndarray) -> float:
 
 
 def _require_mobility(m: Mechanism) -> None:
-    """Raise ValueError for a mechanism without a degree of freedom in which motions could separate."""
+    """Raise InputError for a mechanism without a degree of freedom in which motions could separate."""
     system, workspace = m.system, m.system.workspace()
     if len(system.arrays["contact"]) or system.row_count > LARGE:
         return
     open_by(workspace, m.start.t, m.start.q, m.start.v)
     if rank(system, workspace) == 3 * system.body_count:
-        raise ValueError(
+        raise InputError(
             "the drivers fix every position: there is no degree of freedom in which errors could grow, so no exponent"
             " (a joint with clearance, or one driver less, gives one)"
         )
@@ -157,4 +157,4 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> tuple[np.
         if found is not None:
             return found, length, f"two neighbouring runs, because {why}"
         length /= 4.0
-    raise ValueError(f"differences grow too fast even over {length:.3g} s; give a shorter stretch")
+    raise InputError(f"differences grow too fast even over {length:.3g} s; give a shorter stretch")

@@ -14,7 +14,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.straight_line.recorded_model import require_parameters
-from rattle.errors import suggest
+from rattle.errors import InputError, suggest
 from rattle.results.display import table
 from rattle.results.result import UnknownName
 from rattle.studies.runs.progress import Bar
@@ -107,18 +107,18 @@ def many(
 def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Checked samples: arrays (n,) by parameter."""
     if not isinstance(samples, Mapping) or not samples:
-        raise ValueError('samples: expected at least one parameter with its values, such as {"r3": [4e-3, 5e-3]}')
+        raise InputError('samples: expected at least one parameter with its values, such as {"r3": [4e-3, 5e-3]}')
     require_parameters(m.system, list(samples))
     found: dict[str, np.ndarray] = {}
     for name, values in samples.items():
         try:
             found[name] = np.ma.asarray(values, dtype=float).filled(np.nan)
         except (TypeError, ValueError):
-            raise ValueError(f"samples: '{name}': expected numbers in SI units, got {values!r:.60}") from None
+            raise InputError(f"samples: '{name}': expected numbers in SI units, got {values!r:.60}") from None
     shapes = {name: values.shape for name, values in found.items()}
     if any(len(shape) != 1 or not shape[0] for shape in shapes.values()) or len(set(shapes.values())) > 1:
         said = ", ".join(f"{name}: {shape}" for name, shape in shapes.items())
-        raise ValueError(f"samples: expected arrays of one length n, at least 1, for every parameter; got {said}")
+        raise InputError(f"samples: expected arrays of one length n, at least 1, for every parameter; got {said}")
     return found
 
 

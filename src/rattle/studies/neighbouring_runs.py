@@ -14,6 +14,7 @@ from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.run import How
 from rattle.equations.motion import DONE, PAUSED
 from rattle.equations.state import state_layout
+from rattle.errors import InputError
 from rattle.jit import layout as at
 from rattle.solvers import step_loop
 from rattle.solvers.contacts.contact_events import pass_on, remember_end
@@ -31,7 +32,7 @@ def growths(m: Mechanism, first: np.ndarray, weight: np.ndarray, times: np.ndarr
     """(n,) natural logarithm of the growth of a difference in every stretch that ends at times (n,) [s].
 
     None if the growth in a stretch is not linear.  first: (6 nb,) direction of the difference at the start, weighted.
-    weight: (6 nb,) of positions and rates in its size.  Raises ValueError if a run cannot go on.
+    weight: (6 nb,) of positions and rates in its size.  Raises InputError if a run cannot go on.
     """
     span, length = float(times[-1]), float(times[0])
     stepper, _ = choose_stepper(m.system, None, None, span)
@@ -101,4 +102,4 @@ def _go(run: Any, t: float) -> None:
 
 def _must(run: Any, status: int) -> None:
     if status not in (PAUSED, DONE):
-        raise ValueError(f"{run.trouble(status)}; so there is no exponent")
+        raise InputError(f"{run.trouble(status)}; so there is no exponent")

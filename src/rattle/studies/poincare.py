@@ -12,7 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.equations.motion import drive
 from rattle.equations.system import System
-from rattle.errors import SolverError
+from rattle.errors import InputError, SolverError
 from rattle.results.display import quantity, table
 
 if TYPE_CHECKING:
@@ -40,12 +40,12 @@ def driver_period(system: System) -> float | None:
 
 
 def period_of(m: Mechanism, period: float | None) -> float:
-    """The given period [s], or that of the driver.  Raises ValueError if there is none, or if it is not positive."""
+    """The given period [s], or that of the driver.  Raises InputError if there is none, or if it is not positive."""
     found = period if period is not None else driver_period(m.system)
     if found is None:
-        raise ValueError("no driver turns at constant rate; give the period in s, or a crossing")
+        raise InputError("no driver turns at constant rate; give the period in s, or a crossing")
     if not 0.0 < found < math.inf:
-        raise ValueError(f"period must be positive and finite, got {found}")
+        raise InputError(f"period must be positive and finite, got {found}")
     return found
 
 
@@ -83,14 +83,14 @@ class Section:
     def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None) -> Figure | Axes:
         """Plot the points of two of the names (default: the first two), coloured by time.
 
-        Returns a new figure, or `ax` if it is given.  Raises ValueError for a section with one name.
+        Returns a new figure, or `ax` if it is given.  Raises InputError for a section with one name.
         """
         from rattle.plots.chaos import plot_section
 
         names = list(self.values)
         if x is None or y is None:
             if len(names) < 2:
-                raise ValueError(f"a plot of a section needs two curves, this one has {', '.join(names)}")
+                raise InputError(f"a plot of a section needs two curves, this one has {', '.join(names)}")
             x, y = names[:2]
         return plot_section(self, x, y, ax)
 
@@ -105,7 +105,7 @@ def section(
     period: [s] (default: one turn of the driver).  crossing: a name; its rises through `level` [SI] are located on
     a cubic spline of the output, with at least 200 outputs per period or mean distance of crossings.
     skip: points left out at the start.  points: number of points (there may be fewer crossings).
-    method, rtol, atol, step: as in `simulate`.  Raises ValueError for wrong arguments or if nothing crosses,
+    method, rtol, atol, step: as in `simulate`.  Raises InputError for wrong arguments or if nothing crosses,
     SolverError if the run stops before the first point, UnknownName for a name that the result does not have.
     """
     arguments.whole("skip", skip, 0)
@@ -154,7 +154,7 @@ def require_crossings(r: Result, name: str, level: float, count: int, skip: int)
     )
     require_run(r, found)
     if not r.interrupted:
-        raise ValueError(
+        raise InputError(
             f"no point: {found}; give another crossing, level or period (its run is skip + points periods long)"
         )
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rattle.description import file as model_file
-from rattle.errors import ModelError, suggest
+from rattle.errors import InputError, ModelError, suggest
 from rattle.loading import examples, load
 from rattle.mechanism import Mechanism
 from rattle.studio import edits
@@ -91,7 +91,7 @@ class Desk:
     def do_knob(self, name: str, value: Any) -> None:
         """A knob was turned, or a value entered: a number in SI units or a text such as "5 mm"."""
         if not isinstance(value, int | float | str | bool):
-            raise ValueError("expected a number or a text")
+            raise InputError("expected a number or a text")
         made = edits.changed(self.draft.text, str(name), value)
         if isinstance(value, str):  # typed; a slider stays between its limits
             self._require_sound(made)
@@ -106,7 +106,7 @@ class Desk:
     def do_setting(self, name: str, value: str) -> None:
         """A component of gravity, or an entry of [simulate], was written."""
         if name not in SETTINGS:
-            raise ValueError(f"there is no setting {name!r}{suggest(str(name), SETTINGS)}")
+            raise InputError(f"there is no setting {name!r}{suggest(str(name), SETTINGS)}")
         made = edits.changed(self.draft.text, name, edits.number_or_text(value))
         self._require_sound(made)
         self._edit(made)
@@ -130,7 +130,7 @@ class Desk:
     def do_compute(self, tab: str, options: Message) -> None:
         """A tab is to be computed with these options."""
         if tab not in TABS:
-            raise ValueError(f"there is no tab {tab!r}{suggest(str(tab), TABS)}")
+            raise InputError(f"there is no tab {tab!r}{suggest(str(tab), TABS)}")
         self.options[tab] = dict(options)
         self._compute(tab)
 
@@ -169,7 +169,7 @@ class Desk:
         """Begin with a shipped example, without a file; tables that it reads are written out."""
         known = examples()
         if name not in known:
-            raise ValueError(f"no example '{name}'{suggest(str(name), known)}")
+            raise InputError(f"no example '{name}'{suggest(str(name), known)}")
         self._begin(example_text(known[name]), "")
 
     def do_new(self) -> None:

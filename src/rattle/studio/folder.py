@@ -8,13 +8,14 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from rattle.description import file as model_file
+from rattle.errors import InputError
 
 MOST = 500  # model files that are listed
 DEEPEST = 3  # folders below the start in which model files are looked for
 SKIPPED = ("node_modules", "__pycache__")
 
 
-class Refused(ValueError):
+class Refused(InputError):
     """A file that may not be read or written here; the message says why and what to do."""
 
 

@@ -19,13 +19,12 @@ import traceback
 from multiprocessing.connection import Connection
 from typing import Any
 
-from rattle.errors import AssemblyError, MissingPackage, ModelError, SolverError, TraceError
+from rattle.errors import ANSWERS
 from rattle.progress_bar import told_to
 from rattle.studio.jobs import JOBS
 from rattle.studio.shelf import Shelf
 
 TELL = 0.1  # least time between two messages on progress [s]
-ANSWERS = (ModelError, AssemblyError, SolverError, TraceError, MissingPackage, ValueError, KeyError, OSError)
 
 
 def work(conn: Connection) -> None:

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.errors import TraceError
+from rattle.errors import InputError, TraceError
 from rattle.language.recorded import Recorded, symbol_of
 
 # exact operations: number of operands
@@ -258,7 +258,7 @@ class Graph:
         """
         given = np.asarray(inputs, dtype=float)
         if given.ndim != 2 or given.shape[0] != len(self.inputs):
-            raise ValueError(f"inputs: an array ({len(self.inputs)}, n) expected, not {given.shape}")
+            raise InputError(f"inputs: an array ({len(self.inputs)}, n) expected, not {given.shape}")
         rank = {place: n for n, place in enumerate(self.inputs)}
         values: dict[int, Any] = {}
         with np.errstate(all="ignore"):

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.trace import lane_methods as methods
 from rattle.trace.graph import Graph
 from rattle.trace.lane_aside import results
@@ -60,11 +61,11 @@ class Program:
         """step: the longest one of a method with equal steps [s]; tolerances: of the others; tiled: lanes are
         worked on in tiles that fit into the cache, else all together.
 
-        Raises ValueError for reductions that the model or the span does not have.
+        Raises InputError for reductions that the model or the span does not have.
         """
         for one in reductions:
             if one.kind == "at" and not 0.0 <= one.t <= t_end:
-                raise ValueError(f"{one}: an instant from 0 to {t_end} s expected")
+                raise InputError(f"{one}: an instant from 0 to {t_end} s expected")
         inner = {float(one.t) for one in reductions if one.kind == "at" and 0.0 < one.t < t_end}
         self.model, self.method, self.t_end = model, method, t_end
         self.chain, self.tiled = chain, tiled

@@ -25,6 +25,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from rattle.errors import InputError
 from rattle.jit.cache import KeptFile, code_folder
 from rattle.trace.graph import FLAGS, ROUND, Graph
 
@@ -93,7 +94,7 @@ class _Width:
 
     def __init__(self, width: int) -> None:
         if width not in WIDTHS:
-            raise ValueError(f"width: one of {', '.join(map(str, WIDTHS))} samples expected, not {width}")
+            raise InputError(f"width: one of {', '.join(map(str, WIDTHS))} samples expected, not {width}")
         self.width = width
         self._numbers: dict[int, str] = {}  # by their bits
         integer, number = functools.partial(self._lanes, "i64"), self.number

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from rattle.errors import InputError
 from rattle.trace.graph import Graph, select
 from rattle.trace.lane_methods import Recorded, extremes, inputs, largest, least, root, weighted
 from rattle.trace.peak import peak
@@ -265,7 +266,7 @@ class Ledger:
         shown: curves that stages show."""
         for one in reductions:
             if one.kind not in KINDS or not 0 <= one.curve < curves:
-                raise ValueError(f"{one}: a kind of {', '.join(KINDS)} and a curve below {curves} expected")
+                raise InputError(f"{one}: a kind of {', '.join(KINDS)} and a curve below {curves} expected")
         self.reductions, self.curves, self.stops = tuple(reductions), curves, tuple(stops)
         needed = watched(reductions)
         screened = bool(needed) and set(needed) <= set(shown)

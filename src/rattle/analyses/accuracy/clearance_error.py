@@ -33,7 +33,7 @@ from rattle.analyses.statics.starts import opened
 from rattle.analyses.travel import out_of_place
 from rattle.description.model import Joint
 from rattle.equations.system import System
-from rattle.errors import ModelError, Problem
+from rattle.errors import InputError, ModelError, Problem
 from rattle.jit import functions
 from rattle.results.display import quantity, table
 from rattle.solvers.positions import position_sweep as swept
@@ -173,7 +173,7 @@ def accuracy(
     slopes = np.zeros((n, k, 2))
     for i, t in enumerate(times):
         if not len(lead.go(np.array([t]), False)):
-            raise ValueError(f"accuracy: {why_stuck(lead)}")
+            raise InputError(f"accuracy: {why_stuck(lead)}")
         node = _node(lead)
         nodes.append(node)
         nominal[i] = shown.value(t, node, none)

@@ -14,7 +14,7 @@ from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.smooth_run import SmoothRun
 from rattle.equations.contact_table import contact_groups
 from rattle.equations.system import System
-from rattle.errors import ModelError, Problem
+from rattle.errors import InputError, ModelError, Problem
 from rattle.jit import layout as at
 from rattle.registry import Kind
 from rattle.solvers.stepper import (
@@ -52,13 +52,13 @@ def contacts_of(system: System) -> str:
 def choose_stepper(system: System, asked: str | None, step: float | None, span: float) -> tuple[Kind, float | None]:
     """The stepper for a request, and its step [s], over a time `span` [s].
 
-    The usual one is taken if none is requested (None), or one that does not work with the contacts.  Raises ValueError
+    The usual one is taken if none is requested (None), or one that does not work with the contacts.  Raises InputError
     if that refuses to be replaced, and ModelError for set-valued contacts that no stepper can treat.
     """
     steppers, contacts = registry.kinds("stepper"), contacts_of(system)
     one = steppers[usual_stepper(contacts) if asked is None else asked]
     if contacts in one.leaf.refuses:
-        raise ValueError(f"{one.name} {one.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
+        raise InputError(f"{one.name} {one.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
     if contacts not in one.leaf.works_with:
         one = steppers[usual_stepper(contacts)]
     if contacts == SET_VALUED:

@@ -17,7 +17,7 @@ from rattle.analyses.dynamics.report import report
 from rattle.analyses.dynamics.run import How
 from rattle.analyses.law_check import law_faults
 from rattle.equations.system import System
-from rattle.errors import SolverError
+from rattle.errors import InputError, SolverError
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.registry import kinds
@@ -42,7 +42,7 @@ def simulate(
     end, times = output_times(settings, t_end, t_eval)
     asked, steppers = settings.method if method is None else method, kinds("stepper")
     if asked is not None and asked not in steppers:
-        raise ValueError(f"unknown method '{asked}'; expected {' or '.join(steppers)}")
+        raise InputError(f"unknown method '{asked}'; expected {' or '.join(steppers)}")
     rtol = arguments.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
     atol = arguments.positive("atol", _first_given(atol, settings.atol, ATOL * rtol))
     step = settings.step if step is None else step
@@ -55,7 +55,7 @@ def simulate(
     stepper, step = choose_stepper(system, asked, step, end)
     run = new_run(system, start, times, end, How(stepper, rtol, atol, step))
     if most_steps is not None and most_steps < 1:
-        raise ValueError(f"most_steps must be at least 1, got {most_steps}")
+        raise InputError(f"most_steps must be at least 1, got {most_steps}")
     run.most_steps = most_steps
     run.notes = note_choice(system, asked, stepper)
     run.go(progress)
@@ -84,7 +84,7 @@ def output_times(
 ) -> tuple[float, np.ndarray]:
     """End of a run [s] and its output times (n,) [s], from the arguments and the model's settings.
 
-    Raises ValueError for times that are not increasing, negative or beyond the end, and for too many outputs.
+    Raises InputError for times that are not increasing, negative or beyond the end, and for too many outputs.
     """
     if t_eval is not None:
         times = arguments.instants(t_eval)
@@ -95,16 +95,16 @@ def output_times(
             or (np.diff(times) <= 0).any()
             or times[0] < 0
         ):
-            raise ValueError("t_eval must be increasing finite times in s, from 0 on")
+            raise InputError("t_eval must be increasing finite times in s, from 0 on")
         end = float(times[-1]) if t_end is None else arguments.positive("t_end", t_end)
         if times[-1] > end * (1 + 1e-12):
-            raise ValueError(f"t_eval goes to {times[-1]:g} s, beyond t_end = {end:g} s")
+            raise InputError(f"t_eval goes to {times[-1]:g} s, beyond t_end = {end:g} s")
         return max(end, float(times[-1])), times
     end = arguments.positive("t_end", settings.t_end if t_end is None else t_end)
     interval = settings.output or end / POINTS
     count = max(1, round(end / interval))
     if count > arguments.MOST_POINTS:
-        raise ValueError(f"{count:.6g} outputs are too many; choose a larger output interval")
+        raise InputError(f"{count:.6g} outputs are too many; choose a larger output interval")
     return end, np.linspace(0.0, end, count + 1)
 
 

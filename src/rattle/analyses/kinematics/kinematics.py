@@ -26,7 +26,7 @@ from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import loads, place
 from rattle.equations.system import System, compile_system, is_link
-from rattle.errors import AssemblyError, ModelError, Problem, SolverError
+from rattle.errors import AssemblyError, InputError, ModelError, Problem, SolverError
 from rattle.jit import functions
 from rattle.results.build import build_result
 from rattle.results.columns import columns, motion, motion_columns, width
@@ -176,10 +176,10 @@ def _without_value(sweep: Sweep, t: np.ndarray, raw: np.ndarray) -> list[str]:
 
 
 def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
-    """t_eval [s] as an array (n,).  Raises ValueError unless the times are increasing and finite."""
+    """t_eval [s] as an array (n,).  Raises InputError unless the times are increasing and finite."""
     times = np.atleast_1d(arguments.instants(t_eval))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
-        raise ValueError("t_eval must be one time or increasing finite times in s")
+        raise InputError("t_eval must be one time or increasing finite times in s")
     return times
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from rattle import registry
 from rattle.analyses.kinematics.sweep import Sweep
 from rattle.equations.system import System
-from rattle.errors import suggest
+from rattle.errors import InputError, suggest
 from rattle.results.columns import width
 
 
@@ -20,22 +20,22 @@ def motors_at(system: System, effort_at: str | Mapping[str, str] | None) -> list
     drivers, joints = list(system.model.drivers), system.model.joints
     if isinstance(effort_at, str):
         if len(drivers) != 1:
-            raise ValueError(f"effort_at: give the driver that is replaced, as {{'{drivers[0]}': '{effort_at}'}}")
+            raise InputError(f"effort_at: give the driver that is replaced, as {{'{drivers[0]}': '{effort_at}'}}")
         effort_at = {drivers[0]: effort_at}
     found = []
     for driver, joint in effort_at.items():
         if driver not in drivers:
-            raise ValueError(f"effort_at: no driver '{driver}'{suggest(driver, drivers)}")
+            raise InputError(f"effort_at: no driver '{driver}'{suggest(driver, drivers)}")
         if joint not in joints:
-            raise ValueError(f"effort_at: no joint '{joint}'{suggest(joint, joints)}")
+            raise InputError(f"effort_at: no joint '{joint}'{suggest(joint, joints)}")
         if joints[joint].leaf.motor is None:
             known = " or ".join(name for name, one in registry.kinds("joint").items() if one.leaf.motor)
-            raise ValueError(
+            raise InputError(
                 f"effort_at: a {joints[joint].kind} joint has no degree of freedom for a motor; expected {known}"
             )
         found.append((system.first_row(driver), joint))
     if len({joint for _, joint in found}) < len(found):
-        raise ValueError("effort_at: one joint cannot do the work of two drivers")
+        raise InputError("effort_at: one joint cannot do the work of two drivers")
     return found
 
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.equations.system import System
+from rattle.errors import InputError
 from rattle.results.display import DEGREES, MILLIMETRES, quantity
 from rattle.results.result import Result
 
@@ -54,10 +55,10 @@ class Effect(NamedTuple):
 
 
 def effects(result: Result) -> list[Effect]:
-    """All derivatives of a result of `sensitivity`.  Raises ValueError for another result."""
+    """All derivatives of a result of `sensitivity`.  Raises InputError for another result."""
     ran = result.provenance
     if ran.get("analysis") != "sensitivity":
-        raise ValueError("this result holds no sensitivities")
+        raise InputError("this result holds no sensitivities")
     return [
         Effect(
             output, parameter, result[derivative_name(output, parameter)], change["size"], change["words"],

@@ -31,7 +31,7 @@ from rattle.analyses.straight_line.derived_curves import derived_curve, derived_
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, record_model, require_parameters
 from rattle.equations.system import System
-from rattle.errors import SolverError, TraceError, suggest
+from rattle.errors import InputError, SolverError, TraceError, suggest
 from rattle.results.build import build_result
 from rattle.results.result import Result, UnknownName
 from rattle.results.trust import Trust
@@ -93,7 +93,7 @@ def sensitivity(
     """
     began = time.perf_counter()
     if analysis not in ANALYSES:
-        raise ValueError(f"unknown analysis '{analysis}'{suggest(str(analysis), ANALYSES)}")
+        raise InputError(f"unknown analysis '{analysis}'{suggest(str(analysis), ANALYSES)}")
     rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
     outputs, parameters = _names("outputs", outputs), _names("parameters", parameters)
@@ -117,7 +117,7 @@ def _names(what: str, given: Sequence[str]) -> tuple[str, ...]:
     names = (given,) if isinstance(given, str) else tuple(dict.fromkeys(given or ()))
     if not names or not all(isinstance(one, str) for one in names):
         example = '["rocker.angle"]' if what == "outputs" else '["l2", "r3"]'
-        raise ValueError(f"{what}: expected a list of names such as {example}")
+        raise InputError(f"{what}: expected a list of names such as {example}")
     return names
 
 

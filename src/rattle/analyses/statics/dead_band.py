@@ -17,6 +17,7 @@ from rattle.analyses.statics.holding import left_out, position_asked
 from rattle.analyses.statics.one_motion import evaluated, impending, one_motion
 from rattle.analyses.statics.starts import apart
 from rattle.equations.system import System
+from rattle.errors import InputError
 from rattle.results.display import lines, scale
 
 STRIDES = 32  # positions looked at over a way as long as the mechanism is large
@@ -40,7 +41,7 @@ class DeadBand:
     def __getitem__(self, name: str) -> tuple[float, float]:
         """A position by its result name at both ends [m or rad].  Raises UnknownName, ValueError for a force."""
         if self.first.unit(name) not in ("m", "rad"):
-            raise ValueError(f"'{name}' is no position; m.holds gives what friction holds")
+            raise InputError(f"'{name}' is no position; m.holds gives what friction holds")
         return self.first[name], self.last[name]
 
     def __repr__(self) -> str:
@@ -71,7 +72,7 @@ def dead_band(system: System, t: float, at_rest: Equilibrium | None) -> DeadBand
     problem = StaticProblem(system, t)
     z = one_motion(system, evaluated(system, t, q), None).z
     if not _rests(system, t, q):
-        raise ValueError("friction does not hold it at this position: it moves under the loads as they are")
+        raise InputError("friction does not hold it at this position: it moves under the loads as they are")
     found = []
     for direction in (z, -z):
         found.append(_followed(problem, q, direction))
@@ -92,7 +93,7 @@ def _coordinates(system: System) -> tuple[str, ...]:
 
 
 def _rests(system: System, t: float, q: np.ndarray) -> bool:
-    """True if friction holds the mechanism at q (3 nb,) [m, m, rad].  Raises ValueError where that is not known."""
+    """True if friction holds the mechanism at q (3 nb,) [m, m, rad].  Raises InputError where that is not known."""
     workspace = evaluated(system, t, q)
     motion = one_motion(system, workspace, None)
     if motion.free == 0.0:

@@ -34,7 +34,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.closure import merit_at
 from rattle.equations.motion import drive
 from rattle.equations.system import System, is_link
-from rattle.errors import AssemblyError
+from rattle.errors import AssemblyError, InputError
 from rattle.jit import functions
 from rattle.solvers.positions import position_sweep
 
@@ -61,7 +61,7 @@ def price(problem: StaticProblem, trials: int, found: bool) -> float:
 def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
     """All equilibria found with the drivers at t [s]; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
-        raise ValueError(f"branches must be 'near' or 'all', got {branches!r}")
+        raise InputError(f"branches must be 'near' or 'all', got {branches!r}")
     functions.start()
     load_law.forget()
     if not with_stops(system.model):

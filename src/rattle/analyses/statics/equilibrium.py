@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.analyses.arguments import MOST_EFFORT
+from rattle.errors import InputError
 from rattle.results.display import card, quantity, table
 from rattle.results.film_columns import DRY
 from rattle.results.result import Result
@@ -220,10 +221,10 @@ class Equilibria(list[Equilibrium]):
         return f"{said}; elsewhere {self.undefined}" if self.undefined and self.undefined not in said else said
 
     def first_at(self, t: float) -> Equilibrium:
-        """The first equilibrium.  Raises ValueError, with the reason if known, if there is none at t [s]."""
+        """The first equilibrium.  Raises InputError, with the reason if known, if there is none at t [s]."""
         if self:
             return self[0]
-        raise ValueError(f"no equilibrium was found at t = {t:g} s{f': {self.note}' if self.note else ''}")
+        raise InputError(f"no equilibrium was found at t = {t:g} s{f': {self.note}' if self.note else ''}")
 
     def __repr__(self) -> str:
         listed = "[" + ",\n ".join(repr(one) for one in self) + "]"

@@ -17,7 +17,7 @@ from rattle.analyses.travel import with_stops, without_stops
 from rattle.equations.dense import dense_rows
 from rattle.equations.placement import point_at
 from rattle.equations.system import System, compile_system
-from rattle.errors import suggest
+from rattle.errors import InputError, suggest
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -50,12 +50,12 @@ def position_asked(system: System, t: float, at_rest: Equilibrium | None) -> tup
     if at_rest is None:
         return system, bare, t, position_at(bare, t)
     if len(at_rest.q) != 3 * bare.body_count:
-        raise ValueError("at: this equilibrium belongs to another mechanism")
+        raise InputError("at: this equilibrium belongs to another mechanism")
     return system, bare, at_rest.t, at_rest.q
 
 
 def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.ndarray) -> Sought:
-    """The load or driver of that name.  Raises ValueError."""
+    """The load or driver of that name.  Raises InputError."""
     model = system.model
     if name in model.drivers:
         effort = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
@@ -68,7 +68,7 @@ def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.nda
         return _scaled(name, weight.ravel(), "", 1.0)
     if name not in model.loads:
         known = [*model.loads, *model.drivers, GRAVITY]
-        raise ValueError(f"no load or driver '{name}'{suggest(name, known)}")
+        raise InputError(f"no load or driver '{name}'{suggest(name, known)}")
     load, force = model.loads[name], load_forces(system, t, q, np.zeros_like(q))[name]
     end = force[0 if load.b.body == "ground" else 1 + system.bodies.index(load.b.body)]
     kind = registry.kinds("load")[load.kind] if load.law is None else None
@@ -91,7 +91,7 @@ def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.nda
 def _scaled(name: str, force: np.ndarray, unit: str, value: float) -> Sought:
     """A load of that force (3 nb,) at its present value."""
     if not force.any() or value == 0.0:
-        raise ValueError(
+        raise InputError(
             f"'{name}' exerts nothing at this position, so it has no direction; give it a value there, of any size"
         )
     return Sought(name, force / value, unit, value, -1)

@@ -25,7 +25,7 @@ from rattle.analyses.statics.small_motions import DIFFERENCES, EXACT, small_moti
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import FACTORS, SHIFTS, force_at
 from rattle.equations.system import System
-from rattle.errors import TraceError
+from rattle.errors import InputError, TraceError, WrongType
 from rattle.results.build import build_result
 from rattle.results.display import table
 from rattle.results.result import Result
@@ -173,10 +173,10 @@ class Modes:
 
         amplitude: largest displacement as a share [-] of the mechanism's size, which stays the same over the cycle;
         every position is assembled again, so that the joints stay closed.  A mode that is not a vibration is shown as a
-        swing, over 1 s if it is unstable.  Raises ValueError if there is no such mode.
+        swing, over 1 s if it is unstable.  Raises InputError if there is no such mode.
         """
         if not 0 <= mode < len(self):
-            raise ValueError(f"mode {mode}: there are {len(self)} modes, numbered from 0")
+            raise InputError(f"mode {mode}: there are {len(self)} modes, numbered from 0")
         problem = self.problem
         omega = float(self.roots[mode, 0].imag or self.omega[mode])
         t = np.linspace(0.0, 2 * math.pi / omega if omega > 0.0 else 1.0, FRAMES)
@@ -213,7 +213,7 @@ class Modes:
         """One cycle of a mode (0 = lowest) as .gif or .mp4; a notebook shows it.
 
         amplitude: as in `motion`.  frames (at most), fps [1/s], trace (names of points), dpi, speed, names: as in
-        `Result.animate`.  Raises ValueError for a mode that is not there or another suffix.
+        `Result.animate`.  Raises InputError for a mode that is not there or another suffix.
         """
         return self.motion(mode, amplitude).animate(
             path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names
@@ -247,10 +247,10 @@ def own_problem(system: System, one: Equilibrium) -> StaticProblem:
     """
     if not isinstance(one, Equilibrium):
         hint = "; take one of them, such as m.equilibrium()[0]" if isinstance(one, Equilibria) else ""
-        raise TypeError(f"equilibrium must be one of m.equilibrium(), got {type(one).__name__}{hint}")
+        raise WrongType(f"equilibrium must be one of m.equilibrium(), got {type(one).__name__}{hint}")
     bodies, mine = tuple(one.table.geometry["bodies"]), tuple(system.bodies)
     if bodies != mine:
-        raise ValueError(
+        raise InputError(
             f"the equilibrium is one of another mechanism: it has the bodies {', '.join(bodies)}, this one"
             f" {', '.join(mine)}; take one of m.equilibrium()"
         )
@@ -258,7 +258,7 @@ def own_problem(system: System, one: Equilibrium) -> StaticProblem:
     found = problem.assess(one.q, 0)
     open_by, unbalanced = found.gap, found.residual
     if open_by > max(OTHER * system.size, one.gap) or not unbalanced <= max(OTHER * found.force, 2.0 * one.residual):
-        raise ValueError(
+        raise InputError(
             f"the equilibrium is one of another mechanism: this one is open by {open_by:.2g} m (or rad) there and"
             f" unbalanced by {unbalanced:.2g} N; take one of m.equilibrium()"
         )

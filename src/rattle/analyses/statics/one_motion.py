@@ -21,7 +21,7 @@ from rattle.analyses.undefined import undefined
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive, solve_motion
 from rattle.equations.system import System, is_link
-from rattle.errors import ModelError, Problem
+from rattle.errors import InputError, ModelError, Problem
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
@@ -86,19 +86,19 @@ def require_answerable(system: System) -> None:
 
 
 def evaluated(system: System, t: float, q: np.ndarray) -> Workspace:
-    """A workspace with rows and loads at rest at q (3 nb,) [m, m, rad].  Raises ValueError."""
+    """A workspace with rows and loads at rest at q (3 nb,) [m, m, rad].  Raises InputError."""
     workspace = system.workspace()
     drive(workspace, t)
     solve_motion(workspace, t, q, np.zeros_like(q))
     if not np.isfinite(workspace.force).all():
-        raise ValueError(f"loads have no finite value there: {undefined(system, workspace, t)}")
+        raise InputError(f"loads have no finite value there: {undefined(system, workspace, t)}")
     return workspace
 
 
 def one_motion(system: System, workspace: Workspace, sought: Sought | None) -> Motion:
     """The motion that is left, along which the load works; None: a force along the motion itself, of value zero.
 
-    Raises ValueError, ModelError.
+    Raises InputError, ModelError.
     """
     scale = np.ones(3 * system.body_count)
     scale[2::3] = 1.0 / system.size
@@ -109,13 +109,13 @@ def one_motion(system: System, workspace: Workspace, sought: Sought | None) -> M
     rank = int((values > RANK * values.max(initial=0.0)).sum())
     dof = len(scale) - rank
     if dof != 1:
-        raise ValueError(_freedom(system, sought, dof))
+        raise InputError(_freedom(system, sought, dof))
     _require_unique(system, u[:, rank:], np.flatnonzero(kept))
     z = scale * right[rank]
     sought = sought or Sought("", right[rank] / scale, "N", 0.0, -1)
     worth = float(z @ sought.direction)
     if abs(worth) <= 1e-9 * float(np.linalg.norm(z / scale) * np.linalg.norm(sought.direction * scale)):
-        raise ValueError(
+        raise InputError(
             f"'{sought.name}' does no work in the motion that is left at this position (a dead centre, or a load across"
             " the motion): friction or not, no value of it moves the mechanism"
         )

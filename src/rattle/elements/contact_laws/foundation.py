@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.elements.contact_laws.stiffness import Elastic
+from rattle.errors import InputError
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind
 
@@ -46,5 +47,5 @@ class Foundation(Elastic):
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
         play = float(values["clearance"])
         if not play > 0.0:
-            raise ValueError("an elastic foundation of a pin in a bush needs a clearance")
+            raise InputError("an elastic foundation of a pin in a bush needs a clearance")
         return float(values["bush_radius"]) * float(values["length"]) * float(values["foundation"]), play

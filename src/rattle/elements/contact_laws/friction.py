@@ -22,6 +22,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from rattle.errors import InputError
 from rattle.jit.functions import kernel
 from rattle.registry import Field, fields_of, kind
 
@@ -149,9 +150,9 @@ class Ambrosio(Friction):
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Parameters of the kernel [-, m/s, m/s].  Raises ValueError unless v0 < v1."""
+        """Parameters of the kernel [-, m/s, m/s].  Raises InputError unless v0 < v1."""
         if not values["v0"] < values["v1"]:
-            raise ValueError(f"ambrosio needs v0 < v1, not {values['v0']:g} and {values['v1']:g} m/s")
+            raise InputError(f"ambrosio needs v0 < v1, not {values['v0']:g} and {values['v1']:g} m/s")
         return float(values["mu"]), float(values["v0"]), float(values["v1"])
 
 

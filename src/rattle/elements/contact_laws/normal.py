@@ -23,6 +23,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.elements.contact_laws.restitution import LEAST_RESTITUTION, checked, factor_returning, restitution_returned
+from rattle.errors import InputError
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind, kinds
 
@@ -48,7 +49,7 @@ def damping_factor(law: str, restitution: float) -> float:
     """Factor a [-] of F = F_static (1 + a ddelta/v0) for a law and a given restitution [-].
 
     For kelvin-voigt it is the damping ratio zeta [-].
-    Raises ValueError for an unknown law and for a restitution outside [0, 1].
+    Raises InputError for an unknown law and for a restitution outside [0, 1].
     """
     return float(_leaf(law).factor(checked(restitution)))
 
@@ -56,7 +57,7 @@ def damping_factor(law: str, restitution: float) -> float:
 def returned(law: str, restitution: float) -> float:
     """Restitution [-] that a free impact returns under a law with a given restitution [-].
 
-    Raises ValueError for an unknown law and for a restitution outside [0, 1].
+    Raises InputError for an unknown law and for a restitution outside [0, 1].
     """
     return float(_leaf(law).returned(checked(restitution)))
 
@@ -65,7 +66,7 @@ def _leaf(law: str) -> Any:
     known = kinds("normal")
     if law not in known:
         near = difflib.get_close_matches(law, known, 1)
-        raise ValueError(f"unknown normal law '{law}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+        raise InputError(f"unknown normal law '{law}'" + (f"; did you mean '{near[0]}'?" if near else ""))
     return known[law].leaf
 
 
@@ -286,8 +287,8 @@ class KelvinVoigt(Damped):
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Parameter of the kernel, p[k] = 2 zeta sqrt(m) [kg^0.5].  Raises ValueError without effective mass [kg]."""
+        """Parameter of the kernel, p[k] = 2 zeta sqrt(m) [kg^0.5].  Raises InputError without effective mass [kg]."""
         mass = float(values["effective_mass"])
         if not mass > 0.0:
-            raise ValueError("kelvin-voigt needs the effective mass of the two bodies, in kg")
+            raise InputError("kelvin-voigt needs the effective mass of the two bodies, in kg")
         return (2.0 * cls.factor(checked(values["restitution"])) * math.sqrt(mass),)

@@ -19,6 +19,8 @@ import functools
 import math
 from collections.abc import Callable
 
+from rattle.errors import InputError
+
 LEAST_RESTITUTION = 1e-3  # a is about 1/x as x -> 0: smaller values are replaced by this one
 
 
@@ -26,7 +28,7 @@ def factor_returning(restitution: float) -> float:
     """Damping factor a [-] with which a free impact returns exactly this restitution [-].
 
     A restitution below 0.001 is taken as 0.001, where a = 1000 (a is infinite at 0).
-    Raises ValueError outside [0, 1].
+    Raises InputError outside [0, 1].
     """
     x = max(checked(restitution), LEAST_RESTITUTION)
     if x == 1.0:
@@ -44,11 +46,11 @@ def factor_returning(restitution: float) -> float:
 def restitution_returned(factor: float) -> float:
     """Restitution x [-] that a free impact returns under F_static (1 + a ddelta/v0), a = factor.
 
-    Exact for every static force law, mass and speed.  Raises ValueError for a negative factor.
+    Exact for every static force law, mass and speed.  Raises InputError for a negative factor.
     """
     a = float(factor)
     if not a >= 0.0:
-        raise ValueError(f"a damping factor of {factor} would add energy; it must not be negative")
+        raise InputError(f"a damping factor of {factor} would add energy; it must not be negative")
     if a == 0.0 or math.isinf(a):
         return 1.0 if a == 0.0 else 0.0
     psi_a = _psi(a, math.log1p(a))
@@ -62,10 +64,10 @@ def restitution_returned(factor: float) -> float:
 
 
 def checked(restitution: float) -> float:
-    """The restitution [-] as a float.  Raises ValueError unless it lies within [0, 1]."""
+    """The restitution [-] as a float.  Raises InputError unless it lies within [0, 1]."""
     e = float(restitution)
     if not 0.0 <= e <= 1.0:
-        raise ValueError(f"a restitution of {restitution} is outside 0 ... 1")
+        raise InputError(f"a restitution of {restitution} is outside 0 ... 1")
     return e
 
 

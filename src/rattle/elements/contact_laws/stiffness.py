@@ -23,6 +23,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
+from rattle.errors import InputError
 from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus, material
 from rattle.registry import Field, kind
@@ -90,21 +91,21 @@ def sphere_stiffness(
 ) -> tuple[float, float]:
     """Stiffness K [N/m^1.5] and exponent [-] of a sphere in a spherical socket, F = K delta^1.5; radii in m.
 
-    K = 4/(3 (s_A + s_B)) sqrt(R_A R_B/(R_A - R_B)), s = (1 - nu^2)/E.  Raises ValueError unless 0 < R_B < R_A.
+    K = 4/(3 (s_A + s_B)) sqrt(R_A R_B/(R_A - R_B)), s = (1 - nu^2)/E.  Raises InputError unless 0 < R_B < R_A.
 
     Source: Johnson, Contact Mechanics (1985), eq. 4.23; Goldsmith, Impact (1960).
     """
     if not 0.0 < pin_radius < bush_radius:
-        raise ValueError(f"a pin of radius {pin_radius:g} m has no clearance in a bush of radius {bush_radius:g} m")
+        raise InputError(f"a pin of radius {pin_radius:g} m has no clearance in a bush of radius {bush_radius:g} m")
     curvature = math.sqrt(bush_radius * pin_radius / (bush_radius - pin_radius))
     return 4.0 / 3.0 * contact_modulus(material_a, material_b) * curvature, 1.5
 
 
 def _radii(values: Mapping[str, Any]) -> tuple[float, float, float]:
-    """R_A, R_B, dR [m].  Raises ValueError unless 0 < dR < R_A."""
+    """R_A, R_B, dR [m].  Raises InputError unless 0 < dR < R_A."""
     bush, play = float(values["bush_radius"]), float(values["clearance"])
     if not 0.0 < play < bush:
-        raise ValueError(f"stiffness from geometry needs 0 < clearance < bush_radius, not {play:g} m and {bush:g} m")
+        raise InputError(f"stiffness from geometry needs 0 < clearance < bush_radius, not {play:g} m and {bush:g} m")
     return bush, bush - play, play
 
 

@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
+from rattle.errors import InputError
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction, users_law
 from rattle.language.units import dimension_of
@@ -48,7 +49,7 @@ def normal_law(name: str, **fields: str) -> Callable[[Law], Law]:
     A negative force is replaced by zero: a contact never pulls.
     name: the name used in model files.  fields: name and unit of every number that the user gives.
 
-    Raises ValueError for a name in use, for a field that is not an identifier or that every contact has, and for an
+    Raises InputError for a name in use, for a field that is not an identifier or that every contact has, and for an
     unknown unit.
     """
     return _enter("normal", name, fields, 0)
@@ -63,20 +64,20 @@ def friction_law(name: str, *, memory: bool = False, states: int = 0, **fields: 
     name, fields: as for `normal_law`.  Raises what `normal_law` raises.
     """
     if states < 0:
-        raise ValueError(f"friction law '{name}': {states} states; expected 0, 1, 2, ...")
+        raise InputError(f"friction law '{name}': {states} states; expected 0, 1, 2, ...")
     return _enter("friction", name, fields, max(states, int(memory)))
 
 
 def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Callable[[Law], Law]:
     for key, unit in fields.items():
         if key in TAKEN[family] or key.startswith("_"):
-            raise ValueError(f"{family} law '{name}': a field cannot be called '{key}'")
+            raise InputError(f"{family} law '{name}': a field cannot be called '{key}'")
         dimension_of(unit)
     known = registry.kinds(family)
     if name in known and not isinstance(known[name].kernel, ContactLaw):
-        raise ValueError(f"{family} law '{name}': a built-in law has this name; choose another")
+        raise InputError(f"{family} law '{name}': a built-in law has this name; choose another")
     if family == "normal" and name in registry.kinds("contact"):
-        raise ValueError(f"normal law '{name}': a built-in contact model has this name; choose another")
+        raise InputError(f"normal law '{name}': a built-in contact model has this name; choose another")
 
     def enter(law: Law) -> Law:
         text = (law.__doc__ or f"The {family} law '{name}', written in Python.").strip()
@@ -107,7 +108,7 @@ class ContactLaw(KernelFunction):
 
     @property
     def dispatcher(self) -> Any:
-        """The Numba dispatcher, made on first use.  Raises ValueError if Numba cannot compile the law."""
+        """The Numba dispatcher, made on first use.  Raises InputError if Numba cannot compile the law."""
         if self._native is None:
             law, part = users_law(self.law, len(self.pack._fields))
             _, own = users_law(law, self.states)
@@ -116,7 +117,7 @@ class ContactLaw(KernelFunction):
                 _ = made.dispatcher
             except Exception as error:  # Numba has many kinds of error
                 reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
-                raise ValueError(f"{self.family} law '{self.name}': Numba cannot compile it ({reason})") from error
+                raise InputError(f"{self.family} law '{self.name}': Numba cannot compile it ({reason})") from error
             self._native = made
         return self._native.dispatcher
 

@@ -14,6 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from rattle import registry
+from rattle.errors import InputError
 
 FAMILIES = {"load": "load", "normal": "normal force law", "friction": "friction law"}  # that have laws, in words
 
@@ -21,23 +22,23 @@ FAMILIES = {"load": "load", "normal": "normal force law", "friction": "friction 
 def run_law_file(path: str | os.PathLike[str]) -> list[str]:
     """Run a Python file and return what it has defined, in words: "load 'drag'", "friction law 'plateau'".
 
-    Modules beside the file can be imported in it.  Raises ValueError, with the line, if it cannot be read, raises an
+    Modules beside the file can be imported in it.  Raises InputError, with the line, if it cannot be read, raises an
     exception or defines no law.
     """
     file = Path(path).expanduser()
     if not file.is_file():
-        raise ValueError(f"no file {str(path)!r} with laws; expected a Python file that defines some with @rt.load_law")
+        raise InputError(f"no file {str(path)!r} with laws; expected a Python file that defines some with @rt.load_law")
     before = {family: dict(registry.kinds(family)) for family in FAMILIES}
     spec = importlib.util.spec_from_file_location(file.stem, file.resolve())
     if spec is None or spec.loader is None:
-        raise ValueError(f"{path} is not a Python file; laws are functions in a file such as my_laws.py")
+        raise InputError(f"{path} is not a Python file; laws are functions in a file such as my_laws.py")
     module = importlib.util.module_from_spec(spec)
     folder = str(file.resolve().parent)
     sys.path.insert(0, folder)
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        raise ValueError(f"{path}{_line(error, file)}: {type(error).__name__}: {error}") from error
+        raise InputError(f"{path}{_line(error, file)}: {type(error).__name__}: {error}") from error
     finally:
         with suppress(ValueError):  # the file may have changed it
             sys.path.remove(folder)
@@ -48,7 +49,7 @@ def run_law_file(path: str | os.PathLike[str]) -> list[str]:
         if before[family].get(name) is not one
     ]
     if not found:
-        raise ValueError(f"{path} defines no law; write @rt.load_law(...) or the like above a function")
+        raise InputError(f"{path} defines no law; write @rt.load_law(...) or the like above a function")
     return found
 
 

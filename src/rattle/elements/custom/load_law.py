@@ -32,6 +32,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.elements.custom.law_forms import FORMS, Form
+from rattle.errors import InputError
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction, users_law
 from rattle.language.units import dimension_of
@@ -56,13 +57,13 @@ def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: s
     name: the name used in model files.  fields: name and unit of every number that the user gives; their values may
     be expressions in t, state and signals.  compiled: False runs the function as plain Python, which is slower.
 
-    Raises ValueError for a name in use, a field that is not an identifier, an unknown unit and another `between`.
+    Raises InputError for a name in use, a field that is not an identifier, an unknown unit and another `between`.
     """
     if between not in FORMS:
-        raise ValueError(f"load law '{name}': between must be 'points' or 'bodies', got {between!r}")
+        raise InputError(f"load law '{name}': between must be 'points' or 'bodies', got {between!r}")
     for key, unit in fields.items():
         if key in FIELDS or key.startswith("_"):
-            raise ValueError(f"load law '{name}': a field cannot be called '{key}'")
+            raise InputError(f"load law '{name}': a field cannot be called '{key}'")
         dimension_of(unit)
 
     def enter(law: Law) -> Law:
@@ -76,7 +77,7 @@ def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: s
         return law
 
     if name in registry.kinds("load") and not isinstance(registry.kinds("load")[name].kernel, LawKernel):
-        raise ValueError(f"load law '{name}': a built-in load has this name; choose another")
+        raise InputError(f"load law '{name}': a built-in load has this name; choose another")
     return enter
 
 

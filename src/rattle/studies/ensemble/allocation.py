@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.errors import suggest
+from rattle.errors import InputError, WrongType, suggest
 from rattle.results.display import table
 from rattle.studies.ensemble import corners
 from rattle.studies.ensemble.contributors import added, at_ends, labels, members
@@ -141,30 +141,30 @@ def allocate(
 ) -> Allocation:
     """Tolerances that keep limits; see `Tolerance.allocate`."""
     if method not in ORDERS:
-        raise ValueError(f"unknown method '{method!s:.60}'{suggest(str(method), ORDERS)}")
+        raise InputError(f"unknown method '{method!s:.60}'{suggest(str(method), ORDERS)}")
     exponent = arguments.positive("exponent", exponent)
     if not 0.0 < arguments.number("share", share) <= 1.0:
-        raise ValueError(f"share must be from 0 to 1, got {share!s:.60}; 99.73 % is 0.9973")
+        raise InputError(f"share must be from 0 to 1, got {share!s:.60}; 99.73 % is 0.9973")
     room = min(limits.high - t.nominal, t.nominal - limits.low)
     if not room > 0.0:
-        raise ValueError(
+        raise InputError(
             "within: the output without deviations is not between the limits; move the nominal values first"
         )
     return _Scaled(t, limits, method, costs_of(t.fields, cost), exponent, share).result(room)
 
 
 def costs_of(fields: Fields, cost: Mapping[str, float] | None) -> dict[str, float]:
-    """Costs by parameter, empty if there are none.  Raises ValueError, TypeError."""
+    """Costs by parameter, empty if there are none.  Raises InputError, TypeError."""
     if cost is None:
         return {}
     if not isinstance(cost, Mapping):
-        raise TypeError(f'cost: expected numbers by parameter such as {{"l2": 1.0}}, got {cost!r:.60}')
+        raise WrongType(f'cost: expected numbers by parameter such as {{"l2": 1.0}}, got {cost!r:.60}')
     names = [one.name for one in fields.fields if one.dist != TABLE]
     for name in cost:
         if name not in names:
-            raise ValueError(f"cost: '{name!s:.60}' is none of the tolerances{suggest(str(name), names)}")
+            raise InputError(f"cost: '{name!s:.60}' is none of the tolerances{suggest(str(name), names)}")
     if missing := [name for name in names if name not in cost]:
-        raise ValueError(f"cost: what {', '.join(missing)} cost is missing")
+        raise InputError(f"cost: what {', '.join(missing)} cost is missing")
     return {name: arguments.positive(f"cost: '{name}'", cost[name]) for name in names}
 
 
@@ -187,7 +187,7 @@ class _Scaled:
         self._known: dict[float, tuple[float, float, tuple[float, float]]] = {}
 
     def result(self, room: float) -> Allocation:
-        """The tolerances.  Raises ValueError if none keep the limits."""
+        """The tolerances.  Raises InputError if none keep the limits."""
         self.base = self._by_slopes(room)
         rest = float(self.limits.excess(np.array([self.t.nominal]))[0])
         with np.errstate(divide="ignore"):
@@ -196,7 +196,7 @@ class _Scaled:
             found = edge(lambda x: self._look(x)[0], 1.0, SMALLEST, most, rest)
         except NotReachedError:
             fixed = "" if self.free.all() else ", beside tables of values that stay as they are,"
-            raise ValueError(
+            raise InputError(
                 f"within: no tolerances however tight{fixed} keep {self.t.of} {self.limits.text}"
             ) from None
         scale = found.value
@@ -217,7 +217,7 @@ class _Scaled:
         t, order = self.t, ORDERS[self.method]
         effects, sets = np.abs(t.effects), members(t.fields)
         if not np.isfinite(effects).all():
-            raise ValueError(f"no tolerances without slopes: {t.why}")
+            raise InputError(f"no tolerances without slopes: {t.why}")
         tables = np.array([not self.free[list(one)].any() for one in sets])
         idle = ~tables & (effects == 0.0)
         share = ~tables & ~idle
@@ -225,7 +225,7 @@ class _Scaled:
         names = labels(t.fields)
         if not left > 0.0:
             widest = ", ".join(name for name, one in zip(names, tables, strict=True) if one)
-            raise ValueError(f"within: tables of values ({widest}) alone take more than is allowed")
+            raise InputError(f"within: tables of values ({widest}) alone take more than is allowed")
         if idle.any():
             said = ", ".join(name for name, one in zip(names, idle, strict=True) if one)
             self.notes.append(f"to first order without effect, as wide as before by slopes: {said}")

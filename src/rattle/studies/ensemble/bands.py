@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.errors import AssemblyError, ModelError, SolverError, suggest
+from rattle.errors import AssemblyError, InputError, ModelError, SolverError, suggest
 from rattle.results.result import UnknownName
 from rattle.studies.ensemble.pieces import FAILED, WAITING
 from rattle.studies.ensemble.samples import Samples
@@ -37,7 +37,7 @@ def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Ba
     """
     count = min(arguments.whole("members", members, 1), len(e))
     if not e.task.t_end > 0.0:
-        raise ValueError(f"{curve}: a band is drawn over time, and this ensemble is of one instant; give it a t_end")
+        raise InputError(f"{curve}: a band is drawn over time, and this ensemble is of one instant; give it a t_end")
     known = ANALYSES[e.task.analysis].names(e.task.mechanism)
     if curve not in known:
         raise UnknownName(f"no curve '{curve}'{suggest(curve, known)}")
@@ -49,7 +49,7 @@ def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Ba
     good = curves[np.isfinite(curves).all(axis=1)]
     if not len(good):
         why = next(iter(messages.values()), "") or next(iter(e.messages.values()), "it has no finite value")
-        raise ValueError(f"{curve}: none of {len(numbers)} members could be run: {why}")
+        raise InputError(f"{curve}: none of {len(numbers)} members could be run: {why}")
     return Band(
         curve, known[curve], task.history_times, good, _nominal(task), len(numbers) - len(good), len(e), e.parameters
     )

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.errors import WorkerError
+from rattle.errors import InputError, WorkerError, WrongType
 from rattle.mechanism import Mechanism
 from rattle.results.archive import package
 from rattle.studies.ensemble.identity import python_laws, unknown_laws
@@ -118,12 +118,12 @@ def engine(
 ) -> Iterator[Engine | None]:
     """The engine that is asked for, None if it is this process or none is needed; what is started is closed again.
 
-    Raises ValueError and TypeError for a question that makes no sense, ConnectionError, WorkerError, MissingPackage.
+    Raises InputError and TypeError for a question that makes no sense, ConnectionError, WorkerError, MissingPackage.
     """
     engines = {"executor": executor, "scheduler": scheduler, "workers": workers}
     asked = [key for key, one in engines.items() if one is not None]
     if len(asked) > 1:
-        raise ValueError(f"{' and '.join(asked)} exclude each other; give one of them")
+        raise InputError(f"{' and '.join(asked)} exclude each other; give one of them")
     if executor is not None:
         _require_executor(executor)
     if scheduler is not None:
@@ -148,12 +148,12 @@ def _require_executor(executor: Any) -> None:
     hint = (
         "; of a Dask client give client.get_executor()" if type(executor).__module__.startswith("distributed") else ""
     )
-    raise TypeError(f"executor: expected a concurrent.futures.Executor, got {executor!r:.60}{hint}")
+    raise WrongType(f"executor: expected a concurrent.futures.Executor, got {executor!r:.60}{hint}")
 
 
 def _require_address(scheduler: Any) -> None:
     if not isinstance(scheduler, str) or "://" not in scheduler:
-        raise ValueError(f"scheduler: expected an address such as tcp://10.0.0.1:8786, got {scheduler!r:.60}")
+        raise InputError(f"scheduler: expected an address such as tcp://10.0.0.1:8786, got {scheduler!r:.60}")
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.errors import AssemblyError, ModelError, SolverError
+from rattle.errors import AssemblyError, InputError, ModelError, SolverError
 from rattle.language.syntax import Name
 from rattle.results.archive import package
 from rattle.results.display import table
@@ -99,7 +99,7 @@ class Ensemble(Samples):
         least, most = (None if one is None else self.limit(output, one) for one in (low, high))
         least, most = (-math.inf if least is None else least), (math.inf if most is None else most)
         if least > most:
-            raise ValueError(f"the lower limit, {low}, is above the upper one, {high}")
+            raise InputError(f"the lower limit, {low}, is above the upper one, {high}")
         values, status = self[output], self.store.status()
         known = np.isfinite(values)
         inside = known.copy()
@@ -113,7 +113,7 @@ class Ensemble(Samples):
         return statistics.share(int(inside.sum()), int(known.sum()), unknown)
 
     def limit(self, name: str, given: float | str) -> float:
-        """A limit of an output or parameter, [SI] or such as "5 kN", in SI.  Raises ValueError, TypeError."""
+        """A limit of an output or parameter, [SI] or such as "5 kN", in SI.  Raises InputError, TypeError."""
         dimension = self.task.outputs[self.outputs.index(name)].dimension if name in self.outputs else None
         return limit_of(given, self.unit(name) if name in (*self.outputs, *self.parameters) else "", "limit", dimension)
 
@@ -126,7 +126,7 @@ class Ensemble(Samples):
         """Shares of the variance of an output that each parameter, or group of them, causes alone, from the samples.
 
         ranks: of the ranks of the values instead; None: where a few samples carry most of the variance.  How shares
-        are found, and their bounds, see `rattle.studies.ensemble.first_order`.  Raises ValueError for too few samples.
+        are found, and their bounds, see `rattle.studies.ensemble.first_order`.  Raises InputError for too few samples.
         """
         return first_order(self.fields, [self[name] for name in self.parameters], self[output], ranks)
 
@@ -149,7 +149,7 @@ class Ensemble(Samples):
     def plot_scatter(self, outputs: Sequence[str] | None = None, parameters: Sequence[str] | None = None) -> Figure:
         """Plot outputs (rows) over parameters (columns), with Spearman's rank correlation in every panel.
 
-        By default the first 6 outputs, and the 6 parameters with the closest relations to them.  Raises ValueError for
+        By default the first 6 outputs, and the 6 parameters with the closest relations to them.  Raises InputError for
         more of them, for unknown ones, or if no sample has a value.
         """
         from rattle.plots.scatter import plot_scatter
@@ -255,7 +255,7 @@ def require_limit(
     m: Mechanism, output: str, limit: float | str, vary: Vary = None, *, analysis: str = "simulate",
     t_end: float | None = None,
 ) -> None:  # fmt: skip
-    """Check a limit of an output before anything runs.  Raises ValueError, TypeError, and what `ensemble` raises."""
+    """Check a limit of an output before anything runs.  Raises InputError, TypeError, and what `ensemble` raises."""
     one = task_of(m, fields_of(m, vary).names, [output], analysis=analysis, t_end=t_end).outputs[0]
     limit_of(limit, one.unit, dimension=one.dimension)
 

@@ -26,7 +26,7 @@ from rattle.analyses.straight_line.recorded_model import require_parameters
 from rattle.description.changes import plain
 from rattle.description.model import Parameter, ValueTable
 from rattle.description.read_parameters import DISTRIBUTIONS
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import InputError, ModelError, Problem, WrongType, suggest
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -186,12 +186,12 @@ def varies(one: Parameter) -> bool:
 
 
 def _with_tolerances(m: Mechanism) -> list[Parameter]:
-    """All parameters with a tolerance.  Raises ValueError if there are none, ModelError for groups."""
+    """All parameters with a tolerance.  Raises InputError if there are none, ModelError for groups."""
     every = m.model.parameters
     found = [one for one in every.values() if varies(one)]
     if not found:
         name = next(iter(every), "l2")
-        raise ValueError(f"no parameter of the model has a tolerance; {_give_one(name)}")
+        raise InputError(f"no parameter of the model has a tolerance; {_give_one(name)}")
     problems = []
     for n, names in enumerate(m.model.groups):
         moved = [name for name in names if varies(every[name])]
@@ -212,16 +212,16 @@ def _asked(m: Mechanism, vary: Sequence[str] | Mapping[str, Tolerance]) -> list[
     """The parameters that are named, with their tolerances.  Raises what `fields_of` raises."""
     if isinstance(vary, str):
         listed = ", ".join(f'"{one.strip()}"' for one in vary.split(","))
-        raise ValueError(f"vary: expected a list of parameters; write vary=[{listed}]")
+        raise InputError(f"vary: expected a list of parameters; write vary=[{listed}]")
     if not isinstance(vary, Mapping | Sequence) or not vary:
         given = "nothing" if isinstance(vary, Mapping | Sequence) else f"{vary!r:.60}"
-        raise ValueError(f'vary: expected parameters such as ["l2"] or {{"l2": "0.1 mm"}}, got {given}')
+        raise InputError(f'vary: expected parameters such as ["l2"] or {{"l2": "0.1 mm"}}, got {given}')
     names = list(vary)
     for name in names:
         if not isinstance(name, str):
-            raise TypeError(f"vary: expected names of parameters, got {name!r:.60}")
+            raise WrongType(f"vary: expected names of parameters, got {name!r:.60}")
         if names.count(name) > 1:
-            raise ValueError(f"vary: '{name}' is named twice")
+            raise InputError(f"vary: '{name}' is named twice")
     require_parameters(m.system, names)
     changes = {name: _entries(name, given) for name, given in vary.items()} if isinstance(vary, Mapping) else {}
     every = m.parameters_with(changes, "vary")
@@ -235,27 +235,27 @@ def _entries(name: str, given: Any) -> dict[str, Any]:
     if isinstance(given, Mapping):
         for key in given:
             if key not in ("tol", "dist"):
-                raise ValueError(f"vary: '{name}': unknown key {key!r:.60}{suggest(str(key), ('tol', 'dist'))}")
+                raise InputError(f"vary: '{name}': unknown key {key!r:.60}{suggest(str(key), ('tol', 'dist'))}")
         return dict(plain(given))
     if isinstance(given, str) and given in DISTRIBUTIONS:
-        raise ValueError(f"vary: '{name}': '{given}' is no tolerance; write {{\"dist\": \"{given}\"}}")
+        raise InputError(f"vary: '{name}': '{given}' is no tolerance; write {{\"dist\": \"{given}\"}}")
     if isinstance(given, bool) or not isinstance(given, int | float | str | np.number):
         like = 'expected a tolerance such as "0.1 mm" or {"tol": "0.1 mm", "dist": "normal"}'
-        raise ValueError(f"vary: '{name}': {like}, got {given!r:.60}")
+        raise InputError(f"vary: '{name}': {like}, got {given!r:.60}")
     return {"tol": plain(given)}
 
 
 def _require_spread(one: Parameter, entries: Mapping[str, Any]) -> None:
-    """Raise ValueError for a parameter that would not vary, or has a tolerance of no use."""
+    """Raise InputError for a parameter that would not vary, or has a tolerance of no use."""
     if isinstance(one.dist, ValueTable):
         if "tol" in entries:
             hint = 'leave tol out, or give another distribution such as "dist": "uniform"'
-            raise ValueError(f"vary: '{one.name}' is distributed by a table of values, which needs no tol; {hint}")
+            raise InputError(f"vary: '{one.name}' is distributed by a table of values, which needs no tol; {hint}")
     elif one.tol is None:
-        raise ValueError(f"vary: '{one.name}' has no tolerance; {_give_one(one.name)}")
+        raise InputError(f"vary: '{one.name}' has no tolerance; {_give_one(one.name)}")
     elif one.tol == 0.0:
         where = "" if "tol" in entries else " in the file"
-        raise ValueError(f"vary: '{one.name}' has tol = 0{where} and would not vary; leave it out or give it more")
+        raise InputError(f"vary: '{one.name}' has tol = 0{where} and would not vary; leave it out or give it more")
 
 
 # ---------------------------------------------------------------- one field

@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.studies.ensemble.contributors import labels, members
 from rattle.studies.ensemble.fields import Field, Fields
 from rattle.studies.ensemble.statistics import CONFIDENCE, Bounded, in_size
@@ -69,19 +70,19 @@ def first_order(
 
     ranks: take the ranks of the values instead of the values; None: where a few samples carry most of the variance,
     whose shares would say nothing of all others.
-    Raises ValueError if there are too few samples, or nothing varies.
+    Raises InputError if there are too few samples, or nothing varies.
     """
     known = np.isfinite(values)
     y = np.asarray(values[known], dtype=float)
     first, names = [places[0] for places in members(fields)], labels(fields)
     least = SAMPLES_PER_TERM * (len(names) + 1)
     if len(y) < least:
-        raise ValueError(
+        raise InputError(
             f"{len(y)} samples with a finite value are too few to tell {len(names)} contributors apart; "
             f"run at least {least}"
         )
     if np.ptp(y) == 0.0:
-        raise ValueError(f"all {len(y)} samples have the value {y[0]:.6g}: nothing varies that could be shared")
+        raise InputError(f"all {len(y)} samples have the value {y[0]:.6g}: nothing varies that could be shared")
     y, _ = in_size(y)
     ranks = carried_by_few(y) if ranks is None else ranks
     if ranks:
@@ -144,7 +145,7 @@ def _shares(terms: list[np.ndarray], y: np.ndarray) -> tuple[tuple[Bounded, ...]
             break
         fits.append(Fit(degree, rest, rest / away))
     if not fits:
-        raise ValueError("a parameter has the same value in all samples that could be run")
+        raise InputError("a parameter has the same value in all samples that could be run")
     degree, rest, foretold = min(fits, key=lambda one: float(one.foretold @ one.foretold))
     last = int(np.searchsorted(degrees, degree, side="right"))
     back = np.linalg.inv(triangle[:last, :last])

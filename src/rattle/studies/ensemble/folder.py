@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.atomic_file import atomic
+from rattle.errors import InputError
 from rattle.results.archive import package
 from rattle.studies.ensemble import history_files, identity
 from rattle.studies.ensemble.history_files import Damaged
@@ -70,7 +71,7 @@ class Folder:
         """Open a folder, made if it is not there.
 
         resume: go on with what is there; otherwise a folder with samples is refused.
-        Raises ValueError for a folder of another run, OSError for one that cannot be used, MissingPackage.
+        Raises InputError for a folder of another run, OSError for one that cannot be used, MissingPackage.
         """
         package("pyarrow", "a folder of samples")
         self.path = Path(path).expanduser()
@@ -108,12 +109,12 @@ class Folder:
             raise FileExistsError(f"{self.path} holds a run already; give another folder, or resume=True to go on")
         before = _read_manifest(manifest)
         if before["format"] != now["format"]:
-            raise ValueError(f"{self.path} has format {before['format']}, this version of rattle has {now['format']}")
+            raise InputError(f"{self.path} has format {before['format']}, this version of rattle has {now['format']}")
         if said := identity.difference(before, now):
-            raise ValueError(f"{self.path} holds another run, {said}; give another folder")
+            raise InputError(f"{self.path} holds another run, {said}; give another folder")
         if before["n"] != self._count and not self._plan.grows:
             what = f"n = {before['n']}, now {self._count}, and the first samples of its design depend on n"
-            raise ValueError(f"{self.path} holds another run, {what}; give another folder")
+            raise InputError(f"{self.path} holds another run, {what}; give another folder")
         self._made_with = before.get("made with", {})
         if before["n"] < self._count:
             self._write_manifest(manifest, {**before, **now})
@@ -168,7 +169,7 @@ class Folder:
         parameters = self._plan.values(file.first, last)
         for name, values in zip(self._plan.names, parameters, strict=True):
             if not np.array_equal(table[self._columns[name]].to_numpy()[: last - file.first], values):
-                raise ValueError(
+                raise InputError(
                     f"{file.path}: its values of {name} are not those of this design and seed; it was made with"
                     f" {_listed(self._made_with)}, this is {_listed(identity.versions())}: give another folder"
                 )
@@ -313,14 +314,14 @@ class Folder:
 
 
 def _read_manifest(manifest: Path) -> dict[str, Any]:
-    """What a manifest says.  Raises ValueError."""
+    """What a manifest says.  Raises InputError."""
     try:
         found = json.loads(manifest.read_text(encoding="utf-8"))
         right = isinstance(found["format"], int) and isinstance(found["n"], int)
     except (ValueError, KeyError, TypeError, RecursionError):
         right = False
     if not right:
-        raise ValueError(f"{manifest} is damaged, or is not of rattle; give another folder")
+        raise InputError(f"{manifest} is damaged, or is not of rattle; give another folder")
     return dict(found)
 
 

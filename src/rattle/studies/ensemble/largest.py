@@ -14,7 +14,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.straight_line.recorded_model import require_parameters
-from rattle.errors import AssemblyError, ModelError, SolverError
+from rattle.errors import AssemblyError, InputError, ModelError, SolverError, WrongType
 from rattle.results.display import lines
 from rattle.studies.ensemble.edge import Edge, NotReachedError, edge
 from rattle.studies.ensemble.fields import Vary, fields_of, varies
@@ -66,11 +66,11 @@ def tolerance_for(
     """The largest tolerance or clearance; see `Mechanism.tolerance_for`."""
     for what, text in (("of", of), ("parameter", parameter)):
         if not isinstance(text, str):
-            raise TypeError(f"{what}: expected a text, got {text!r:.60}")
+            raise WrongType(f"{what}: expected a text, got {text!r:.60}")
     require_parameters(m.system, [parameter])
     kept = arguments.positive("share", share)
     if kept > 1.0:
-        raise ValueError(f"share must be from 0 to 1, got {share!s:.60}; 99.7 % is 0.997")
+        raise InputError(f"share must be from 0 to 1, got {share!s:.60}; 99.7 % is 0.997")
     count = None if n is None else arguments.whole("n", n, 1, MOST)
     named = _with_entries(m, vary)
     asked = Asked(m, of, within, m.model.parameters[parameter], named, analysis_named(analysis), t_end)
@@ -105,7 +105,7 @@ class _Search:
             self.u = points("sobol", seed, sought.draws, n).points(0, n)
 
     def result(self) -> Largest:
-        """The largest value.  Raises ValueError if there is none."""
+        """The largest value.  Raises InputError if there is none."""
         sought = self.sought
         try:
             rest = -1.0
@@ -113,7 +113,7 @@ class _Search:
                 raise NotReachedError(0.0)
             found = edge(self.excess, sought.start, sought.least, sought.most, min(rest, -1e-3))
         except NotReachedError as error:
-            raise ValueError(self._none(error.least)) from None
+            raise InputError(self._none(error.least)) from None
         report = "\n".join(self._report(found))
         return Largest(found.value, report, self.shares[found.value], sought.parameter.unit, sought.parameter.name)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rattle.analyses import arguments
+from rattle.errors import InputError
 from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity
 
 
@@ -11,18 +12,18 @@ def limit_of(given: float | str, unit: str, what: str = "limit", dimension: Dime
 
     dimension: of an output without a unit, None if it is not known.
 
-    Raises ValueError, TypeError.
+    Raises InputError, TypeError.
     """
     if not isinstance(given, str):
         return arguments.number(what, given)
     try:
         found = parse_quantity(given)
     except QuantityError as error:
-        raise ValueError(f"{what}: {error}") from None
+        raise InputError(f"{what}: {error}") from None
     if found is None:
-        raise ValueError(f"{what}: {given!r:.60} is not a value; expected a number in SI or such as '0.1 deg'")
+        raise InputError(f"{what}: {given!r:.60} is not a value; expected a number in SI or such as '0.1 deg'")
     number, seen = found
     expected = dimension_of(unit) if unit else dimension
     if seen is not None and expected is not None and seen != expected:
-        raise ValueError(f"{what}: {given} is {describe(seen)}; expected {describe(expected)}")
+        raise InputError(f"{what}: {given} is {describe(seen)}; expected {describe(expected)}")
     return number

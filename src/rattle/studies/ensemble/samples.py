@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.atomic_file import atomic
-from rattle.errors import suggest
+from rattle.errors import InputError, suggest
 from rattle.results.archive import package
 from rattle.results.result import UnknownName, require_table
 from rattle.studies.ensemble.pieces import OK, STATUS, WAITING, column_name
@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 
 WITHOUT = {"failed": "could not be run", "not finite": "have an output without a finite value"}
 MOST_REASONS = 6
+
+
+class UnknownSample(InputError, IndexError):
+    """There is no sample of this number."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,14 +105,14 @@ class Samples(ABC):
         return self.messages.get(int(sample), "")
 
     def sample(self, number: int) -> Mechanism:
-        """The mechanism of a sample.  Raises IndexError for a number that is not among them, ModelError."""
+        """The mechanism of a sample.  Raises UnknownSample for a number that is not among them, ModelError."""
         n = self._number(number)
         return self.task.mechanism_at(self.plan.values(n, n + 1)[:, 0])
 
     def _number(self, given: int) -> int:
-        """The number of a sample.  Raises IndexError."""
+        """The number of a sample.  Raises UnknownSample."""
         if isinstance(given, bool) or not isinstance(given, int | np.integer) or not 0 <= given < len(self):
-            raise IndexError(f"sample {given!r}: samples are numbered from 0 to {len(self) - 1}")
+            raise UnknownSample(f"sample {given!r}: samples are numbered from 0 to {len(self) - 1}")
         return int(given)
 
     def told(self, number: int) -> str:

@@ -24,7 +24,7 @@ from typing import Any, final
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.errors import suggest
+from rattle.errors import InputError, WrongType, suggest
 
 BITS = 30  # of a coordinate of Sobol's sequence, which ends after 2**BITS points
 MOST = 2**BITS  # points
@@ -50,9 +50,9 @@ class Points(ABC):
 
     @final
     def points(self, first: int, last: int) -> np.ndarray:
-        """(last - first, draws) points first ... last - 1.  Raises ValueError for points that are not there."""
+        """(last - first, draws) points first ... last - 1.  Raises InputError for points that are not there."""
         if not 0 <= first <= last <= self.count:
-            raise ValueError(f"points {first} to {last} are not among 0 to {self.count}")
+            raise InputError(f"points {first} to {last} are not among 0 to {self.count}")
         return np.asarray(np.minimum(self._made(first, last), BELOW_ONE))
 
     @abstractmethod
@@ -169,21 +169,21 @@ def points(design: str, seed: int, draws: int, n: int) -> Points:
     """Points of n samples.
 
     design: one of DESIGNS.  seed: any integer from 0 on.  draws: number of independent draws, the dimensions.
-    Raises ValueError and TypeError for a design, seed or number that cannot be.
+    Raises InputError and TypeError for a design, seed or number that cannot be.
     """
     if design not in DESIGNS:
-        raise ValueError(f"unknown design {design!r:.60}{suggest(str(design), DESIGNS)}")
+        raise InputError(f"unknown design {design!r:.60}{suggest(str(design), DESIGNS)}")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
-        raise TypeError(f"seed must be an integer, got {seed!r:.60}")
+        raise WrongType(f"seed must be an integer, got {seed!r:.60}")
     if seed < 0:
-        raise ValueError("seed must be an integer from 0 on, got a negative one")
+        raise InputError("seed must be an integer from 0 on, got a negative one")
     draws, n = arguments.whole("draws", draws, 1), arguments.whole("n", n, 1, MOST)
     most = MOST_DRAWS.get(design, draws)
     if draws > most:
-        raise ValueError(f"design '{design}' has at most {most} independent parameters, got {draws}; take 'random'")
+        raise InputError(f"design '{design}' has at most {most} independent parameters, got {draws}; take 'random'")
     size = 4.0 * 8.0 * n * draws  # with what is needed to make them
     if design == "lhs" and size > arguments.MOST_BYTES:
-        raise ValueError(
+        raise InputError(
             f"design 'lhs' makes all its points at once: {n} of {draws} numbers take {size / 1e9:.1f} GB, at most"
             f" {arguments.MOST_BYTES / 1e9:g} GB are used; take 'sobol', which is made in pieces"
         )

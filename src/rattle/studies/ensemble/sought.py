@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from rattle.description.model import Parameter
+from rattle.errors import InputError
 from rattle.language.syntax import Name
 from rattle.results.reductions import Output
 from rattle.studies.ensemble.contributors import half_width
@@ -158,17 +159,17 @@ def tolerance_of(asked: Asked, threads: int | None, progress: bool) -> Sought:
         first = FIRST * abs(one.value) or FIRST
         first = min(first, _room(one, first)[0])
         if first == 0.0:
-            raise ValueError(
+            raise InputError(
                 f"parameter: '{one.name}' is at a limit of the model, {one.value:g}: it has no room to vary"
             )
         vary[one.name] = {"tol": first}
     fields = fields_of(m, vary)
     if fields.fields[fields.names.index(one.name)].dist == TABLE:
-        raise ValueError(f"parameter: '{one.name}' is distributed by a table of values, which has no tolerance")
+        raise InputError(f"parameter: '{one.name}' is distributed by a table of values, which has no tolerance")
     task = task_of(m, fields.names, [asked.of], analysis=asked.analysis, t_end=asked.t_end)
     (nominal,), said = nominal_run(task)
     if not math.isfinite(nominal):
-        raise ValueError(f"of: {asked.of!r} has no value without deviations" + "".join(f"; {one}" for one in said))
+        raise InputError(f"of: {asked.of!r} has no value without deviations" + "".join(f"; {one}" for one in said))
     return _Tolerance(asked, fields, Trials(task, threads, progress), nominal)
 
 
@@ -231,12 +232,12 @@ def scale_of(asked: Asked, joints: list[str], threads: int | None, progress: boo
 
 
 def _band(output: Output, analysis: str) -> list[str]:
-    """The least and the greatest value of an output over all positions of the pins.  Raises ValueError."""
+    """The least and the greatest value of an output over all positions of the pins.  Raises InputError."""
     one = output.reductions[0]
     if isinstance(output.outer, Name) and isinstance(one.inner, Name) and one.kind in ALONG and output.names:
         name = re.compile(rf"(?<![\w.]){re.escape(one.inner.name)}(?![\w.])")
         return [name.sub(f"{one.inner.name}.{end}", output.text, count=1) for end in ("low", "high")]
-    raise ValueError(
+    raise InputError(
         f"of: with {analysis} the band over all positions of the pins is known of {', '.join(ALONG)} of one curve,"
         f" such as 'at(rocker.angle, 0.3)'; got {output.text!r:.60}"
     )

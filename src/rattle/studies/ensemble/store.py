@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.studies.ensemble.pieces import WAITING, Piece
 
 MOST_BYTES = 1e9  # of histories in memory
@@ -54,10 +55,10 @@ class Memory:
         self, parameters: Sequence[str], outputs: Sequence[str], count: int, histories: Sequence[str] = (),
         instants: int = 0,
     ) -> None:  # fmt: skip
-        """Raises ValueError for histories that take too much memory."""
+        """Raises InputError for histories that take too much memory."""
         size = 8.0 * len(histories) * count * instants
         if size > MOST_BYTES:
-            raise ValueError(
+            raise InputError(
                 f"histories: {count} samples of {len(histories)} curves take {size / 1e9:.1f} GB; in memory at most"
                 f" {MOST_BYTES / 1e9:g} GB are kept: give a folder"
             )

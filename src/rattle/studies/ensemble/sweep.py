@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import require_parameters
+from rattle.errors import InputError
 from rattle.results.display import table
 from rattle.studies.ensemble.folder import store_of
 from rattle.studies.ensemble.limits import limit_of
@@ -121,19 +122,19 @@ def sweep(
 
 
 def _axes(m: Mechanism, values: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Checked values [SI] by parameter.  Raises ValueError, TypeError, UnknownName."""
+    """Checked values [SI] by parameter.  Raises InputError, TypeError, UnknownName."""
     if not isinstance(values, Mapping) or not values:
-        raise ValueError('values: expected parameters with their values, such as {"r3": [0.001, 0.002]}')
+        raise InputError('values: expected parameters with their values, such as {"r3": [0.001, 0.002]}')
     require_parameters(m.system, list(values))
     axes = {}
     for name, given in values.items():
         if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or np.ndim(given) != 1:
-            raise ValueError(f"values: '{name}' needs a list of values such as [0.001, 0.002], got {given!r:.60}")
+            raise InputError(f"values: '{name}' needs a list of values such as [0.001, 0.002], got {given!r:.60}")
         if not len(given):
-            raise ValueError(f"values: '{name}' has no value")
+            raise InputError(f"values: '{name}' has no value")
         unit = m.model.parameters[name].unit
         axes[name] = np.array([limit_of(one, unit, f"values: '{name}'") for one in given])
     count = math.prod(len(one) for one in axes.values())
     if count > MOST:
-        raise ValueError(f"values: {count} combinations are more than {MOST}; take fewer values of each parameter")
+        raise InputError(f"values: {count} combinations are more than {MOST}; take fewer values of each parameter")
     return axes

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.analyses import arguments
+from rattle.errors import InputError, WrongType
 from rattle.studies.ensemble import corners
 from rattle.studies.ensemble.allocation import costs_of
 from rattle.studies.ensemble.contributors import added, at_ends, half_widths
@@ -38,11 +39,11 @@ def tolerance(
         _require_rows(n)
     fields = fields_of(m, vary)
     if not isinstance(of, str):
-        raise TypeError(f"of: expected one output such as 'max(O3.force)', got {of!r:.60}")
+        raise WrongType(f"of: expected one output such as 'max(O3.force)', got {of!r:.60}")
     task = task_of(m, fields.names, [of], analysis=analysis, t_end=t_end)
     (value,), said = nominal_run(task)
     if not math.isfinite(value):
-        raise ValueError(f"of: {of!r} has no value without deviations" + "".join(f"; {one}" for one in said))
+        raise InputError(f"of: {of!r} has no value without deviations" + "".join(f"; {one}" for one in said))
     trials = Trials(task, threads, progress)
     count = n or (SIDE_BY_SIDE if trials.side_by_side else ONE_BY_ONE)
     found = slopes(trials, fields, value)
@@ -83,11 +84,11 @@ def require_limit(
 
 
 def _require_rows(n: int) -> None:
-    """Check the number of rows.  Raises ValueError, TypeError."""
+    """Check the number of rows.  Raises InputError, TypeError."""
     count = arguments.whole("n", n, 2, MOST_ROWS)
     if count & (count - 1):
         near = 2 ** round(math.log2(count))
-        raise ValueError(f"n must be a power of two, for which Sobol's sequence is even; got {count}, take {near}")
+        raise InputError(f"n must be a power of two, for which Sobol's sequence is even; got {count}, take {near}")
 
 
 def _indices(trials: Trials, rows: Rows, table: np.ndarray, seed: int) -> tuple[Indices, list[str]]:

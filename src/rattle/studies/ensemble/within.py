@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.studies.ensemble.limits import limit_of
 from rattle.studies.ensemble.shown import in_one_unit, number, scale_of
 
@@ -38,20 +39,20 @@ class Limits:
 def limits_about(within: Within, nominal: float, unit: str) -> Limits:
     """Limits from a deviation from a nominal value [SI] such as "0.1 deg", or from two values (low, high).
 
-    Raises ValueError, TypeError.
+    Raises InputError, TypeError.
     """
     if isinstance(within, str) or not isinstance(within, Sequence | np.ndarray):
         half = limit_of(within, unit, "within")
         if not half > 0.0:
-            raise ValueError(f"within: the deviation that is allowed must be positive, got {within!s:.60}")
+            raise InputError(f"within: the deviation that is allowed must be positive, got {within!s:.60}")
         return about(nominal, half, unit)
     if len(within) != 2:
-        raise ValueError(
+        raise InputError(
             f'within: expected a deviation such as "0.1 deg" or two limits (low, high), got {within!r:.60}'
         )
     low, high = (limit_of(one, unit, "within") for one in within)
     if not low < high:
-        raise ValueError(f"within: the lower limit comes first and is less than the upper one, got {within!r:.60}")
+        raise InputError(f"within: the lower limit comes first and is less than the upper one, got {within!r:.60}")
     least, most, shown = in_one_unit((low, high), unit)
     return Limits(low, high, f"from {least} to {most} {shown}".rstrip())
 

@@ -11,7 +11,7 @@ from socket import gethostname
 
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
-from rattle.errors import WorkerError
+from rattle.errors import InputError, WorkerError
 from rattle.studies.ensemble.engines import Done, Engine, engine, job_of, work
 from rattle.studies.ensemble.pieces import WAITING, run_piece
 from rattle.studies.ensemble.plans import Plan
@@ -38,11 +38,11 @@ def run_missing(
     """Run all samples that the store misses; returns how they were run, in words, and whether the user stopped it.
 
     executor, scheduler, workers: run them there, see `engines`; otherwise on so many threads of this process.
-    Raises ValueError and TypeError for engines that exclude each other or cannot be, ConnectionError, WorkerError,
+    Raises InputError and TypeError for engines that exclude each other or cannot be, ConnectionError, WorkerError,
     and OSError if a piece cannot be written; what is finished is kept.
     """
     if threads is not None and (executor, scheduler, workers) != (None, None, None):
-        raise ValueError("threads is for runs in this process; leave it out with executor, scheduler or workers")
+        raise InputError("threads is for runs in this process; leave it out with executor, scheduler or workers")
     threads = cores() if threads is None else arguments.whole("threads", threads, 1)
     done = plan.count - sum(b - a for a, b in store.missing())
     bar = Bar(plan.count, what, done) if progress else None

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle import registry
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import InputError, ModelError, Problem, WrongType, suggest
 from rattle.language.quantities import Quantity, in_si
 from rattle.results.archive import package
 from rattle.results.display import quantity, table
@@ -53,7 +53,7 @@ class Film:
         p = f.static(load="500 N", speed="1000 rpm")
         p.eccentricity, p.film_thickness, p.stiffness
 
-    Raises ValueError and TypeError for values that make no bearing.
+    Raises InputError and TypeError for values that make no bearing.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Film:
         }  # fmt: skip
         faults = self._kind.leaf.faults(self._values, self.clearance)
         if faults:
-            raise ValueError("; ".join(faults))
+            raise InputError("; ".join(faults))
         self._p = self._packed(THINNEST * self.clearance)
         self._table = np.array(self._kind.leaf.table(self._values))  # its own: compiled functions take no read-only one
 
@@ -129,11 +129,11 @@ class Film:
         ex, ey [m]: centre of the pin minus centre of the bush; vx, vy [m/s]: its rate; in axes that do not turn.  A
         film thinner than 1e-6 of the clearance acts as one of this thickness, also where the pin would be beyond the
         bush.
-        Raises ValueError for numbers that are not finite.
+        Raises InputError for numbers that are not finite.
         """
         state = [float(one) for one in (ex, ey, vx, vy, omega_bush, omega_pin)]
         if not all(map(math.isfinite, state)):
-            raise ValueError(f"a film has a force at finite places and speeds only, got {state}")
+            raise InputError(f"a film has a force at finite places and speeds only, got {state}")
         kernel: Any = self._kind.kernel
         out = np.zeros(5)
         kernel(*state, self._p, 0, self._table, out)
@@ -143,7 +143,7 @@ class Film:
     def static(self, load: Quantity, speed: Quantity) -> JournalPosition:
         """Where a pin that turns at `speed` [rad/s] in a bush at rest carries a steady load [N].
 
-        Raises ValueError for a load that needs a film thinner than 1e-6 of the clearance.
+        Raises InputError for a load that needs a film thinner than 1e-6 of the clearance.
         """
         weight, turning = _positive("load", load), _speed(speed)
         return position_at(self, located(self, weight, turning, THINNEST), weight, turning)
@@ -184,7 +184,7 @@ class Film:
         [rad]; `sommerfeld` S = mu N (2 R L/W) (R/c)^2; `friction` (R/c) times its coefficient; `pressure` the largest
         over W/(2 R L); `leakage` over R c N L; stiffness `k_xx` ... times c/W and damping `c_xx` ... times c w/W (x
         along the load, y turned from it in the sense of the speed); `critical_mass` times c w^2/W; `whirl`, its
-        frequency at the threshold over w, nan where there is none.  Raises ValueError, MissingPackage.
+        frequency at the threshold over w, nan where there is none.  Raises InputError, MissingPackage.
         """
         pandas = package("pandas", "a table of a film")
         return pandas.DataFrame(locus(self, eccentricities))
@@ -201,7 +201,7 @@ class Film:
         presses it by a hundredth of the boundary film.
         Columns: `speed` [rad/s]; `eccentricity` [of the clearance]; `attitude` [rad]; `film_thickness` [m]; `dry`,
         the share of the load on the asperities; `friction`, coefficient at the radius of the bush; `torque` [N*m];
-        `loss` [W].  Raises ValueError for a boundary film of half the clearance or more, MissingPackage.
+        `loss` [W].  Raises InputError for a boundary film of half the clearance or more, MissingPackage.
         """
         pandas = package("pandas", "a Stribeck curve")
         return pandas.DataFrame(self._stribeck(load, speeds, boundary_film, friction, stiffness))
@@ -215,9 +215,9 @@ class Film:
         weight, boundary = _positive("load", load), _positive("boundary_film", boundary_film)
         if not boundary < 0.5 * self.clearance:
             said = f"the boundary film of {boundary:.3g} m must be thinner than half the clearance"
-            raise ValueError(f"{said} of {self.clearance:.3g} m")
+            raise InputError(f"{said} of {self.clearance:.3g} m")
         if not (math.isfinite(friction) and friction >= 0.0):
-            raise ValueError(f"friction is a coefficient, 0 or more, not {friction!r}")
+            raise InputError(f"friction is a coefficient, 0 or more, not {friction!r}")
         k = weight / (stribeck.SINKS * boundary) if stiffness is None else _positive("stiffness", stiffness)
         kernel: Any = self._kind.kernel
         parameters, out = self._packed(boundary), np.zeros(5)
@@ -256,7 +256,7 @@ class Film:
         from rattle.plots.film import load_points, plot_film
 
         if (load is None) != (speed is None):
-            raise ValueError("the point of a load needs both, load and speed")
+            raise InputError("the point of a load needs both, load and speed")
         position = None if load is None or speed is None else self.static(load, speed)
         return plot_film(self, position, None if result is None else load_points(result, joint))
 
@@ -264,24 +264,24 @@ class Film:
 def _kind(model: str) -> registry.Kind:
     known = registry.kinds("film")
     if model not in known:
-        raise ValueError(f"no film '{model}'{suggest(str(model), known)}; there are {', '.join(sorted(known))}")
+        raise InputError(f"no film '{model}'{suggest(str(model), known)}; there are {', '.join(sorted(known))}")
     return known[model]
 
 
 def _check_words(kind: registry.Kind, chosen: dict[str, str]) -> None:
-    """Raise ValueError for a word that the law does not have."""
+    """Raise InputError for a word that the law does not have."""
     for key, word in chosen.items():
         choices = kind.fields[key].choices if key in kind.fields else ("reynolds",)
         if word not in choices:
             said = f"{key} of a film '{kind.name}' is {' or '.join(repr(one) for one in choices)}"
-            raise ValueError(f"{said}, not {word!r}{suggest(str(word), choices)}")
+            raise InputError(f"{said}, not {word!r}{suggest(str(word), choices)}")
 
 
 def _positive(name: str, value: Quantity) -> float:
     unit, example = EXAMPLES[name]
     found = in_si(_no_flag(name, value), name, unit, example)
     if not (found > 0.0 and math.isfinite(found)):
-        raise ValueError(f"{name} must be positive and finite, as in {example}; got {value!r}")
+        raise InputError(f"{name} must be positive and finite, as in {example}; got {value!r}")
     return found
 
 
@@ -289,7 +289,7 @@ def _speed(value: Quantity) -> float:
     unit, example = EXAMPLES["speed"]
     found = in_si(_no_flag("speed", value), "speed", unit, example)
     if found == 0.0 or not math.isfinite(found):
-        raise ValueError(f"speed must be finite and not zero, as in {example}: a film at rest carries nothing")
+        raise InputError(f"speed must be finite and not zero, as in {example}: a film at rest carries nothing")
     return found
 
 
@@ -297,5 +297,5 @@ def _no_flag(name: str, value: Any) -> Any:
     """The value, unless it is True or False, which Python takes for numbers."""
     if isinstance(value, bool):
         unit, example = EXAMPLES[name]
-        raise TypeError(f"{name} is a number in {unit}, as in {example}; got {value!r}")
+        raise WrongType(f"{name} is a number in {unit}, as in {example}; got {value!r}")
     return value

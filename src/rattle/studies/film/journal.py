@@ -19,6 +19,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.errors import InputError
+
 Array = NDArray[np.float64]
 STEP = 1e-3  # of differences, over the length on which the force changes
 
@@ -67,7 +69,7 @@ class JournalPosition:
 def located(film: Bearing, load: float, speed: float, least: float) -> float:
     """Eccentricity [of the clearance] at which the film carries a load [N] at a speed [rad/s].
 
-    least: thinnest film over the clearance.  Raises ValueError for a load that needs a thinner one.
+    least: thinnest film over the clearance.  Raises InputError for a load that needs a thinner one.
     """
     from scipy.optimize import brentq
 
@@ -80,7 +82,7 @@ def located(film: Bearing, load: float, speed: float, least: float) -> float:
     low, high = -30.0, -math.log(least)  # of ln(e/(1 - e))
     if excess(high) < 0.0:
         most = load * math.exp(excess(high))
-        raise ValueError(
+        raise InputError(
             f"a load of {load:g} N at {abs(speed):g} rad/s needs a film thinner than {least * c:.3g} m;"
             f" there it carries {most:.3g} N"
         )

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.errors import InputError
 from rattle.studies.film.journal import Bearing, sommerfeld, stiffness_and_damping, threshold
 
 Columns = dict[str, NDArray[np.float64]]  # (n,) by name
@@ -19,11 +20,11 @@ def locus(film: Bearing, eccentricities: Sequence[float], coefficients: bool = T
 
     coefficients: also those of stiffness and damping, and what follows from them.
 
-    Raises ValueError for an eccentricity that is not between 0 and 1.
+    Raises InputError for an eccentricity that is not between 0 and 1.
     """
     wrong = [one for one in eccentricities if not 0.0 < one < 1.0]
     if wrong:
-        raise ValueError(f"an eccentricity is between 0 and 1 clearances, not {wrong[0]:g}")
+        raise InputError(f"an eccentricity is between 0 and 1 clearances, not {wrong[0]:g}")
     rows = [_row(film, float(one), coefficients) for one in eccentricities]
     return {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.errors import AssemblyError, ModelError, SolverError
+from rattle.errors import AssemblyError, InputError, ModelError, SolverError
 from rattle.progress_bar import progress_bar
 from rattle.results.evaluation import evaluate
 from rattle.studies.optimise.designs import Design, Designs
@@ -72,7 +72,7 @@ def _begins(designs: Designs, starts: int, seed: int) -> Any:
     present = designs.at(asked.places(asked.mechanism.parameters))
     if not present.sound:
         text = asked.objective.text
-        raise ValueError(f"minimise: {text!r} cannot be evaluated for the present design: {present.message}")
+        raise InputError(f"minimise: {text!r} cannot be evaluated for the present design: {present.message}")
     yield present
     if starts == 1:
         return

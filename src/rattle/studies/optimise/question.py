@@ -12,7 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.straight_line.recorded_model import require_parameters
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import InputError, ModelError, Problem, WrongType, suggest
 from rattle.language.syntax import Number, names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 from rattle.results.reductions import (
@@ -153,16 +153,16 @@ def question(
 ) -> tuple[Question, Result]:  # fmt: skip
     """The design problem, and the run of the present design.
 
-    Raises ValueError, UnknownName and ModelError with what is wrong in the question, AssemblyError.
+    Raises InputError, UnknownName and ModelError with what is wrong in the question, AssemblyError.
     """
     if analysis not in ANALYSES:
-        raise ValueError(f"unknown analysis '{analysis}'{suggest(str(analysis), ANALYSES)}")
+        raise InputError(f"unknown analysis '{analysis}'{suggest(str(analysis), ANALYSES)}")
     for what, text in (("minimise", minimise), *(("subject_to", one) for one in _listed(subject_to))):
         if not isinstance(text, str):
-            raise TypeError(f"{what}: expected a text such as 'max(O3.force)', got {text!r:.60}")
+            raise WrongType(f"{what}: expected a text such as 'max(O3.force)', got {text!r:.60}")
     varied, low, high = _bounds(m, vary)
     if t_end is None and (differ := sorted(m.names_in_setting("t_end") & m.following(vary))):
-        raise ValueError(f"t_end follows from {', '.join(differ)} and would differ from design to design; give t_end")
+        raise InputError(f"t_end follows from {', '.join(differ)} and would differ from design to design; give t_end")
     end = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     units = {name: one.unit for name, one in m.model.parameters.items()}
     asked = Question(m, varied, low, high, end, analysis, _NOTHING)
@@ -200,17 +200,17 @@ def _read(reader: Any, text: str, known: Known, analysis: str) -> Any:
 
 
 def _bounds(m: Mechanism, vary: Mapping[str, Sequence[Bound]]) -> tuple[tuple[str, ...], np.ndarray, np.ndarray]:
-    """Names (k,) and bounds (k,) [SI].  Raises ValueError, TypeError, UnknownName."""
+    """Names (k,) and bounds (k,) [SI].  Raises InputError, TypeError, UnknownName."""
     if not isinstance(vary, Mapping) or not vary:
-        raise ValueError('vary: expected parameters with their bounds such as {"l2": (0.5, 0.8)}')
+        raise InputError('vary: expected parameters with their bounds such as {"l2": (0.5, 0.8)}')
     bad = [name for name in vary if not isinstance(name, str)]
     if bad:
-        raise TypeError(f"vary: expected names of parameters, got {bad[0]!r:.60}")
+        raise WrongType(f"vary: expected names of parameters, got {bad[0]!r:.60}")
     require_parameters(m.system, list(vary))
     pairs = []
     for name, given in vary.items():
         if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
-            raise ValueError(f"vary: '{name}' needs a lower and an upper bound such as (0.5, 0.8), got {given!r:.60}")
+            raise InputError(f"vary: '{name}' needs a lower and an upper bound such as (0.5, 0.8), got {given!r:.60}")
         low, high = (_bound(m, name, one) for one in given)
         _require_order(m, name, low, high)
         pairs.append((low, high))
@@ -224,27 +224,27 @@ def _bound(m: Mechanism, name: str, given: Bound) -> float:
     try:
         found = parse_quantity(given)
     except QuantityError as error:
-        raise ValueError(f"vary: '{name}': {error}") from None
+        raise InputError(f"vary: '{name}': {error}") from None
     if found is None:
-        raise ValueError(f"vary: '{name}': {given!r:.60} is not a value; expected a number in SI or such as '0.2 mm'")
+        raise InputError(f"vary: '{name}': {given!r:.60} is not a value; expected a number in SI or such as '0.2 mm'")
     wanted = dimension_of(m.model.parameters[name].unit)
     if found[1] is not None and found[1] != wanted:
-        raise ValueError(f"vary: '{given}' is {describe(found[1])}; '{name}' is {describe(wanted)}")
+        raise InputError(f"vary: '{given}' is {describe(found[1])}; '{name}' is {describe(wanted)}")
     return found[0]
 
 
 def _require_order(m: Mechanism, name: str, low: float, high: float) -> None:
-    """Raise ValueError unless low < high, the present value is between, and the model allows both bounds."""
+    """Raise InputError unless low < high, the present value is between, and the model allows both bounds."""
     one = m.model.parameters[name]
     unit = f" {one.unit}".rstrip()
     if not low < high:
         hint = "; the lower bound comes first" if low > high else "; bounds that are equal leave nothing to choose"
-        raise ValueError(f"vary: the bounds of '{name}' are {low:g} and {high:g}{unit}{hint}")
+        raise InputError(f"vary: the bounds of '{name}' are {low:g} and {high:g}{unit}{hint}")
     if not low <= one.value <= high:
-        raise ValueError(
+        raise InputError(
             f"vary: the present value {one.value:g}{unit} of '{name}' is outside its bounds {low:g} to {high:g}{unit};"
             f" widen them or start from another design with set({name}=...)"
         )
     if (one.minimum is not None and low < one.minimum) or (one.maximum is not None and high > one.maximum):
         limits = " to ".join("-" if limit is None else f"{limit:g}" for limit in (one.minimum, one.maximum))
-        raise ValueError(f"vary: the model allows '{name}' from {limits}{unit}; the bounds go beyond")
+        raise InputError(f"vary: the model allows '{name}' from {limits}{unit}; the bounds go beyond")

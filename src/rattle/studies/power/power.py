@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
+from rattle.errors import InputError
 from rattle.loading import loads
 from rattle.mechanism import Mechanism
 from rattle.results.archive import package
@@ -36,9 +37,9 @@ RUN_AGAIN = "run it again with this version"
 def power(r: Result, t0: float | None = None, t1: float | None = None) -> Power:
     """Powers of a run between t0 and t1 [s]; see `Result.power`."""
     if r.provenance.get("analysis") != "simulate":
-        raise ValueError("power is that of a motion in time, m.simulate(...); this result is of another analysis")
+        raise InputError("power is that of a motion in time, m.simulate(...); this result is of another analysis")
     if not {"document", "t_end", "method"} <= r.provenance.keys():
-        raise ValueError(f"this result does not hold its model, from which powers follow; {RUN_AGAIN}")
+        raise InputError(f"this result does not hold its model, from which powers follow; {RUN_AGAIN}")
     m = loads(str(r.provenance["document"]))
     first, last = _window(r, m, t0, t1)
     return Power(r, m, first, last)
@@ -52,7 +53,7 @@ def _window(r: Result, m: Mechanism, t0: float | None, t1: float | None) -> tupl
     first = last - period if period is not None and last - period >= -1e-12 * last else 0.0
     first = max(first, 0.0) if t0 is None else float(t0)
     if not 0.0 <= first < last <= end * (1.0 + 1e-9):
-        raise ValueError(f"power from {first:g} to {last:g} s: give times in order between 0 and the end, {end:g} s")
+        raise InputError(f"power from {first:g} to {last:g} s: give times in order between 0 and the end, {end:g} s")
     return first, min(last, end)
 
 
@@ -127,7 +128,7 @@ class Power:
     def at(self, t: float) -> DataFrame:
         """pandas.DataFrame of all ports at an instant t [s]: element, kind, body, power [W].
 
-        Between steps the run is repeated up to there.  Raises ValueError for a time outside of the run.
+        Between steps the run is repeated up to there.  Raises InputError for a time outside of the run.
         """
         powers = self.powers(np.array([float(t)]))
         columns = {**self.names, "power": powers[0]}
@@ -137,12 +138,12 @@ class Power:
         """Powers (n, ports) [W] at increasing instants (n,) [s], in the order of `table`."""
         end = min(float(self._settings.t_end), self.result.trust.t_end)
         if not 0.0 <= t[0] <= t[-1] <= end * (1.0 + 1e-9):
-            raise ValueError(f"expected a time within the run, from 0 to {end:g} s, got {t[0]:g} s")
+            raise InputError(f"expected a time within the run, from 0 to {end:g} s, got {t[0]:g} s")
         rows = rows_at(self._mechanism, self._settings, np.minimum(t, end))
         return self._ports.flow(rows).ports
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
-        """Write `table` as CSV, in SI units.  Raises ValueError for a suffix of another format, OSError."""
+        """Write `table` as CSV, in SI units.  Raises InputError for a suffix of another format, OSError."""
         require_table(path)
         with atomic(Path(path)) as file:
             self.table.to_csv(file, index=False, lineterminator="\n")

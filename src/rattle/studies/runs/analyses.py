@@ -16,7 +16,7 @@ import numpy as np
 
 from rattle.analyses.dynamics.methods import contacts_of
 from rattle.analyses.straight_line.derived_curves import derived_units
-from rattle.errors import SolverError, suggest
+from rattle.errors import InputError, SolverError, suggest
 from rattle.registry import kinds
 from rattle.results.build import build_result
 from rattle.results.columns import columns, width
@@ -56,10 +56,10 @@ class Analysis(NamedTuple):
 
 
 def analysis_named(name: str) -> str:
-    """The analysis of this name.  Raises ValueError."""
+    """The analysis of this name.  Raises InputError."""
     found = WRITTEN_AS.get(str(name), str(name))
     if found not in ANALYSES:
-        raise ValueError(f"unknown analysis '{name}'{suggest(str(name), ANALYSES)}")
+        raise InputError(f"unknown analysis '{name}'{suggest(str(name), ANALYSES)}")
     return found
 
 

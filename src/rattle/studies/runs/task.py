@@ -11,7 +11,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.peak_values import peak_names
-from rattle.errors import ModelError, Problem, suggest
+from rattle.errors import InputError, ModelError, Problem, suggest
 from rattle.language.syntax import names
 from rattle.registry import kinds
 from rattle.results.evaluation import evaluate, needs_curve
@@ -123,7 +123,7 @@ def task_of(
 ) -> Task:  # fmt: skip
     """A checked task; varied: parameters that differ from sample to sample; histories: curves that are kept.
 
-    Raises ValueError, TypeError, ModelError, and what an analysis of the present mechanism raises.
+    Raises InputError, TypeError, ModelError, and what an analysis of the present mechanism raises.
     """
     texts = _texts(outputs)
     analysis, given = analysis_named(analysis), tuple(varied)
@@ -131,7 +131,7 @@ def task_of(
     settings = m.model.settings
     method = settings.method if method is None else method
     if method is not None and method not in kinds("stepper"):
-        raise ValueError(f"unknown method '{method}'; expected {' or '.join(kinds('stepper'))}")
+        raise InputError(f"unknown method '{method}'; expected {' or '.join(kinds('stepper'))}")
     rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
     step = settings.step if step is None else arguments.positive("step", step)
@@ -140,11 +140,11 @@ def task_of(
     known = Known(ANALYSES[analysis].names(m), units, loose if analysis == "simulate" else ())
     found = tuple(_read(text, known, analysis) for text in texts)
     if text := next((one.text for one in found if not one.reductions), ""):
-        raise ValueError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
+        raise InputError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
     follow = m.following(given)
     fixed = {name: value for name, value in m.parameters.items() if name not in follow}
     if late := next((said for output in found if (said := outside(output, fixed, end))), ""):
-        raise ValueError(late)
+        raise InputError(late)
     curves = _histories(histories, known, end)
     how = Stepping(method, rtol, atol, step)
     return Task(m, given, found, analysis, end, how, tuple(curves), tuple(curves.values()))
@@ -156,34 +156,34 @@ def with_outputs(task: Task, outputs: Sequence[str]) -> Task:
 
 
 def _texts(outputs: Sequence[str]) -> list[str]:
-    """Outputs as a list of texts.  Raises ValueError."""
+    """Outputs as a list of texts.  Raises InputError."""
     texts = [] if isinstance(outputs, str) else list(outputs)
     if not texts or not all(isinstance(one, str) for one in texts):
-        raise ValueError('outputs: expected a list such as ["max(abs(O3.normal))"]')
+        raise InputError('outputs: expected a list such as ["max(abs(O3.normal))"]')
     return texts
 
 
 def _histories(given: Sequence[str], known: Known, end: float) -> dict[str, str]:
-    """Units of the curves that are kept, by name.  Raises ValueError, UnknownName."""
+    """Units of the curves that are kept, by name.  Raises InputError, UnknownName."""
     if isinstance(given, str):
-        raise ValueError(f'histories: expected a list of curves; write histories=["{given}"]')
+        raise InputError(f'histories: expected a list of curves; write histories=["{given}"]')
     for name in given:
         if name not in known.units:
             raise UnknownName(f"histories: no curve '{name}'{suggest(str(name), known.units)}")
     if given and not end > 0.0:
-        raise ValueError("histories: curves need t_end; give it")
+        raise InputError("histories: curves need t_end; give it")
     return {name: known.units[name] for name in given}
 
 
 def _end(m: Mechanism, varied: Sequence[str], analysis: str, t_end: float | None, step: float | None) -> float:
-    """The end of all runs [s].  Raises ValueError if it would differ from sample to sample."""
+    """The end of all runs [s].  Raises InputError if it would differ from sample to sample."""
     at_rest = ANALYSES[analysis].at_rest
     if at_rest and not t_end:
         return 0.0
     follow = m.following(varied)
     for key, one in (("t_end", t_end), ("step", step)):
         if one is None and (differ := sorted(m.names_in_setting(key) & follow)):
-            raise ValueError(
+            raise InputError(
                 f"{key} follows from {', '.join(differ)} and would differ from sample to sample; give {key}"
             )
     return arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)

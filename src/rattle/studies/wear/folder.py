@@ -19,6 +19,7 @@ import numpy as np
 
 from rattle.atomic_file import atomic
 from rattle.description.wear_profile import profile_text
+from rattle.errors import InputError
 from rattle.mechanism import Mechanism
 from rattle.studies.ensemble.identity import python_laws
 from rattle.studies.wear.cycle import Sliding, State
@@ -38,7 +39,7 @@ class Folder:
     def __init__(
         self, path: str | os.PathLike[str], m: Mechanism, asked: Mapping[str, float], pins: Sequence[Pin]
     ) -> None:
-        """Open a folder, made if it is not there.  Raises ValueError for one of another study, OSError."""
+        """Open a folder, made if it is not there.  Raises InputError for one of another study, OSError."""
         self.path, self._pins = Path(path).expanduser(), pins
         if self.path.exists() and not self.path.is_dir():
             raise NotADirectoryError(f"{self.path} is a file; give the name of a folder")
@@ -61,15 +62,15 @@ class Folder:
 
     def _compare(self, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
         if before.get("kind") != "wear" or before.get("format") != FORMAT:
-            raise ValueError(f"{self.path} holds another kind of study; give another folder")
+            raise InputError(f"{self.path} holds another kind of study; give another folder")
         for key, value in now.items():
             if before.get(key) != value:
                 what = LABELS.get(key, key)
                 said = "" if key in ("model", "laws") else f": {before.get(key)}, now {value}"
-                raise ValueError(f"{self.path} holds another study, its {what} differs{said}; give another folder")
+                raise InputError(f"{self.path} holds another study, its {what} differs{said}; give another folder")
 
     def read(self) -> Reached | None:
-        """How far the study has come; None if it has not begun.  Raises ValueError for a damaged file."""
+        """How far the study has come; None if it has not begun.  Raises InputError for a damaged file."""
         place = self.path / STATE
         if not place.exists():
             return None
@@ -89,15 +90,15 @@ class Folder:
                 outcome = str(kept["outcome"])
                 return Reached(depths, cycle, state, recent, next_, int(simulated), outcome, rows, lost)
         except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
-            raise ValueError(f"{place} is damaged ({error}); remove it to begin anew") from None
+            raise InputError(f"{place} is damaged ({error}); remove it to begin anew") from None
 
     def _check(self, depths: Depths, lost: Depths, state: State) -> None:
-        """Raise ValueError for depths of other sizes, and for what is not a number."""
+        """Raise InputError for depths of other sizes, and for what is not a number."""
         for pin, *both in zip(self._pins, depths, lost, strict=True):
             if any(one.shape != (2, pin.bins) for one in both):
-                raise ValueError(f"depths of {pin.joint} do not have {pin.bins} bins")
+                raise InputError(f"depths of {pin.joint} do not have {pin.bins} bins")
         if not all(np.isfinite(one).all() for one in (*depths, *lost, state.y, state.speeds, np.array(state.t))):
-            raise ValueError("it has values that are not numbers")
+            raise InputError("it has values that are not numbers")
 
     def write(self, reached: Reached) -> None:
         """Keep how far the study has come."""
@@ -139,4 +140,4 @@ def _read(manifest: Path) -> dict[str, Any]:
     try:
         return dict(json.loads(manifest.read_text(encoding="utf-8")))
     except (OSError, TypeError, ValueError) as error:
-        raise ValueError(f"{manifest} cannot be read ({error}); give another folder") from None
+        raise InputError(f"{manifest} cannot be read ({error}); give another folder") from None

@@ -23,7 +23,7 @@ from rattle.analyses.assembly.assembly import assemble
 from rattle.analyses.dynamics.events import require_workable
 from rattle.analyses.dynamics.methods import choose_stepper
 from rattle.analyses.dynamics.run import How
-from rattle.errors import ModelError, Problem
+from rattle.errors import InputError, ModelError, Problem
 from rattle.jit import functions
 from rattle.mechanism import Mechanism
 from rattle.progress_bar import progress_bar
@@ -86,22 +86,22 @@ def _question(
     m: Mechanism, cycles: float | None, jump: float | str | None, cycle: float | None,
     stop: Mapping[str, float] | None, rtol: float | None,
 ) -> Question:  # fmt: skip
-    """The arguments, or what the first joint that wears says.  Raises ValueError."""
+    """The arguments, or what the first joint that wears says.  Raises InputError."""
     said = [joint.wear for joint in m.model.joints.values() if joint.wear is not None]
     count = arguments.positive("cycles", said[0].cycles if cycles is None else cycles)
     if isinstance(jump, str) and jump != "auto":
-        raise ValueError(f'jump must be a number of cycles or "auto", got {jump!r}')
+        raise InputError(f'jump must be a number of cycles or "auto", got {jump!r}')
     given = [one.jump for one in said if one.jump == one.jump]
     chosen = jump if jump is not None else given[0] if given else "auto"
     size = math.nan if chosen == "auto" else arguments.positive("jump", chosen)
     if size < 1.0:
-        raise ValueError(f"jump must be at least one cycle, got {size:g}")
+        raise InputError(f"jump must be at least one cycle, got {size:g}")
     periods = [one.cycle for one in said if one.cycle == one.cycle]
     period = cycle if cycle is not None else periods[0] if periods else driver_period(m.system)
     if period is None:
-        raise ValueError("no driver turns at constant rate; give the duration of a cycle in s")
+        raise InputError("no driver turns at constant rate; give the duration of a cycle in s")
     if unknown := [key for key in stop or {} if key not in STOPS]:
-        raise ValueError(f"stop knows {' and '.join(STOPS)}, not {unknown[0]!r}")
+        raise InputError(f"stop knows {' and '.join(STOPS)}, not {unknown[0]!r}")
     ends = {key: arguments.positive(f"stop: {key}", value) for key, value in (stop or {}).items()}
     settings = m.model.settings
     tolerance = arguments.relative_tolerance(rtol or settings.rtol or RTOL)

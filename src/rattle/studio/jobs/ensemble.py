@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
 from rattle.plots.curves import QUANTITY, axis_label, handy_unit
@@ -30,7 +31,7 @@ def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Conte
     except (ValueError, OverflowError):
         count = 0
     if not 2 <= count <= MOST:
-        raise ValueError(f"mechanisms: give a whole number from 2 to {MOST}")
+        raise InputError(f"mechanisms: give a whole number from 2 to {MOST}")
     output = of.strip() or usual_force(shelf.motion(source))
     vary, note = _vary(m)
     e = m.ensemble(count, [output], vary, progress=True)
@@ -56,7 +57,7 @@ def _vary(m: Mechanism) -> tuple[Vary, list[str]]:
     if any(one.tol for one in every.values()):
         return None, []
     if not every:
-        raise ValueError("the model has no parameters that could differ; write a dimension as one in Text, with a tol")
+        raise InputError("the model has no parameters that could differ; write a dimension as one in Text, with a tol")
     follow = {other for name in every for other in m.following([name]) - {name}}
     vary = {name: SHARE * (abs(one.value) or 1.0) for name, one in every.items() if name not in follow}
     said = (
@@ -135,7 +136,7 @@ def sample(shelf: Shelf, source: Source, number: int) -> dict[str, Any]:
     shelf.mechanism(source)
     e = shelf.studies.get("ensemble")
     if e is None:
-        raise ValueError("the model has changed since: compute the ensemble again")
+        raise InputError("the model has changed since: compute the ensemble again")
     r = e.sample(int(number)).simulate(e.task.t_end, progress=True)
     if r.interrupted:
         raise KeyboardInterrupt

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.plots.curves import axis_label
 from rattle.results.film_summary import film_rows
 from rattle.studio.jobs.blocks import Block, Content, content, curves, drawing, line, of_result, table, words
@@ -27,7 +28,7 @@ def wear(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
     try:
         count = float(cycles)
     except ValueError:
-        raise ValueError(f"cycles: {cycles!r} is not a number; give one such as 1e5") from None
+        raise InputError(f"cycles: {cycles!r} is not a number; give one such as 1e5") from None
     found = m.wear(count, progress=True)
     if found.interrupted:
         raise KeyboardInterrupt

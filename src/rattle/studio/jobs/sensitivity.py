@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.analyses.sensitivity.effects import effects
-from rattle.errors import ModelError, SolverError, TraceError
+from rattle.errors import InputError, ModelError, SolverError, TraceError
 from rattle.plots.curves import axis_label, handy_unit
 from rattle.results.result import Result
 from rattle.studio.jobs.blocks import MOST_LINES, Content, bars, content, curves, line, table, words
@@ -20,7 +20,7 @@ def sensitivity(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Con
     m = shelf.mechanism(source)
     every = m.model.parameters
     if not every:
-        raise ValueError("the model has no parameters; write a dimension as one in Text")
+        raise InputError("the model has no parameters; write a dimension as one in Text")
     parameters = [one.strip() for one in to.split(",") if one.strip()]
     parameters = parameters or [name for name, one in every.items() if one.tol] or list(every)
     outputs = [one.strip() for one in of.split(",") if one.strip()] or [usual_output(shelf.motion(source))]
@@ -70,5 +70,5 @@ def _of_motion(m, outputs: list[str], parameters: list[str], t: np.ndarray) -> t
     try:
         found = m.ideal().sensitivity(outputs, parameters, t, "kinematics", strict=True)
     except (ModelError, TraceError, SolverError):
-        raise ModelError([]) from None if not why else ValueError(why)
+        raise ModelError([]) from None if not why else InputError(why)
     return found, f"These are of the mechanism without play, driven through its motion, because {because}"
