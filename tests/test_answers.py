@@ -1,4 +1,4 @@
-"""Refusals are told from faults by their class: what this program refuses is an `InputError`, wherever it is refused."""
+"""Refusals are told from faults by their class: what this program refuses is an `InputError`, wherever that is."""
 
 import ast
 import pickle
