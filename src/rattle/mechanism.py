@@ -330,7 +330,7 @@ class Mechanism(AnalysedModel):
 
         minimise: a number such as "rms(rocker.angle - ideal.rocker.angle)" or "(final(block.x) - 0.3)**2"; reductions
         as in `many`.  vary: parameters with their lower and upper bound, numbers in SI or texts such as "5 mm"; they
-        are never left.  subject_to: comparisons that must hold, such as "max(O3.force) <= 500".
+        are never left.  subject_to: comparisons that must hold, such as "max(O3.force) <= 500" or "l2 + l3 == 0.9".
         t_end: end of the runs [s] (default: as in the model).  analysis: "simulate", "kinematics" or
         "inverse-dynamics".  starts: searches, the first from the present design, the others from designs drawn between
         the bounds with this seed.  progress: show a progress bar.

@@ -20,7 +20,7 @@ from rattle.cli.output import STOPPED, check_files, say_written
 )  # fmt: skip
 @click.option(
     "--subject-to", "constraints", metavar="CONDITION", multiple=True,
-    help='What must hold, e.g. "max(O3.force) <= 500"; may be given more than once.',
+    help='What must hold, e.g. "max(O3.force) <= 500" or "l2 + l3 == 0.9 m"; may be given more than once.',
 )  # fmt: skip
 @click.option("--t-end", type=time, help="End of the runs, in s or as '20 ms'; default: as in the model.")
 @click.option(

@@ -55,6 +55,7 @@ KINDS = (*ONE, *TWO, *CONDITIONS)
 READ_OFF = ("at", "final", "count")  # those that need no instants but their own
 EVENTS = {"impacts": "impact", "contacts": "contact", "releases": "release", "sticks": "stick", "slips": "slip"}
 IDEAL = "ideal."
+EQUAL = "=="  # of a constraint
 NAMES = "an output may use the names of a result, parameters and t"
 GRAMMAR = Grammar(
     functions={**FUNCTIONS, **dict.fromkeys((*ONE, *CONDITIONS), 1), **dict.fromkeys(TWO, 2), "max": -1, "min": -1},
@@ -135,11 +136,12 @@ class Output:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Constraint:
-    """A comparison of two outputs, as in "max(O3.force) <= 500": fulfilled where `margin` is not negative."""
+    """A comparison of two outputs, as in "max(O3.force) <= 500": fulfilled where `margin` is not negative, or zero
+    for "=="."""
 
     text: str
     margin: Output  # the greater side minus the smaller side; for `text` see the constraint
-    comparison: str  # < <= > >=; in numbers no difference is made between < and <=
+    comparison: str  # < <= > >= ==; in numbers no difference is made between < and <=
 
 
 def read(text: str, known: Known) -> Output:
@@ -162,11 +164,19 @@ def read(text: str, known: Known) -> Output:
 
 def read_constraint(text: str, known: Known) -> Constraint:
     """Read a constraint.  Raises ModelError as `read` does."""
+    equation = text.find(EQUAL)
+    inside = ExpressionError(f"'{EQUAL}' stands between two outputs, not inside of one", equation)
     try:
-        node = parse(text, GRAMMAR)
+        try:
+            node = parse(text.replace(EQUAL, "<=", 1), GRAMMAR)  # of the same length: columns stay what they are
+        except ExpressionError as error:
+            raise inside if error.column == equation else error from None
+        if equation >= 0 and isinstance(node, Apply) and node.column != equation:
+            raise inside
         if not isinstance(node, Apply) or not _compares(node):
             raise ExpressionError("a constraint compares two outputs, as in max(O3.force) <= 500", 0)
-        return Constraint(text, _output(text, _difference(node), known, compared=True), node.name)
+        word = EQUAL if equation >= 0 else node.name
+        return Constraint(text, _output(text, _difference(node), known, compared=True), word)
     except ExpressionError as error:
         raise _refused(text, "constraint", error) from None
 

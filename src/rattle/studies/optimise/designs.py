@@ -150,11 +150,24 @@ class Designs:
 
     def doubt(self, design: Design) -> float:
         """A sum of squares, or its root, below which it is as good as zero: its parts are errors of runs; else 0."""
+        error = DOUBT * self._steepness(design)
+        return error if self.is_root else error**2
+
+    def gradient_doubt(self, design: Design) -> float:
+        """Errors of the gradient of a sum of squares (of the square of a root) by those of its parts; else 0."""
+        return 2.0 * DOUBT * self._steepness(design) ** 2
+
+    @property
+    def is_root(self) -> bool:
+        """True for the root of a sum of squares."""
+        return is_root(self.question.objective)
+
+    def _steepness(self, design: Design) -> float:
+        """Size |J| of the changes of the parts over the ranges; 0 for what is no sum of squares."""
         try:
-            size = float(np.linalg.norm(self.parts(design)[1])) if self.squares else 0.0
+            return float(np.linalg.norm(self.parts(design)[1])) if self.squares else 0.0
         except LostError:
             return 0.0
-        return DOUBT * size if is_root(self.question.objective) else (DOUBT * size) ** 2
 
     def residuals(self, design: Design) -> np.ndarray:
         """Parts r (n,) of the sum of squares."""
@@ -196,7 +209,7 @@ class Designs:
                 with suppress(ValueError):  # an instant that moved out of the run
                     found[n] = numbers(main, question.moved(run.mechanism, name, h), moved[1])
             rows.append(_difference(found, STEP))
-        return np.array(rows).T
+        return np.ascontiguousarray(np.array(rows).T)
 
     def _sensitivities(self, asked: Sequence[tuple[Mechanism | None, list[str]]]) -> list[RepeatedSensitivities | None]:
         """Derivatives of the curves asked for, recorded once.  Raises TraceError."""
@@ -228,7 +241,7 @@ class Designs:
             for n in inside if len(inside) < 4 else (1, -1):
                 found |= self._beside(design, k, n, h, numbers)
             columns.append(_difference(found, h))
-        return np.array(columns).T
+        return np.ascontiguousarray(np.array(columns).T)
 
     def _beside(self, design: Design, k: int, n: int, h: float, numbers: Numbers) -> dict[int, np.ndarray]:
         """Numbers of the design n steps h away along x_k, by n; none if it has none."""

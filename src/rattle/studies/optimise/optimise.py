@@ -110,7 +110,7 @@ def _optimum(designs: Designs, best: Found, searches: list[Search], interrupted:
     confirmed = replace(_checked(asked, made), doubt=designs.doubt(best.best))
     return Optimum(
         question=asked, mechanism=made, numbers=best.best.numbers, held=held(designs, best), searches=tuple(searches),
-        feasible=best.missed(best.best) <= MET, check=confirmed, runs=designs.runs, derived=designs.derived,
+        feasible=best.meets, check=confirmed, runs=designs.runs, derived=designs.derived,
         failures=dict(designs.failures), differenced=dict(designs.differenced),
         squares=bool(designs.squares) and not asked.constraints, interrupted=interrupted,
     )  # fmt: skip

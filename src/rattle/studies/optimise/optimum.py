@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.results.display import lines, quantity
+from rattle.results.reductions import EQUAL
 from rattle.studies.optimise.question import Question
 from rattle.studies.optimise.search import Held
 
@@ -126,7 +127,14 @@ class Optimum:
         for j, one in enumerate(asked.constraints):
             margin, unit = float(self.numbers[1 + j]), one.margin.unit
             line = f"subject to {one.text}: "
-            if held is not None and j in held.constraints:
+            if one.comparison == EQUAL and held is not None and j in held.constraints:
+                rate = quantity(-held.constraints[j], asked.objective.unit, 4)
+                line += (
+                    f"met; a right side greater by 1 {unit or 'unit'} changes the objective by {rate}, to first order"
+                )
+            elif one.comparison == EQUAL:
+                line += f"missed by {quantity(abs(margin), unit)}" if not self.feasible else "met"
+            elif held is not None and j in held.constraints:
                 rate = f"{held.constraints[j]:.4g} {asked.objective.unit}".rstrip()
                 line += f"active; loosened, it lets the objective fall by {rate} per {unit or 'unit'}"
             else:
