@@ -1,11 +1,13 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PYTEST = $(BIN)/python -m pytest -q -n 2
+OLDEST := $(VENV)-oldest
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test check long docs coverage bench clean
+.PHONY: help demo test check proofs long times docs coverage bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
@@ -13,22 +15,30 @@ help: ## this list
 demo: $(VENV)/.ready-data ## install into .venv, run `rattle demo`
 	$(BIN)/rattle demo
 
-test: $(VENV)/.ready-dev check ## install into .venv, run the whole gate
+test: $(VENV)/.ready-dev check ## install into .venv, run all checks that are quick (under 5 minutes)
 
-check: ## the gate without the set-up
+check: ## the same without the set-up
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/elements -k contracts
+	$(PYTEST) --part quick
+
+proofs: $(VENV)/.ready-dev $(VENV)/.ready-oldest ## all other tests: slow ones, browsers, plain Python, documentation, oldest packages
 	$(SPHINX)
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q -n 2
-	RATTLE_JIT=plain $(BIN)/python -m pytest -q -n 2 tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'compliant or positions or equilibria or workspace'
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -q tests/jit/test_every_loop.py tests/jit/test_bounds.py
-	$(BIN)/python -m pytest -q -n 2 -m "not plain and not long"
+	NUMBA_DISABLE_JIT=1 $(PYTEST)
+	RATTLE_JIT=plain $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'compliant or positions or equilibria or workspace'
+	NUMBA_BOUNDSCHECK=1 $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_bounds.py
+	$(OLDEST)/bin/python -m pytest -q -n 2 --part quick
+	$(PYTEST) --part rest
 
 long: $(VENV)/.ready-dev ## proofs that take a minute or more each
 	$(BIN)/python -m pytest -q -m long
-	RATTLE_JIT=plain $(BIN)/python -m pytest -q -n 2 tests/jit/test_every_loop.py -k 'fixed or implicit or impacts_in_oil'
+	RATTLE_JIT=plain $(PYTEST) tests/jit/test_every_loop.py -k 'fixed or implicit or impacts_in_oil'
+
+times: $(VENV)/.ready-dev ## measure which tests are quick: tests/measured.txt
+	$(PYTEST) -m "not long" --measure
 
 docs: $(VENV)/.ready-docs ## the documentation as web pages: build/docs/index.html
 	$(SPHINX)
@@ -41,7 +51,7 @@ bench: $(VENV)/.ready-bench ## speed, as ratios to yardsticks measured in the sa
 	$(BIN)/python benchmarks/run.py
 
 clean: ## remove .venv and everything made here
-	rm -rf $(VENV) build dist docs/generated .*_cache .benchmarks .coverage .hypothesis rattle-demo
+	rm -rf $(VENV) $(OLDEST) build dist docs/generated .*_cache .benchmarks .coverage .hypothesis rattle-demo
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # one stamp per set of extras; a change of pyproject.toml installs anew
@@ -53,4 +63,10 @@ $(VENV)/.ready-%: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("rattle needs Python 3.11 or newer, this is " + sys.version.split()[0] + "; name another one: make PYTHON=python3.12 ...")'
 	@test -x $(BIN)/pip || $(PYTHON) -m venv --clear $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[$(extras-$*)]'
+	@touch $@
+
+# the oldest version of everything that the package may be installed with
+$(VENV)/.ready-oldest: pyproject.toml tests/oldest.txt
+	@$(PYTHON) -m venv --clear $(OLDEST)
+	$(OLDEST)/bin/pip install --quiet --disable-pip-version-check --constraint tests/oldest.txt --editable '.[data,test]'
 	@touch $@

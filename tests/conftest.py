@@ -8,6 +8,8 @@ from hypothesis import settings
 from browsing import browser, open_page  # noqa: F401  # fixtures
 from rattle import registry
 
+pytest_plugins = ["parts"]
+
 os.environ["MPLBACKEND"] = "Agg"
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
 
