@@ -112,9 +112,7 @@ def test_the_scene_of_the_kernel_has_sliders_and_says_why(stopped):
 
 def test_without_anywidget_it_says_what_to_install(monkeypatch, stopped):
     monkeypatch.setitem(sys.modules, "anywidget", None)
-    with pytest.raises(
-        MissingPackage, match=r"m\.view\(\) needs anywidget; install it with: pip install .rattle\[notebook\]"
-    ):
+    with pytest.raises(MissingPackage, match=r"m\.view\(\) needs anywidget; install it with: pip install anywidget"):
         stopped.view()
     with pytest.raises(MissingPackage, match=r"r\.view\(\) needs anywidget"):
         stopped.simulate(0.01).view()

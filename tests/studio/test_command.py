@@ -29,7 +29,7 @@ def test_without_its_packages_it_says_how_to_install_them(monkeypatch, missing):
     monkeypatch.setitem(sys.modules, missing, None)
     done = CliRunner().invoke(main, ["studio"])
     assert done.exit_code == 2
-    assert f'rattle studio needs {missing}; install it with: pip install "rattle[studio]"' in done.output
+    assert f"rattle studio needs {missing}; install it with: pip install panel bokeh" in done.output
 
 
 def test_a_file_that_is_not_there_or_no_model_is_named(tmp_path, monkeypatch):

@@ -33,11 +33,11 @@ PACKED = 1100  # largest compression ratio that deflate can reach
 NETCDF = b"\x89HDF\r\n\x1a\n"
 ZIP = b"PK\x03\x04"
 HINT = "pip install h5netcdf h5py xarray pandas"
-STUDIO = 'pip install "rattle[studio]"'
+STUDIO = "pip install panel bokeh"
 HINTS = {
     "pyarrow": "pip install pyarrow",
     "distributed": "pip install distributed",
-    "anywidget": 'pip install "rattle[notebook]"',
+    "anywidget": "pip install anywidget",
     "panel": STUDIO,
     "bokeh": STUDIO,
 }  # where other packages are needed
