@@ -48,7 +48,8 @@ def package(module: str, what: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MissingPackage(f"{what} needs {module}; install it with: {HINTS.get(module, HINT)}") from error
+        missing = error.name if error.name in HINTS else module  # a package may lack one that it needs itself
+        raise MissingPackage(f"{what} needs {missing}; install it with: {HINTS.get(missing, HINT)}") from error
 
 
 def require(path: str | os.PathLike[str]) -> None:
