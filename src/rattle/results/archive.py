@@ -48,7 +48,8 @@ def package(module: str, what: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        missing = error.name if error.name in HINTS else module  # a package may lack one that it needs itself
+        lacking = (error.name or "").partition(".")[0]
+        missing = lacking if lacking in HINTS else module  # a package may lack one that it needs itself
         raise MissingPackage(f"{what} needs {missing}; install it with: {HINTS.get(missing, HINT)}") from error
 
 
