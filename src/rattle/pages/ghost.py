@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rattle.errors import AssemblyError, ModelError
 from rattle.loading import loads
-from rattle.pages.scene import rows
+from rattle.pages.scene import MOST_ROWS
+from rattle.pages.thinning import shared_rows
 from rattle.results.result import Result
 
 IN_TIME = ("simulate", "orbit")  # analyses whose instants are times of the drivers
@@ -21,7 +22,7 @@ def ghost_of(result: Result) -> Result | None:
         return None
     try:
         ideal = loads(str(result.provenance["document"])).ideal()
-        ghost = ideal.kinematics(result.t[rows(result)])
+        ghost = ideal.kinematics(result.t[shared_rows(result, MOST_ROWS)])
     except (AssemblyError, ModelError):
         return None
     return ghost if ghost.success else None

@@ -12,6 +12,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.errors import InputError
+from rattle.pages.thinning import Between, Rows, between, shared_rows
 from rattle.plots.scene import BODIES
 from rattle.results.result import Result
 from rattle.results.trust import HOW, Trust
@@ -19,7 +20,10 @@ from rattle.version import __version__
 
 FORMAT = "rattle-scene 1"
 OF_GHOST = (".x", ".y", ".angle")
-MOST_ROWS = 2501  # of a run in a page
+MOST_ROWS = 2501  # evenly chosen instants of a run in a page
+ROWS_IN_ALL = 16_000  # of all runs of a page together, so that it can be sent
+FEWEST_ROWS = 401  # of a run, however many there are
+TICKS = 2**32 - 1  # parts of a run in which the instants of single values are counted
 
 
 def scene_of(
@@ -36,23 +40,39 @@ def scene_of(
     for _, one in results:
         require_motion(one)
     first = results[0][1]
-    said = list(notes)
-    thinned = [(len(rows(one)), len(one.t)) for _, one in results if len(rows(one)) < len(one.t)]
-    if thinned:
-        shown, every = thinned[0]
-        said.append(f"shown are {shown} of the {every} instants of the result, evenly chosen; events keep their times")
+    most = max(FEWEST_ROWS, min(MOST_ROWS, ROWS_IN_ALL // len(results)))
+    remarks, thinned = list(notes), ""
+    runs = []
+    for label, one in results:
+        kept = shared_rows(one, most)
+        more = between(one, kept)
+        runs.append(run_of(one, label, first.geometry, kept=(kept, more)))
+        if len(kept) < len(one.t):
+            thinned = thinned or _thinned(one, kept, more)
+    remarks += [thinned] if thinned else []
     scene: dict[str, Any] = plain({
         **frame_of(first.geometry),
         "title": title or str(first.provenance.get("model") or "") or "Mechanism",
         "geometry": first.geometry,
-        "runs": [run_of(one, label, first.geometry) for label, one in results],
+        "runs": runs,
         "ideal": None if ideal is None else run_of(ideal, "without play", first.geometry, OF_GHOST),
         "knobs": [],
         "live": None,
         "show": dict(show or {}),
-        "notes": said,
+        "notes": remarks,
     })  # fmt: skip
     return scene
+
+
+def _thinned(result: Result, kept: Rows, more: Mapping[str, Between]) -> str:
+    """What a reader must know of a run of which a page holds a part."""
+    text = f"shown are {len(kept)} of the {len(result.t)} instants of the result, and between them the values at which"
+    text += " a curve turns: no largest or least value is lost; events keep their times"
+    fast = [name for name, one in more.items() if not one.all_turns]
+    if not fast:
+        return text
+    named = ", ".join(fast[:3]) + (f" and {len(fast) - 3} more" if len(fast) > 3 else "")
+    return f"{text}. Too fast to be held as they are: {named}; of these the page has the range between two instants"
 
 
 def frame_of(geometry: Mapping[str, Any]) -> dict[str, Any]:
@@ -88,24 +108,21 @@ def require_motion(result: Result) -> None:
         raise InputError("the result has no instant to show")
 
 
-def rows(result: Result) -> np.ndarray:
-    """Those rows of a result that a page holds: evenly spaced, with the first and the last."""
-    n = len(result.t)
-    every = max(1, math.ceil((n - 1) / (MOST_ROWS - 1)))
-    picked = np.arange(0, n, every)
-    return picked if picked[-1] == n - 1 else np.append(picked, n - 1)
-
-
-def run_of(result: Result, label: str, geometry: Mapping[str, Any], keys: Sequence[str] = ()) -> dict[str, Any]:
+def run_of(
+    result: Result, label: str, geometry: Mapping[str, Any], keys: Sequence[str] = (), *,
+    kept: tuple[Rows, Mapping[str, Between]] | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """One run of a scene; its geometry is left out where it is that of the scene.
 
-    keys: of the curves that are kept, such as `.x`; all curves without any.
+    keys: of the curves that are kept, such as `.x`; all curves without any.  kept: rows of all curves, and what single
+    curves keep between them.
     """
-    picked = rows(result)
+    if kept is None:
+        shared = shared_rows(result, MOST_ROWS)
+        kept = shared, {} if keys else between(result, shared)
+    picked, more = kept
     names = [name for name in result.stored if not keys or name.endswith(tuple(keys))]
     data = np.column_stack([result[name][picked] for name in names])
-    with np.errstate(over="ignore"):
-        columns = np.ascontiguousarray(data.T).astype("<f4")
     run = {
         "label": label,
         "parameters": dict(result.provenance.get("parameters") or {}),
@@ -113,13 +130,44 @@ def run_of(result: Result, label: str, geometry: Mapping[str, Any], keys: Sequen
         "units": [result.unit(name) for name in names],
         "n": len(picked),
         "t": packed(result.t[picked].astype("<f8")),
-        "data": packed(columns),
+        "data": packed(_single(data.T)),
+        "between": {name: _single_values(result, name, one.rows) for name, one in more.items()},
+        "peaks": {} if keys else peaks_of(result),
         "events": [list(event) for event in result.events],
         "trust": trust_of(result.trust),
         "success": result.success,
         "message": result.message,
     }
     return run if result.geometry == geometry else run | {"geometry": result.geometry}
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    """Numbers in single precision."""
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(values).astype("<f4")
+
+
+def _single_values(result: Result, name: str, rows: Rows) -> list[str]:
+    """Instants, as shares of the run in `TICKS`, and values of one curve at some rows."""
+    span = float(result.t[-1] - result.t[0]) or 1.0
+    at = np.rint((result.t[rows] - result.t[0]) / span * TICKS).astype("<u4")
+    return [packed(at), packed(_single(result[name][rows]))]
+
+
+def peaks_of(result: Result) -> dict[str, list[float]]:
+    """By curve its largest magnitude within the steps of the run, with the sign that the curve has there, and when."""
+    peaks = {}
+    for name, peak in result.peaks.items():
+        if name in result and math.isfinite(peak.value) and peak.value > 0.0:
+            peaks[name] = [math.copysign(peak.value, _sign_at(result, name, peak.t)), peak.t]
+    return peaks
+
+
+def _sign_at(result: Result, name: str, instant: float) -> float:
+    """Sign of a curve at an instant [s]: of the larger of the two outputs around it; positive where both are zero."""
+    k = int(np.searchsorted(result.t, instant))
+    around = result[name][max(0, k - 1) : k + 1]
+    return float(around[np.argmax(np.abs(around))]) if np.isfinite(around).all() and around.any() else 1.0
 
 
 def trust_of(trust: Trust) -> dict[str, Any]:

@@ -20,7 +20,6 @@ ONE = 7  # values of a single parameter
 TWO = 4  # values of each of two, all combinations
 EACH = 3  # values of each of more, one at a time
 MOST = 40  # runs of a page
-INSTANTS = 401  # of a run in such a page
 
 
 def sweep_scene(
@@ -42,7 +41,7 @@ def sweep_scene(
         label = _label(m, plan)
         try:
             changed = m.set(**plan) if plan else m
-            result = changed.simulate(t_end, t_eval=_instants(m, t_end), horizon=not plan)
+            result = changed.simulate(t_end, horizon=not plan)
         except (ModelError, AssemblyError) as error:
             if not plan:
                 raise
@@ -95,14 +94,6 @@ def _values(one: Parameter, count: int) -> list[float]:
     assert one.minimum is not None
     assert one.maximum is not None
     return [float(x) for x in np.linspace(one.minimum, one.maximum, count)]
-
-
-def _instants(m: Mechanism, t_end: float | None) -> np.ndarray:
-    """Output times of a run [s]."""
-    settings = m.model.settings
-    end = settings.t_end if t_end is None else t_end
-    interval = settings.output or end / 1000
-    return np.linspace(0.0, end, min(INSTANTS, max(2, round(end / interval) + 1)))
 
 
 def _label(m: Mechanism, plan: Mapping[str, Any]) -> str:

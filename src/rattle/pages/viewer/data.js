@@ -2,6 +2,7 @@
 
 import { derivedRules } from "./derived.js";
 
+const TICKS = 2 ** 32 - 1; // parts of a run in which the instants of single values are counted
 const GROUND = { x: 0, y: 0, angle: 0, cos: 1, sin: 0 };
 
 function bytesOf(text) {
@@ -20,8 +21,21 @@ export function unpack(run) {
     columns[name] = data.subarray(k * run.n, (k + 1) * run.n);
     units[name] = run.units[k];
   });
-  const { data: _, ...rest } = run;
-  return { ...rest, t, columns, units };
+  const { data: _, ...rest } = run, span = (t[run.n - 1] - t[0]) / TICKS;
+  const between = Object.fromEntries(Object.entries(run.between ?? {}).map(([name, [at, y]]) =>
+    [name, { t: Float64Array.from(new Uint32Array(bytesOf(at)), (k) => t[0] + k * span), y: new Float32Array(bytesOf(y)) }]));
+  return { ...rest, t, columns, units, between };
+}
+
+// The last k with t[k] <= time, of increasing t.
+export function before(t, time) {
+  let low = 0, high = t.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (t[middle] <= time) low = middle;
+    else high = middle;
+  }
+  return time >= t[high] ? high : low;
 }
 
 export const EVENT = ["t", "joint", "kind", "speed", "duration", "force", "impulse", "lost"];
@@ -39,6 +53,7 @@ export class Motion {
     this.rules = derivedRules(this.geometry, new Set(stored));
     this.names = [...stored, ...this.rules.keys()];
     this.made = new Map();
+    this.lines = new Map();
     this.events = (this.run.events ?? []).map((one) =>
       Array.isArray(one) ? Object.fromEntries(EVENT.map((key, k) => [key, one[k]])) : one);
   }
@@ -68,19 +83,43 @@ export class Motion {
     return this.made.get(name);
   }
 
+  // All that is known of a curve, {t, y}: the instants that it shares with the others, and its own between them.
+  line(name) {
+    const own = this.run.between?.[name], y = this.curve(name), { t } = this;
+    if (!own) return { t, y };
+    if (!this.lines.has(name)) {
+      const n = t.length + own.t.length, line = { t: new Float64Array(n), y: new Float64Array(n) };
+      for (let i = 0, k = 0; i + k < n;) {
+        const shared = k === own.t.length || (i < t.length && t[i] <= own.t[k]), m = i + k;
+        line.t[m] = shared ? t[i] : own.t[k];
+        line.y[m] = shared ? y[i++] : own.y[k++];
+      }
+      this.lines.set(name, line);
+    }
+    return this.lines.get(name);
+  }
+
+  // The largest magnitude of a curve within the steps of the run, {t, y}; null where it was not looked for.
+  peak(name) {
+    const [y, t] = this.run.peaks?.[name] ?? [];
+    return Number.isFinite(y) && t >= this.start && t <= this.end ? { t, y } : null;
+  }
+
+  // Contacts too short to be seen between two outputs, of a curve of normal forces: the force that each reaches, {t, y}.
+  bursts(name) {
+    if (!name.endsWith(".normal")) return [];
+    const joint = name.slice(0, -".normal".length), interval = 2 * this.span / Math.max(1, this.n - 1);
+    return this.events.filter((event) => event.joint === joint && event.kind === "contact" && event.force > 0 && event.duration < interval)
+      .map((event) => ({ t: event.t + 0.5 * event.duration, y: event.force }));
+  }
+
   // The row k at or before a time, and how far from there to the next row, 0 to 1.
   row(time) {
     const { t, n } = this;
     if (!(time > t[0])) return { k: 0, f: 0 };
     if (time >= t[n - 1]) return { k: n - 1, f: 0 };
-    let low = 0, high = n - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (t[middle] <= time) low = middle;
-      else high = middle;
-    }
-    const f = (time - t[low]) / (t[high] - t[low]);
-    return f < 1e-9 ? { k: low, f: 0 } : { k: low, f };
+    const k = before(t, time), f = (time - t[k]) / (t[k + 1] - t[k]);
+    return f < 1e-9 ? { k, f: 0 } : { k, f };
   }
 
   // A curve at a time, linear between rows.
@@ -89,10 +128,16 @@ export class Motion {
     return row.f === 0 ? y[row.k] : y[row.k] + row.f * (y[row.k + 1] - y[row.k]);
   }
 
-  // Largest magnitude of a curve, without what is not a number.
+  // A curve at a time, linear between all of its values.
+  at(name, time) {
+    const { t, y } = this.line(name), k = before(t, time), next = Math.min(t.length - 1, k + 1);
+    return next === k || !(time > t[k]) ? y[k] : y[k] + ((time - t[k]) / (t[next] - t[k])) * (y[next] - y[k]);
+  }
+
+  // Largest magnitude of a curve, within the steps where it is known, without what is not a number.
   largest(name) {
-    let most = 0;
-    for (const value of this.curve(name)) if (Number.isFinite(value) && Math.abs(value) > most) most = Math.abs(value);
+    let most = Math.abs(this.peak(name)?.y ?? 0);
+    for (const value of this.line(name).y) if (Number.isFinite(value) && Math.abs(value) > most) most = Math.abs(value);
     return most;
   }
 

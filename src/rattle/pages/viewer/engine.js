@@ -9,6 +9,7 @@ import {
 } from "./audit.js";
 import { interpolate, prepareDense, stepDop853, stepRk4 } from "./dop853.js";
 import { agreement } from "./horizon.js";
+import { Peaks } from "./peaks.js";
 import { endOnSwitch, nextInstant, release, slides, takeSides, turnSwitch } from "./switches.js";
 
 const OK = 0, AGAIN = 1, STOP = 2;
@@ -103,7 +104,7 @@ function newState(module, settings, p, y) {
   const ns = switches.length;
   Object.assign(s, {
     ns, sides: s.input.subarray(1 + ny, 1 + ny + ns), over: array(ns), values: array(ns), scratch: arrays(1)[0],
-    instants: [], crossed: false, goOn: 0, again: 0, lastTurn: -Infinity, endless: "",
+    peaks: new Peaks(module.names.slice(1), module.units.slice(1)), instants: [], crossed: false, goOn: 0, again: 0, lastTurn: -Infinity, endless: "",
   });
   addFunctions(s);
   return s;
@@ -326,13 +327,19 @@ function startNext(s, tNew) {
   s.shortest = Math.min(s.shortest, tNew - s.t);
   s.t = tNew;
   s.steps++;
+  look(s, tNew, s.y);
   if (!at) return;
   if (s.method === "rk4") s.h = equalStep(s, tNew);
   while (s.written < s.times.length && s.times[s.written] <= tNew + SAME * s.tEnd) record(s, tNew, s.y);
 }
 
-function record(s, t, y) {
+function look(s, t, y) {
   s.functions.outputs(s.at(t, y), s.row);
+  s.peaks.add(t, s.row);
+}
+
+function record(s, t, y) {
+  look(s, t, y);
   const n = s.times.length, k = s.written++;
   for (let c = 0; c < s.no; c++) s.data[c * n + k] = s.row[c];
 }
@@ -354,7 +361,7 @@ export function endRun(s, reach = null) {
   const parameters = Object.fromEntries(module.sliders.map((one, k) => [one.name, s.p[k]]));
   return {
     label: "", parameters, names: module.names.slice(1), units, t: times.subarray(0, n), columns,
-    geometry: module.geometry(s.p), events: [], trust: trustOf(s, reach), success: !s.message, message: s.message,
+    peaks: s.peaks.found(), geometry: module.geometry(s.p), events: [], trust: trustOf(s, reach), success: !s.message, message: s.message,
     stats: { steps: s.steps, rejected: s.rejected, milliseconds: now() - s.began, method: s.method, rtol: s.rtol,
       step: settings.step },
   };

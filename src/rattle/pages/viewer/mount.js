@@ -28,8 +28,10 @@ function appOf(viewer) {
     set: (name, value) => viewer.turnKnob(name, value),
     curve(name) {
       const { motion } = viewer;
-      if (!motion) return { t: [], y: [], unit: "" };
-      return { t: Array.from(motion.t), y: Array.from(motion.curve(name)), unit: motion.unit(name) };
+      if (!motion) return { t: [], y: [], unit: "", peak: null, line: { t: [], y: [] } };
+      const { t, y } = motion.line(name);
+      return { t: Array.from(motion.t), y: Array.from(motion.curve(name)), unit: motion.unit(name), peak: motion.peak(name),
+        line: { t: Array.from(t), y: Array.from(y) } };
     },
     get time() { return viewer.clock.time; },
     get playing() { return viewer.clock.playing; },

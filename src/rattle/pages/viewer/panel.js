@@ -1,12 +1,15 @@
 // One panel of curves of one unit: axes, lines, cursor, and what stands under the mouse.
 
 import { mix } from "./colours.js";
+import { before } from "./data.js";
 import { make, say } from "./dom.js";
 import { gestures } from "./gestures.js";
 import { FONT, sized } from "./painter.js";
 import { handyUnit, QUANTITY, steady, ticks, timeText } from "./units.js";
 
 const LEFT = 58, RIGHT = 12, TOP = 10, BOTTOM = 24; // pixels around the lines
+// Single values of a line that lie between its instants: its largest, and contacts too short to be seen.
+const marksOf = ({ motion, name }) => [motion.peak(name), ...motion.bursts(name)].filter(Boolean);
 const AFTER = "after the horizon: statistics only";
 
 export class Panel {
@@ -117,18 +120,24 @@ export class Panel {
   // Lowest and highest value within the window of time.
   range(from, to) {
     let low = Infinity, high = -Infinity;
-    for (const { name, motion } of this.lines) {
-      const y = motion.curve(name), first = motion.row(from).k, last = Math.min(motion.n - 1, motion.row(to).k + 1);
-      for (let k = first; k <= last; k++) {
-        if (y[k] < low) low = y[k];
-        if (y[k] > high) high = y[k];
-      }
+    const reach = (value) => {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    };
+    for (const line of this.lines) {
+      const { t, y } = line.motion.line(line.name), last = Math.min(t.length - 1, before(t, to) + 1);
+      for (let k = before(t, from); k <= last; k++) reach(y[k]);
+      for (const { y: value } of this.within(marksOf(line), from, to)) reach(value);
     }
     if (!Number.isFinite(low + high)) [low, high] = [0, 1];
     const size = Math.max(Math.abs(low), Math.abs(high)), constant = high - low < 1e-6 * size || size === 0; // but for rounding
     const air = constant ? 0.5 * size || 1 / this.handy.factor : 0.06 * (high - low);
     this.low = this.handy.factor * (low - air);
     this.high = this.handy.factor * (high + air);
+  }
+
+  within(marks, from, to) {
+    return marks.filter(({ t }) => t >= from && t <= to);
   }
 
   static(theme, from, to) {
@@ -174,6 +183,7 @@ export class Panel {
     c.clip();
     for (const line of [...this.lines].reverse()) this.stroke(c, theme, line, from, to);
     c.restore();
+    for (const line of this.lines) this.summit(c, line, from, to);
   }
 
   shade(c, theme, from, to) {
@@ -199,8 +209,8 @@ export class Panel {
 
   // A line; where there are more rows than pixels, lowest and highest of each pixel.
   stroke(c, theme, line, from, to) {
-    const { motion } = line, y = motion.curve(line.name), { factor } = this.handy;
-    const first = Math.max(0, motion.row(from).k - 1), last = Math.min(motion.n - 1, motion.row(to).k + 2);
+    const { motion, name } = line, { t, y } = motion.line(name), { factor } = this.handy;
+    const first = Math.max(0, before(t, from) - 1), last = Math.min(t.length - 1, before(t, to) + 2);
     const colour = theme.curve(line.colour);
     c.strokeStyle = line.dash ? mix(colour, theme.ink, 0.5) : colour;
     line.swatch.style.color = c.strokeStyle;
@@ -208,30 +218,47 @@ export class Panel {
     c.globalAlpha = line.dash ? 0.85 : 1;
     c.setLineDash(line.dash ?? []);
     c.beginPath();
-    if (last - first > 4 * this.room) this.envelope(c, motion, y, factor, first, last);
+    if (last - first > 4 * this.room) this.envelope(c, t, y, factor, first, last);
     else {
       let down = false;
       for (let k = first; k <= last; k++) {
-        const X = this.X(motion.t[k]), Y = this.Y(factor * y[k]);
+        const X = this.X(t[k]), Y = this.Y(factor * y[k]);
         if (!Number.isFinite(Y)) { down = false; continue; }
         if (down) c.lineTo(X, Y);
         else c.moveTo(X, Y);
         down = true;
       }
     }
+    for (const burst of this.within(motion.bursts(name), from, to)) {
+      c.moveTo(this.X(burst.t), this.Y(0));
+      c.lineTo(this.X(burst.t), this.Y(factor * burst.y));
+    }
     c.stroke();
     c.setLineDash([]);
     c.globalAlpha = 1;
   }
 
-  envelope(c, motion, y, factor, first, last) {
+  // A triangle that points at the largest value of a curve within the steps of its run.
+  summit(c, line, from, to) {
+    const peak = line.motion.peak(line.name);
+    if (line.dash || !peak || peak.t < from || peak.t > to) return;
+    const x = this.X(peak.t), y = this.Y(this.handy.factor * peak.y), way = peak.y < 0 ? 1 : -1;
+    c.fillStyle = line.swatch.style.color;
+    c.beginPath();
+    c.moveTo(x, y);
+    c.lineTo(x - 4.5, y + 8 * way);
+    c.lineTo(x + 4.5, y + 8 * way);
+    c.fill();
+  }
+
+  envelope(c, t, y, factor, first, last) {
     let pixel = null, low = 0, high = 0;
     const put = () => {
       c.lineTo(pixel, this.Y(factor * low));
       c.lineTo(pixel, this.Y(factor * high));
     };
     for (let k = first; k <= last; k++) {
-      const x = Math.round(this.X(motion.t[k]));
+      const x = Math.round(this.X(t[k]));
       if (!Number.isFinite(y[k])) continue;
       if (x !== pixel) {
         if (pixel !== null) put();
@@ -252,9 +279,9 @@ export class Panel {
     if (x >= LEFT - 0.5 && x <= this.width - RIGHT + 0.5) {
       c.fillStyle = theme.ink;
       c.fillRect(x - 0.6, TOP - 4, 1.2, bottom - TOP + 4);
-      for (const line of this.lines) this.dot(c, theme, line, x, line.motion.value(line.name, time));
+      for (const line of this.lines) this.dot(c, theme, line, x, line.motion.at(line.name, time));
     }
-    for (const line of this.lines) if (line.value) say(line.value, this.text(factor * line.motion.value(line.name, time)));
+    for (const line of this.lines) if (line.value) say(line.value, this.text(factor * line.motion.at(line.name, time)));
     if (this.over !== null && this.over !== undefined) this.hover(c, theme, bottom);
   }
 
@@ -274,10 +301,10 @@ export class Panel {
     const x = Math.max(LEFT, Math.min(this.width - RIGHT, this.over)), t = this.timeAt(x);
     c.fillStyle = theme.grey;
     c.fillRect(x - 0.5, TOP, 1, bottom - TOP);
-    for (const line of this.lines) this.dot(c, theme, line, x, line.motion.value(line.name, t));
+    for (const line of this.lines) this.dot(c, theme, line, x, line.motion.at(line.name, t));
     const near = this.curves.motion.events.filter((one) => Math.abs(this.X(one.t) - x) < 4).slice(0, 3);
     const rows = [`t = ${timeText(this.curves.span)(t)} s`,
-      ...this.lines.map((one) => `${one.name}${one.label ? `, ${one.label}` : ""} = ${this.text(this.handy.factor * one.motion.value(one.name, t)).trim()} ${this.handy.unit}`),
+      ...this.lines.map((one) => `${one.name}${one.label ? `, ${one.label}` : ""} = ${this.text(this.handy.factor * one.motion.at(one.name, t)).trim()} ${this.handy.unit}`),
       ...near.map((one) => `${one.joint}: ${one.kind}`)];
     say(this.tip, rows.join("\n"));
     this.tip.hidden = false;
