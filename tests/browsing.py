@@ -26,6 +26,24 @@ def keep_picture(page, name):
     page.screenshot(path=PICTURES / f"{name}.png")
 
 
+DRAWN = "(n) => new Promise((done) => { const next = () => (n-- > 0 ? requestAnimationFrame(next) : done()); next(); })"
+
+
+def frames(page, count=3):
+    """Wait for so many pictures of the page: what was asked for before has been drawn after the second."""
+    page.evaluate(DRAWN, count)
+
+
+def becomes(page, condition, argument=None):
+    """Wait until a condition in JavaScript holds."""
+    page.wait_for_function(condition, arg=argument)
+
+
+def shows(locator, state="visible"):
+    """Wait until an element is there, or with another state until it is not."""
+    locator.wait_for(state=state)
+
+
 @pytest.fixture(scope="session")
 def browser():
     """Chromium, once for all tests; without it they are skipped."""

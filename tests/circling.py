@@ -14,7 +14,7 @@ C, OMEGA, STEADY, SWING = 0.005, 20 * np.pi, 100.0, 200.0
 T_END = 0.2  # two rounds
 
 
-def circling(n: int = 401, horizon: float | None = 0.15, clearance: float = C) -> Result:
+def circling(n: int = 401, horizon: float | None = 0.15, clearance: float = C, pulls: bool = True) -> Result:
     t = np.linspace(0, T_END, n)
     a = OMEGA * t
     normal = STEADY + SWING * np.cos(a)
@@ -54,9 +54,9 @@ def circling(n: int = 401, horizon: float | None = 0.15, clearance: float = C) -
             energy_balance=2e-9,
             t_end=T_END,
             horizon=horizon,
-            pulled={"O": 2 / 3 * 0.5},
-            first_pull={"O": float(leave)},
-            intervals={"O": pulled},
+            pulled={"O": 2 / 3 * 0.5} if pulls else {},
+            first_pull={"O": float(leave)} if pulls else {},
+            intervals={"O": pulled} if pulls else {},
         ),
         stats={"steps": 12, "smallest": np.float64(1e-5)},
         provenance={"model": "circling"},

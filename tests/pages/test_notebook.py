@@ -130,7 +130,7 @@ def opened(open_page, tmp_path, widget):
     path = tmp_path / "notebook.html"
     path.write_text(host(widget), encoding="utf-8")
     page = open_page(path.as_uri())
-    page.wait_for_function("window.app && window.app.names.length > 5", timeout=20000)
+    page.wait_for_function("window.app && window.app.names.length > 5", timeout=60000)
     return page
 
 

@@ -3,6 +3,7 @@
 import pytest
 
 import rattle as rt
+from browsing import frames
 from rattle.pages.replay import replay
 
 
@@ -19,5 +20,5 @@ def test_every_example_has_a_page(open_page, name, tmp_path):
     for tab in page.get_by_role("tab").all():
         if tab.is_visible():
             tab.click()
-    page.wait_for_timeout(100)
+    frames(page)
     assert path.stat().st_size < 2_000_000

@@ -18,7 +18,6 @@ export function layout(host, scene) {
   const theme = button("moon", "Dark or light (D)", () => host.turnTheme());
   const help = button("?", "Help (?)", () => host.help(true), { class: "round" });
   const trust = make("div", { class: "trust", role: "status", "aria-live": "polite" });
-  const notes = make("ul", { class: "notes quiet" });
   const canvas = make("canvas", { class: "mechanism", role: "img", "aria-label": `${scene.title ?? "Mechanism"}, to scale` });
   const tools = make("div", { class: "tools", role: "toolbar", "aria-label": "What is shown" });
   const insets = make("div", { class: "insets" });
@@ -32,7 +31,7 @@ export function layout(host, scene) {
   const side = make("section", { class: "side", "aria-label": "Curves and orbits" }, runs, knobs, tabs, sheets);
   const header = make("header", {}, title, make("span", { class: "grow" }), theme, help);
   const main = make("main", {}, stage, side);
-  return { title, theme, header, trust, notes, canvas, tools, insets, busy, late, stage, knobs, runs, tabs, sheets, side, main,
+  return { title, theme, header, trust, canvas, tools, insets, busy, late, stage, knobs, runs, tabs, sheets, side, main,
     help: helpSheet(host) };
 }
 
@@ -48,17 +47,25 @@ function helpSheet(host) {
   return sheet;
 }
 
-// What a page says about how far a run can be trusted; a run that stopped says why, first.
-export function sayTrust(element, notes, motion, remarks) {
+// How far a run can be trusted, in one word that opens; a run that stopped says why at once.
+// lines: false where the page was asked to show no more than the word.
+export function sayTrust(element, motion, remarks, lines) {
   const { run, trust } = motion, pulled = Object.values(trust.pulled ?? {}).some((share) => share > 0);
   const level = run.success === false ? "bad" : pulled || motion.horizon !== null ? "mind" : "good";
-  const words = { bad: "Stopped", mind: "With limits", good: "Trust" }[level];
-  const lines = [...(run.success === false ? [`The run stopped: ${run.message || "no reason was given"}`] : []), ...(trust.text ?? [])];
+  const word = { bad: "Stopped", mind: "With limits", good: "Trusted" }[level];
+  const stopped = run.success === false ? [make("p", {}, `The run stopped: ${run.message || "no reason was given"}`)] : [];
+  const badge = make("span", { class: "badge" }, word);
   element.className = `trust ${level}`;
-  element.replaceChildren(make("span", { class: "badge" }, words), make("div", { class: "lines" }, ...lines.map((line) => make("p", {}, line))));
-  notes.replaceChildren(...remarks.map((line) => make("li", {}, line)));
-  notes.hidden = !remarks.length;
+  if (lines === false) return void element.replaceChildren(badge, ...stopped);
+  const open = element.querySelector("details")?.open ?? (level === "mind" && !isShort());
+  const count = remarks.length ? ` · ${remarks.length} note${remarks.length > 1 ? "s" : ""}` : "";
+  element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `why?${count}`)),
+    make("div", { class: "lines" }, ...(trust.text ?? []).map((line) => make("p", {}, line)),
+      make("ul", { class: "notes" }, ...remarks.map((line) => make("li", {}, line))))), ...stopped);
 }
+
+// whether a screen is so low that every line counts, as that of a phone that lies
+const isShort = () => Boolean(globalThis.matchMedia?.("(max-height: 520px)").matches);
 
 // Tabs with their sheets: {tab(name, text, sheet), choose(name), current}; arrows move between them.
 export function tabbed(tabs, sheets, changed) {

@@ -5,9 +5,9 @@ import { before } from "./data.js";
 import { make, say } from "./dom.js";
 import { gestures } from "./gestures.js";
 import { FONT, sized } from "./painter.js";
-import { handyUnit, QUANTITY, steady, ticks, timeText } from "./units.js";
+import { axisTicks, handyUnit, QUANTITY, steady, timeText } from "./units.js";
 
-const LEFT = 58, RIGHT = 12, TOP = 10, BOTTOM = 24; // pixels around the lines
+const LEFT = 58, RIGHT = 12, TOP = 10, BOTTOM = 24, LAST = 48; // pixels around the lines, and from the last label to the edge
 // Single values of a line that lie between its instants: its largest, and contacts too short to be seen.
 const marksOf = ({ motion, name }) => [motion.peak(name), ...motion.bursts(name)].filter(Boolean);
 const AFTER = "after the horizon: statistics only";
@@ -146,7 +146,10 @@ export class Panel {
     if (horizon !== null && horizon < to) this.shade(c, theme, Math.max(horizon, from), to);
     c.font = `11px ${FONT}`;
     c.lineWidth = 1;
-    const wide = ticks(from, to, Math.max(2, Math.floor(this.room / 62))), tall = ticks(this.low, this.high, Math.max(2, Math.floor(bottom / 38)));
+    const written = this.width - LAST; // further right stands the unit of time
+    const wide = axisTicks(from, this.timeAt(written), Math.max(2, Math.floor(this.room / 62)));
+    const tall = axisTicks(this.low, this.high, Math.max(2, Math.floor((bottom - TOP) / 38)));
+    this.labels = { across: wide.values.map(wide.text), up: tall.values.map(tall.text) };
     c.strokeStyle = theme.lines;
     c.fillStyle = theme.grey;
     c.beginPath();
@@ -164,7 +167,7 @@ export class Panel {
       const x = Math.round(this.X(value)) + 0.5;
       c.moveTo(x, bottom);
       c.lineTo(x, bottom + 4);
-      if (x < this.width - 48) c.fillText(wide.text(value), x, bottom + 16);
+      c.fillText(wide.text(value), x, bottom + 16);
     }
     c.stroke();
     c.textAlign = "right";

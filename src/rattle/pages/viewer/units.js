@@ -1,6 +1,7 @@
 // Numbers for people: handy units as in the Python plots, ticks, and texts whose width does not jump.
 
 const DEGREES = 180 / Math.PI;
+const FINER = 8; // steps by which an axis without two labels is divided more finely, enough for any range
 const TURNED = { rad: "deg", "rad/s": "deg/s", "rad/s^2": "deg/s²" };
 const PREFIXED = { N: 2e4, W: 2e4, J: 2e4, "N*m": 2e4, Pa: 1e4 }; // from where on thousands are written with a prefix
 export const QUANTITY = {
@@ -83,6 +84,13 @@ export function ticks(low, high, count) {
   }
   const large = Math.max(Math.abs(low), Math.abs(high)) >= 1e6 || decimals > 6;
   return { values, step, text: (value) => (large ? short(value, 4) : minus(value.toFixed(decimals))) };
+}
+
+// The same for an axis: at least two values, so that it has a scale.
+export function axisTicks(low, high, count) {
+  let found = ticks(low, high, count);
+  for (let more = count + 1; found.values.length < 2 && more <= count + FINER; more++) found = ticks(low, high, more);
+  return found;
 }
 
 // How times of a motion are written: as many digits for a short one as it needs.

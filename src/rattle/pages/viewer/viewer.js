@@ -47,12 +47,12 @@ export class Viewer {
     this.eventSheet = make("div", { class: "sheet" });
     this.tabs = tabbed(parts.tabs, parts.sheets, () => this.invalidate());
     this.tabs.add("curves", "Curves", make("div", { class: "sheet curves" },
-      make("div", { class: "bar" }, this.chooser.toggle, make("span", { class: "quiet hint" }, "click: go to a time, drag or wheel: zoom")), this.chooser.element, panels));
+      make("div", { class: "bar" }, this.chooser.toggle, make("span", { class: "quiet hint" }, "click: go to a time, drag or wheel: zoom; ▼ largest value")), this.chooser.element, panels));
     this.tabs.add("orbits", "Orbits", this.orbitSheet);
     this.tabs.add("events", "Events", this.eventSheet);
     this.tabs.choose("curves");
     this.frame = make("div", { class: `frame${this.host.page ? " page" : this.host.inside ? " inside" : ""}`, tabindex: 0, role: "region", "aria-label": this.scene.title ?? "Mechanism" },
-      parts.header, parts.trust, parts.notes, parts.main, this.player.element, parts.help);
+      parts.header, parts.trust, parts.main, this.player.element, parts.help);
     this.shadow.append(make("style", {}, viewerStyle), this.frame);
   }
 
@@ -137,7 +137,7 @@ export class Viewer {
 
   sayTrust() {
     this.motion.trust = this.motion.run.trust ?? this.motion.trust;
-    sayTrust(this.parts.trust, this.parts.notes, this.motion, this.scene.notes ?? []);
+    sayTrust(this.parts.trust, this.motion, this.scene.notes ?? [], this.scene.show?.trust);
     this.invalidate();
   }
 
