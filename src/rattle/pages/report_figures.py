@@ -12,6 +12,7 @@ from rattle.pages.report_study import TURNS, Study, motion_of
 from rattle.plots import curves as style
 from rattle.plots.figure import Page
 from rattle.plots.orbit import clearance_joints
+from rattle.results.within_steps import largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,9 +46,10 @@ def panels(s: Study, names: list[str], *, labels: dict[str, str] | None = None) 
 
 def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
     values = [run[name], *([ideal[name]] if ideal is not None and name in ideal else [])]
-    factor, unit = style.handy_unit(run.unit(name), float(np.nanmax(np.abs(values[0]), initial=0.0)))
+    factor, unit = style.handy_unit(run.unit(name), largest(run, name))
     ax.plot(run.t, factor * values[0], color=style.BLUE, linewidth=0.9, label=PLAY)
-    if ideal is not None and len(values) > 1:
+    values.append(style.mark_largest(ax, run, name, style.BLUE, factor))
+    if ideal is not None and name in ideal:
         ax.plot(
             ideal.t, factor * values[1], color=style.BLACK, linewidth=1.1, linestyle=(0, (4, 2)), label=IDEAL
         )  # fmt: skip

@@ -16,6 +16,7 @@ from rattle.pages.thinning import Between, Rows, between, shared_rows
 from rattle.plots.scene import BODIES
 from rattle.results.result import Result
 from rattle.results.trust import HOW, Trust
+from rattle.results.within_steps import summit
 from rattle.version import __version__
 
 FORMAT = "rattle-scene 1"
@@ -132,7 +133,7 @@ def run_of(
         "t": packed(result.t[picked].astype("<f8")),
         "data": packed(_single(data.T)),
         "between": {name: _single_values(result, name, one.rows) for name, one in more.items()},
-        "peaks": {} if keys else peaks_of(result),
+        "peaks": {name: [top.y, top.t] for name in result.peaks if not keys and (top := summit(result, name))},
         "events": [list(event) for event in result.events],
         "trust": trust_of(result.trust),
         "success": result.success,
@@ -152,22 +153,6 @@ def _single_values(result: Result, name: str, rows: Rows) -> list[str]:
     span = float(result.t[-1] - result.t[0]) or 1.0
     at = np.rint((result.t[rows] - result.t[0]) / span * TICKS).astype("<u4")
     return [packed(at), packed(_single(result[name][rows]))]
-
-
-def peaks_of(result: Result) -> dict[str, list[float]]:
-    """By curve its largest magnitude within the steps of the run, with the sign that the curve has there, and when."""
-    peaks = {}
-    for name, peak in result.peaks.items():
-        if name in result and math.isfinite(peak.value) and peak.value > 0.0:
-            peaks[name] = [math.copysign(peak.value, _sign_at(result, name, peak.t)), peak.t]
-    return peaks
-
-
-def _sign_at(result: Result, name: str, instant: float) -> float:
-    """Sign of a curve at an instant [s]: of the larger of the two outputs around it; positive where both are zero."""
-    k = int(np.searchsorted(result.t, instant))
-    around = result[name][max(0, k - 1) : k + 1]
-    return float(around[np.argmax(np.abs(around))]) if np.isfinite(around).all() and around.any() else 1.0
 
 
 def trust_of(trust: Trust) -> dict[str, Any]:

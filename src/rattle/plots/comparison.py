@@ -26,6 +26,7 @@ from rattle.plots.curves import (
 )
 from rattle.plots.orbit import length_unit, mark_impacts, mark_pulling, pin_path  # fmt: skip
 from rattle.results.contact_summary import pressing_spans
+from rattle.results.within_steps import bursts
 from rattle.studies.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, OILED, Comparison, newton
 
 if TYPE_CHECKING:
@@ -141,12 +142,9 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     if ideal is not None:
         ax.plot(scale * ideal.t, ideal[f"{joint}.force"], color=BLACK, linewidth=2.0, alpha=0.3)
     ax.plot(scale * r.t, normal, color=COLOURS[model], linewidth=0.9)
-    interval = float(r.t[1] - r.t[0])
-    lasting = [event for event in r.events if event.joint == joint and event.kind == "contact"]
-    short = [event for event in lasting if event.duration < 2.0 * interval]
-    if short:  # contacts too short to be seen between two outputs; longer ones are seen in the curve itself
-        at = [scale * (event.t + 0.5 * event.duration) for event in short]
-        ax.vlines(at, 0.0, [event.peak_force for event in short], color=COLOURS[model], linewidth=0.7)
+    if short := bursts(r, f"{joint}.normal"):  # longer contacts are seen in the curve itself
+        at = [scale * one.t for one in short]
+        ax.vlines(at, 0.0, [one.y for one in short], color=COLOURS[model], linewidth=0.7)
     if model == OILED:
         largest, when = r.peak(f"{joint}.force")
     else:

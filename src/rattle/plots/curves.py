@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.results.display import scale
+from rattle.results.within_steps import bursts, largest, summit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,6 +77,7 @@ def plot(
     """Curves over time [s]: one panel per unit, one time axis; the time after the horizon is shaded.
 
     Angles are drawn in degrees, lengths in m, mm or µm according to their size; with `ax` everything stays in SI.
+    A triangle is the largest magnitude within the steps of the run, a thin line a contact between two outputs.
     over: a curve for the horizontal axis instead of time, such as "crank.angle".
     compare: further results as (label, result); their curves of the same names are dashed.
     robust: leave rare spikes out of the range of the axis (a note says how far they reach).
@@ -95,12 +97,15 @@ def plot(
     across, along = _across(result, over)
     for panel, (unit, curves) in zip(axes, panels.items(), strict=True):
         every = [r[name] for _, r in [("", result), *others] for name in curves if name in r]
-        largest = max((float(np.nanmax(np.abs(one), initial=0.0)) for one in every), default=0.0)
-        factor, shown = (1.0, unit) if ax is not None else handy_unit(unit, largest)
+        size = max((largest(r, name) for _, r in [("", result), *others] for name in curves if name in r), default=0.0)
+        factor, shown = (1.0, unit) if ax is not None else handy_unit(unit, size)
         panel_of(panel, result, curves, others, lambda r, name: (across(r), r[name]), factor)
+        tops = [
+            mark_largest(panel, result, name, CURVES[k % len(CURVES)], factor, across) for k, name in enumerate(curves)
+        ]
         panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
         if robust:
-            robust_limits(panel, [factor * one for one in every])
+            robust_limits(panel, [factor * one for one in [*every, *tops]])
     for panel in axes:
         panel.margins(x=0.0)
         if over is None:
@@ -124,6 +129,27 @@ def _across(result: Result, over: str | None) -> tuple[Across, str]:
         return (lambda r: r.t), "time [s]"
     factor, unit = handy_unit(result.unit(over), float(np.nanmax(np.abs(result[over]), initial=0.0)))
     return (lambda r: factor * r[over]), axis_label(over, unit)
+
+
+def mark_largest(
+    ax: Axes, result: Result, name: str, colour: str, factor: float, across: Across | None = None
+) -> Array:
+    """A triangle at the largest magnitude of a curve within the steps, lines where contacts are too short to be seen.
+
+    factor: on the values.  across: the horizontal axis (default: time [s]).  Returns the values that are marked [SI].
+    """
+    place = across(result) if across is not None else result.t
+    top, short = summit(result, name), bursts(result, name)
+    if short:
+        x = np.interp([one.t for one in short], result.t, place)
+        ax.vlines(x, 0.0, [factor * one.y for one in short], color=colour, linewidth=0.7)
+    if top is not None:
+        shape = "v" if top.y > 0.0 else "^"
+        x = np.interp([top.t], result.t, place)
+        (mark,) = ax.plot(x, [factor * top.y], shape, color=colour, markersize=5, zorder=5, clip_on=False)
+        mark.set_label(f"_largest magnitude of {name}")
+        mark.set_gid(f"largest {name}")
+    return np.array([one.y for one in (top, *short) if one is not None])
 
 
 def title_of(ax: Axes, result: Result) -> None:

@@ -26,6 +26,7 @@ from rattle.plots.curves import (
     shade_after_horizon,
 )
 from rattle.plots.oil_orbit import draw_oil_orbit
+from rattle.results.within_steps import largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -142,7 +143,7 @@ def _coloured_by_force(
     ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=0.8, zorder=0))
     ax.plot([0], [0], "+", color=GREY, markersize=8)
     size = np.abs(normal)
-    top = float(np.percentile(size, 99.9)) or 1.0
+    top, most = float(np.percentile(size, 99.9)) or 1.0, largest(result, f"{joint}.normal")
     segments = np.stack([np.column_stack([x[:-1], y[:-1]]), np.column_stack([x[1:], y[1:]])], axis=1)
     strength = np.maximum(size[:-1], size[1:])
     order = np.argsort(strength, kind="stable")
@@ -151,7 +152,9 @@ def _coloured_by_force(
     lines.set_array(strength[order])
     lines.set_capstyle("round")
     ax.add_collection(lines)
-    bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if size.max() > top else "neither", shrink=0.85, pad=0.03)
+    bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if most > top else "neither", shrink=0.85, pad=0.03)
+    if most > top:
+        bar.ax.set_title(f"up to {most:.4g} N", fontsize=8, color=GREY)
     bar.set_label("magnitude of the normal force [N], largest on top")
 
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")

@@ -144,6 +144,7 @@ def _curves(block: Content, look: Look, pick: Pick) -> Any:
                 tooltips=[(one["name"] or block["title"], "@y{0.0000a}"), (block["x"], "@x{0.0000}")],
             )
         )
+        _between_outputs(plot, one, colours[-1])
     if (after := block.get("after")) is not None:
         plot.add_layout(
             BoxAnnotation(left=after, fill_color=look.soft, fill_alpha=0.13, line_color=None, level="underlay")
@@ -158,6 +159,18 @@ def _curves(block: Content, look: Look, pick: Pick) -> Any:
         legend.label_text_color, legend.label_text_font_size = look.ink, "12px"
         legend.label_text_font = "system-ui"
     return _pane(plot)
+
+
+def _between_outputs(plot: Any, line: Content, colour: str) -> None:
+    """A triangle at the largest value of a curve within the steps of its run, and contacts between two outputs."""
+    if short := line.get("short"):
+        x, y = zip(*short, strict=True)
+        plot.segment(x0=x, y0=[0.0] * len(x), x1=x, y1=y, color=colour, line_width=1.0)
+    if top := line.get("top"):
+        shape = "inverted_triangle" if top[1] > 0.0 else "triangle"
+        mark = plot.scatter(x=[top[0]], y=[top[1]], marker=shape, size=9, color=colour, name=f"largest {line['name']}")
+        tips = [(f"largest {line['name']}, within the steps", "@y{0.0000a}"), ("at", "@x{0.0000}")]
+        plot.add_tools(HoverTool(renderers=[mark], visible=False, tooltips=tips))
 
 
 def _bars(block: Content, look: Look, pick: Pick) -> Any:

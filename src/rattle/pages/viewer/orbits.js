@@ -41,9 +41,10 @@ export class Orbits {
     const strength = oil ? motion.curve(`${name}.film_pressure`) : path.normal.map(Math.abs);
     const sizes = Array.from(strength).filter(Number.isFinite).sort((a, b) => a - b);
     const top = sizes[Math.min(sizes.length - 1, Math.floor(0.999 * sizes.length))] || 1;
-    Object.assign(tile, { form, path, oil, strength, top, factor, unit, fresh: false, stale: null });
+    const most = motion.largest(`${name}.${oil ? "film_pressure" : "normal"}`);
+    Object.assign(tile, { form, path, oil, strength, top, most, factor, unit, fresh: false, stale: null });
     tile.crank = oil ? crankOf(motion) : null;
-    tile.shown = handyUnit(oil ? "Pa" : "N", top);
+    tile.shown = handyUnit(oil ? "Pa" : "N", most);
     tile.least = Math.max(1, ...Array.from(path.x, (x, k) => Math.hypot(x, path.y[k]) / form.clearance).filter(Number.isFinite));
     tile.hits = motion.events.filter((one) => one.joint === name && one.kind === "impact" && one.impulse > 0);
     tile.lasting = motion.events.filter((one) => one.joint === name && one.kind === "contact");
@@ -53,7 +54,7 @@ export class Orbits {
     say(tile.key, keyOf(motion, tile));
     tile.texts = {
       place: steady(factor * form.clearance, 4), angle: steady(360, 4),
-      force: steady(tile.shown.factor * Math.max(...sizes.slice(-1), 0), 4),
+      force: steady(tile.shown.factor * most, 4),
     };
   }
 
@@ -147,5 +148,16 @@ function drawBar(p, tile, side, height) {
   const scale = ticks(0, factor * tile.top, 4);
   for (const value of scale.values) context.fillText(scale.text(value), x + 17, top + tall * (1 - value / (factor * tile.top)));
   context.textBaseline = "alphabetic";
-  context.fillText(`${tile.oil ? "p" : "|N|"} [${unit}]`, x - 4, top - 12);
+  if (tile.most > tile.top) overBar(context, x, top, `up to ${short(factor * tile.most, 4)}`);
+  context.fillText(`${tile.oil ? "p" : "|N|"} [${unit}]`, x - 4, top - 30);
+}
+
+// An arrow on top of the bar, where colours end before the largest value does, and that value.
+function overBar(context, x, top, text) {
+  context.beginPath();
+  context.moveTo(x + 6, top - 10);
+  context.lineTo(x, top - 1);
+  context.lineTo(x + 12, top - 1);
+  context.fill();
+  context.fillText(text, x - 4, top - 14);
 }

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from rattle.plots.curves import QUANTITY, axis_label, handy_unit
 from rattle.results.result import Result
+from rattle.results.within_steps import bursts, largest, summit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,18 +66,25 @@ def of_result(
     title: str, result: Result, names: Sequence[str], labels: Mapping[str, str] | None = None
 ) -> Block | None:
     """Curves of a result over time, those with the largest values first, in one handy unit; None without curves."""
-    sized = [(float(np.abs(result[name]).max(initial=0.0)), name) for name in names]
+    sized = [(largest(result, name), name) for name in names]
     if not sized or not len(result.t):
         return None
     kept = [name for _, name in sorted(sized, key=lambda one: -one[0])[:MOST_LINES]]
     kept.sort(key=list(names).index)
     unit = result.unit(kept[0])
     factor, shown = handy_unit(unit, max(size for size, _ in sized))
-    lines = [line((labels or {}).get(name, name), result.t, factor * result[name]) for name in kept]
+    lines = [_line_of(result, name, (labels or {}).get(name, name), factor) for name in kept]
     horizon = result.trust.horizon
     after = horizon if horizon is not None and horizon < result.t[-1] else None
     more = f"  ({len(names) - len(kept)} smaller ones are left out)" if len(names) > len(kept) else ""
     return curves(title + more, "time [s]", axis_label(QUANTITY.get(unit, "value"), shown), lines, after=after)
+
+
+def _line_of(result: Result, name: str, label: str, factor: float) -> Block:
+    """A curve of a result with what it reaches between two outputs: `top` (t, y), `short` contacts [(t, y)]."""
+    top = summit(result, name)
+    short = [(one.t, factor * one.y) for one in bursts(result, name)]
+    return line(label, result.t, factor * result[name], top=top and (top.t, factor * top.y), short=short)
 
 
 def bars(title: str, y: str, labels: Sequence[str], values: Sequence[float]) -> Block | None:

@@ -1,0 +1,119 @@
+"""What is drawn is what was computed: every kind of page and of picture reaches the largest value of the table."""
+
+import json
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from browsing import becomes, frames
+from rattle.pages.notebook import kernel_scene
+from rattle.pages.page import page
+from rattle.pages.replay import replay, write_page
+from rattle.pages.scene import run_of, scene_json
+from rattle.studio.jobs.blocks import of_result
+
+PIN = "B.normal"
+# what a page shows of a curve: its largest value, the range of its panel, and whether the mark is there in its colour
+SHOWN = """(name) => {
+  const curve = rattle.curve(name), panel = rattle.viewer.curves.panels.find((one) => one.names.includes(name));
+  const { low, high, handy } = panel, ys = [...curve.line.y, curve.peak.y], x = panel.X(curve.peak.t);
+  const y = panel.Y(handy.factor * curve.peak.y) + (curve.peak.y < 0 ? 5 : -5), canvas = panel.below;
+  const ratio = canvas.width / canvas.clientWidth;
+  const pixel = canvas.getContext("2d").getImageData(Math.round(ratio * x), Math.round(ratio * y), 1, 1).data;
+  return { largest: Math.max(...ys.map(Math.abs)), low: low / handy.factor, high: high / handy.factor,
+    opaque: pixel[3] > 200, labels: panel.labels };
+}"""
+
+
+def rattling(interval):
+    """A slider-crank with a compliant pin; the output interval [s] is fine, so that pages thin it, or misses all."""
+    return rt.example("slider_crank_play").set({"simulate.t_end": 0.006, "simulate.output": interval})
+
+
+@pytest.fixture
+def shown(tmp_path, open_page):
+    """A function that opens a page and tells what it shows of a curve."""
+
+    def of(path, name, **options):
+        tab = open_page(path.as_uri(), reduced_motion="reduce", **options)
+        becomes(tab, "(name) => window.rattle && rattle.names.includes(name)", name)
+        tab.evaluate("(name) => rattle.choose([name])", name)
+        frames(tab)
+        return tab.evaluate(SHOWN, name)
+
+    return of
+
+
+def fits(seen, want, limit=1e-6):
+    """The largest value is the table's; the panel reaches it, and no triangle is lost."""
+    assert seen["largest"] == pytest.approx(want, rel=limit)
+    assert max(seen["high"], -seen["low"]) > want
+    assert seen["opaque"]
+
+
+@pytest.mark.parametrize("interval", [1e-6, 5e-4])
+def test_a_replay_reaches_the_peak_of_the_table(interval, shown, tmp_path):
+    r = rattling(interval).simulate()
+    replay(r, tmp_path / "page.html")
+    fits(shown(tmp_path / "page.html", PIN), r.peak(PIN)[0])
+
+
+def test_a_page_with_runs_reaches_the_peaks_of_all_of_them(shown, tmp_path):
+    m = rattling(1e-6)
+    page(m, tmp_path / "page.html", over={"c": ["0.2 mm", "0.4 mm"]})
+    fits(shown(tmp_path / "page.html", PIN), m.simulate().peak(PIN)[0])
+
+
+@pytest.mark.parametrize(("width", "height"), [(1366, 768), (390, 844), (844, 390)])
+def test_a_live_page_reaches_the_peak_of_the_table_and_every_axis_has_a_scale(width, height, shown, tmp_path):
+    """Between the outputs, too: these are 3 ms apart, an eighth of a turn."""
+    m = rt.example("slider_crank").set({"simulate.output": "3 ms"})
+    name = next(one for one in m.simulate().peaks if one.endswith(".force"))
+    page(m, tmp_path / "page.html")
+    seen = shown(tmp_path / "page.html", name, viewport={"width": width, "height": height})
+    fits(seen, m.simulate().peak(name)[0], 1e-3)  # the page takes the crest of a parabola through its steps
+    for labels in seen["labels"].values():
+        assert len(set(labels)) >= 2
+
+
+def test_a_notebook_reaches_the_peak_of_the_table(shown, tmp_path):
+    """The first motion, and those that the kernel sends for other parameters, which come as the same runs."""
+    m = rattling(1e-6)
+    scene = kernel_scene(m, None, "of contacts")
+    write_page({**scene, "knobs": []}, tmp_path / "page.html")
+    want = m.simulate()
+    fits(shown(tmp_path / "page.html", PIN), want.peak(PIN)[0])
+    sent = json.loads(scene_json(run_of(want, "", scene["geometry"])))
+    assert sent["peaks"][PIN][0] == pytest.approx(want.peak(PIN)[0])
+    assert sent["between"].keys() == scene["runs"][0]["between"].keys()
+
+
+def test_figures_of_the_studio_reach_the_peak_of_the_table():
+    pytest.importorskip("panel")
+    from rattle.studio.sheets import sheet
+
+    r = rattling(5e-4).simulate()
+    block = of_result("forces", r, [PIN])
+    (pane,) = sheet({"told": "", "blocks": [block]}, False, lambda _: None)
+    (mark,) = [one for one in pane.object.renderers if one.name == f"largest {PIN}"]
+    (drawn,) = mark.data_source.data["y"] if hasattr(mark, "data_source") else [mark.glyph.y]
+    assert drawn in (pytest.approx(r.peak(PIN)[0]), pytest.approx(r.peak(PIN)[0] / 1e3))  # N, kN
+
+
+@pytest.mark.parametrize("interval", [1e-6, 5e-4])
+def test_plots_reach_the_peak_of_the_table(interval):
+    r = rattling(interval).simulate()
+    ax = r.plot(PIN).axes[0]
+    want = r.peak(PIN)[0] * (1e-3 if "kN" in ax.get_ylabel() else 1.0)
+    drawn = [np.abs(line.get_ydata()).max() for line in ax.lines]
+    assert max(drawn) == pytest.approx(want)
+    assert ax.get_ylim()[1] >= want
+
+
+def test_the_colours_of_an_orbit_end_at_the_largest_force_or_say_it():
+    r = rattling(1e-6).simulate()
+    figure = r.plot_orbit("B")
+    bar = figure.axes[-1]
+    want = r.peak(PIN)[0]
+    assert bar.get_ylim()[1] >= want or f"{want:.4g} N" in bar.get_title()
