@@ -35,15 +35,21 @@ class AnalysedModel(WrittenModel):
         Raises ModelError; AssemblyError if such a mechanism cannot be put together.
         """
         from rattle.analyses.assembly.assembly import put_together
+        from rattle.analyses.assembly.computable import computable
 
-        return put_together(self.model)
+        model = self.model
+        with computable(self._file):
+            return put_together(model)
 
     @cached_property
     def start(self) -> Assembled:
         """Assembled positions [m, rad] and rates [m/s, rad/s] at t = 0. Raises ModelError, AssemblyError."""
         from rattle.analyses.assembly.assembly import assemble
+        from rattle.analyses.assembly.computable import computable
 
-        return assemble(self.system)
+        system = self.system
+        with computable(self._file):
+            return assemble(system)
 
     def recorded(self, parameters: Sequence[str] = ()) -> RecordedModel:
         """The model as a graph whose inputs are time, state and these parameters.
@@ -60,9 +66,12 @@ class AnalysedModel(WrittenModel):
 
         Ranges of drivers in deg or m.  Raises ModelError, AssemblyError.
         """
+        from rattle.analyses.assembly.computable import computable
         from rattle.analyses.check import check
 
-        return check(self.system, self.start)
+        system, start = self.system, self.start
+        with computable(self._file):
+            return check(system, start)
 
     def simulate(
         self, t_end: Seconds | None = None, *, t_eval: Sequence[Seconds] | np.ndarray | None = None,

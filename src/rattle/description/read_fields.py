@@ -70,7 +70,9 @@ class FieldReader:
         """All fields of a kind [SI], in the order of its declaration; unit: what a unit of a field is here."""
         read: dict[str, float] = {}
         for key, one in kind.fields.items():
-            read[key] = self.field(replace(one, unit=unit(one.unit)), key, given, read, path)
+            read[key] = math.nan
+            with self.values.at((*path, key)):
+                read[key] = self.field(replace(one, unit=unit(one.unit)), key, given, read, path)
         return read
 
 

@@ -45,7 +45,11 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
         else:
             values.broken.add(name)
     _dependent(values, dependent, written)
-    return {name: _parameter(values, name, table[name]) for name in table if name in values.constants}
+    found: dict[str, Parameter] = {}
+    for name in (name for name in table if name in values.constants):
+        with values.at(("parameters", name)):
+            found[name] = _parameter(values, name, table[name])
+    return found
 
 
 def values_where(document: Mapping[str, Any], numbers: Mapping[str, float]) -> dict[str, float]:
@@ -142,8 +146,18 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
 
 def _unit_of_limits(given: Mapping[str, Any]) -> str:
     """SI unit of the limits of a value that says none, as 2*a does not; "" if they say none either."""
-    quantities = (parse_quantity(given[key]) for key in ("min", "max", "tol") if isinstance(given.get(key), str))
-    return next((unit_name(one[1]) for one in quantities if one is not None and one[1] is not None), "")
+    return next((unit_name(seen) for seen in _dimensions_of_limits(given)), "")
+
+
+def _dimensions_of_limits(given: Mapping[str, Any]) -> list[Dimension]:
+    """The dimensions that limits say, each of which may be wrong."""
+    found: list[Dimension] = []
+    for key in ("min", "max", "tol"):
+        with suppress(QuantityError):
+            quantity = parse_quantity(given[key]) if isinstance(given.get(key), str) else None
+            if quantity is not None and quantity[1] is not None:
+                found.append(quantity[1])
+    return found
 
 
 def _distribution(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> str | ValueTable:
@@ -197,14 +211,7 @@ def _list(values: Values, given: Any, what: str, path: Path) -> list[Any]:
 
 def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dimension | None:
     """The common dimension of two or more limits if the value has another one, else None."""
-    found = []
-    for key in ("min", "max", "tol"):
-        try:
-            quantity = parse_quantity(given[key]) if isinstance(given.get(key), str) else None
-        except QuantityError:
-            return None
-        if quantity is not None and quantity[1] is not None:
-            found.append(quantity[1])
+    found = _dimensions_of_limits(given)
     if seen is None or len(found) < 2 or len(set(found)) > 1 or found[0] == seen:
         return None
     return found[0]

@@ -30,7 +30,7 @@ from rattle.description.read_contact import (
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
 from rattle.description.read_plates import read_plate
-from rattle.description.read_values import Path, Values, said
+from rattle.description.read_values import Path, Values, is_computable, said
 from rattle.description.read_wear import read_wear
 from rattle.errors import suggest
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
@@ -114,7 +114,7 @@ class Parts(FieldReader):
             points = {**self._ends(given["bar"], length, points, path), **points}
             if "inertia" not in given:
                 inertia = mass * length * length / 12
-                if not (0 < inertia < math.inf or mass == 0) and not math.isnan(inertia):
+                if not (is_computable(inertia) or mass == 0) and not math.isnan(inertia):
                     values.wrong(path, f"its inertia m l^2/12 = {inertia:g} kg*m^2 is out of range")
         else:
             x, y = values.vector(given["center"], "m", (*path, "center")) if "center" in given else (0.0, 0.0)
@@ -203,8 +203,9 @@ class Parts(FieldReader):
         tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
         values.keys(given, [*JOINT, *tables, *found.fields], path)
         fields = self.fields(found, given, path)
-        for key, fault in found.leaf.faults(given, fields):
-            values.wrong((*path, key) if key else path, fault)
+        if len(values.problems) == before:  # of fields that are sound
+            for key, fault in found.leaf.faults(given, fields):
+                values.wrong((*path, key) if key else path, fault)
         if len(values.problems) == before and (fault := found.leaf.fault(fields)):
             values.wrong(path, fault)
         clearance, contact = 0.0, None

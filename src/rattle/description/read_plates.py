@@ -8,7 +8,7 @@ from typing import Any
 
 from rattle.description.model import Body, Vector
 from rattle.description.polygon import fault, fault_of_holes, figure_of, watch
-from rattle.description.read_values import Path, Values, said
+from rattle.description.read_values import Path, Values, is_computable, said
 
 PLATE = ("polygon", "holes", "thickness", "density", "mass", "points")  # keys of a plate
 FOLLOW = {"center": "the mass centre", "inertia": "the inertia"}  # what the polygon says
@@ -42,7 +42,7 @@ def read_plate(values: Values, name: str, given: Mapping[str, Any]) -> Body:
     mass = per_area * figure.area if math.isnan(mass) else mass
     inertia = mass / figure.area * figure.second
     for what, number, unit in (("mass", mass, "kg"), ("inertia", inertia, "kg*m^2")):
-        if not 0.0 < number < math.inf and not math.isnan(number):
+        if not is_computable(number) and not math.isnan(number):
             values.wrong(path, f"its {what} = {number:g} {unit} is out of range")
             break
     cx, cy = figure.centre

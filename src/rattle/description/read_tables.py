@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
-from rattle.description.read_values import Path, Values, said
+from rattle.description.read_values import LARGEST, Path, Values, said
 from rattle.errors import InputError, ModelError, Problem, suggest
 from rattle.language.expression import argument_of
 from rattle.language.syntax import FUNCTIONS, call_name
@@ -20,7 +20,7 @@ from rattle.language.units import Dimension, QuantityError, describe, dimension_
 KEYS = ("x", "y", "units", "kind", "period", "file")
 KINDS = ("linear", "monotone", "spline")
 MOST_POINTS = 100_000
-LARGEST = 8_000_000  # bytes of a file
+LARGEST_FILE = 8_000_000  # bytes
 CLOSE = 1e-9  # share of the period, or of the range of y, that counts as equal
 HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
 PLAIN_FILE = 'a file beside the model file, such as "lift.csv"'
@@ -201,7 +201,7 @@ def _made(values: Values, x: list[float], y: list[float], kind: str, period: flo
         else:
             x, y = [*x[:-1], x[0] + period], [*y[:-1], y[0]]
     found = curve(x, y, kind, period)
-    if not all(math.isfinite(one) for segment in found.coefficients for one in segment):
+    if not all(abs(one) <= LARGEST for segment in found.coefficients for one in segment):
         values.wrong(path, "its numbers are too large, or its points too close, for finite slopes")
         return None
     return found
@@ -267,13 +267,21 @@ def inside(folder: FilePath, name: str) -> FilePath:
 def text_of(place: FilePath, name: str) -> str:
     """Text of a file; name: as messages call it.  Raises InputError for one that is too large or cannot be read."""
     try:
-        if place.stat().st_size > LARGEST:
-            raise InputError(f"{said(name)} has more than {LARGEST / 1e6:.0f} MB")
+        if place.stat().st_size > LARGEST_FILE:
+            raise InputError(f"{said(name)} has more than {LARGEST_FILE / 1e6:.0f} MB")
         return place.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise InputError(f"cannot read {said(name)}: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise InputError(f"{said(name)} is not UTF-8 text") from None
+
+
+def rows_of(text: str, name: str, delimiter: str = ",") -> list[list[str]]:
+    """The cells of every line; name: as messages call the file.  Raises InputError for what is no table of cells."""
+    try:
+        return list(csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True))
+    except csv.Error as error:
+        raise InputError(f"{said(name)} is not a table of numbers: {error}") from None
 
 
 def read_points(place: FilePath, name: str) -> dict[str, Any]:
@@ -287,7 +295,7 @@ def read_points(place: FilePath, name: str) -> dict[str, Any]:
     units = ["", ""]
     points: list[tuple[float, float]] = []
     header = True
-    for number, row in enumerate(csv.reader(text.splitlines(), delimiter=split, skipinitialspace=True), start=1):
+    for number, row in enumerate(rows_of(text, name, split), start=1):
         cells = [cell.strip() for cell in row]
         if not any(cells) or cells[0].startswith("#"):
             continue

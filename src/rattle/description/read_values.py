@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from rattle.description.model import Vector
+from rattle.description.reading import Place, unforeseen_words
 from rattle.errors import MOST, Problem, suggest
 from rattle.language.expression import (
     RESERVED,
@@ -42,6 +43,9 @@ Path = tuple[str | int, ...]
 Chosen = Callable[[float], float]  # makes of the value of a parameter [SI] the number that stands for it
 
 MOST_CHARACTERS = 600_000  # of all expressions of a model, at most: two seconds of reading
+# [SI]: products of a few numbers of a model stay numbers, see test_hostile_texts.py
+SMALLEST, LARGEST = 1e-60, 1e60
+RANGE = f"{SMALLEST:g} to {LARGEST:g} in SI units"
 TAKEN = RESERVED | {"ground", "energy"}
 LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, "not negative": lambda x: x >= 0.0}
 
@@ -59,6 +63,7 @@ class Values:
     def __init__(self, chosen: Mapping[str, Chosen] | None = None) -> None:
         self.chosen = chosen or {}
         self.problems: list[Problem] = []
+        self.fault: Exception | None = None  # the first error that no reader has foreseen
         self.remarks: list[str] = []  # on values that may be mistakes
         self.characters = 0  # of the expressions read so far
         self.constants: dict[str, float] = {}  # parameters [SI]
@@ -77,6 +82,16 @@ class Values:
         self.problems.append(Problem(path, message, at_key, column))
         if len(self.problems) >= MOST:
             raise TooManyProblems
+
+    def at(self, path: Path) -> Place:
+        """While an entry or field is read: whatever goes wrong inside becomes a problem at this path."""
+        return Place(path, self.wrong, self._unforeseen)
+
+    def _unforeseen(self, path: Path, error: Exception) -> None:
+        """Add the problem of an error that no reader has foreseen, unless it follows from another problem."""
+        self.fault = self.fault or error
+        if not self.problems:
+            self.wrong(path, unforeseen_words(error))
 
     def set_constant(self, name: str, number: float, dimension: Dimension | None) -> None:
         """Enter a parameter with its value [SI]."""
@@ -266,6 +281,9 @@ class Values:
         if not math.isfinite(number):
             self.wrong(path, f"{said(given)} is not a finite number; expected {expected(unit)}")
             return math.nan
+        if abs(float(number)) > LARGEST or (least and number != 0.0 and not is_computable(number)):
+            self.wrong(path, f"{said(given)} is beyond all numbers that can be computed with, {RANGE}")
+            return math.nan
         if least and not LIMITS[least](number):
             self.wrong(
                 path, f"{said(given)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
@@ -347,6 +365,11 @@ class Values:
                 )
             found[name] = self.vector(at, "m", (*path, name))
         return found
+
+
+def is_computable(number: float) -> bool:
+    """True of a number [SI] whose products with a few others of its kind are numbers too."""
+    return SMALLEST <= abs(float(number)) <= LARGEST
 
 
 def _float(given: float) -> float:

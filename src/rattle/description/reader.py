@@ -35,11 +35,12 @@ def read(document: Mapping[str, Any], file: str = "", chosen: Mapping[str, Chose
     model = None
     try:
         if _is_plain(document, values):
-            model = _read(document, values)
+            with values.at(()):
+                model = _read(document, values)
     except TooManyProblems:
         pass
     if values.problems or model is None:
-        raise ModelError(values.problems, file)
+        raise ModelError(values.problems, file) from values.fault
     return model
 
 
@@ -93,15 +94,21 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     values.keys(ground, ("points",), ("ground",))
     parts.ground = values.points(ground.get("points", {}), ("ground", "points"))
     for name, given in tables["bodies"].items():
-        parts.add_body(name, given)
+        with values.at(("bodies", name)):
+            parts.add_body(name, given)
     if not parts.bodies and not values.problems:
         values.wrong(("bodies",), "a mechanism needs at least one body")
     for name, given in tables["joints"].items():
-        parts.add_joint(name, given)
+        with values.at(("joints", name)):
+            parts.add_joint(name, given)
+        if name not in parts.joints:
+            parts.broken_joints.add(name)
     for name, given in tables["drivers"].items():
-        parts.add_driver(name, given)
+        with values.at(("drivers", name)):
+            parts.add_driver(name, given)
     for name, given in tables["loads"].items():
-        parts.add_load(name, given)
+        with values.at(("loads", name)):
+            parts.add_load(name, given)
     initial, settings = _initial(values, document, parts), _settings(values, document)
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [one.rate for one in states.values()]

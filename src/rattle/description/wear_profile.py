@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rattle.description.changes import Change
-from rattle.description.read_tables import inside, text_of
+from rattle.description.read_tables import inside, rows_of, text_of
 from rattle.description.read_values import said
 from rattle.errors import InputError, ModelError, Problem
 
@@ -70,7 +70,7 @@ def parsed(text: str, name: str, joint: str) -> dict[str, list[float]]:
     if whose != joint:
         raise InputError(f"{said(name)} is the wear profile of joint '{whose}', not of '{joint}'")
     rows = [
-        (number, row) for number, row in enumerate(csv.reader(lines), start=1) if row and not row[0].startswith("#")
+        (number, row) for number, row in enumerate(rows_of(text, name), start=1) if row and not row[0].startswith("#")
     ]
     if not rows or tuple(cell.strip() for cell in rows[0][1]) != HEADER:
         raise InputError(f"{said(name)} needs the columns {', '.join(HEADER)}")

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.analyses.assembly.computable import require_digits
 from rattle.analyses.assembly.first_guess import outward, place_rates
 from rattle.analyses.assembly.guesses import guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
@@ -59,6 +60,7 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     Raises AssemblyError if the joints cannot be closed; the message names the loop and the gap.
     """
     made = consistent_start(system, t, ideal)
+    require_digits(system, made.q)
     _require_held(system, made)
     if t != 0.0:
         return made

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.analyses.assembly.computable import finite
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.schur import WEAK, factorise
 from rattle.equations.system import System
@@ -17,8 +18,7 @@ UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 def scaled_rows(system: System, workspace: Workspace) -> np.ndarray:
     """(nr, 3 nb) Phi_q [-] with angles times the size of the mechanism as lengths, every row scaled to length 1."""
     full, length = _rows_and_lengths(system, workspace)
-    scaled: np.ndarray = full / length[:, None]
-    return scaled
+    return finite(full / length[:, None])
 
 
 def row_lengths(system: System, workspace: Workspace) -> np.ndarray:

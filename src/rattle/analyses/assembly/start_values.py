@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 
+from rattle.analyses.assembly.computable import finite
 from rattle.description.model import driven_ends
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import dense_rows
@@ -58,7 +59,7 @@ def least_change(
         scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
         left = np.eye(len(wanted))
         if others.size:
-            u, values, _ = np.linalg.svd(others * scale[~known])
+            u, values, _ = np.linalg.svd(finite(others * scale[~known]))
             values = (
                 np.concatenate([values, np.zeros(len(wanted) - len(values))]) if len(values) < len(wanted) else values
             )
@@ -225,7 +226,7 @@ def _free(rows: np.ndarray) -> np.ndarray:
     if not len(rows):
         return np.ones(rows.shape[1], dtype=bool)
     rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
-    _, values, right = np.linalg.svd(rows)
+    _, values, right = np.linalg.svd(finite(rows))
     rank = int((values > 1e-9 * values[0]).sum())
     free: np.ndarray = np.abs(right[rank:]).max(axis=0, initial=0.0) > 1e-7
     return free
