@@ -81,9 +81,11 @@ def fourbar(tmp_path_factory):
 
 def test_the_report_has_the_numbers_of_the_run(fourbar):
     r = rt.example("fourbar").simulate("0.3 s", horizon=True)
-    force, when = r.peak("O4.force")
+    force = r.peak("O4.force")[0]
     assert said(force, "N") in fourbar.text
-    assert f"{said(when, 's')} *" in fourbar.text  # after the horizon
+    for joint in ("O2", "O3", "O4"):  # a star: after the horizon, which machines reach with other roundings
+        when = r.peak(f"{joint}.force")[1]
+        assert (f"{said(when, 's')} *" in fourbar.text) == (when > r.trust.horizon)
     assert said(r.rms("O4.force"), "N") in fourbar.text
     assert "one of many possible" in fourbar.text
     ideal = rt.example("fourbar").ideal().simulate("0.3 s").peak("O4.force")[0]
