@@ -13,7 +13,7 @@ from typing import Any
 from rattle.description.read_values import LARGEST, Path, Values, said
 from rattle.errors import InputError, ModelError, Problem, suggest
 from rattle.language.expression import argument_of
-from rattle.language.syntax import FUNCTIONS, call_name
+from rattle.language.syntax import CALLABLE, call_name
 from rattle.language.tables import Curve, curve
 from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity
 
@@ -70,7 +70,7 @@ def _read(
 ) -> tuple[Curve, Dimension | None, Dimension | None] | None:
     """A table with the dimensions of x and y; None after a problem."""
     path: Path = ("tables", name)
-    if name in FUNCTIONS:
+    if name in CALLABLE:
         values.wrong(path, f"'{name}' is a function; choose another name", at_key=True)
     else:
         values.name(name, path)

@@ -13,6 +13,7 @@ from rattle.description.coordinates import POINT
 from rattle.description.reader import STATE_UNITS
 from rattle.description.schema import schema
 from rattle.language.materials import MATERIALS
+from rattle.language.motion_laws import MEANING as LAW_MEANING
 from rattle.language.syntax import FUNCTIONS
 from rattle.language.units import DIMENSIONLESS, UNITS, describe
 
@@ -151,6 +152,7 @@ def _functions() -> Topic:
         + (f": {MEANING[name]}" if name in MEANING else "")
         for name, count in FUNCTIONS.items()
     ]
+    lines += [f"{name}(u): {meaning}" for name, meaning in LAW_MEANING.items()]
     lines += ["a if x < y else b: also with <= > >=, and with conditions joined by and, or, not", "+ - * / ** ( )"]
     return Topic("functions", "functions and operators of expressions; angles in rad", tuple(lines))
 

@@ -10,13 +10,14 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from keyword import kwlist
 
 from rattle.errors import suggest
+from rattle.language.motion_laws import LAWS, law_text
 from rattle.language.tokens import ExpressionError as ExpressionError
 from rattle.language.tokens import number_of, tokens
-from rattle.language.units import UNITS, Dimension, scaled
+from rattle.language.units import DIMENSIONLESS, UNITS, Dimension, scaled
 
 MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 50
@@ -30,7 +31,8 @@ FUNCTIONS: Mapping[str, int] = {
     **dict.fromkeys(("min", "max"), -2),
 }
 SAME = {"ln": "log"}  # two names of one function
-# not allowed as name of a parameter, signal or body; floor, mod and ln are, with a parenthesis they are functions
+CALLABLE: Mapping[str, int] = {**FUNCTIONS, **dict.fromkeys(LAWS, 1)}
+# not allowed as name of a parameter, signal or body; floor, mod, ln and laws are, with a parenthesis they are functions
 RESERVED = frozenset(kwlist) | (FUNCTIONS.keys() - {"floor", "mod", "ln"}) | {"pi", "t"}
 
 _BINDING = {
@@ -65,7 +67,7 @@ KNOWN = (
 class Grammar:
     """What an expression may contain beside numbers, operators and `a if x < y else b`."""
 
-    functions: Mapping[str, int] = field(default_factory=lambda: FUNCTIONS)  # as in FUNCTIONS
+    functions: Mapping[str, int] = field(default_factory=lambda: CALLABLE)  # as in FUNCTIONS
     conditions: frozenset[str] = frozenset()  # those functions whose argument is a comparison
     parts: int = 3  # of a name, at most: "body.point.x" has three
     compared: bool = False  # the whole may be a comparison
@@ -166,6 +168,25 @@ def walk(node: Node) -> list[Node]:
             waiting.extend(part.operands)
     found.reverse()
     return found
+
+
+@functools.cache
+def _law(name: str) -> Node:
+    """A law of motion as an expression of `u`."""
+    return _Parser(law_text(name), MODEL).read()
+
+
+def _placed(node: Node, share: Node, column: int) -> Node:
+    """A law with its share in place of `u`, which has to be a plain number; what is wrong is wrong at `column`."""
+    stack: list[Node] = []
+    for part in walk(node):
+        if isinstance(part, Apply):
+            operands = tuple(stack[-len(part.operands) :])
+            del stack[-len(operands) :]
+            stack.append(Apply(part.name, operands, column))
+        else:
+            stack.append(share if isinstance(part, Name) else replace(part, column=column, dimension=DIMENSIONLESS))
+    return stack[0]
 
 
 class _Parser:
@@ -283,9 +304,8 @@ class _Parser:
         if word not in functions:
             other = {**OTHERWISE, **self.grammar.otherwise}
             hint = f"; {other[word]}" if word in other else suggest(word[:40], functions)
-            raise ExpressionError(
-                f"there is no function '{word[:40]}'{hint or '; known: ' + ', '.join(functions)}", column
-            )
+            known = ", ".join(name for name in functions if name not in LAWS)
+            raise ExpressionError(f"there is no function '{word[:40]}'{hint or '; known: ' + known}", column)
         self.at += 1
         arguments: list[Node] = []
         while self.tokens[self.at][1] != ")" or arguments:
@@ -302,12 +322,22 @@ class _Parser:
             raise ExpressionError(f"{word} takes {count}, not {len(arguments)}", column)
         if word in self.grammar.conditions:
             return self.condition(word, arguments[0], column)
+        if word in LAWS and word not in self.tables:
+            return self.law(word, arguments[0], column)
         first = wanted if wanted > 0 else min(len(arguments), 2)
         word = call_name(word) if word in self.tables else SAME.get(word, word)
         node = self.apply(word, tuple(arguments[:first]), column)
         for argument in arguments[first:]:
             node = self.apply(word, (node, argument), column)
         return node
+
+    def law(self, word: str, share: Node, column: int) -> Node:
+        """A law of motion: the expression that it stands for, of the share of the rise."""
+        self.refuse_condition(share)
+        written = walk(_law(word))
+        shares = sum(isinstance(part, Name) for part in written)
+        self.count(column, len(written) + shares * (len(walk(share)) - 1))
+        return _placed(_law(word), share, column)
 
     def condition(self, word: str, test: Node, column: int) -> Apply:
         """A function of a comparison."""
@@ -348,8 +378,8 @@ class _Parser:
         self.count(column)
         return Apply(name, operands, column)
 
-    def count(self, column: int) -> None:
-        self.nodes += 1
+    def count(self, column: int, nodes: int = 1) -> None:
+        self.nodes += nodes
         if self.nodes > MAX_NODES:
             raise ExpressionError(f"the expression has more than {MAX_NODES} parts", column)
 

@@ -32,6 +32,7 @@ from rattle.errors import LONGEST, InputError, ModelError, Problem, suggest
 from rattle.language import arrays
 from rattle.language.expression import dimension
 from rattle.language.syntax import (
+    CALLABLE,
     COMPARISONS,
     FUNCTIONS,
     Apply,
@@ -58,7 +59,7 @@ IDEAL = "ideal."
 EQUAL = "=="  # of a constraint
 NAMES = "an output may use the names of a result, parameters and t"
 GRAMMAR = Grammar(
-    functions={**FUNCTIONS, **dict.fromkeys((*ONE, *CONDITIONS), 1), **dict.fromkeys(TWO, 2), "max": -1, "min": -1},
+    functions={**CALLABLE, **dict.fromkeys((*ONE, *CONDITIONS), 1), **dict.fromkeys(TWO, 2), "max": -1, "min": -1},
     conditions=frozenset(CONDITIONS),
     parts=4,  # ideal.body.point.x
     compared=True,
