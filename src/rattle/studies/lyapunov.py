@@ -19,6 +19,7 @@ from rattle.errors import InputError, TraceError
 from rattle.jit import functions
 from rattle.results.display import lines
 from rattle.studies import neighbouring_runs, variational_equations
+from rattle.studies.neighbouring_runs import APART, parts_of
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -28,6 +29,8 @@ UNSURE = 0.8  # uncertainty, as a share of the exponent, above which the exponen
 ROUGH = 0.3  # the same above which it is called rough
 ENOUGH = 100.0  # growth of differences below which the motion may be regular: there they grow in proportion to time
 SEEN = 3.0  # growth of differences above which it is worth saying that it was not more
+WEIGHED = 2.0  # growth that is a matter of how positions and rates are weighed in the size of a difference
+SETTLED = 0.1  # scatter of the later parts of a run beside that of the earlier ones: a start that dies away is faster
 BLOCKS = 10  # parts of the run from whose scatter the uncertainty follows
 SPREAD = 1.2  # variance of the slope of the best line through a random walk, as a share of that of its mean step
 STUDENT = 2.262  # 95 % of Student's t with BLOCKS - 1 degrees of freedom
@@ -85,7 +88,8 @@ def lyapunov(
     Where the model can be recorded the difference is infinitely small: the variational equations carry it along the
     constraints, with exact derivatives.  With contacts, loads written in Python or expressions that switch there is a
     second run, which starts at a distance of 1e-7; after every stretch of time the difference is scaled back to 1e-7
-    and projected onto the constraints, contact memory included.  The first direction is the same in every call.
+    and projected onto the constraints, contact memory included.  States of the model count like positions, each in
+    shares of its range along the run.  The first direction is the same in every call.
 
     t_end: duration [s] (default: that of the model).  stretch: [s] (default: t_end/400, shorter if a second run moves
     away too fast).  skip: share [-] of the run left out at the start, until the difference has turned to the direction
@@ -105,14 +109,25 @@ def lyapunov(
     if not 0.0 <= skip < 1.0:
         raise InputError(f"skip must be a share of the run, from 0 to below 1; got {skip}")
     _require_mobility(m)
-    growth, length, how = _growths(m, span, length, rtol)
+    growth, length, how, precision = _growths(m, span, length, rtol)
     kept = growth[int(skip * len(growth)) :]
-    blocks = np.array([part.mean() for part in np.array_split(kept, BLOCKS)]) / length
-    error = STUDENT * float(blocks.std(ddof=1)) * math.sqrt(SPREAD / BLOCKS)
     exponent, seen = _slope(kept) / length, len(kept) * length
+    return Lyapunov(exponent, _uncertainty(kept, exponent, length, precision), seen, growth, length, how)
+
+
+def _uncertainty(growth: np.ndarray, exponent: float, length: float, precision: float) -> float:
+    """95 % of the exponent [1/s], from its growth (n,) in stretches of a length [s], each of a relative precision."""
+    blocks = np.array([part.mean() for part in np.array_split(growth, BLOCKS)]) / length
+    seen = len(growth) * length
+    rounding = precision * (abs(exponent) + 1.0 / length)
+    error = max(STUDENT * float(blocks.std(ddof=1)) * math.sqrt(SPREAD / BLOCKS), rounding)
+    early, late = np.split(blocks, 2)
+    if np.ptp(late) > max(SETTLED * np.ptp(early), rounding):
+        # differences turn slowly, which shows as a drift and hardly as scatter: the size of one is a matter of weights
+        error = max(error, math.log(WEIGHED) / seen)
     if abs(exponent) * seen < math.log(ENOUGH):  # so much may be a start that dies away, or growth with a power of time
         error = max(error, math.log(ENOUGH) / seen)
-    return Lyapunov(exponent, error, seen, growth, length, how)
+    return error
 
 
 def _slope(growth: np.ndarray) -> float:
@@ -129,7 +144,7 @@ def _slope(growth: np.ndarray) -> float:
 def _require_mobility(m: Mechanism) -> None:
     """Raise InputError for a mechanism without a degree of freedom in which motions could separate."""
     system, workspace = m.system, m.system.workspace()
-    if len(system.arrays["contact"]) or system.row_count > LARGE:
+    if len(system.arrays["contact"]) or system.row_count > LARGE or system.model.states:
         return
     open_by(workspace, m.start.t, m.start.q, m.start.v)
     if rank(system, workspace) == 3 * system.body_count:
@@ -139,22 +154,21 @@ def _require_mobility(m: Mechanism) -> None:
         )
 
 
-def _growths(m: Mechanism, span: float, length: float, rtol: float) -> tuple[np.ndarray, float, str]:
-    """(n,) logarithm of the growth in every stretch, the length of a stretch [s], and how it was found."""
-    nb, size = m.system.body_count, m.system.size
-    first, why = np.random.default_rng(1).normal(size=6 * nb), ""
+def _growths(m: Mechanism, span: float, length: float, rtol: float) -> tuple[np.ndarray, float, str, float]:
+    """(n,) logarithm of the growth in every stretch, the length of a stretch [s], how it was found, how precisely."""
+    why = ""
     for _ in range(SHORTER):
         times = m.start.t + length * np.arange(1, max(2 * BLOCKS, round(span / length)) + 1)
-        weight = np.tile([1.0 / size, 1.0 / size, 1.0], 2 * nb)
-        weight[3 * nb :] *= length
+        apart = parts_of(m, length, times)
+        first = np.random.default_rng(1).normal(size=len(apart.places))
         if not why:
             try:
-                growth = variational_equations.growths(m, first, weight, times, rtol)
-                return growth, length, "exact variational equations"
+                growth = variational_equations.growths(m, first, apart, times, rtol)
+                return growth, length, "exact variational equations", rtol
             except TraceError as error:
                 why = str(error)
-        found = neighbouring_runs.growths(m, first, weight, times, rtol)
+        found = neighbouring_runs.growths(m, first, apart, times, rtol)
         if found is not None:
-            return found, length, f"two neighbouring runs, because {why}"
+            return found, length, f"two neighbouring runs, because {why}", APART
         length /= 4.0
     raise InputError(f"differences grow too fast even over {length:.3g} s; give a shorter stretch")

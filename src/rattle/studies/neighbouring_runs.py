@@ -6,7 +6,7 @@ Source: Benettin, Galgani, Strelcyn, Kolmogorov entropy and numerical experiment
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,10 +25,53 @@ if TYPE_CHECKING:
 
 APART = 1e-7  # distance to which the second run is rescaled, positions in mechanism lengths
 LARGEST_GROWTH = 1e4  # of that distance in a stretch; above it the growth is not linear
+ROUGHLY = 1e-6  # relative tolerance of the run that shows the range of states
+RESTS = 1e-9  # share of its value below which the range of a state is rounding
 LATE = 6  # how often the end of a stretch is postponed if one of the two runs has just had an impact
 
 
-def growths(m: Mechanism, first: np.ndarray, weight: np.ndarray, times: np.ndarray, rtol: float) -> np.ndarray | None:
+class Apart(NamedTuple):
+    """What two motions differ in: positions, rates, and the states of elements and of the model."""
+
+    places: np.ndarray  # (n,) in the state y
+    motion: np.ndarray  # (6 nb,) weight of positions and rates in the size of a difference [1/SI]
+    ranges: np.ndarray  # (stretches, n - 6 nb) range of every state until the end of a stretch [SI]
+
+    def weight(self, stretch: int) -> np.ndarray:
+        """(n,) of each in the size of a difference [1/SI], in one of the stretches: a state may grow all the time."""
+        return np.concatenate([self.motion, 1.0 / self.ranges[stretch]])
+
+
+def parts_of(m: Mechanism, length: float, times: np.ndarray) -> Apart:
+    """What can differ: positions in lengths of the mechanism, rates in these per stretch, a state in its range.
+
+    length: of a stretch [s].  times: (n,) at which stretches end [s].  Raises ValueError if the run cannot go on.
+    """
+    layout, size = state_layout(m.system), m.system.size
+    weight = np.tile([1.0 / size, 1.0 / size, 1.0], layout.motion.stop // 3)
+    weight[len(weight) // 2 :] *= length
+    return Apart(np.r_[layout.motion, layout.states], weight, _ranges(m, layout.states, times))
+
+
+def _ranges(m: Mechanism, states: slice, times: np.ndarray) -> np.ndarray:
+    """(n, ns) range of every state until these times [SI]; of one that rests its value, 1 of one that rests at zero."""
+    if states.stop == states.start:
+        return np.zeros((len(times), 0))
+    span = float(times[-1])
+    stepper, _ = choose_stepper(m.system, None, None, span)
+    run = new_run(m.system, m.start, np.zeros(0), span, How(stepper, ROUGHLY, ATOL * ROUGHLY, None))
+    _must(run, run.begin(m.start.t))
+    values = [run.workspace.state[states].copy()]
+    for t in times:
+        _go(run, t)
+        values.append(run.workspace.state[states].copy())
+    highest, lowest = np.maximum.accumulate(values)[1:], np.minimum.accumulate(values)[1:]
+    largest = np.maximum(np.abs(highest), np.abs(lowest))
+    rests = highest - lowest <= RESTS * largest
+    return np.where(rests, np.where(largest > 0.0, largest, 1.0), highest - lowest)
+
+
+def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rtol: float) -> np.ndarray | None:
     """(n,) natural logarithm of the growth of a difference in every stretch that ends at times (n,) [s].
 
     None if the growth in a stretch is not linear.  first: (6 nb,) direction of the difference at the start, weighted.
@@ -41,28 +84,28 @@ def growths(m: Mechanism, first: np.ndarray, weight: np.ndarray, times: np.ndarr
     one, two = (new_run(m.system, m.start, none, span, how) for _ in range(2))
     for run in (one, two):
         _must(run, run.begin(m.start.t))
-    two.workspace.state[: len(weight)] += APART / math.sqrt(len(weight)) * (first / weight)
+    two.workspace.state[apart.places] += APART / math.sqrt(len(first)) * (first / apart.weight(0))
     _renew(one, two)
-    apart = _distance(one, two, weight)
     growth = np.zeros(len(times))
     for k, t in enumerate(times):
+        weight = apart.weight(k)
+        before = _distance(one, two, apart.places, weight)
         for late in range(LATE + 1):
             for run in (one, two):
                 _go(run, t + late * length / 64.0)
-            now = _distance(one, two, weight)
-            if now < LARGEST_GROWTH * APART:
+            now = _distance(one, two, apart.places, weight)
+            if now < LARGEST_GROWTH * before:
                 break
             if late == LATE or stepper.leaf.loop != EVENT_DRIVEN:
                 return None
-        growth[k] = math.log(now / apart) if now > 0.0 < apart else 0.0
-        _renew(one, two, APART / now if now > 0.0 else 1.0)
-        apart = _distance(one, two, weight)
+        growth[k] = math.log(now / before) if now > 0.0 < before else 0.0
+        after = _distance(one, two, apart.places, apart.weight(min(k + 1, len(times) - 1)))
+        _renew(one, two, APART / after if after > 0.0 else 1.0)
     return growth
 
 
-def _distance(one: Any, two: Any, weight: np.ndarray) -> float:
-    n = len(weight)
-    return float(np.linalg.norm(weight * (two.workspace.state[:n] - one.workspace.state[:n])))
+def _distance(one: Any, two: Any, places: np.ndarray, weight: np.ndarray) -> float:
+    return float(np.linalg.norm(weight * (two.workspace.state[places] - one.workspace.state[places])))
 
 
 def _renew(one: Any, two: Any, share: float = 1.0) -> None:

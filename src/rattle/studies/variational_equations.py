@@ -10,6 +10,7 @@ from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.variational_model import VariationalModel
 from rattle.errors import TraceError
 from rattle.solvers.stepper import ATOL
+from rattle.studies.neighbouring_runs import Apart
 from rattle.trace.lane_batch import Batch
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_methods import DOP853, Tolerances
@@ -25,20 +26,17 @@ LOOKS = 64  # steps between two looks whether a stretch is through
 MOST_STEPS = 10**9
 
 
-def growths(m: Mechanism, first: np.ndarray, weight: np.ndarray, times: np.ndarray, rtol: float) -> np.ndarray:
+def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rtol: float) -> np.ndarray:
     """(n,) natural logarithm of the growth of a difference in every stretch that ends at times (n,) [s].
 
-    first: (6 nb,) direction of the difference at the start, weighted; it is projected onto the constraints.
-    weight: (6 nb,) of positions and rates in its size.
+    first: (n,) direction of the difference at the start, weighted; it is projected onto the constraints.
+    apart: what differs, and how it counts.
     Raises TraceError, with the reason, where the model cannot be recorded or straight-line code cannot follow it.
     """
     if m.system.switches:
         names = ", ".join(sorted({one.name for one in m.system.switches}))
         raise TraceError(f"steps must end where expressions switch ({names})")
-    if m.system.model.states:
-        states = ", ".join(m.system.model.states)
-        raise TraceError(f"differences of states ({states}) have no size beside those of positions")
-    made = VariationalModel(m.recorded(), weight)
+    made = VariationalModel(m.recorded(), apart.places, apart.weight(len(times) // 2))
     if made.operations > MOST_OPERATIONS:
         raise TraceError(
             f"its {made.operations} operations are more than the {MOST_OPERATIONS} up to which straight-line code pays"

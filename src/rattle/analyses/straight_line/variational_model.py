@@ -1,10 +1,11 @@
 """A recorded model together with one small difference between two of its motions, for lanes.
 
-    du/dt = W f_y W^-1 u,   ds/dt = 0                 the difference W dy = exp(s) u of positions and rates, weighted
+    du/dt = W f_y W^-1 u,   ds/dt = 0                 the difference W dy = exp(s) u of what moves, weighted
     y <- P(t, y),   u <- W P_y W^-1 u                 after every step: onto the constraints, and then
     u <- u/|u|,   s <- s + ln |u|                     to unit length again
 
-f is the recorded right-hand side, P the projection; their derivatives are exact.
+Positions, rates and states have differences, the accounts of energies and impulses have none.  f is the recorded
+right-hand side, P the projection; their derivatives are exact.
 
 Source: Benettin, Galgani, Giorgilli, Strelcyn, Lyapunov characteristic exponents for smooth dynamical systems,
 Meccanica 15 (1980) 9-20; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section I.14.
@@ -19,6 +20,7 @@ import numpy as np
 
 from rattle.analyses.straight_line.lane_model import ENERGY
 from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.equations.state import state_layout
 from rattle.trace.copying import bind
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
@@ -30,13 +32,13 @@ from rattle.trace.lane_program import EIGHT, Compile, Model
 class VariationalModel:
     """The functions of a model without chosen parameters and of a difference; its state is z = y, E_0, u, s.
 
-    y (ny,) [SI]; E_0: energy from which the balance counts [J]; u (6 nb,): unit difference of positions and rates,
+    y (ny,) [SI]; E_0: energy from which the balance counts [J]; u (n,): unit difference of positions, rates and states,
     weighted; s: natural logarithm of its size.
     """
 
-    def __init__(self, model: RecordedModel, weight: np.ndarray) -> None:
-        """weight: (6 nb,) of positions and rates in the size of a difference."""
-        self.model, self.weight = model, weight
+    def __init__(self, model: RecordedModel, places: np.ndarray, weight: np.ndarray) -> None:
+        """places: (n,) of what may differ in y.  weight: (n,) of each in the size of a difference."""
+        self.model, self.places, self.weight = model, places, weight
         self.ny, n = model.state_size, len(weight)
         self.difference, self.logarithm = slice(self.ny + 1, self.ny + 1 + n), self.ny + 1 + n
         energies = [model.curves[f"energy.{key}"] for key in ENERGY]
@@ -53,9 +55,10 @@ class VariationalModel:
         self.curves, self.graph = row, graph
 
     def _along(self, graph: Graph, outputs: Sequence[Any], u: Sequence[Any]) -> list[Any]:
-        """(6 nb,) what the first outputs change by along u, weighted as u is."""
-        seeds = {place: x / w for place, x, w in zip(graph.inputs[1:], u, self.weight, strict=False)}
-        return [x * w for x, w in zip(tangent(graph, outputs[: len(u)], seeds), self.weight, strict=True)]
+        """(n,) what these outputs change by along u, weighted as u is."""
+        seeds = {graph.inputs[1 + k]: x / w for k, x, w in zip(self.places, u, self.weight, strict=True)}
+        changed = tangent(graph, [outputs[k] for k in self.places], seeds)
+        return [x * w for x, w in zip(changed, self.weight, strict=True)]
 
     @property
     def operations(self) -> int:
@@ -63,7 +66,7 @@ class VariationalModel:
         return self.graph.count([*self.rate, *self.projection])
 
     def lane_model(self, u: np.ndarray, compile_function: Compile) -> Model:
-        """The functions for lanes, to be compiled; the start has the difference u (6 nb,), of any length."""
+        """The functions for lanes, to be compiled; the start has the difference u (n,), of any length."""
         graph, exact = lower(self.graph, [*self.rate, *self.projection, *self.curves])
         nz = self.logarithm + 1
         rate, project, row = (
@@ -83,5 +86,6 @@ class VariationalModel:
             count = samples.shape[1]
             return closed[:-1, :1].repeat(count, 1), np.zeros((0, count)), np.full(count, closed[-1, 0] == 1.0)
 
-        controlled = (*range(len(u)), *range(self.difference.start, self.difference.stop))
-        return Model(nz, 0, len(ENERGY), len(u), controlled, begin, rate, project, row, (0, 1, 2, 3, 4))
+        controlled = (*self.places.tolist(), *range(self.difference.start, self.difference.stop))
+        motion = int(state_layout(self.model.system).motion.stop)
+        return Model(nz, 0, len(ENERGY), motion, controlled, begin, rate, project, row, (0, 1, 2, 3, 4))
