@@ -370,13 +370,14 @@ class Mechanism(AnalysedModel):
         """Poincare section: values [SI] once per turn of the driver, or each time a curve rises through a level.
 
         For all details see `rattle.studies.poincare.section`.
-        period: time between two points [s].  crossing, level: the curve and the level [SI] that it rises through.
+        period: time between two points [s] or an expression over parameters such as "2*pi/w".
+        crossing, level: the curve and the level [SI] that it rises through.
         skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.
         """
         from rattle.studies.poincare import section
 
         return section(
-            self, names, period=seconds_or_none(period, "period"), crossing=crossing, level=level, skip=skip,
+            self, names, period=period, crossing=crossing, level=level, skip=skip,
             points=points, method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"),
         )  # fmt: skip
 
@@ -389,12 +390,13 @@ class Mechanism(AnalysedModel):
 
         For all details see `rattle.studies.bifurcation`.
         parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
-        points [s] (default: a turn of the driver).  skip, points: points left out, points kept, for each value.
+        points [s] or an expression such as "2*pi/w", for every value anew (default: a turn of the driver).
+        skip, points: points left out, points kept, for each value.
         method, rtol, atol, step: as in `simulate`.
         """
         from rattle.studies.bifurcation import bifurcation
 
         return bifurcation(
-            self, parameter, values, of, period=seconds_or_none(period, "period"), skip=skip, points=points,
+            self, parameter, values, of, period=period, skip=skip, points=points,
             method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), threads=threads, progress=progress,
         )  # fmt: skip

@@ -293,3 +293,31 @@ def test_poincare_on_the_command_line(tmp_path):
     assert done.exit_code == 0, done.output
     assert out.stat().st_size > 5_000
     assert CliRunner().invoke(main, [*words, "--parameter", "c"]).exit_code == 2
+
+
+def swinging(w: float) -> rt.Mechanism:
+    """A damped oscillator that a load shakes with w [rad/s]."""
+    m = rt.Mechanism("swinging").ground(O=[0, 0]).parameter("w", f"{w} rad/s").parameter("bare", w)
+    m = m.body("b", mass=1, inertia=1, points={"P": [0, 0]}).prismatic("rail", "ground.O", "b.P")
+    return m.load("all", "force", at="b.P", force=["1*cos(w*t) - 4*b.x - 1*b.vx", 0])
+
+
+def test_stroboscope_follows_the_frequency_of_a_load():
+    # x = Re(exp(i w t)/(4 - w^2 + i w)), seen at w t = 2 pi k
+    values = np.array([0.7, 1.3, 2.9])
+    m = swinging(1.0)
+    found = m.bifurcation("w", values, "b.x", period="2*pi/w", skip=30, points=3)
+    expected = (1.0 / (4.0 - values**2 + 1j * values)).real
+    np.testing.assert_allclose(found.points, expected[:, None] * [1, 1, 1], atol=1e-6)
+    assert "2*pi/w" in found.rule
+    section = m.set(w=2.9).poincare("b.x", "b.vx", period="2*pi/w", skip=30, points=3)
+    np.testing.assert_allclose(section["b.x"], found.points[2], atol=1e-9)
+    assert "at every value" in m.bifurcation("w", values, "b.x", period="2*pi/bare", skip=1, points=1).rule
+
+
+@pytest.mark.parametrize(
+    ("period", "words"), [("2*pi/v", "no parameter 'v'"), ("w", "expected"), ("-1/w", "positive"), ("a b", "time")]
+)
+def test_periods_that_are_none_are_refused(period, words):
+    with pytest.raises(ValueError, match=words):
+        swinging(1.0).poincare("b.x", "b.vx", period=period, skip=1, points=1)

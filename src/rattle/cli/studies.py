@@ -79,7 +79,9 @@ def compare(
     "--values", "count", default=100, show_default=True, help="Number of values, evenly spaced from --from to --to."
 )
 @click.option(
-    "--period", type=time, help="Time between two points, in s or as '20 ms'; default: one turn of the driver."
+    "--period",
+    metavar="TIME",
+    help="Time between two points, in s, as '20 ms' or over parameters as '2*pi/w'; default: one turn of the driver.",
 )
 @click.option(
     "--crossing", metavar="NAME", help="Take a point whenever this curve rises through zero, not once per --period."
@@ -103,7 +105,7 @@ def compare(
 @click.pass_context
 def poincare(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, contact: str | None, names: tuple[str, ...],
-    parameter: str | None, first: str | None, last: str | None, count: int, period: float | None,
+    parameter: str | None, first: str | None, last: str | None, count: int, period: str | None,
     crossing: str | None, skip: int, points: int, lyapunov: bool, picture: str,
 ) -> None:  # fmt: skip
     """Poincare section of two curves, or bifurcation diagram of one curve over a parameter.

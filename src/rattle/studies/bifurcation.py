@@ -12,6 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
 from rattle.errors import InputError, SolverError
+from rattle.language.times import Seconds
 from rattle.progress_bar import progress_bar
 from rattle.results.display import quantity, table
 from rattle.studies.poincare import period_of
@@ -63,16 +64,27 @@ class Bifurcation:
         return plot_bifurcation(self, ax)
 
 
+def _rule(changed: Sequence[Mechanism], period: Seconds | None) -> str:
+    """When points are taken, in words."""
+    if period is None:
+        return "once per turn of the driver"
+    first, last = (period_of(one, period) for one in (changed[0], changed[-1]))
+    if first != last:
+        return f"once every {period}, from {first:.4g} to {last:.4g} s"
+    return f"once every {first:.4g} s at every value"
+
+
 def bifurcation(
-    m: Mechanism, parameter: str, values: Sequence[float] | np.ndarray, of: str, *, period: float | None = None,
+    m: Mechanism, parameter: str, values: Sequence[float] | np.ndarray, of: str, *, period: Seconds | None = None,
     skip: int = 100, points: int = 100, method: str | None = None, rtol: float | None = None,
     atol: float | None = None, step: float | None = None, threads: int | None = None, progress: bool = False,
 ) -> Bifurcation:  # fmt: skip
     """Bifurcation diagram: an output once per period, over the values [SI] of a parameter.
 
-    Every run has the start of the model; `skip` periods pass before `points` points are taken.  period: [s] (default:
-    one turn of the driver, for every value anew).  threads: number of runs at the same time (default: number of cores);
-    the result does not depend on it.  method, rtol, atol, step: as in `simulate`.
+    Every run has the start of the model; `skip` periods pass before `points` points are taken.  period: [s] or an
+    expression over parameters such as "2*pi/w" (default: one turn of the driver), for every value anew.
+    threads: number of runs at the same time (default: number of cores); the result does not depend on it.
+    method, rtol, atol, step: as in `simulate`.
     Raises ModelError for a value that the model refuses, ValueError for wrong arguments, UnknownName for an output,
     SolverError if all runs stop before their first point.
     """
@@ -123,7 +135,7 @@ def bifurcation(
         where = f"the first one at t = {first.trust.t_end:.6g} s, {first.message}"
         raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", first)
     what = m.model.parameters.get(parameter)
-    rule = f"once every {period:.4g} s" if period is not None else "once per turn of the driver"
+    rule = _rule(changed, period)
     if interrupted:
         rule += f", stopped by the user after {len(rows)} of {len(given)} values"
         rows += [np.full(points, np.nan)] * (len(given) - len(rows))

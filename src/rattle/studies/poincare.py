@@ -10,9 +10,15 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rattle.analyses import arguments
+from rattle.description.toml_locations import caret_under
 from rattle.equations.motion import drive
 from rattle.equations.system import System
-from rattle.errors import InputError, SolverError
+from rattle.errors import InputError, ModelError, Problem, SolverError, suggest
+from rattle.language import arrays
+from rattle.language.expression import dimension
+from rattle.language.syntax import ExpressionError, Name, Node, parse, walk
+from rattle.language.times import Seconds, seconds
+from rattle.language.units import TIME, describe, dimension_of
 from rattle.results.display import quantity, table
 
 if TYPE_CHECKING:
@@ -39,14 +45,45 @@ def driver_period(system: System) -> float | None:
     return None
 
 
-def period_of(m: Mechanism, period: float | None) -> float:
-    """The given period [s], or that of the driver.  Raises InputError if there is none, or if it is not positive."""
-    found = period if period is not None else driver_period(m.system)
+def period_of(m: Mechanism, period: Seconds | None) -> float:
+    """The given period [s], or that of the driver; a text may be an expression over parameters, such as "2*pi/w".
+
+    Raises InputError if there is none, or if it is not positive, ModelError for a text that cannot be read.
+    """
+    found = driver_period(m.system) if period is None else _seconds(m, period)
     if found is None:
         raise InputError("no driver turns at constant rate; give the period in s, or a crossing")
     if not 0.0 < found < math.inf:
         raise InputError(f"period must be positive and finite, got {found}")
     return found
+
+
+def _seconds(m: Mechanism, period: Seconds) -> float:
+    """A given period [s] with the present values of the parameters."""
+    if not isinstance(period, str) or (text := _expression(period)) is None:
+        return seconds(period, "period")
+    known = m.model.parameters
+    try:
+        for part in walk(text):
+            if isinstance(part, Name) and part.name not in known:
+                raise ExpressionError(f"no parameter '{part.name}'{suggest(part.name, known)}", part.column)
+        found = dimension(text, lambda name: dimension_of(known[name].unit) if known[name].unit else None)
+        if found not in (None, TIME):
+            raise ExpressionError(f"this is {describe(found)}; expected {describe(TIME)}", text.column)
+    except ExpressionError as error:
+        problem = Problem((), f"period: {error}", column=error.column)
+        problem.caret = caret_under(period, error.column + 1)
+        raise ModelError([problem]) from None
+    with np.errstate(all="ignore"):
+        return float(arrays.evaluate(text, lambda name: known[name].value))
+
+
+def _expression(text: str) -> Node | None:
+    """A text as an expression, which "20 ms" is too; None for what is none."""
+    try:
+        return parse(text)
+    except ExpressionError:
+        return None
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,13 +133,14 @@ class Section:
 
 
 def section(
-    m: Mechanism, names: Sequence[str], *, period: float | None = None, crossing: str | None = None, level: float = 0.0,
-    skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None, atol: float | None = None,
-    step: float | None = None,
+    m: Mechanism, names: Sequence[str], *, period: Seconds | None = None, crossing: str | None = None,
+    level: float = 0.0, skip: int = 50, points: int = 500, method: str | None = None, rtol: float | None = None,
+    atol: float | None = None, step: float | None = None,
 ) -> Section:  # fmt: skip
     """Values [SI] of some names of a result once per period, or whenever a curve rises through a level.
 
-    period: [s] (default: one turn of the driver).  crossing: a name; its rises through `level` [SI] are located on
+    period: [s] or an expression over parameters (default: one turn of the driver).
+    crossing: a name; its rises through `level` [SI] are located on
     a cubic spline of the output, with at least 200 outputs per period or mean distance of crossings.
     skip: points left out at the start.  points: number of points (there may be fewer crossings).
     method, rtol, atol, step: as in `simulate`.  Raises InputError for wrong arguments or if nothing crosses,
@@ -123,7 +161,7 @@ def section(
         )  # fmt: skip
     from scipy.interpolate import CubicSpline
 
-    span = (skip + points) * period if period is not None else m.model.settings.t_end
+    span = (skip + points) * period_of(m, period) if period is not None else m.model.settings.t_end
     r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + points) + 1), **settings)
     rises = rises_of(r, crossing, level)
     times = rises[skip:][:points]
