@@ -36,6 +36,29 @@ declare("tally", """
 """)
 STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST_ROWS, LEAPS, STREAK, EVENT_COUNT = range(10)
 CONTACTS, TAME, SERIES = range(10, 13)
+declare("passage", """
+    ROOT_BEFORE [] root of the least pivot share at the start of the step, see `singular_passage`
+    ROOT_WITHIN [] least one at its stages
+    ROOT_AFTER [] at its end
+    TRIED_AT [s] start of a step that was laid across a singular position
+    USUAL_LOST [] redundant rows at the start of the run
+    SLOPE [] of the root over the step, next to the singular position
+    WHERE [] share of the step at which it passes it
+    ROOT_THERE [] root there
+    NEARBY [] AWAY, BEFORE or PASSED of `singular_passage`
+    PASSED [] singular positions passed
+    CLOSEST_ROOT [] least root since it is not AWAY
+    NEAR_SINCE [s] time since when it is not AWAY
+""")
+ROOT_BEFORE, ROOT_WITHIN, ROOT_AFTER, TRIED_AT, USUAL_LOST, SLOPE, WHERE, ROOT_THERE, NEARBY = range(9)
+PASSED, CLOSEST_ROOT, NEAR_SINCE = range(9, 12)
+declare("passages", """
+    PASSED_AT [s] instant; the columns go on with the state there
+    PASSED_ROOT [] root there
+    PASSED_FROM [s] from here on forces do not count
+    PASSED_UNTIL [s] until here
+""")
+PASSED_AT, PASSED_ROOT, PASSED_FROM, PASSED_UNTIL = range(4)
 declare("iteration", """
     JACOBIAN_T [s] time of the state at which the Jacobian was taken
     STALE [] 1 if there is none, or if the iteration with it was slow

@@ -40,12 +40,13 @@ from rattle.solvers.contacts.penetration import ESCAPED, escaped
 from rattle.solvers.contacts.wear_sum import add_wear
 from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks.climb import end_step
 from rattle.solvers.peaks.samples import END, START, gauge, may_rise
 from rattle.solvers.projection import project
+from rattle.solvers.singular_passage import come_near, count_step, ends_beside, passes, straddle
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
 from rattle.solvers.step_audit import stands
 from rattle.solvers.step_control import (
+    SHORT,
     TRY_AGAIN,
     end_on_switch,
     end_stands,
@@ -56,6 +57,7 @@ from rattle.solvers.step_control import (
     lengthen,
     next_step,
     output_due,
+    quarter,
     refuse,
     shorten,
     take_over,
@@ -89,7 +91,12 @@ def begin(m, t, t_end, rtol, atol, h_max):
     clock[at.T] = t
     if m.contact.shape[0] > 0 and m.mode.shape[0] == 0:  # the event-driven loop has done so
         start_contacts(m, t, y)
+    m.power[at.PIVOT_SHARE] = 1.0
     tally[at.LOST_ROWS] = derivative(m, t, y, f)
+    m.passage[at.USUAL_LOST] = tally[at.LOST_ROWS]
+    m.passage[at.ROOT_BEFORE] = math.sqrt(m.power[at.PIVOT_SHARE])
+    if m.power[at.PIVOT_SHARE] < WEAK:
+        come_near(m, t)
     gauge(m, START, t)
     remember_end(m)
     pass_on(m)
@@ -119,8 +126,8 @@ def finish_step(m, t, y_new, f_new):
     return 0
 
 
-@native("i", "h", "f", "f", "i", "v", "m")
-def search_step_for_events(m, t, t_new, changed, t_out, out):
+@native("i", "h", "f", "f", "i", "i", "v", "m")
+def search_step_for_events(m, t, t_new, changed, passed, t_out, out):
     """Contacts, zero crossings and outputs inside the step from (t, y) to (t_new, y_new).
 
     Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
@@ -131,7 +138,7 @@ def search_step_for_events(m, t, t_new, changed, t_out, out):
     suspect = may_any_change(m, h)
     peak = m.wear_work.shape[0] == 0 and near_peak(m)
     samples = m.stepper[SAMPLES]
-    dense = suspect or peak or output_due(m, t_new, t_out) or changed or may_rise(m, h, samples)
+    dense = suspect or peak or output_due(m, t_new, t_out) or changed or passed == 1 or may_rise(m, h, samples)
     if dense:
         prepare_dense(m, t, h)
         tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
@@ -140,7 +147,7 @@ def search_step_for_events(m, t, t_new, changed, t_out, out):
     until = min(share, 1.0)
     if contacts:
         find_peaks(m, until, peak)
-    tally[at.EVALUATIONS] += end_step(m, t, h, until, samples, dense)
+    tally[at.EVALUATIONS] += count_step(m, t, h, until, samples, dense, passed)
     if changed:
         find_crossings(m, t, h, until)
     t_until = t + until * h if until < 1.0 else t_new  # t + h may round to less
@@ -172,7 +179,9 @@ def try_step(m, t, h, last, rtol, atol, h_max):
     power[at.PIVOT_SHARE] = 1.0
     error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[at.TAME]))
     tally[at.EVALUATIONS] += stepper[STAGES] - 1
-    weak = power[at.PIVOT_SHARE] < WEAK and h <= LEAP * m.clock[at.H_SOUND]
+    m.passage[at.ROOT_WITHIN] = math.sqrt(power[at.PIVOT_SHARE])
+    laid = m.passage[at.TRIED_AT] == t  # across a singular position
+    weak = power[at.PIVOT_SHARE] < WEAK and (laid or h <= LEAP * m.clock[at.H_SOUND])
     if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[at.STREAK]:
         tally[at.LEAPS] += 1
         error = 1e-8
@@ -196,6 +205,8 @@ def step_anew(m, t, h, error, weak):
         return TRY_AGAIN
     if m.stepper[ADAPTIVE] == 0:
         return NOT_FINITE
+    if m.power[at.PIVOT_SHARE] < WEAK and straddle(m, t, h) == 1:
+        return TRY_AGAIN
     if m.power[at.PIVOT_SHARE] < WEAK and tally[at.TAME] == 0:
         tally[at.TAME] = 1
         return TRY_AGAIN
@@ -209,7 +220,11 @@ def step_anew(m, t, h, error, weak):
 @compiled
 def end_on_constraints(m, t, h, t_new, t_end, rtol, atol):
     """Project the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
+    passage, share = m.passage, m.power[at.PIVOT_SHARE]
+    m.power[at.PIVOT_SHARE] = 1.0
     finish_step(m, t_new, m.state_new, m.rate_new)
+    passage[at.ROOT_AFTER] = math.sqrt(m.power[at.PIVOT_SHARE])
+    m.power[at.PIVOT_SHARE] = min(share, m.power[at.PIVOT_SHARE])
     if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
         m.tally[at.REJECTED] += 1
         m.landing[at.LANDS] = 0.0
@@ -260,14 +275,23 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             return STEP_TOO_SMALL
         t_new = t_end if last else t + h
         status, changed = try_step(m, t, h, last, rtol, atol, h_max)
+        passed = 0
         if status == OK:
             status, at_end = end_on_constraints(m, t, h, t_new, t_end, rtol, atol)
             changed |= at_end
+        if status == OK and ends_beside(m, t, t_new - t) == 1:
+            continue
+        if status == OK:
+            passed = passes(m, t, t_new - t, rtol)
+            if passed < 0 and h > SHORT * (t_end - t):
+                quarter(m, h)
+                continue
+            passed = max(passed, 0)
         if status == TRY_AGAIN:
             continue
         if status != OK:
             return status
-        who = search_step_for_events(m, t, t_new, changed, t_out, out)
+        who = search_step_for_events(m, t, t_new, changed, passed, t_out, out)
         if who == -2:
             return ESCAPED
         if who >= 0:
@@ -276,6 +300,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if m.contact.shape[0] > 0 and escaped(m, y_new):
             clock[at.TROUBLE] = t_new
             return ESCAPED
+        m.passage[at.ROOT_BEFORE] = m.passage[at.ROOT_AFTER]
         start_next(m, t_new, who)
         if m.wear_work.shape[0] > 0:
             add_wear(m, t_new - t)

@@ -35,6 +35,7 @@ from rattle.solvers.contacts.wear_sum import wear_arrays
 from rattle.solvers.dry_friction_modes import decide
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
+from rattle.solvers.singular_passage import passage_arrays
 from rattle.solvers.state_switches import choose_sides
 from rattle.solvers.step_audit import UNSOUND
 
@@ -125,6 +126,7 @@ class Run(ABC):
         if self.ports:
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
         peaks = {} if self.wear else peak_arrays(self.system)
+        arrays |= passage_arrays(len(y), len(peaks["peaks"]) if peaks else 0)
         return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
 
     def take_sides(self, t: float) -> None:

@@ -175,13 +175,13 @@ def climb_all(m, t, h, low, high, layout):
     return solved
 
 
-@native("i", "h", "f", "f", "f", "f", "i")
-def sample_pieces(m, t, h, until, wide, sound):
-    """Count a step up to the share `until` in pieces of its dense output, as short as the forces need.
+@native("i", "h", "f", "f", "f", "f", "f", "i")
+def sample_pieces(m, t, h, low, until, wide, sound):
+    """Count a step between two shares in pieces of its dense output, as short as the forces need.
 
-    wide: share of the first piece.  Returns the number of states computed.
+    low, until: these shares.  wide: share of the first piece.  Returns the number of states computed.
     """
-    peaks, low, solved = m.peaks, 0.0, 0
+    peaks, solved = m.peaks, 0
     while low < until:
         high = low + wide if low + 1.001 * wide < until else until
         for k in range(1, COUNT[CUT]):
@@ -218,11 +218,11 @@ def end_step(m, t, h, until, layout, dense):
             return -1
         dense = 0
     if until < 1.0 or layout == CUT:
-        return sample_pieces(m, t, h, until, until, clear)
+        return sample_pieces(m, t, h, 0.0, until, until, clear)
     if layout == DOP853 and dense and clear and not sound:  # stages are off the constraints by too much
-        return sample_pieces(m, t, h, 1.0, 0.125, clear)
+        return sample_pieces(m, t, h, 0.0, 1.0, 0.125, clear)
     if layout == DOP853 and dense and sound and unresolved(m, h, DOP853):
-        return sample_pieces(m, t, h, 1.0, 0.125, sound)
+        return sample_pieces(m, t, h, 0.0, 1.0, 0.125, sound)
     add(m, t + h, h, layout, sound)
     if layout == RK4 and dense:
         dense = 1 if near_peak(peaks) else 0

@@ -1,0 +1,295 @@
+"""Steps across a singular position, in which rows of the constraints become dependent for an instant.
+
+    S = Phi_q M^-1 Phi_q^T     root = sqrt(least pivot / its diagonal)     root ~ k |t - t*|  along a smooth branch
+
+There branches of the motion cross.  The motion along a smooth branch is as smooth as elsewhere, but accelerations
+follow from 0/0: positions across the branch are known to eps/root, rates to eps/root^2, accelerations to eps/root^3.
+Shorter steps only come closer to it.  A step is therefore laid so that its stages straddle the position, none of them
+near it: t* is found ahead, on the path of constant acceleration, and put into the widest gap between the stages.  A
+step that has passed one is searched for t* on its dense output.  On a smooth branch the constraints hold there too;
+where they do not, two branches only come near each other, and the step would have changed from one to the other: it is
+repeated with a shorter length.
+
+Forces may grow as 1/(t - t*), or be finite but lost in rounding.  What is nearer than NEAR has no part in peaks.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rattle.equations.motion import constraints, drive, place
+from rattle.equations.schur import WEAK, factorise
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled, native
+from rattle.solvers.dense_output import interpolate, prepare_dense
+from rattle.solvers.dop853_tableau import C
+from rattle.solvers.peaks.climb import end_step, probe, sample_pieces
+from rattle.solvers.peaks.samples import BEST, DOP853, PROBE, SAMPLE, SQUARES, START, WHEN
+from rattle.solvers.step_audit import openness
+from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, SAMPLES
+
+NEAR = math.sqrt(WEAK)  # root below which forces are not to be trusted beside a singular position
+SINGULAR = 1e-3  # root at t* up to which a position is singular; what is left comes from the error of the dense output
+LOOKS = 16  # intervals in which the smallest root is sought
+LEVELS = 4  # times that the search is repeated, each in three intervals of the last: 1e-3 of the step, then linear
+NODES = np.sort(C[:12])  # of the stages
+WIDEST = int(np.argmax(np.diff(NODES)))  # gap between them
+GAP = float(0.5 * (NODES[WIDEST] + NODES[WIDEST + 1]))  # share of the step at which no stage is near
+FORESIGHT = 3.0  # steps ahead of which the next ones are laid so that one of them straddles the position
+SHORTER = 0.95  # length of these, at most, in steps that failed
+BESIDE = 0.15  # share of a step between its end and a singular position that is too little
+LATE = 1.2  # a straddling step is at most so many times as long as the one that failed
+CLOSEST = 1e-4  # share of the last regular step to t* from which no further straddling is tried
+CROSSED = 1e-7  # openness of the dense output at t*, relative to size or 1 rad, that is no sign of another branch
+CROSSED_RTOL = 1e3  # the same in relative tolerances
+FIRST_PIECE = 0.125  # share of a step in which the forces beside a singular position are first sampled
+AWAY, BEFORE, PASSED = 0.0, 1.0, 2.0  # where a run is: away from singular positions, near one, or past it but near
+MOST = 64  # passages that are kept with their state
+
+
+def passage_arrays(ny: int, quantities: int) -> dict[str, np.ndarray]:
+    """Workspace arrays for singular positions; ny: numbers of a state, quantities: with peaks."""
+    passage = np.zeros(at.width("passage"))
+    passage[at.TRIED_AT] = -math.inf
+    passage[at.ROOT_BEFORE] = 1.0
+    return {
+        "passage": passage,
+        "passages": np.zeros((MOST, at.width("passages") + ny)),
+        "passage_roots": np.zeros(LOOKS + 1),
+        "peaks_aside": np.zeros((quantities, 3)),
+    }
+
+
+@compiled
+def root_at(m, t, y):
+    """The root at the positions of y at t [s]; 0 if more rows than usual are dependent."""
+    nq, share = m.change.shape[0], m.power[at.PIVOT_SHARE]
+    place(m, y[:nq], y[nq : 2 * nq])
+    drive(m, t)
+    constraints(m)
+    m.power[at.PIVOT_SHARE] = 1.0
+    lost = factorise(m)
+    root = math.sqrt(m.power[at.PIVOT_SHARE])
+    m.power[at.PIVOT_SHARE] = share
+    return 0.0 if lost > m.passage[at.USUAL_LOST] else root
+
+
+@compiled
+def lowest(roots):
+    """Place [in intervals] where evenly spaced roots vanish, by straight lines, and their slope; -1 if at an end."""
+    k, last = 0, roots.shape[0] - 1
+    for n in range(roots.shape[0]):
+        k = n if roots[n] < roots[k] else k
+    if k == 0 or k == last:
+        return -1.0, 0.0
+    before, here, after = roots[k - 1], roots[k], roots[k + 1]
+    left, right = before + here, here + after  # slopes if it lies in the interval before, behind
+    if not left > 0.0 or not right > 0.0:
+        return float(k), max(left, right)
+    behind, ahead = here / left, here / right
+    if abs(left * (1.0 + behind) - after) < abs(right * (1.0 + ahead) - before):
+        return k - behind, left
+    return k + ahead, right
+
+
+@native("f", "h", "f", "f")
+def time_ahead(m, t, span):
+    """Time [s] from t to the next singular position within `span`, with constant accelerations; -1 if there is none."""
+    y, f, stage, roots, nq = m.state, m.rate, m.stage, m.passage_roots, m.change.shape[0]
+    for k in range(roots.shape[0]):
+        tau = span * k / (roots.shape[0] - 1)
+        for n in range(nq):
+            stage[n] = y[n] + tau * (y[nq + n] + 0.5 * tau * f[nq + n])
+            stage[nq + n] = y[nq + n] + tau * f[nq + n]
+        roots[k] = root_at(m, t + tau, stage)
+    where = lowest(roots)[0]
+    return span * where / (roots.shape[0] - 1) if where >= 0.0 else -1.0
+
+
+@native("i", "h", "f", "f")
+def straddle(m, t, h):
+    """Choose a step from t [s] after one of length h [s] that failed next to a singular position; 0 if none is left."""
+    if m.stepper[SAMPLES] != DOP853 or m.stepper[ADAPTIVE] == 0:
+        return 0
+    clock, passage = m.clock, m.passage
+    ahead = time_ahead(m, t, FORESIGHT * h)
+    if not ahead > CLOSEST * clock[at.H_SOUND]:
+        return 0
+    rest = ahead - GAP * h  # steps that end where one of length h would straddle it
+    tried, passage[at.TRIED_AT] = passage[at.TRIED_AT] == t, -math.inf
+    if tried:  # nearer to it, with a shorter step
+        clock[at.H] = 0.5 * ahead
+    elif ahead <= LATE * GAP * h:
+        clock[at.H] = ahead / GAP
+        passage[at.TRIED_AT] = t
+    else:
+        clock[at.H] = rest / (1.0 + int(rest / (SHORTER * h)))
+    m.tally[at.TAME] = 1
+    return 1
+
+
+@compiled
+def ends_beside(m, t, h):
+    """1 if the step from t [s] of length h [s] ends so close to a singular position that another one is chosen."""
+    passage = m.passage
+    if not passage[at.ROOT_AFTER] < min(NEAR, passage[at.ROOT_BEFORE]) or m.stepper[ADAPTIVE] == 0:
+        return 0
+    ahead = time_ahead(m, t, 1.3 * h)
+    return straddle(m, t, h) if abs(ahead - h) < BESIDE * h else 0
+
+
+@native("f", "h", "f", "f")
+def sought(m, t, h):
+    """Share of the step from t [s] of length h [s] at which it passes a singular position; -1 if it does not.
+
+    The dense output is ready.  The slope of the root per step goes to passage[SLOPE].
+    """
+    roots, stage = m.passage_roots, m.stage
+    low, wide = 0.0, 1.0 / (roots.shape[0] - 1)
+    where = -1.0
+    for _ in range(LEVELS):
+        for k in range(roots.shape[0]):
+            interpolate(m, low + k * wide, stage)
+            roots[k] = root_at(m, t + (low + k * wide) * h, stage)
+        place_of, slope = lowest(roots)
+        if place_of < 0.0:
+            return where
+        where, m.passage[at.SLOPE] = low + place_of * wide, slope / wide
+        low, wide = where - 1.5 * wide, 3.0 * wide / (roots.shape[0] - 1)
+    return where
+
+
+@compiled
+def keep_passage(m, t, y, root):
+    """Keep the state y at t [s], with this root, as that of the next singular position."""
+    n = int(m.passage[at.PASSED])
+    m.passage[at.CLOSEST_ROOT] = root
+    if n < m.passages.shape[0]:
+        row = m.passages[n]
+        row[at.PASSED_AT], row[at.PASSED_ROOT] = t, root
+        for k in range(y.shape[0]):
+            row[at.PASSED_UNTIL + 1 + k] = y[k]
+
+
+@compiled
+def count_passage(m, since, until):
+    """Count the singular position that was kept; forces from `since` to `until` [s] have no part in peaks."""
+    passage, n = m.passage, int(m.passage[at.PASSED])
+    if n < m.passages.shape[0]:
+        m.passages[n, at.PASSED_FROM], m.passages[n, at.PASSED_UNTIL] = since, until
+    passage[at.PASSED], passage[at.CLOSEST_ROOT] = n + 1.0, NEAR
+
+
+@native("void", "h", "f")
+def leave(m, t):
+    """Forget the forces next to a singular position that lies behind at t [s].
+
+    One that steps have come closer to than SINGULAR, without passing it in one of them, is counted too.
+    """
+    passage = m.passage
+    if passage[at.CLOSEST_ROOT] < SINGULAR:
+        bring_back(m)
+        count_passage(m, passage[at.NEAR_SINCE], t)
+    elif passage[at.NEARBY] == PASSED:
+        bring_back(m)
+        n = int(passage[at.PASSED]) - 1
+        if n < m.passages.shape[0]:
+            m.passages[n, at.PASSED_UNTIL] = t
+    passage[at.NEARBY] = AWAY
+
+
+@native("i", "h", "f", "f", "f")
+def passes(m, t, h, rtol):
+    """1 if the step from t [s] of length h [s] passes a singular position along a smooth branch, 0 if it passes none.
+
+    -1 if it would change to another branch.
+    """
+    passage, stage = m.passage, m.stage
+    least = min(passage[at.ROOT_WITHIN], passage[at.ROOT_AFTER])
+    if not (least < NEAR or least < 0.5 * max(passage[at.ROOT_BEFORE], passage[at.ROOT_AFTER])):
+        return 0
+    prepare_dense(m, t, h)
+    m.tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
+    where = sought(m, t, h)
+    if where < 0.0:
+        return 0
+    interpolate(m, where, stage)
+    root = root_at(m, t + where * h, stage)
+    if root > SINGULAR:
+        return 0
+    if openness(m) > max(CROSSED, CROSSED_RTOL * rtol):
+        return -1
+    passage[at.WHERE], passage[at.ROOT_THERE] = where, root
+    return 1
+
+
+@compiled
+def put_aside(m):
+    """Keep the peaks and sums as they are before the neighbourhood of a singular position."""
+    aside, peaks = m.peaks_aside, m.peaks
+    for n in range(peaks.shape[0]):
+        aside[n, 0], aside[n, 1], aside[n, 2] = peaks[n, BEST], peaks[n, WHEN], peaks[n, SQUARES]
+
+
+@compiled
+def bring_back(m):
+    """Forget the peaks and sums since `put_aside`."""
+    aside, peaks = m.peaks_aside, m.peaks
+    for n in range(peaks.shape[0]):
+        peaks[n, BEST], peaks[n, WHEN], peaks[n, SQUARES] = aside[n, 0], aside[n, 1], aside[n, 2]
+
+
+@compiled
+def come_near(m, t):
+    """Set peaks and sums aside: from t [s] on they may be those next to a singular position."""
+    passage = m.passage
+    put_aside(m)
+    passage[at.NEARBY], passage[at.CLOSEST_ROOT], passage[at.NEAR_SINCE] = BEFORE, NEAR, t
+
+
+@native("i", "h", "f", "f", "f", "i", "i", "i")
+def count_step(m, t, h, until, layout, dense, passed):
+    """`end_step`, without what lies next to a singular position; passed: the step passes one."""
+    passage = m.passage
+    if m.peaks.shape[0] == 0:
+        return 0
+    if passed == 1:
+        return count_around(m, t, h, until)
+    near = m.power[at.PIVOT_SHARE] < WEAK
+    if near and passage[at.NEARBY] == AWAY:
+        come_near(m, t)
+    elif not near and passage[at.NEARBY] != AWAY:
+        leave(m, t)
+    if near and passage[at.ROOT_AFTER] < passage[at.CLOSEST_ROOT]:
+        keep_passage(m, t + h, m.state_new, passage[at.ROOT_AFTER])
+    return end_step(m, t, h, until, layout, dense)
+
+
+@compiled
+def count_around(m, t, h, until):
+    """Count the parts of a step that passes a singular position where the root is at least NEAR, up to a share of it.
+
+    Returns the states computed.
+    """
+    passage, solved = m.passage, 0
+    half = NEAR / max(passage[at.SLOPE], NEAR)
+    low = min(max(0.0, passage[at.WHERE] - half), until)
+    high = min(passage[at.WHERE] + half, until)
+    if passage[at.NEARBY] == AWAY:
+        come_near(m, t + low * h)
+    bring_back(m)
+    if low > 0.0:
+        solved += sample_pieces(m, t, h, 0.0, low, min(FIRST_PIECE, low), True)
+    if high < until:
+        probe(m, t, h, high, 0)
+        for n in range(m.peaks.shape[0]):
+            m.peaks[n, SAMPLE + START] = m.peaks[n, SAMPLE + PROBE]
+        solved += 1 + sample_pieces(m, t, h, high, until, min(FIRST_PIECE, until - high), True)
+    interpolate(m, passage[at.WHERE], m.stage)
+    keep_passage(m, t + passage[at.WHERE] * h, m.stage, passage[at.ROOT_THERE])
+    count_passage(m, passage[at.NEAR_SINCE], t + high * h)
+    passage[at.NEARBY] = PASSED if passage[at.ROOT_AFTER] < NEAR else AWAY
+    put_aside(m)
+    return solved
