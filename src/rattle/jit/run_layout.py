@@ -42,18 +42,18 @@ declare("passage", """
     ROOT_AFTER [] at its end
     TRIED_AT [s] start of a step that was laid across a singular position
     USUAL_LOST [] redundant rows at the start of the run
-    SLOPE [] of the root over the step, next to the singular position
-    WHERE [] share of the step at which it passes it
+    ROOT_SLOPE [] of the root over the step, next to the singular position
+    PASSED_SHARE [] share of the step at which it passes it
     ROOT_THERE [] root there
     NEARBY [] AWAY, BEFORE or PASSED of `singular_passage`
     PASSED [] singular positions passed
     CLOSEST_ROOT [] least root since it is not AWAY
     NEAR_SINCE [s] time since when it is not AWAY
 """)
-ROOT_BEFORE, ROOT_WITHIN, ROOT_AFTER, TRIED_AT, USUAL_LOST, SLOPE, WHERE, ROOT_THERE, NEARBY = range(9)
+ROOT_BEFORE, ROOT_WITHIN, ROOT_AFTER, TRIED_AT, USUAL_LOST, ROOT_SLOPE, PASSED_SHARE, ROOT_THERE, NEARBY = range(9)
 PASSED, CLOSEST_ROOT, NEAR_SINCE = range(9, 12)
 declare("passages", """
-    PASSED_AT [s] instant; the columns go on with the state there
+    PASSED_AT [s] instant
     PASSED_ROOT [] root there
     PASSED_FROM [s] from here on forces do not count
     PASSED_UNTIL [s] until here

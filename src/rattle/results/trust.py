@@ -35,6 +35,7 @@ class Trust:
     fewest_steps: float | None = None  # steps in the shortest contact
     nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
     notes: tuple[str, ...] = ()
+    singular: tuple[float, ...] = ()  # instants at which singular positions were passed [s]
     drift_angle: float = 0.0  # largest angle between bodies that belong together [rad]
     stopped: bool = False  # the run ended before its end time
     horizon_motion: float | None = None  # time up to which positions and rates agree [s]
@@ -171,7 +172,7 @@ class Trust:
     def from_dict(cls, record: Mapping[str, Any]) -> Trust:
         """The inverse of `to_dict`; units as of the fields."""
         intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
-        texts = {key: tuple(record[key]) for key in ("nonunique", "notes")}
+        texts = {key: tuple(record[key]) for key in ("nonunique", "notes", "singular") if key in record}
         return cls(**{**record, **texts, "intervals": intervals})
 
 

@@ -35,12 +35,12 @@ SINGULAR = 1e-3  # root at t* up to which a position is singular; what is left c
 LOOKS = 16  # intervals in which the smallest root is sought
 LEVELS = 4  # times that the search is repeated, each in three intervals of the last: 1e-3 of the step, then linear
 NODES = np.sort(C[:12])  # of the stages
-WIDEST = int(np.argmax(np.diff(NODES)))  # gap between them
-GAP = float(0.5 * (NODES[WIDEST] + NODES[WIDEST + 1]))  # share of the step at which no stage is near
+WIDE = np.sort(np.argsort(np.diff(NODES))[-3:])  # the three widest gaps between them
+GAPS = 0.5 * (NODES[WIDE] + NODES[WIDE + 1])  # 0.18, 0.47, 0.75: shares of a step at which no stage is near
+LATE = 1.2  # a straddling step is at most so many times as long as the one that failed
 FORESIGHT = 3.0  # steps ahead of which the next ones are laid so that one of them straddles the position
 SHORTER = 0.95  # length of these, at most, in steps that failed
 BESIDE = 0.15  # share of a step between its end and a singular position that is too little
-LATE = 1.2  # a straddling step is at most so many times as long as the one that failed
 CLOSEST = 1e-4  # share of the last regular step to t* from which no further straddling is tried
 CROSSED = 1e-7  # openness of the dense output at t*, relative to size or 1 rad, that is no sign of another branch
 CROSSED_RTOL = 1e3  # the same in relative tolerances
@@ -53,10 +53,11 @@ def passage_arrays(ny: int, quantities: int) -> dict[str, np.ndarray]:
     """Workspace arrays for singular positions; ny: numbers of a state, quantities: with peaks."""
     passage = np.zeros(at.width("passage"))
     passage[at.TRIED_AT] = -math.inf
-    passage[at.ROOT_BEFORE] = 1.0
+    passage[at.ROOT_BEFORE], passage[at.CLOSEST_ROOT] = 1.0, NEAR
     return {
         "passage": passage,
-        "passages": np.zeros((MOST, at.width("passages") + ny)),
+        "passages": np.zeros((MOST, at.width("passages"))),
+        "passage_states": np.zeros((MOST, ny)),
         "passage_roots": np.zeros(LOOKS + 1),
         "peaks_aside": np.zeros((quantities, 3)),
     }
@@ -117,16 +118,18 @@ def straddle(m, t, h):
     ahead = time_ahead(m, t, FORESIGHT * h)
     if not ahead > CLOSEST * clock[at.H_SOUND]:
         return 0
-    rest = ahead - GAP * h  # steps that end where one of length h would straddle it
     tried, passage[at.TRIED_AT] = passage[at.TRIED_AT] == t, -math.inf
+    m.tally[at.TAME] = 1
     if tried:  # nearer to it, with a shorter step
         clock[at.H] = 0.5 * ahead
-    elif ahead <= LATE * GAP * h:
-        clock[at.H] = ahead / GAP
-        passage[at.TRIED_AT] = t
-    else:
-        clock[at.H] = rest / (1.0 + int(rest / (SHORTER * h)))
-    m.tally[at.TAME] = 1
+        return 1
+    for n in range(GAPS.shape[0]):
+        if ahead <= LATE * GAPS[n] * h:
+            clock[at.H] = ahead / GAPS[n]
+            passage[at.TRIED_AT] = t
+            return 1
+    rest = ahead - GAPS[1] * h  # steps that end where one of length h would straddle it
+    clock[at.H] = rest / (1.0 + int(rest / (SHORTER * h)))
     return 1
 
 
@@ -156,7 +159,7 @@ def sought(m, t, h):
         place_of, slope = lowest(roots)
         if place_of < 0.0:
             return where
-        where, m.passage[at.SLOPE] = low + place_of * wide, slope / wide
+        where, m.passage[at.ROOT_SLOPE] = low + place_of * wide, slope / wide
         low, wide = where - 1.5 * wide, 3.0 * wide / (roots.shape[0] - 1)
     return where
 
@@ -170,16 +173,21 @@ def keep_passage(m, t, y, root):
         row = m.passages[n]
         row[at.PASSED_AT], row[at.PASSED_ROOT] = t, root
         for k in range(y.shape[0]):
-            row[at.PASSED_UNTIL + 1 + k] = y[k]
+            m.passage_states[n, k] = y[k]
 
 
 @compiled
 def count_passage(m, since, until):
-    """Count the singular position that was kept; forces from `since` to `until` [s] have no part in peaks."""
-    passage, n = m.passage, int(m.passage[at.PASSED])
+    """Count the singular position that was kept, once; forces from `since` to `until` [s] have no part in peaks."""
+    passage = m.passage
+    n = int(passage[at.PASSED])
+    if passage[at.NEARBY] == PASSED:
+        n -= 1
+    elif n < m.passages.shape[0]:
+        m.passages[n, at.PASSED_FROM] = since
     if n < m.passages.shape[0]:
-        m.passages[n, at.PASSED_FROM], m.passages[n, at.PASSED_UNTIL] = since, until
-    passage[at.PASSED], passage[at.CLOSEST_ROOT] = n + 1.0, NEAR
+        m.passages[n, at.PASSED_UNTIL] = until
+    passage[at.PASSED] = n + 1.0
 
 
 @native("void", "h", "f")
@@ -189,15 +197,10 @@ def leave(m, t):
     One that steps have come closer to than SINGULAR, without passing it in one of them, is counted too.
     """
     passage = m.passage
-    if passage[at.CLOSEST_ROOT] < SINGULAR:
+    if passage[at.NEARBY] == PASSED or passage[at.CLOSEST_ROOT] < SINGULAR:
         bring_back(m)
         count_passage(m, passage[at.NEAR_SINCE], t)
-    elif passage[at.NEARBY] == PASSED:
-        bring_back(m)
-        n = int(passage[at.PASSED]) - 1
-        if n < m.passages.shape[0]:
-            m.passages[n, at.PASSED_UNTIL] = t
-    passage[at.NEARBY] = AWAY
+    passage[at.NEARBY], passage[at.CLOSEST_ROOT] = AWAY, NEAR
 
 
 @native("i", "h", "f", "f", "f")
@@ -221,7 +224,7 @@ def passes(m, t, h, rtol):
         return 0
     if openness(m) > max(CROSSED, CROSSED_RTOL * rtol):
         return -1
-    passage[at.WHERE], passage[at.ROOT_THERE] = where, root
+    passage[at.PASSED_SHARE], passage[at.ROOT_THERE] = where, root
     return 1
 
 
@@ -257,14 +260,36 @@ def count_step(m, t, h, until, layout, dense, passed):
         return 0
     if passed == 1:
         return count_around(m, t, h, until)
-    near = m.power[at.PIVOT_SHARE] < WEAK
+    near = passage[at.ROOT_AFTER] < NEAR
+    solved, share = 0, 0.0
+    if dense == 1 and near == (passage[at.NEARBY] == AWAY):  # comes near within the step, or leaves
+        change = passage[at.ROOT_AFTER] - passage[at.ROOT_BEFORE]
+        share = min(max(0.0, (NEAR - passage[at.ROOT_BEFORE]) / change), until) if change != 0.0 else 0.0
+        solved += count_part(m, t, h, 0.0, share)
     if near and passage[at.NEARBY] == AWAY:
-        come_near(m, t)
+        come_near(m, t + share * h)
     elif not near and passage[at.NEARBY] != AWAY:
-        leave(m, t)
-    if near and passage[at.ROOT_AFTER] < passage[at.CLOSEST_ROOT]:
-        keep_passage(m, t + h, m.state_new, passage[at.ROOT_AFTER])
+        leave(m, t + share * h)
+    least = min(passage[at.ROOT_WITHIN], passage[at.ROOT_AFTER])
+    if passage[at.NEARBY] == BEFORE and least < passage[at.CLOSEST_ROOT]:
+        keep_passage(m, t + h, m.state_new, least)
+    if share > 0.0:
+        return solved + count_part(m, t, h, share, until)
+    if passage[at.NEARBY] != AWAY and least < SINGULAR:
+        return 0  # it would be forgotten
     return end_step(m, t, h, until, layout, dense)
+
+
+@compiled
+def count_part(m, t, h, low, high):
+    """Count a step between two shares of it, by its dense output; returns the states computed."""
+    if not high > low:
+        return 0
+    if low > 0.0:
+        probe(m, t, h, low, 0)
+        for n in range(m.peaks.shape[0]):
+            m.peaks[n, SAMPLE + START] = m.peaks[n, SAMPLE + PROBE]
+    return 1 + sample_pieces(m, t, h, low, high, min(FIRST_PIECE, high - low), True)
 
 
 @compiled
@@ -273,23 +298,18 @@ def count_around(m, t, h, until):
 
     Returns the states computed.
     """
-    passage, solved = m.passage, 0
-    half = NEAR / max(passage[at.SLOPE], NEAR)
-    low = min(max(0.0, passage[at.WHERE] - half), until)
-    high = min(passage[at.WHERE] + half, until)
+    passage = m.passage
+    half = NEAR / max(passage[at.ROOT_SLOPE], NEAR)
+    low = min(max(0.0, passage[at.PASSED_SHARE] - half), until)
+    high = min(passage[at.PASSED_SHARE] + half, until)
     if passage[at.NEARBY] == AWAY:
         come_near(m, t + low * h)
     bring_back(m)
-    if low > 0.0:
-        solved += sample_pieces(m, t, h, 0.0, low, min(FIRST_PIECE, low), True)
-    if high < until:
-        probe(m, t, h, high, 0)
-        for n in range(m.peaks.shape[0]):
-            m.peaks[n, SAMPLE + START] = m.peaks[n, SAMPLE + PROBE]
-        solved += 1 + sample_pieces(m, t, h, high, until, min(FIRST_PIECE, until - high), True)
-    interpolate(m, passage[at.WHERE], m.stage)
-    keep_passage(m, t + passage[at.WHERE] * h, m.stage, passage[at.ROOT_THERE])
+    solved = count_part(m, t, h, 0.0, low) + count_part(m, t, h, high, until)
+    interpolate(m, passage[at.PASSED_SHARE], m.stage)
+    if passage[at.NEARBY] != PASSED:
+        keep_passage(m, t + passage[at.PASSED_SHARE] * h, m.stage, passage[at.ROOT_THERE])
     count_passage(m, passage[at.NEAR_SINCE], t + high * h)
-    passage[at.NEARBY] = PASSED if passage[at.ROOT_AFTER] < NEAR else AWAY
+    passage[at.NEARBY], passage[at.CLOSEST_ROOT] = PASSED if passage[at.ROOT_AFTER] < NEAR else AWAY, NEAR
     put_aside(m)
     return solved

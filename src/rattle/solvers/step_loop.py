@@ -42,8 +42,8 @@ from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.samples import END, START, gauge, may_rise
 from rattle.solvers.projection import project
-from rattle.solvers.singular_passage import come_near, count_step, ends_beside, passes, straddle
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
+from rattle.solvers.singular_passage import come_near, count_step, ends_beside, passes, straddle
 from rattle.solvers.step_audit import stands
 from rattle.solvers.step_control import (
     SHORT,
@@ -67,6 +67,9 @@ from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, SAMPLES, STABLE, S
 
 LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
+LAID_ERROR = 1e-6  # the same of a step laid across a singular position: the projection at its end removes most of it
+USUAL = 2.0  # such a step is at most so many times as long as the last regular one
+ROUNDING_ACROSS = 1e-10  # error [the same] that is accepted while stages are projected: rounding, across the branch
 MOST_TRIES = 20
 
 
@@ -182,7 +185,10 @@ def try_step(m, t, h, last, rtol, atol, h_max):
     m.passage[at.ROOT_WITHIN] = math.sqrt(power[at.PIVOT_SHARE])
     laid = m.passage[at.TRIED_AT] == t  # across a singular position
     weak = power[at.PIVOT_SHARE] < WEAK and (laid or h <= LEAP * m.clock[at.H_SOUND])
-    if weak and error > 1.0 and error * rtol <= LEAP_ERROR * 2.0 ** tally[at.STREAK]:
+    allowed = LEAP_ERROR * 2.0 ** tally[at.STREAK] if weak else ROUNDING_ACROSS
+    if laid and h <= USUAL * m.clock[at.H_SOUND]:  # the motion along the branch is resolved
+        allowed = max(allowed, LAID_ERROR)
+    if (weak or tally[at.TAME] == 1) and error > 1.0 and error * rtol <= allowed:
         tally[at.LEAPS] += 1
         error = 1e-8
     if not error <= 1.0:

@@ -12,6 +12,7 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
+TAKES_PART = 0.05  # share of a row in dependent rows from which its joint is named
 UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 
@@ -146,19 +147,29 @@ def loose_without_mass(system: System, workspace: Workspace, tolerance: float = 
     return tuple((system.bodies[i - 1], which == [2]) for i, which in moving.items())
 
 
-def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = 1e-3) -> str:
-    """In words, which joints block the motion at the state in the workspace; "" if all rows are independent.
+def joints_losing_rank(system: System, workspace: Workspace, tolerance: float = 1e-3) -> tuple[str, ...]:
+    """Joints and drivers whose rows are dependent at the state in the workspace, those with the largest part first.
 
     tolerance: share [-] of the largest singular value below which a singular value counts as zero.
     """
     free = left_null(system, workspace, tolerance)
     if free.shape[1] == 0:
-        return ""
+        return ()
     share = np.abs(free).max(axis=1)
     owners: dict[str, float] = {}
     for row, value in zip(system.rows, share, strict=True):
         owners[row.owner] = max(owners.get(row.owner, 0.0), float(value))
-    names = [name for name, value in sorted(owners.items(), key=lambda item: -item[1]) if value > 0.05]
+    return tuple(name for name, value in sorted(owners.items(), key=lambda item: -item[1]) if value > TAKES_PART)
+
+
+def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = 1e-3) -> str:
+    """In words, which joints block the motion at the state in the workspace; "" if all rows are independent.
+
+    tolerance: share [-] of the largest singular value below which a singular value counts as zero.
+    """
+    names = joints_losing_rank(system, workspace, tolerance)
+    if not names:
+        return ""
     drivers = [name for name in names if name in system.model.drivers]
     if drivers:
         driver = system.model.drivers[drivers[0]]

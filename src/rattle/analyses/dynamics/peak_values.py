@@ -47,10 +47,14 @@ def peak_names(system: System) -> set[str]:
 
 
 def peak_values(system: System, workspace: Workspace, span: float) -> dict[str, Peak]:
-    """Largest absolute value [SI], its time [s] and RMS [SI] of every watched quantity, in a run of `span` [s]."""
+    """Largest absolute value [SI], its time [s] and RMS [SI] of every watched quantity in a run.
+
+    span: time that counts in it [s].
+    """
     found = {}
     for (name, *_), row in zip(quantities(system), workspace.peaks, strict=True):
         best, when, squares = (float(row[k]) for k in (samples.BEST, samples.WHEN, samples.SQUARES))
+        best = best if best > -math.inf else math.nan  # no instant counts, as at the start in a singular position
         rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
         found[name] = Peak(best, when, rms)
     for name, joint in system.model.joints.items():

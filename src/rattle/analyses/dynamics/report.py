@@ -13,6 +13,7 @@ from rattle.analyses.dynamics.horizon import Reach
 from rattle.analyses.dynamics.oil_notes import oil_notes
 from rattle.analyses.dynamics.peak_values import peak_values
 from rattle.analyses.dynamics.run import Run, pulls, start_state
+from rattle.analyses.dynamics.singular_passages import Passage, passage_notes, passages
 from rattle.analyses.dynamics.soundness import fast_links, loose, remarks
 from rattle.analyses.timetable import jolt_events, jolt_notes
 from rattle.analyses.travel import out_of_place, places
@@ -33,7 +34,9 @@ def report(run: Run, reach: Reach | None) -> Result:
     data, names, units = columns(system, run.raw[:n])
     curve = {name: data[:, names.index(f"energy.{name}")] for name in ("kinetic", "balance")}
     reached = float(run.clock[at.T])
+    passed = passages(run)
     nonunique, singular = _nonunique(run)
+    singular = passage_notes(passed) or singular
     contacts = contact_events(system, run.contacts, run.workspace, reached)
     notes = (
         *run.start.notes,
@@ -53,11 +56,11 @@ def report(run: Run, reach: Reach | None) -> Result:
     balance = float(np.abs(curve["balance"]).max()) if n else math.nan
     return build_result(
         system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
-        trust=_trust(run, reach, contacts, balance, nonunique, notes), stats=_stats(run), message=run.message,
+        trust=_trust(run, reach, contacts, balance, nonunique, notes, passed), stats=_stats(run), message=run.message,
         settings={"method": run.stepper.name, "rtol": run.rtol, "atol": run.atol, "step": run.step,
                   "t_end": run.t_end},
         events=sorted((*contacts, *jolt_events(run.jolts)), key=lambda event: event.t),
-        peaks=peak_values(system, run.workspace, reached - run.start.t),
+        peaks=peak_values(system, run.workspace, reached - run.start.t - sum(one.until - one.since for one in passed)),
     )  # fmt: skip
 
 
@@ -93,7 +96,7 @@ def _series_notes(run: Run) -> tuple[str, ...]:
 
 def _trust(
     run: Run, reach: Reach | None, contacts: tuple[Event, ...], balance: float, nonunique: tuple[str, ...],
-    notes: tuple[str, ...],
+    notes: tuple[str, ...], passed: tuple[Passage, ...],
 ) -> Trust:  # fmt: skip
     """How far the result can be trusted; balance: largest unexplained change of energy [J]."""
     system, clock, tally, seen = run.system, run.clock, run.tally, run.workspace.audit
@@ -113,6 +116,7 @@ def _trust(
         first_pull=first,
         intervals=intervals,
         nonunique=nonunique,
+        singular=tuple(one.t for one in passed),
         notes=notes,
         **contact_counts(system, contacts, float(clock[at.FEWEST])),
     )

@@ -1,0 +1,194 @@
+"""Runs that pass singular positions: parallelograms in line, scissors closed, cranks and rods that coincide."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import rattle as rt
+
+G = 9.81
+TOLERANCES = [1e-6, 1e-8, 1e-10, 1e-12]
+
+ISOSCELES = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.crank]
+bar = ["O", "A"]
+length = 0.4
+mass = 1.0
+[bodies.rod]
+bar = ["A", "B"]
+length = 0.4
+mass = 2.0
+[bodies.slider]
+points = { B = [0, 0] }
+mass = 3.0
+inertia = 0.01
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "crank.O"]
+[joints.A]
+type = "revolute"
+connect = ["crank.A", "rod.A"]
+[joints.B]
+type = "revolute"
+connect = ["rod.B", "slider.B"]
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "slider.B"]
+axis = 0
+[initial]
+crank = { angle = "30 deg", omega = 9 }
+rod = { angle = "-30 deg" }
+"""
+
+SCISSOR = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+F = [0, 0]
+[bodies.right]
+bar = ["F", "T2"]
+length = 0.8
+mass = 12
+points = { M = [0, 0] }
+[bodies.left]
+bar = ["G", "T1"]
+length = 0.8
+mass = 15
+points = { M = [0, 0], C = ["80 mm", 0] }
+[bodies.table]
+points = { T1 = [0, 0], T2 = [0, 0] }
+center = [0.3, 0.05]
+mass = 60
+inertia = 5
+[joints.F]
+type = "revolute"
+connect = ["ground.F", "right.F"]
+[joints.M]
+type = "revolute"
+connect = ["right.M", "left.M"]
+[joints.G]
+type = "slot"
+connect = ["ground.F", "left.G"]
+axis = 0
+[joints.T1]
+type = "revolute"
+connect = ["table.T1", "left.T1"]
+[joints.T2]
+type = "slot"
+connect = ["table.T2", "right.T2"]
+axis = 0
+[loads.cylinder]
+type = "actuator"
+connect = ["ground.F", "left.C"]
+force = "7 kN - 500 N*s/m*cylinder.rate"
+[initial]
+right = { angle = "25 deg" }
+left = { angle = "155 deg" }
+"""
+
+
+def windows(n: int) -> rt.Mechanism:
+    """n four-bars of 1 m, 1 kg bars in series, upper points starting at 1 m/s (IFToMM benchmark A02)."""
+    m = rt.Mechanism(f"{n} windows", gravity=[0, -G])
+    for k in range(n + 1):
+        m.ground(**{f"G{k}": [k, 0]})
+        m.bar(f"p{k}", "G", "P", length=1, mass=1).revolute(f"G{k}", f"ground.G{k}", f"p{k}.G")
+        m.initial(f"p{k}", angle="90 deg", omega=-1)
+    for k in range(1, n + 1):
+        m.bar(f"c{k}", "L", "R", length=1, mass=1).initial(f"c{k}", angle=0, omega=0)
+        m.revolute(f"L{k}", f"p{k - 1}.P", f"c{k}.L").revolute(f"R{k}", f"c{k}.R", f"p{k}.P")
+    return m
+
+
+def pendulum_of(n: int, t_end: float) -> tuple[float, list[float]]:
+    """Angle of the posts at t_end [rad] and instants [s] with all bars in line, from the one pendulum they are."""
+    ratio = (9 * n + 3) / (8 * n + 2)  # m g l [(n+1)/2 + n] over m l^2 [(n+1)/3 + n]
+
+    def rate(t, y):
+        return [y[1], -G * ratio * np.cos(y[0])]
+
+    def level(t, y):
+        return np.sin(y[0])
+
+    run = solve_ivp(rate, (0, t_end), [np.pi / 2, -1], "DOP853", rtol=1e-12, atol=1e-12, events=level)
+    return float(run.y[0, -1]), run.t_events[0].tolist()
+
+
+def swings_as_a_pendulum(n: int, rtol: float) -> None:
+    """A run of n windows passes all positions in line, names them, and moves as a pendulum does."""
+    r = windows(n).simulate(10.0, t_eval=[0.0, 10.0], rtol=rtol)
+    assert r.success, r.message
+    angle, instants = pendulum_of(n, 10.0)
+    # the error of a swinging pendulum's phase grows with time and with the number of bodies in the norm of the error
+    assert r["p0.angle"][-1] == pytest.approx(angle, abs=max(1e-6, 3e3 * rtol))
+    assert np.ptp([r[f"p{k}.angle"][-1] for k in range(n + 1)]) < 1e-6  # none has folded over
+    assert r.trust.singular == pytest.approx(instants, abs=max(1e-5, 1e3 * rtol))
+    # bars of 1 kg swinging at 6 rad/s: a force beyond 1 kN would be one of an instant in line
+    assert max(r.peak(f"G{k}.force")[0] for k in range(n + 1)) < 1e3
+
+
+@pytest.mark.parametrize("rtol", TOLERANCES)
+@pytest.mark.parametrize("n", [1, 3, 20])
+def test_four_bars_in_series_pass_all_positions_in_line(n, rtol):
+    swings_as_a_pendulum(n, rtol)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("n", range(1, 81))
+def test_any_number_of_four_bars_in_series_passes_them_at_every_tolerance(n):
+    for digits in range(6, 13):
+        swings_as_a_pendulum(n, 10.0**-digits)
+
+
+@pytest.mark.parametrize("rtol", TOLERANCES)
+def test_crank_and_rod_of_one_length_pass_the_position_in_which_they_coincide(rtol):
+    r = rt.loads(ISOSCELES).simulate(1.0, t_eval=[0.0, 0.5, 1.0], rtol=rtol)
+    assert r.success, r.message
+    # crank angle q, rod -q, slider at 2 l cos q: J(q) q'' + J'(q) q'^2/2 = -V'(q)
+    length, crank, rod, slider = 0.4, 1.0, 2.0, 3.0
+    base = (crank / 3 + rod / 12) * length**2
+
+    def inertia(q):
+        across, along = 0.5 * length * np.cos(q), 1.5 * length * np.sin(q)
+        return base + rod * (across**2 + along**2) + slider * (2 * length * np.sin(q)) ** 2
+
+    def rate(t, y):
+        q, w = y
+        slope = (rod * (2.25 - 0.25) * length**2 + 4 * slider * length**2) * np.sin(2 * q)
+        pull = -(crank + rod) * G * 0.5 * length * np.cos(q)
+        return [w, (pull - 0.5 * slope * w * w) / inertia(q)]
+
+    exact = solve_ivp(rate, (0, 1), [np.radians(30), 9.0], "DOP853", [0, 0.5, 1], rtol=1e-12, atol=1e-12)
+    assert r["crank.angle"] == pytest.approx(exact.y[0], abs=max(1e-8, 1e3 * rtol))
+    assert r["rod.angle"] == pytest.approx(-exact.y[0], abs=max(1e-8, 1e3 * rtol))
+    assert len(r.trust.singular) >= 1
+    assert "singular position" in r.trust.remarks()
+
+
+def test_peaks_beside_a_singular_position_do_not_depend_on_the_tolerance():
+    runs = [rt.loads(SCISSOR).simulate(0.8, t_eval=[0.0], rtol=rtol) for rtol in (1e-6, 1e-7, 1e-8, 1e-9, 1e-11, 1e-12)]
+    assert all(r.success and len(r.trust.singular) == 1 for r in runs)
+    for name in ("F.force", "M.force", "T1.force", "T2.force", "G.force"):
+        peaks = [r.peak(name)[0] for r in runs]
+        # they grow as 1/(t - t*) towards it; where the part left out begins is known to percent
+        assert peaks == pytest.approx([peaks[-1]] * len(peaks), rel=0.05)
+        rms = [r.rms(name) for r in runs]
+        assert rms == pytest.approx([rms[-1]] * len(rms), rel=0.03)
+    assert runs[0].trust.singular == pytest.approx(runs[-1].trust.singular, abs=1e-4)
+    for joint in ("F", "M", "G", "T1", "T2"):
+        assert joint in runs[2].trust.remarks()
+
+
+def test_a_position_that_is_nearly_singular_keeps_its_peak():
+    # bars of 1 m and 1.0001 m: branches only come near each other, so that all forces are finite and determined
+    m = windows(1).set({"bodies.c1.length": 1.002})
+    ways = [m.simulate(0.6, t_eval=[0.0], rtol=rtol) for rtol in (1e-9, 1e-11)]
+    assert all(r.success for r in ways), [r.message for r in ways]
+    assert not any(r.trust.singular for r in ways)
+    assert ways[0].peak("L1.force")[0] == pytest.approx(ways[1].peak("L1.force")[0], rel=1e-4)
