@@ -13,7 +13,7 @@ def studio(tmp_path_factory):
     folder = tmp_path_factory.mktemp("studio")
     (folder / "m.toml").write_text(PENDULUM)
     (folder / "link.toml").symlink_to(outside / "secret.toml")
-    served = start_studio(folder, "m.toml")
+    served = start_studio(folder, "m.toml", "--no-browser")
     yield served
     served.process.terminate()
     assert served.process.wait(10) == 0

@@ -4,8 +4,9 @@ import http.client
 import os
 import subprocess
 import sys
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 PENDULUM = """# a pendulum; this comment stays
 format = 1
@@ -32,13 +33,13 @@ t_end = "1 s"
 """
 
 
-class Served(NamedTuple):
-    """A running studio."""
+@dataclass
+class Served:
+    """A running studio: the address that it printed first, which works once."""
 
     process: subprocess.Popen
     address: str
     port: int
-    token: str
     folder: Path
 
     def ask(self, path: str, method: str = "GET", **headers: str) -> http.client.HTTPResponse:
@@ -56,17 +57,36 @@ class Served(NamedTuple):
         finally:
             connection.close()
 
+    def new_address(self) -> str:
+        """Another address, as Enter in the terminal gives it."""
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
+        return self.process.stdout.readline().split()[-1]
+
+    def new_token(self) -> str:
+        return self.new_address().partition("token=")[2]
+
+    @cached_property
+    def entered(self) -> tuple[str, str]:
+        """The place of the page and the cookie, which a token is exchanged for."""
+        answer = self.ask(f"/?token={self.new_token()}")
+        return answer.headers["Location"].rstrip("/"), answer.headers["Set-Cookie"].partition(";")[0]
+
+    @property
+    def place(self) -> str:
+        return self.entered[0]
+
+    @property
     def cookie(self) -> str:
-        """The cookie that the token is exchanged for."""
-        return self.ask(f"/?token={self.token}").headers["Set-Cookie"].partition(";")[0]
+        return self.entered[1]
 
 
-def start_studio(folder: Path, *arguments: str) -> Served:
+def start_studio(folder: Path, *arguments: str, **environment: str) -> Served:
     """Start a studio in a folder, and wait for its address."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "rattle", "studio", *arguments, "--no-browser"], cwd=folder, stdout=subprocess.PIPE,
-        text=True, env={**os.environ, "PYTHONUNBUFFERED": ""},
+        [sys.executable, "-m", "rattle", "studio", *arguments], cwd=folder, stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "", **environment},
     )  # fmt: skip
     address = process.stdout.readline().split()[-1]
     port = int(address.partition("://127.0.0.1:")[2].partition("/")[0])
-    return Served(process, address, port, address.partition("token=")[2], folder)
+    return Served(process, address, port, folder)

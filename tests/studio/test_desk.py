@@ -135,7 +135,7 @@ def test_nothing_is_written_or_read_outside_of_the_folder(desk, tmp_path, name):
     assert desk.draft.text == PENDULUM
     assert (outside / "x.toml").stat().st_mtime_ns == before
     assert [one.name for one in outside.iterdir()] == ["x.toml"]
-    assert "link.toml" not in desk.folder.models()
+    assert "link.toml" not in desk.folder.models()[0]
 
 
 def test_tables_of_a_model_stay_inside_of_its_folder(desk, tmp_path):
@@ -247,6 +247,144 @@ def test_a_folder_lists_models_and_nothing_else(tmp_path):
     (tmp_path / "pyproject.toml").write_text("[project]\nname = 'x'\n")
     (tmp_path / ".git").mkdir()
     (tmp_path / ".git" / "c.toml").write_text(PENDULUM)
-    assert Folder(tmp_path).models() == ["a.toml", "sub/b.toml"]
+    assert Folder(tmp_path).models() == (["a.toml", "sub/b.toml"], True)
     with pytest.raises(Refused):
         Folder(tmp_path).place("sub")
+
+
+# ---------------------------------------------------------------- whatever is typed or asked
+@pytest.mark.parametrize(
+    "text",
+    [
+        PENDULUM.replace("[ground", 'b = { value = "2*l", min = "1 mi" }\n[ground'),
+        PENDULUM.replace("[ground", 'b = { value = "2*l", min = "1e400" }\n[ground'),
+        PENDULUM.replace("mass = 1", "mass = 5e-324"),
+        "[" * 500,
+        "\0",
+        "a = 1" + "0" * 5000,
+    ],
+)
+def test_after_any_text_the_next_one_is_checked(desk, text):
+    desk.hear({"do": "text", "text": text})
+    assert last(desk, "model")["problems"]
+    desk.hear({"do": "text", "text": PENDULUM.replace("mass = 1", "mass = 2")})
+    assert not last(desk, "model")["problems"]
+    assert last(desk, "model")["facts"]
+
+
+def test_a_fault_of_reading_is_a_problem_and_the_next_text_is_checked(desk, monkeypatch):
+    def slip(*_):
+        raise ZeroDivisionError("slip")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("rattle.studio.desk.facts", slip)
+        desk.hear({"do": "text", "text": PENDULUM.replace("mass = 1", "mass = 2")})
+        (problem,) = last(desk, "model")["problems"]
+        assert "please report this" in problem["words"]
+        assert "slip" in problem["words"]
+    desk.hear({"do": "text", "text": PENDULUM.replace("mass = 1", "mass = 3")})
+    assert last(desk, "model")["facts"]
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"do": "save", "name": 5},
+        {"do": "save", "name": ["m.toml"]},
+        {"do": "open", "name": None},
+        {"do": "example", "name": {}},
+        {"do": "thumbnails", "names": 3},
+        {"do": "compute", "tab": "forces", "options": 7},
+        {"do": "setting", "name": {}, "value": 1},
+        {"do": "pick", "number": "x"},
+        {"do": "text", "text": 5},
+        {"do": "knob"},
+    ],
+)
+def test_a_message_that_makes_no_sense_is_answered(desk, message):
+    before = len(desk.said)
+    desk.hear(message)
+    assert [one["kind"] for one in desk.said[before:]] == ["trouble"]
+    desk.hear({"do": "alive"})
+    assert desk.said[-1]["kind"] == "alive"
+    assert desk.draft.text == PENDULUM
+
+
+class Waiting:
+    """What runs aside, when it is told to."""
+
+    def __init__(self):
+        self.waiting = []
+
+    def later(self, function, then):
+        self.waiting.append((function, then))
+
+    def go_on(self):
+        function, then = self.waiting.pop(0)
+        then(function())
+
+
+@pytest.fixture
+def slow(tmp_path):
+    """A desk whose errands and checks wait until they are told to go on."""
+    (tmp_path / "m.toml").write_text(PENDULUM)
+    said, aside = [], Waiting()
+    made = Desk(Folder(tmp_path), said.append, later=aside.later, post=lambda f: f())
+    made.bench, made.said, made.aside = Recorder(), said, aside
+    made.draft.begin(PENDULUM, "m.toml")
+    return made
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"do": "files"},
+        {"do": "files", "gallery": True},
+        {"do": "open", "name": "m.toml"},
+        {"do": "example", "name": "fourbar"},
+        {"do": "knob", "name": "l", "value": 1.5},
+        {"do": "setting", "name": "simulate.t_end", "value": "2 s"},
+        {"do": "save", "name": "other.toml"},
+        {"do": "save_as"},
+        {"do": "python"},
+    ],
+)
+def test_nothing_that_reads_texts_or_files_is_done_where_other_pages_wait(slow, message, monkeypatch):
+    def forbidden(*_, **__):
+        raise AssertionError("in the thread of the page")
+
+    with monkeypatch.context() as patched:
+        for name in ("parse", "read_file", "save", "dump"):
+            patched.setattr(f"rattle.description.file.{name}", forbidden)
+        patched.setattr(Folder, "_walk", forbidden)
+        slow.hear(message)
+    assert not [one for one in slow.said if one["kind"] == "trouble"]
+    slow.aside.go_on()
+    assert not [one for one in slow.said if one["kind"] == "trouble"]
+    assert slow.said
+
+
+def test_of_many_turns_of_a_knob_the_last_counts_and_none_undoes_what_is_typed_meanwhile(slow):
+    for value in (1.1, 1.2, 1.3):
+        slow.hear({"do": "knob", "name": "l", "value": value})
+    slow.hear({"do": "text", "text": PENDULUM.replace("mass = 1", "mass = 2")})
+    while slow.aside.waiting:
+        slow.aside.go_on()
+    assert "value = 1.3" in slow.draft.text
+    assert "mass = 2" in slow.draft.text
+
+
+def test_a_save_holds_the_knob_that_was_turned_before_it(slow):
+    slow.hear({"do": "knob", "name": "l", "value": 1.25})
+    slow.hear({"do": "save", "name": "new.toml"})
+    while slow.aside.waiting:
+        slow.aside.go_on()
+    assert "1.25" in slow.folder.read("new.toml")
+
+
+def test_of_very_many_files_a_part_is_looked_at(tmp_path, monkeypatch):
+    monkeypatch.setattr("rattle.studio.folder.MOST_LOOKED", 20)
+    (tmp_path / "z.toml").write_text(PENDULUM)
+    for k in range(40):
+        (tmp_path / f"{k}.json").write_text("{}")
+    assert Folder(tmp_path).models() == (["z.toml"], False)

@@ -1,7 +1,12 @@
 """The studio in a real browser."""
 
+import os
+import threading
 import time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import pytest
 from studio_models import PENDULUM, start_studio
@@ -24,7 +29,7 @@ def visit(open_page, studio):
         page = open_page("about:blank", **options)
         page.on("request", lambda one: asked.append(one.url))
         page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
-        page.goto(served.address)
+        page.goto(served.new_address())
         page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
         return page
 
@@ -162,11 +167,16 @@ def test_two_users_do_not_mix(visit):
     assert "1.75 m" in text_of(one)
 
 
+def wrong(address):
+    """The address with another last letter."""
+    return address[:-1] + ("A" if address[-1] != "A" else "B")
+
+
 def test_without_the_right_token_the_browser_shows_nothing(browser, studio):
     context = browser.new_context()
     page = context.new_page()
     assert page.goto(studio.address.partition("?")[0]).status == 403
-    assert page.goto(studio.address[:-1] + ("A" if studio.address[-1] != "A" else "B")).status == 403
+    assert page.goto(wrong(studio.new_address())).status == 403
     assert page.evaluate("window.rattle === undefined && document.scripts.length === 0")
     context.close()
 
@@ -272,8 +282,70 @@ def test_a_bar_of_an_ensemble_is_replayed(visit):
 
 def test_a_studio_ends_at_once_when_it_is_told_to(tmp_path):
     (tmp_path / "m.toml").write_text(PENDULUM)
-    served = start_studio(tmp_path, "m.toml")
+    served = start_studio(tmp_path, "m.toml", "--no-browser")
     began = time.monotonic()
     served.process.terminate()
     assert served.process.wait(10) == 0
     assert time.monotonic() - began < 6
+
+
+# ---------------------------------------------------------------- secrets
+SLEEPER = """#!/bin/sh
+echo "$@" > "$SEEN.part"
+mv "$SEEN.part" "$SEEN"
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a program that stands for the browser is a shell script")
+def test_a_browser_is_led_to_the_page_by_a_file_that_only_its_user_reads(tmp_path, open_page):
+    """What stands on the command line of the browser, where every user reads it, is no secret."""
+    (tmp_path / "m.toml").write_text(PENDULUM)
+    program, seen = tmp_path / "browser.sh", tmp_path / "seen"
+    program.write_text(SLEEPER)
+    program.chmod(0o700)
+    served = start_studio(tmp_path, "m.toml", BROWSER=str(program), SEEN=str(seen))
+    try:
+        while not seen.exists():
+            assert served.process.poll() is None
+            time.sleep(0.02)
+        words = seen.read_text()
+        assert "token" not in words
+        assert words.startswith("file://")
+        file = Path(url2pathname(urlsplit(words.strip()).path))
+        assert file.stat().st_mode & 0o077 == 0
+        assert file.parent.stat().st_mode & 0o077 == 0
+        page = open_page("about:blank")
+        page.goto(file.as_uri())
+        page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+        assert served.ask(urlsplit(served.address).path + "?" + urlsplit(served.address).query).status == 303
+    finally:
+        served.process.terminate()
+        assert served.process.wait(10) == 0
+    assert not file.exists()
+
+
+def test_another_port_of_this_computer_never_gets_the_cookie(visit):
+    """A page of the studio is open; another server of the same host is visited, and sends the browser on to itself."""
+    page = visit()
+    heard = []
+
+    class Listener(BaseHTTPRequestHandler):
+        def do_GET(self):
+            heard.append(self.headers.get("Cookie"))
+            self.send_response(302 if self.path == "/first" else 200)
+            if self.path == "/first":
+                self.send_header("Location", "/second")
+            self.send_header("Content-Length", "0")
+            self.end_headers()
+
+        def log_message(self, *_):
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Listener) as listener:
+        threading.Thread(target=listener.serve_forever, daemon=True).start()
+        other = page.context.new_page()
+        other.goto(f"http://127.0.0.1:{listener.server_address[1]}/first")
+        other.close()
+        listener.shutdown()
+    assert len(heard) >= 2
+    assert set(heard) == {None}

@@ -1,5 +1,6 @@
 """Who may ask the studio: only the page at the address that it printed."""
 
+import re
 import socket
 from pathlib import Path
 
@@ -13,34 +14,59 @@ UPGRADE = {
 }
 
 
-def test_the_token_opens_the_page_once_and_a_cookie_after_that(studio):
-    first = studio.ask(f"/?token={studio.token}")
-    assert (first.status, first.headers["Location"]) == (303, "/")  # the address without the token
-    given = first.headers["Set-Cookie"]
+def test_a_token_opens_the_page_once_and_a_cookie_of_its_place_after_that(studio):
+    token = studio.new_token()
+    first = studio.ask(f"/?token={token}")
+    assert first.status == 303
+    place, given = first.headers["Location"], first.headers["Set-Cookie"]
+    assert len(place) > 40  # nobody guesses it
     assert "HttpOnly" in given
     assert "SameSite=Strict" in given
-    assert studio.token not in given
-    page = studio.ask("/", Cookie=given.partition(";")[0])
+    assert f"Path={place};" in given
+    assert token not in given + place
+    page = studio.ask(place, Cookie=given.partition(";")[0])
     assert page.status == 200
+    assert studio.ask(f"{place}favicon.ico", Cookie=given.partition(";")[0]).status == 200
     assert "bokeh" in page.text
     policy = page.headers["Content-Security-Policy"]
     assert "default-src 'self'" in policy
     assert "frame-ancestors 'none'" in policy
     assert "http" not in policy.replace(f"ws://127.0.0.1:{studio.port}", "")  # nothing from elsewhere
+    again = studio.ask(f"/?token={token}")
+    assert again.status == 403
+    assert "press Enter in the terminal" in again.text  # how to get another
+
+
+def test_looking_ahead_does_not_spend_the_token(studio):
+    token = studio.new_token()
+    assert studio.ask(f"/?token={token}", "HEAD").status == 403
+    assert studio.ask(f"/?token={token}", Sec_Purpose="prefetch;prerender").status == 403
+    assert studio.ask(f"/?token={token}").status == 303
+
+
+def test_the_cookie_is_of_no_use_without_the_place_nor_the_place_without_the_cookie(studio):
+    """What another program learns from one of them, such as a page of another port that is sent the cookie."""
+    for path in ("/", "/ws", "/static/js/bokeh.min.js", "/favicon.ico", f"/{studio.place[2:]}A/", studio.place):
+        assert studio.ask(path, Cookie=studio.cookie).status == 403, path
+        assert studio.ask(path, **UPGRADE, Cookie=studio.cookie).status == 403, path
+    for path in ("/", "/ws", "/static/js/bokeh.min.js"):
+        assert studio.ask(studio.place + path).status == 403, path
 
 
 def test_without_token_or_with_a_wrong_one_nothing_is_answered(studio):
-    wrong = studio.token[:-1] + ("A" if studio.token[-1] != "A" else "B")
-    name = studio.cookie().partition("=")[0]
+    token, (place, cookie) = studio.new_token(), studio.entered
+    wrong = token[:-1] + ("A" if token[-1] != "A" else "B")
+    name = cookie.partition("=")[0]
     for path, headers in (
         ("/", {}),
         (f"/?token={wrong}", {}),
         ("/?token=", {}),
-        (f"/?token={wrong}&token={studio.token}", {}),
-        ("/", {"Cookie": f"{name}={studio.token}"}),
-        ("/", {"Cookie": f"{name}="}),
-        ("/static/js/bokeh.min.js", {}),
-        (f"/ws?token={studio.token}", UPGRADE),
+        (f"/?token={wrong}&token={token}", {}),
+        (f"{place}/?token={token}", {}),
+        (f"{place}/", {"Cookie": f"{name}={token}"}),
+        (f"{place}/", {"Cookie": f"{name}="}),
+        (f"{place}/static/js/bokeh.min.js", {}),
+        (f"{place}/ws?token={token}", UPGRADE),
         ("/favicon.ico", {}),
     ):
         answer = studio.ask(path, **headers)
@@ -53,13 +79,13 @@ def test_without_token_or_with_a_wrong_one_nothing_is_answered(studio):
     "host", ["evil.example:{port}", "evil.example", "127.0.0.1", "127.0.0.1:1", "localhost.evil:{port}", ""]
 )
 def test_a_name_that_only_leads_here_is_refused(studio, host):
-    answer = studio.ask(f"/?token={studio.token}", Host=host.format(port=studio.port))
+    answer = studio.ask(f"/?token={studio.new_token()}", Host=host.format(port=studio.port))
     assert answer.status == 403
 
 
 def test_both_of_our_own_names_are_answered(studio):
     for host in ("127.0.0.1", "localhost", "LOCALHOST", "[::1]"):
-        assert studio.ask("/", Host=f"{host}:{studio.port}", Cookie=studio.cookie()).status == 200
+        assert studio.ask(f"{studio.place}/", Host=f"{host}:{studio.port}", Cookie=studio.cookie).status == 200
 
 
 @pytest.mark.parametrize(
@@ -73,22 +99,49 @@ def test_both_of_our_own_names_are_answered(studio):
     ],
 )
 def test_another_origin_is_refused_pages_and_web_sockets(studio, origin):
-    given = {"Origin": origin.format(port=studio.port), "Cookie": studio.cookie()}
-    assert studio.ask("/", **given).status == 403
-    assert studio.ask("/ws", **UPGRADE, **given).status == 403
+    given = {"Origin": origin.format(port=studio.port), "Cookie": studio.cookie}
+    assert studio.ask(f"{studio.place}/", **given).status == 403
+    assert studio.ask(f"{studio.place}/ws", **UPGRADE, **given).status == 403
 
 
-def test_a_web_socket_of_our_own_page_passes_the_guard(studio):
-    given = {"Origin": f"http://127.0.0.1:{studio.port}", "Cookie": studio.cookie()}
-    assert studio.ask("/ws", **UPGRADE, **given).status != 403  # Bokeh then asks for the token of a session
+def session_token(studio):
+    page = studio.ask(f"{studio.place}/", Cookie=studio.cookie).text
+    return re.search(r'"token":\s*"([^"]+)"', page)[1]
+
+
+def test_a_web_socket_of_our_own_page_passes(studio):
+    given = {"Origin": f"http://127.0.0.1:{studio.port}", "Cookie": studio.cookie}
+    given["Sec_WebSocket_Protocol"] = f"bokeh, {session_token(studio)}"
+    assert studio.ask(f"{studio.place}/ws", **UPGRADE, **given).status == 101
+
+
+@pytest.mark.parametrize(
+    "protocol",
+    ["bokeh", "bokeh, x", "bokeh, e30", "other, {token}", "bokeh, {token}x.y", "bokeh, !!!", "bokeh, W10", ""],
+)
+def test_a_web_socket_without_the_token_of_a_session_is_refused(studio, protocol):
+    given = {"Origin": f"http://127.0.0.1:{studio.port}", "Cookie": studio.cookie}
+    given["Sec_WebSocket_Protocol"] = protocol.format(token=session_token(studio))
+    assert studio.ask(f"{studio.place}/ws", **UPGRADE, **given).status == 403
+
+
+@pytest.mark.parametrize("where", ["iframe", "frame", "object", "embed"])
+@pytest.mark.parametrize("site", ["same-origin", "same-site", "cross-site", "none"])
+def test_the_page_is_not_shown_inside_of_another(studio, where, site):
+    inside = {"Sec_Fetch_Site": site, "Sec_Fetch_Mode": "navigate", "Sec_Fetch_Dest": where}
+    assert studio.ask(f"{studio.place}/", Cookie=studio.cookie, **inside).status == 403
+    assert studio.ask(f"/?token={studio.new_token()}", **inside).status == 403
 
 
 def test_other_pages_may_link_here_but_not_load_from_here(studio):
-    cookie = studio.cookie()
+    cookie = studio.cookie
     visit = {"Sec_Fetch_Site": "cross-site", "Sec_Fetch_Mode": "navigate", "Sec_Fetch_Dest": "document"}
-    assert studio.ask(f"/?token={studio.token}", **visit).status == 200
-    assert studio.ask("/", Cookie=cookie, Sec_Fetch_Site="cross-site", Sec_Fetch_Mode="no-cors").status == 403
-    assert studio.ask("/", Cookie=cookie, **{**visit, "Sec_Fetch_Dest": "iframe"}).status == 403
+    assert studio.ask(f"/?token={studio.new_token()}", **visit).status == 200
+    assert (
+        studio.ask(f"{studio.place}/", Cookie=cookie, Sec_Fetch_Site="cross-site", Sec_Fetch_Mode="no-cors").status
+        == 403
+    )
+    assert studio.ask(f"{studio.place}/", Cookie=cookie, **{**visit, "Sec_Fetch_Dest": "iframe"}).status == 403
 
 
 @pytest.mark.parametrize(
@@ -108,14 +161,14 @@ def test_other_pages_may_link_here_but_not_load_from_here(studio):
     ],
 )
 def test_paths_that_lead_elsewhere_are_refused(studio, path):
-    answer = studio.ask(path, Cookie=studio.cookie())
+    answer = studio.ask(studio.place + path, Cookie=studio.cookie)
     assert answer.status == 403
     assert "pendulum" not in answer.text
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "CONNECT"])
 def test_only_reading_is_asked_for_by_http(studio, method):
-    assert studio.ask("/", method, Cookie=studio.cookie()).status == 403
+    assert studio.ask(f"{studio.place}/", method, Cookie=studio.cookie).status == 403
 
 
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="who listens is read in /proc")

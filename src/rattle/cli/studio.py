@@ -21,8 +21,8 @@ def studio(file: str | None, port: int, no_browser: bool, address: str, yes: boo
     """See a mechanism, turn its knobs and analyse it, in a browser on this computer.
 
     FILE is a model file or the name of a shipped example; without it the studio begins with an example.  Its address
-    is printed, and works in this browser alone; only model files in the folder where it was started are read and
-    written.  Ctrl-C ends it.
+    is printed, and works once; Enter prints a new one.  Only model files in the folder where it was started are read
+    and written.  Ctrl-C ends it.
 
     \b
     Examples: rattle studio

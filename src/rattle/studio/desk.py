@@ -6,20 +6,21 @@ The text of the model file is the truth; knobs change the text.  Everything here
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rattle.description import file as model_file
-from rattle.errors import InputError, ModelError, suggest
+from rattle.errors import ANSWERS, InputError, ModelError, suggest
 from rattle.loading import examples, load
 from rattle.mechanism import Mechanism
 from rattle.studio import edits
 from rattle.studio.bench import Bench, Outcome
 from rattle.studio.draft import EMPTY, Draft
-from rattle.studio.facts import facts, problems_of
-from rattle.studio.folder import Folder, Refused
+from rattle.studio.facts import facts, problem_without_place, problems_of
+from rattle.studio.folder import Folder
 from rattle.studio.shelf import Source
 from rattle.studio.tabs import TABS
 
@@ -27,6 +28,15 @@ Message = dict[str, Any]
 _thumbnails: dict[str, str] = {}  # drawings of examples, for all sessions
 SETTINGS = ("gravity.0", "gravity.1", "simulate.t_end", "simulate.rtol", "simulate.step")
 QUICK = 1.5  # a tab that took less is computed again as soon as the model changes while it is looked at [s]
+
+
+class Errand(NamedTuple):
+    """Something that may take time: it is run aside, with the text as it then is, and its answer heeded here."""
+
+    about: str  # what the page asked for
+    run: Callable[[str], Any]  # of the text
+    then: Callable[[Any], None]
+    of_text: bool  # its answer holds for the text that it was given alone: it is run again if that was changed
 
 
 class Desk:
@@ -48,6 +58,8 @@ class Desk:
         self.version = 0  # of the text
         self.sound: Source | None = None  # the last text without problems
         self._checking = False
+        self._errands: dict[str, Errand] = {}  # those that wait, by what they are about: of several the last counts
+        self._running = False
         self.shown = "motion"
         self._shape = ""  # of the model that the page computes by itself
         self.options: dict[str, Message] = {}
@@ -65,10 +77,11 @@ class Desk:
             return
         try:
             action(**{key: value for key, value in message.items() if key != "do"})
-        except ModelError as error:
-            self.send({"kind": "trouble", "words": str(error), "about": asked})
-        except (Refused, OSError, ValueError, TypeError) as error:
-            self.send({"kind": "trouble", "words": str(error), "about": asked})
+        except Exception as error:  # whatever a message holds, the page is answered and the session goes on
+            self._trouble(words_of(error), asked)
+
+    def _trouble(self, words: str, about: Any) -> None:
+        self.send({"kind": "trouble", "words": words, "about": about})
 
     def do_hello(self) -> None:
         """The page is there: show it everything."""
@@ -92,31 +105,22 @@ class Desk:
         """A knob was turned, or a value entered: a number in SI units or a text such as "5 mm"."""
         if not isinstance(value, int | float | str | bool):
             raise InputError("expected a number or a text")
-        made = edits.changed(self.draft.text, str(name), value)
-        if isinstance(value, str):  # typed; a slider stays between its limits
-            self._require_sound(made)
-        self._edit(made)
+        typed = isinstance(value, str)  # a slider stays between its limits
+        self._change(f"knob {name}", lambda text: edits.changed(text, str(name), value), typed)
 
     def do_contact(self, joint: str, model: str) -> None:
         """Another contact model was chosen for a joint."""
-        made = edits.with_contact(self.draft.text, str(joint), str(model))
-        self._require_sound(made)
-        self._edit(made)
+        self._change(f"contact {joint}", lambda text: edits.with_contact(text, str(joint), str(model)))
 
     def do_setting(self, name: str, value: str) -> None:
         """A component of gravity, or an entry of [simulate], was written."""
         if name not in SETTINGS:
             raise InputError(f"there is no setting {name!r}{suggest(str(name), SETTINGS)}")
-        made = edits.changed(self.draft.text, name, edits.number_or_text(value))
-        self._require_sound(made)
-        self._edit(made)
+        self._change(f"setting {name}", lambda text: edits.changed(text, name, edits.number_or_text(value)))
 
     def do_method(self, method: str) -> None:
         """A method of integration was chosen, "" for that which the program chooses."""
-        if method or "method" in self.draft.document().get("simulate", {}):
-            made = edits.changed(self.draft.text, "simulate.method", str(method) or None)
-            self._require_sound(made)
-            self._edit(made)
+        self._change("method", lambda text: edits.with_method(text, str(method)))
 
     def do_show(self, tab: str, options: Message | None = None) -> None:
         """A tab was opened: what it shows is computed with these options if that has not been done."""
@@ -146,11 +150,11 @@ class Desk:
     # ------------------------------------------------------------ files
     def do_files(self, gallery: bool = False) -> None:
         """List the model files of the folder, or the shipped examples."""
-        if gallery:
-            shipped = [{"name": name, "title": title_of(path)} for name, path in examples().items()]
-            self.send({"kind": "files", "gallery": True, "examples": shipped})
-        else:
-            self.send({"kind": "files", "files": self.folder.models(), "folder": self.folder.root.name})
+        self._errand("files", lambda _: shipped() if gallery else self._listed(), self.send)
+
+    def _listed(self) -> Message:
+        files, whole = self.folder.models()
+        return {"kind": "files", "files": files, "folder": self.folder.root.name, "whole": whole}
 
     def do_thumbnails(self, names: Sequence[str]) -> None:
         """Draw these examples, unless another session has had them drawn."""
@@ -162,15 +166,14 @@ class Desk:
 
     def do_open(self, name: str) -> None:
         """Open a model file of the folder."""
-        text = self.folder.read(name)
-        self._begin(text, name)
+        self._errand("open", lambda _: self.folder.read(name), lambda text: self._begin(text, name))
 
     def do_example(self, name: str) -> None:
         """Begin with a shipped example, without a file; tables that it reads are written out."""
         known = examples()
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise InputError(f"no example '{name}'{suggest(str(name), known)}")
-        self._begin(example_text(known[name]), "")
+        self._errand("open", lambda _: example_text(known[name]), lambda text: self._begin(text, ""))
 
     def do_new(self) -> None:
         """Begin with an empty text."""
@@ -178,26 +181,37 @@ class Desk:
 
     def do_save(self, name: str = "", sure: bool = False) -> None:
         """Save under a name, or where it is; a file that this session has not written itself is asked about first."""
+        if not isinstance(name, str):
+            raise InputError("give a file name, such as fourbar.toml")
         if not name.strip() and not self.draft.name:
             self.do_save_as()
             return
-        name = self.draft.target(name)
-        question = "" if sure else self.draft.would_lose(name)
-        if question:
-            self.send({"kind": "overwrite", "name": name, "words": question})
-            return
-        self.draft.write(name)
+        self._errand("save", lambda text: self._saved(text, name, bool(sure)), self._tell_saved, of_text=False)
+
+    def _saved(self, text: str, name: str, sure: bool) -> Message:
+        """Write a text; what is to be said of it, or to be asked before."""
+        name = self.draft.target(name, text)
+        if not sure and (question := self.draft.would_lose(name, text)):
+            return {"kind": "overwrite", "name": name, "words": question}
+        self.draft.write(name, text)
+        return {"kind": "said", "words": f"saved as {name}"}
+
+    def _tell_saved(self, message: Message) -> None:
         self._send_name()
-        self.send({"kind": "said", "words": f"saved as {name}"})
+        self.send(message)
 
     def do_save_as(self) -> None:
         """Ask under which name to save."""
-        self.send({"kind": "name", "suggested": self.draft.suggested()})
+        self._errand("name", self.draft.suggested, lambda name: self.send({"kind": "name", "suggested": name}))
 
     def do_python(self) -> None:
         """The model as Python code."""
-        code = edits.as_python(self.draft.text, self.draft.name, self.draft.saved if self.draft.name else None)
-        self.send({"kind": "python", "code": code})
+        name, saved = self.draft.name, self.draft.saved if self.draft.name else None
+        self._errand(
+            "python",
+            lambda text: edits.as_python(text, name, saved),
+            lambda code: self.send({"kind": "python", "code": code}),
+        )
 
     def end(self) -> None:
         """The page is gone: nothing is computed for it any more."""
@@ -222,10 +236,19 @@ class Desk:
         self._send_text()
         self._check()
 
-    def _require_sound(self, text: str) -> None:
-        """Refuse a change that would make a sound text wrong; of a text that is wrong already none is refused."""
-        if self.sound is not None and self.sound["text"] == self.draft.text:
-            Mechanism.from_text(text, self.draft.source()["file"])
+    def _change(self, about: str, change: Callable[[str], str], sound: bool = True) -> None:
+        """Change the text.
+
+        sound: a change that would make a sound text wrong is refused; of a text that is wrong already none is.
+        """
+
+        def changed(text: str) -> str:
+            made = change(edits.require_turnable(text))
+            if sound and self.sound is not None and self.sound["text"] == text:
+                Mechanism.from_text(made, self.draft.source()["file"])
+            return made
+
+        self._errand(about, changed, self._edit, of_text=True)
 
     def _send_text(self, fresh: bool = False) -> None:
         self.send({"kind": "text", "text": self.draft.text, "fresh": fresh})
@@ -234,13 +257,45 @@ class Desk:
     def _send_name(self) -> None:
         self.send({"kind": "name-is", "name": self.draft.name, "changed": self.draft.changed})
 
+    # ------------------------------------------------------------ what takes time
+    def _errand(
+        self, about: str, run: Callable[[str], Any], then: Callable[[Any], None], of_text: bool = False
+    ) -> None:
+        """Have something done aside, one thing after the other, so that no other page waits for it."""
+        self._errands.pop(about, None)
+        self._errands[about] = Errand(about, run, then, of_text)
+        self._next_errand()
+
+    def _next_errand(self) -> None:
+        if self._running or not self._errands:
+            return
+        self._running = True
+        errand = self._errands.pop(next(iter(self._errands)))
+        text, version = self.draft.text, self.version
+        self._later(lambda: attempted(errand, text), lambda answer: self._back(errand, version, *answer))
+
+    def _back(self, errand: Errand, version: int, answer: Any, trouble: str) -> None:
+        """An errand is done."""
+        self._running = False
+        try:
+            if errand.of_text and version != self.version:  # of a text that is gone: again, unless a newer one waits
+                self._errands = {errand.about: errand, **self._errands}
+            elif trouble:
+                self._trouble(trouble, errand.about.partition(" ")[0])
+            else:
+                errand.then(answer)
+        except Exception as error:  # what follows from it is refused
+            self._trouble(words_of(error), errand.about.partition(" ")[0])
+        finally:
+            self._next_errand()
+
     # ------------------------------------------------------------ checking
     def _check(self) -> None:
         """Read the text aside; one check at a time, of the newest text."""
         if self._checking:
             return
-        self._checking = True
         version, source = self.version, self.draft.source()
+        self._checking = True
         self._later(lambda: check(source), lambda found: self._checked(version, source, found))
 
     def _checked(self, version: int, source: Source, found: Message) -> None:
@@ -327,6 +382,30 @@ def check(source: Source) -> Message:
     """What the page shows of a text: its facts, or its problems."""
     try:
         m = Mechanism.from_text(source["text"], source["file"])
+        return {"problems": [], "facts": facts(m, model_file.parse(source["text"]))}
     except ModelError as error:
         return {"problems": problems_of(error, source["text"])}
-    return {"problems": [], "facts": facts(m, model_file.parse(source["text"]))}
+    except Exception as error:  # a text for which reading itself fails must not end the checking of those after it
+        return {"problems": [problem_without_place(words_of(error))]}
+
+
+def shipped() -> Message:
+    """The examples, for the gallery."""
+    named = [{"name": name, "title": title_of(path)} for name, path in examples().items()]
+    return {"kind": "files", "gallery": True, "examples": named}
+
+
+def attempted(errand: Errand, text: str) -> tuple[Any, str]:
+    """The answer of an errand, and why it failed, "" if it did not."""
+    try:
+        return errand.run(text), ""
+    except Exception as error:  # told to the page, by the thread that may
+        return None, words_of(error)
+
+
+def words_of(error: Exception) -> str:
+    """What the page is told of an error: what is wrong, or that rattle itself is."""
+    if isinstance(error, ANSWERS):
+        return str(error)
+    place = "".join(traceback.format_exception(error)[-3:])
+    return f"rattle itself failed here; please report this:\n{place}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from rattle.description import file as model_file
 from rattle.errors import ModelError
@@ -59,42 +58,38 @@ class Draft:
         """The text with the place of its file, in whose folder its tables are."""
         return {"text": self.text, "file": str(self.folder.place(self.name)) if self.name else ""}
 
-    def document(self) -> dict[str, Any]:
-        """The tables of the text; none if it cannot be read."""
+    def suggested(self, text: str) -> str:
+        """A name for the file of a text."""
         try:
-            return model_file.parse(self.text)
+            title = str(model_file.parse(text).get("name", "")) or "mechanism"
         except ModelError:
-            return {}
-
-    def suggested(self) -> str:
-        """A name for its file."""
-        title = str(self.document().get("name", "")) or "mechanism"
+            title = "mechanism"
         plain = "".join(c if c.isalnum() and c.isascii() else "-" for c in title.lower())
         short = "-".join(part for part in plain.split("-") if part)[:40].strip("-")
-        return self.name or f"{short or 'mechanism'}{'.json' if model_file.is_json(self.text) else '.toml'}"
+        return self.name or f"{short or 'mechanism'}{'.json' if model_file.is_json(text) else '.toml'}"
 
-    def target(self, name: str) -> str:
-        """The name of the file to write, .toml unless it says otherwise.  Raises Refused."""
+    def target(self, name: str, text: str) -> str:
+        """The name of the file to write for a text, .toml unless it says otherwise.  Raises Refused."""
         name = name.strip() or self.name
         if Path(name).suffix == "":
             name += ".toml"
-        is_json = model_file.is_json(self.text)
+        is_json = model_file.is_json(text)
         if is_json != (Path(name).suffix.lower() == ".json"):
             raise Refused(f"the text is {'JSON' if is_json else 'TOML'}: give a name that ends so")
         self.folder.place(name)
         return name
 
-    def would_lose(self, name: str) -> str:
+    def would_lose(self, name: str, text: str) -> str:
         """What to ask before this file is written; "" if nothing is lost: it is new, or from here."""
         now = self.folder.mark(name)
-        if not now or now in (self._written, mark_of(self.text)):
+        if not now or now in (self._written, mark_of(text)):
             return ""
         if name == self.name and now != self._seen:
             return f"{name} was changed by another program since it was opened here. Overwrite it with what is here?"
         return f"{name} exists. Overwrite it?"
 
-    def write(self, name: str) -> None:
-        """Write the text.  Raises Refused, OSError."""
-        self.folder.write(name, self.text)
-        self.name, self.saved = name, self.text
-        self._written = self._seen = mark_of(self.text)
+    def write(self, name: str, text: str) -> None:
+        """Write a text.  Raises Refused, OSError."""
+        self.folder.write(name, text)
+        self.name, self.saved = name, text
+        self._written = self._seen = mark_of(text)

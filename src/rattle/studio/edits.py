@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rattle.description import file as model_file
 from rattle.description.changes import Change, copied, path_of, put
 from rattle.description.switch_contact import contact_of, recontact
 from rattle.errors import ModelError, Problem
+
+TURNABLE = 400_000  # characters of a text in which knobs write: some seconds, kept out of the way of other pages
 
 
 def changed(text: str, name: str, value: Any) -> str:
@@ -20,10 +22,19 @@ def changed(text: str, name: str, value: Any) -> str:
     document = model_file.parse(text)
     path = path_of(name, document, value is None)
     if path[0] == "gravity" and len(path) == 2:  # written as a whole, so that it stays on its line
-        old = list(document.get("gravity", [0, 0]))
+        written = document.get("gravity")
+        old = list(written) if isinstance(written, list) and len(written) == 2 else [0, 0]
         old[int(path[1])] = value
         path, value = ("gravity",), old
     return _written(text, document, [(path, value)])
+
+
+def with_method(text: str, method: str) -> str:
+    """The text with this method of integration, or none if it is "".  Raises ModelError."""
+    settings = model_file.parse(text).get("simulate")
+    if method or (isinstance(settings, Mapping) and "method" in settings):
+        return changed(text, "simulate.method", method or None)
+    return text
 
 
 def with_contact(text: str, joint: str, model: str) -> str:
@@ -93,6 +104,14 @@ def number_or_text(text: str) -> float | str:
         return float(text)
     except ValueError:
         return str(text).strip()
+
+
+def require_turnable(text: str) -> str:
+    """The text, if it is not so long that to change one value in it takes many seconds.  Raises ModelError."""
+    if len(text) > TURNABLE:
+        what = f"the model has {len(text)} characters; knobs change one of up to {TURNABLE}: change it under Text"
+        raise ModelError([Problem((), what)])
+    return text
 
 
 def require_size(text: str) -> str:

@@ -77,6 +77,11 @@ def problems_of(error: ModelError, text: str) -> list[dict[str, Any]]:
     return [_problem(one, lines) for one in error.problems]
 
 
+def problem_without_place(words: str) -> dict[str, Any]:
+    """A problem that stands nowhere in the text."""
+    return {"line": 0, "column": 0, "width": 0, "where": "", "words": words}
+
+
 def _problem(one: Problem, lines: Sequence[str]) -> dict[str, Any]:
     column, width = 0, 0
     source, _, marks = one.caret.rpartition("\n")

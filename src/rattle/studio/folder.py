@@ -11,6 +11,7 @@ from rattle.description import file as model_file
 from rattle.errors import InputError
 
 MOST = 500  # model files that are listed
+MOST_LOOKED = 2000  # files whose beginning is read to see whether they are models: a second at most
 DEEPEST = 3  # folders below the start in which model files are looked for
 SKIPPED = ("node_modules", "__pycache__")
 
@@ -25,29 +26,37 @@ class Folder:
     def __init__(self, root: str | os.PathLike[str]) -> None:
         self.root = Path(root).resolve()
 
-    def models(self) -> list[str]:
-        """Names of the model files, at most 500; links out of the folder are left out."""
+    def models(self) -> tuple[list[str], bool]:
+        """Names of the model files, and whether these are all; links out of the folder are left out.
+
+        At most 500 are named, and at most 2000 files looked at: the folder may hold any number of other files.
+        """
         found: list[str] = []
-        for place in self._walk(self.root, 0):
-            if len(found) >= MOST:
-                break
-            found.append(place.relative_to(self.root).as_posix())
-        return found
+        for looked, place in enumerate(self._walk(self.root, 0)):
+            if len(found) >= MOST or looked >= MOST_LOOKED:
+                return found, False
+            if self._is_model(place):
+                found.append(place.relative_to(self.root).as_posix())
+        return found, True
 
     def _walk(self, folder: Path, depth: int) -> Iterator[Path]:
+        """Files that may be models by their names: those of TOML first in every folder, then those below it."""
         try:
-            entries = sorted(os.scandir(folder), key=lambda one: (one.is_dir(), one.name.lower()))
+            entries = sorted(os.scandir(folder), key=_order)
         except OSError:
             return
         for one in entries:
-            place = Path(one.path)
-            if one.name.startswith(".") or one.name in SKIPPED or not place.resolve().is_relative_to(self.root):
+            place, is_folder = Path(one.path), one.is_dir(follow_symlinks=False)
+            if one.name.startswith(".") or one.name in SKIPPED:
                 continue
-            if one.is_dir(follow_symlinks=False):
-                if depth < DEEPEST:
-                    yield from self._walk(place, depth + 1)
-            elif place.suffix.lower() in model_file.SUFFIXES and one.is_file() and self._is_model(place):
+            if not is_folder and place.suffix.lower() not in model_file.SUFFIXES:
+                continue
+            if not place.resolve().is_relative_to(self.root):
+                continue
+            if not is_folder and one.is_file():
                 yield place
+            elif is_folder and depth < DEEPEST:
+                yield from self._walk(place, depth + 1)
 
     @staticmethod
     def _is_model(place: Path) -> bool:
@@ -95,11 +104,17 @@ class Folder:
         """What a file holds now, as a short digest; "" if there is none.  Raises Refused."""
         place = self.place(name)
         try:
-            return hashlib.sha256(place.read_bytes()).hexdigest()
+            with place.open("rb") as file:
+                return hashlib.file_digest(file, "sha256").hexdigest()
         except FileNotFoundError:
             return ""
         except OSError as error:
             raise Refused(f"{name}: cannot read the file: {error.strerror or error}") from None
+
+
+def _order(entry: os.DirEntry[str]) -> tuple[bool, bool, str]:
+    """TOML files, then others, then folders; of each by name."""
+    return entry.is_dir(), not entry.name.lower().endswith(".toml"), entry.name.lower()
 
 
 def mark_of(text: str) -> str:

@@ -5,8 +5,10 @@ A request passes if it comes from the page that the studio itself has sent to th
 * `Host` is one of our own names with our port.  A foreign site whose name is made to lead to this computer (DNS
   rebinding) has its own name there.
 * `Origin`, where a browser sends it, is our own page; `Sec-Fetch-Site` says the same of newer browsers.
-* It carries the secret: once as `?token=` in the address, from then on as a cookie that scripts cannot read and that
-  no other site makes the browser send.
+* It knows the secrets: a token in the address, which is spent by its first use and exchanged for the place of the
+  page, a path that nobody guesses, and for a cookie that scripts cannot read, that no other site makes the browser
+  send, and that belongs to this path alone: what listens on other ports of this computer never gets it, though cookies
+  do not know ports (RFC 6265, section 8.5).
 * The path is one of the few that the page needs, plainly written.
 
 Source: OWASP, Cross-Site Request Forgery Prevention Cheat Sheet; Jackson et al., Protecting browsers from DNS rebinding
@@ -17,11 +19,13 @@ from __future__ import annotations
 
 import hmac
 import secrets
+import time
 from collections.abc import Awaitable, Collection
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, unquote, urlsplit
 
+from bokeh.util.token import get_session_id, get_token_payload
 from tornado.httputil import (
     HTTPHeaders,
     HTTPMessageDelegate,
@@ -31,20 +35,40 @@ from tornado.httputil import (
 )
 
 METHODS = ("GET", "HEAD")  # the page asks for nothing else; all that changes anything goes over its web socket
-PATHS = ("/", "/ws", "/favicon.ico")
+ICON = "/favicon.ico"
+PATHS = ("/", "/ws", ICON)  # below the place of the page
 FOLDERS = ("/static/",)  # scripts of Bokeh and Panel
 PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~/@+^")
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
-ONWARD = '<!doctype html><title>rattle studio</title><meta http-equiv="refresh" content="0;url=/">'
-REFUSED = "403: this studio answers only the page at the address that it printed when it was started.\n"
+FRAMES = ("iframe", "frame", "object", "embed", "fencedframe")  # the page is never part of another
+ONWARD = '<!doctype html><title>rattle studio</title><meta http-equiv="refresh" content="0;url={}">'
+REFUSED = (
+    "403: this studio answers only its own page. Its address works once; press Enter in the terminal where"
+    " `rattle studio` runs, and it prints a new one.\n"
+)
 
 
 class Secrets:
-    """What a request has to know: the token of the address, and the value of the cookie that it is exchanged for."""
+    """What a request has to know: a token of an address, and the place and cookie that it is exchanged for."""
 
     def __init__(self) -> None:
-        self.token = secrets.token_urlsafe(32)
+        self._tokens: set[str] = set()
+        self.place = f"/{secrets.token_urlsafe(32)}"
         self.cookie = secrets.token_urlsafe(32)
+
+    def issue(self) -> str:
+        """A new token, good for one use."""
+        token = secrets.token_urlsafe(32)
+        self._tokens.add(token)
+        return token
+
+    def knows(self, token: str) -> bool:
+        """True for a token that has not been used."""
+        return any(_same(token, one) for one in self._tokens)
+
+    def spend(self, token: str) -> None:
+        """From now on this token is worth nothing."""
+        self._tokens.discard(token)
 
 
 class Guard(HTTPServerConnectionDelegate):
@@ -58,7 +82,7 @@ class Guard(HTTPServerConnectionDelegate):
     ) -> None:
         self.application, self.keys, self.port = application, keys, port
         self.hosts = {f"{host}:{port}".lower() for host in hosts}
-        self.cookie_name = f"rattle-studio-{port}"  # a cookie belongs to all ports of a computer
+        self.cookie_name = f"rattle-studio-{port}"
 
     def start_request(self, server_conn: object, request_conn: Any) -> HTTPMessageDelegate:
         """Watch one request; Tornado calls this."""
@@ -72,23 +96,36 @@ class Guard(HTTPServerConnectionDelegate):
     def why_not(self, start_line: RequestStartLine, headers: HTTPHeaders) -> str:
         """Why a request is refused, in a few words; "" if it may pass, or may have its token exchanged."""
         path, _, query = start_line.path.partition("?")
+        below = self._below(path)
         if start_line.method not in METHODS:
             return "method"
-        if not self._is_plain(path):
+        if path != "/" and not self._is_plain(below):
             return "path"
         hosts = headers.get_list("Host")
         if len(hosts) != 1 or hosts[0].strip().lower() not in self.hosts:
             return "host"
         if any(not self._is_ours(origin) for origin in headers.get_list("Origin")):
             return "origin"
-        if headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin") and not self._is_visit(path, headers):
+        if headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin") and not self._is_visit(below, headers):
             return "origin"
-        return "" if self._has_cookie(headers) or self.has_token(path, query) else "token"
+        if headers.get("Sec-Fetch-Dest", "document") in FRAMES:
+            return "frame"
+        if path == "/":
+            looks_ahead = start_line.method != "GET" or "Sec-Purpose" in headers  # which must not spend the token
+            return "token" if looks_ahead or not self.token_of(path, query) else ""
+        if not self._has_cookie(headers):
+            return "cookie"
+        return "session" if below == "/ws" and not _names_session(headers) else ""
 
-    def has_token(self, path: str, query: str) -> bool:
-        """True for the page's own address with the right token."""
+    def token_of(self, path: str, query: str) -> str:
+        """The token that the address of the page has, if it is worth something; "" otherwise."""
         given = parse_qs(query).get("token", [])
-        return path == "/" and len(given) == 1 and _same(given[0], self.keys.token)
+        return given[0] if path == "/" and len(given) == 1 and self.keys.knows(given[0]) else ""
+
+    def _below(self, path: str) -> str:
+        """The part of a path below the place of the page; "" for one that is elsewhere."""
+        _, first, *rest = [*path.split("/", 2), ""][:3]
+        return f"/{rest[0]}" if _same(f"/{first}", self.keys.place) and path.count("/") > 1 else ""
 
     @staticmethod
     def _is_plain(path: str) -> bool:
@@ -106,12 +143,12 @@ class Guard(HTTPServerConnectionDelegate):
         return found.scheme == "http" and found.netloc.lower() in self.hosts and found.path in ("", "/")
 
     @staticmethod
-    def _is_visit(path: str, headers: HTTPHeaders) -> bool:
-        """True where a link elsewhere was followed to the page, which then needs the token as from anywhere."""
+    def _is_visit(below: str, headers: HTTPHeaders) -> bool:
+        """True where a link elsewhere was followed to the page, which then needs the secrets as from anywhere."""
         return (
-            path == "/"
+            below in ("", "/")
             and headers.get("Sec-Fetch-Mode") == "navigate"
-            and "iframe" not in headers.get("Sec-Fetch-Dest", "document")
+            and headers.get("Sec-Fetch-Dest", "document") == "document"
         )
 
     def _has_cookie(self, headers: HTTPHeaders) -> bool:
@@ -142,12 +179,24 @@ class Guard(HTTPServerConnectionDelegate):
 
     def set_cookie(self) -> str:
         """The header that gives the browser its cookie, in exchange for the token."""
-        return f"{self.cookie_name}={self.keys.cookie}; Path=/; HttpOnly; SameSite=Strict"
+        return f"{self.cookie_name}={self.keys.cookie}; Path={self.keys.place}/; HttpOnly; SameSite=Strict"
 
 
 def _same(given: str, secret: str) -> bool:
     """Comparison in a time that says nothing about the secret."""
     return hmac.compare_digest(given.encode("utf-8", "surrogateescape"), secret.encode())
+
+
+def _names_session(headers: HTTPHeaders) -> bool:
+    """True if a web socket is asked for with the token of a session as Bokeh makes them, which it takes for granted."""
+    words = [one.strip() for one in headers.get("Sec-WebSocket-Protocol", "").split(",")]
+    if len(words) != 2 or words[0] != "bokeh":
+        return False
+    try:
+        expiry = get_token_payload(words[1])["session_expiry"]
+        return bool(get_session_id(words[1])) and expiry > time.time()
+    except Exception:  # of its base64, its zlib, its JSON, or what that holds
+        return False
 
 
 class _Door(HTTPMessageDelegate):
@@ -156,20 +205,26 @@ class _Door(HTTPMessageDelegate):
     def __init__(self, guard: Guard, server_conn: object, request_conn: Any) -> None:
         self.guard, self.server_conn, self.conn = guard, server_conn, request_conn
         self.onward: HTTPMessageDelegate | None = None
+        self.with_body = True
         self.answer: tuple[int, str, dict[str, str], str] | None = None
 
     def headers_received(self, start_line: Any, headers: HTTPHeaders) -> Awaitable[None] | None:
         why = self.guard.why_not(start_line, headers)
+        self.with_body = start_line.method != "HEAD"
         path, _, query = start_line.path.partition("?")
         if why:
             self.answer = 403, "Forbidden", {"Connection": "close"}, REFUSED
-        elif self.guard.has_token(path, query):  # the address that the browser keeps is without the token
+        elif token := self.guard.token_of(path, query):  # the address that the browser keeps is without it
+            self.guard.keys.spend(token)
+            page = f"{self.guard.keys.place}/"
             cookie = {"Set-Cookie": self.guard.set_cookie()}
             if headers.get("Sec-Fetch-Site") == "cross-site":  # a link elsewhere: redirected, it would lack the cookie
-                self.answer = 200, "OK", {"Content-Type": "text/html; charset=utf-8", **cookie}, ONWARD
+                self.answer = 200, "OK", {"Content-Type": "text/html; charset=utf-8", **cookie}, ONWARD.format(page)
             else:
-                self.answer = 303, "See Other", {"Location": "/", **cookie}, ""
+                self.answer = 303, "See Other", {"Location": page, **cookie}, ""
         else:
+            if path == self.guard.keys.place + ICON:
+                start_line = start_line._replace(path=ICON)  # which Bokeh has nowhere else
             self.onward = self.guard.application.start_request(self.server_conn, self.conn)
             answer: Awaitable[None] | None = self.onward.headers_received(start_line, headers)
             return answer
@@ -188,7 +243,7 @@ class _Door(HTTPMessageDelegate):
         if self.answer is None:
             return
         status, reason, more, text = self.answer
-        body = text.encode()
+        body = text.encode() if self.with_body else b""
         headers = HTTPHeaders(
             {
                 **self.guard.headers(),

@@ -22,7 +22,7 @@ from rattle.studio.tabs import TABS
 silence(EMPTY_LAYOUT, True)  # a tab is empty until it is opened
 
 HERE = Path(__file__).parent / "page"
-aside = ThreadPoolExecutor(2, "studio")  # reads texts for all sessions, so that no page waits for that of another
+aside = ThreadPoolExecutor(8, "studio")  # reads texts and files for all sessions: no page waits for another
 
 
 @cache

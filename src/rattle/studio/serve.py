@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +18,9 @@ from rattle.studio.folder import Folder
 from rattle.studio.page import Studio, aside
 from rattle.studio.server import Server
 
+SWITCH = (
+    5e-4  # how soon a thread that reads a long text lets the server answer other pages [s]; Python's is ten times that
+)
 FIRST = "fourbar"  # example that a studio without a file begins with
 
 
@@ -50,7 +54,9 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
     server = Server(lambda: Studio(make_desk), address, port)
     server.heed()
     threading.Thread(target=prepare, daemon=True).start()
-    click.echo(f"rattle studio: {server.address}")
+    click.echo(f"rattle studio: {server.new_address()}")
+    server.at_enter(lambda: click.echo(f"rattle studio: {server.new_address()}"))
+    sys.setswitchinterval(SWITCH)
     try:
         server.run(open_browser)
     finally:

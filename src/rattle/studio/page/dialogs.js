@@ -50,7 +50,10 @@ export class Dialogs {
     const open = (name) => { this.close(); this.tell({ do: "open", name }); };
     const list = message.files.map((name) => h("li", {}, h("button", { class: "file", onclick: () => open(name) }, name)));
     const none = h("p", { class: "quiet" }, "There is no model file in this folder yet. Begin with an example and save it here.");
-    this.front(`Model files in ${message.folder || "this folder"}`, list.length ? h("ul", { class: "files" }, list) : none);
+    this.front(`Model files in ${message.folder || "this folder"}`, [
+      list.length ? h("ul", { class: "files" }, list) : none,
+      message.whole === false ? h("p", { class: "quiet" }, "There are very many files here; not all were looked at. Start the studio in a smaller folder.") : null,
+    ]);
   }
 
   name(message) {
