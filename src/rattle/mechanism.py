@@ -62,7 +62,7 @@ class Mechanism(AnalysedModel):
         from rattle.results.display import card, model_tables, table
 
         try:
-            tables = model_tables(self.model)
+            tables = model_tables(self.model, {name: self.written_unit(name) for name in self.model.parameters})
         except ModelError as error:
             problems = [(one.key, one.message) for one in error.problems]
             return table(("where", "what is still wrong or missing"), problems, repr(self)[1:-1])

@@ -49,7 +49,7 @@ def test_equilibrium_says_which_load_friction_holds_and_when_it_jams(tmp_path):
         '[loads.spring]\ntype = "spring"\nconnect = ["ground.O", "drawer.C"]\nstiffness = 100\nfree_length = 0\n'
     )
     file.write_text(file.read_text().replace("gravity = [0, 0]", "gravity = [0, -8]") + with_spring)
-    said = "friction holds it from guide.position -0.0075 m to 0.0675 m"  # (3 -+ 0.25 * 3 * 0.5/0.1) N / (100 N/m)
+    said = "friction holds it from guide.position -7.5 mm to 67.5 mm"  # (3 -+ 0.25 * 3 * 0.5/0.1) N / (100 N/m)
     assert said in run("equilibrium", str(file)).stdout
 
 

@@ -263,3 +263,19 @@ def test_settings_and_start_in_any_unit():
 def test_empty_model_needs_a_body():
     with pytest.raises(rt.ModelError, match="a mechanism needs at least one body"):
         read({"format": 1})
+
+
+def test_a_parameter_has_a_label_and_a_description():
+    """They are read, written again, said by `check`, and refused where they are no words."""
+    m = rt.Mechanism("labels")
+    m.parameter("l", "300 mm", label="length of the arm", description="from  pin\nto tip")
+    m.ground(O=[0, 0])
+    m.bar("arm", "O", "P", length="l", mass=1)
+    m.revolute("O", "ground.O", "arm.O")
+    one = rt.loads(m.to_toml()).model.parameters["l"]
+    assert (one.label, one.description, one.title) == ("length of the arm", "from pin to tip", "length of the arm (l)")
+    assert "parameter: length of the arm (l) 0.3 m: from pin to tip" in str(m.check())
+    for wrong, said in ((3, "3 is no text"), (61 * "x", "61 characters are too long for a label, 60 at most")):
+        other = rt.Mechanism("wrong").parameter("l", 1, label=wrong)
+        with pytest.raises(rt.ModelError, match=said):
+            _ = other.model

@@ -266,3 +266,44 @@ def test_sliders_and_curves_fit_the_screen(fourbar_page, open_page, width, heigh
     frames(tab)
     assert tab.evaluate("document.documentElement.scrollWidth") <= width
     keep_picture(tab, f"live-{width}x{height}-{scheme}")
+
+
+LABELLED = PENDULUM.replace(
+    "long = { value = 0.3,", 'long = { label = "length, value = 3", description = "from pin to tip", value = "300 mm",'
+)
+
+
+def test_a_parameter_has_a_label_and_says_what_it_is(tmp_path, open_page):
+    """In the unit in which the model file writes it; the model file that leaves the page keeps the label."""
+    page(rt.loads(LABELLED), tmp_path / "p.html")
+    tab = open_page((tmp_path / "p.html").as_uri())
+    becomes(tab, "() => window.rattle?.run?.t.length > 10")
+    shows(tab.get_by_role("slider", name="length, value = 3"))
+    about = tab.get_by_text("from pin to tip")
+    shows(about, "hidden")
+    tab.get_by_role("button", name="What length, value = 3 is").click()
+    shows(about)
+    box = tab.get_by_label("length, value = 3 in mm")
+    box.fill("400")
+    box.press("Enter")
+    becomes(tab, "() => window.rattle.parameters.long === 0.4")
+    tab.get_by_role("button", name="Send").click()
+    with tab.expect_download() as model:
+        tab.get_by_role("button", name="Model file").click()
+    m = rt.loads(model.value.path().read_text())
+    assert m.model.parameters["long"].value == 0.4
+    assert m.model.parameters["long"].title == "length, value = 3 (long)"
+
+
+def test_a_slider_that_is_refused_leaves_no_error_behind(tmp_path, open_page):
+    """What cannot be put together is said beside the sliders; the console stays empty, which the fixture asserts."""
+    page(short_fourbar(), tmp_path / "m.html")
+    tab = open_page((tmp_path / "m.html").as_uri())
+    becomes(tab, READY)
+    slider = tab.get_by_role("slider", name="l2")
+    slider.focus()
+    for key in ("Home", "End", "ArrowLeft"):
+        slider.press(key)
+        shows(tab.get_by_role("alert"))
+    slider.dblclick()
+    shows(tab.get_by_role("alert"), "hidden")

@@ -48,6 +48,7 @@ class Check:
     residual: float  # largest constraint residual after assembly [m or rad]
     plates: tuple[str, ...] = ()  # what follows from their polygons
     massless: tuple[str, ...] = ()  # bodies without mass or inertia
+    parameters: tuple[str, ...] = ()  # those with a label or a description: what the model file says of them
 
     def __repr__(self) -> str:
         return f"<rattle.Check: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility}>"
@@ -73,6 +74,7 @@ class Check:
         if self.freedoms:
             more = f" and {len(self.freedoms) - 8} more" if len(self.freedoms) > 8 else ""
             lines.append(f"free: {', '.join(self.freedoms[:8])}{more}")
+        lines += [f"parameter: {one}" for one in self.parameters]
         lines += [f"plate: {one}" for one in self.plates]
         lines += [f"without mass or inertia: {', '.join(self.massless)}"] if self.massless else []
         lines += [f"loop: {one}" for one in self.loops[:8]]
@@ -127,8 +129,18 @@ def check(system: System, start: Assembled) -> Check:
         start=(*start.notes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
         residual=start.residual,
         plates=tuple(_plates(model)),
+        parameters=tuple(_parameters(model)),
         massless=tuple(name for name, one in model.bodies.items() if one.mass == 0.0 or one.inertia == 0.0),
     )
+
+
+def _parameters(model: Model) -> list[str]:
+    """Value, label and description of parameters that have one of the two."""
+    return [
+        f"{one.title} {quantity(one.value, one.unit, 6)}{f': {one.description}' if one.description else ''}"
+        for one in model.parameters.values()
+        if one.label or one.description
+    ]
 
 
 def _plates(model: Model) -> list[str]:

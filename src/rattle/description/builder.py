@@ -42,7 +42,8 @@ class Building:
             self.__dict__.pop(key, None)
 
     def parameter(self, name: str, value: float | str, **more: Any) -> Self:
-        """A named number [SI, or a text with its unit]; more: min, max, tol (same unit), dist.
+        """A named number [SI, or a text with its unit]; more: min, max, tol (same unit), dist, and
+        label and description for those who turn it.
 
         dist: "uniform", "normal", "triangular" or {"values": [...], "weights": [...]}.
         """

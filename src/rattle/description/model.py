@@ -303,6 +303,13 @@ class Parameter:
     maximum: float | None = None
     tol: float | None = None
     dist: str | ValueTable = ""  # "" where the file does not say
+    label: str = ""  # what sliders and reports call it; "" for its name
+    description: str = ""  # what a reader should know of it
+
+    @property
+    def title(self) -> str:
+        """What people read: its label and its name, or its name alone."""
+        return f"{self.label} ({self.name})" if self.label else self.name
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
 
 DISTRIBUTIONS = ("uniform", "normal", "triangular")
-PARAMETER = ("value", "min", "max", "tol", "dist")  # keys of a parameter
+PARAMETER = ("value", "min", "max", "tol", "dist", "label", "description")  # keys of a parameter
+LONGEST_LABEL = 60  # characters: what fits beside or above a slider; a description may be longer
 TABLE = ("values", "weights")  # keys of a distribution of single values
 
 
@@ -141,7 +142,18 @@ def _parameter(values: Values, name: str, given: Any) -> Parameter:
         values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
     dist = _distribution(values, given.get("dist", ""), unit, seen, (*path, "dist"))
     unit = unit if seen is not None else _unit_of_limits(given)
-    return Parameter(name, values.constants[name], unit, low, high, tol, dist)
+    label, description = (_words(values, given.get(key, ""), (*path, key)) for key in ("label", "description"))
+    if len(label) > LONGEST_LABEL:
+        values.wrong((*path, "label"), f"{len(label)} characters are too long for a label, {LONGEST_LABEL} at most")
+    return Parameter(name, values.constants[name], unit, low, high, tol, dist, label, description)
+
+
+def _words(values: Values, given: Any, path: Path) -> str:
+    """A text for people, on one line; "" after a problem."""
+    if not isinstance(given, str):
+        values.wrong(path, f"{said(given)} is no text; write words in quotes")
+        return ""
+    return " ".join(given.split())
 
 
 def _unit_of_limits(given: Mapping[str, Any]) -> str:

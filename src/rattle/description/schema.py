@@ -14,7 +14,7 @@ from rattle import registry
 from rattle.description import schema_pieces as of
 from rattle.description.read_contact import ALONG, contact_models, stop_models
 from rattle.description.read_friction import arm_fields, friction_models
-from rattle.description.read_parameters import DISTRIBUTIONS, TABLE
+from rattle.description.read_parameters import DISTRIBUTIONS, LONGEST_LABEL, TABLE
 from rattle.description.read_parts import moved_joints
 from rattle.description.read_tables import KINDS
 from rattle.description.read_wear import COEFFICIENT, FIELDS, LAYER, SIDES, kind_wears
@@ -62,7 +62,10 @@ def _parameter() -> Schema:
     table = of.table(dict.fromkeys(TABLE, plain), TABLE[:1], "single values, with weights unless all are as likely")
     said = f"distribution: {' | '.join(DISTRIBUTIONS)} on value +- tol, or {{ values = [...], weights = [...] }}"
     dist = {"anyOf": [{"enum": list(DISTRIBUTIONS)}, table], "description": said}
-    return {"anyOf": [number, of.table({"value": number, **limits, "dist": dist}, ("value",))]}
+    words = {"label": "what sliders and reports call it", "description": "what a reader should know of it"}
+    texts: dict[str, Schema] = {key: {"type": "string", "description": text} for key, text in words.items()}
+    texts["label"] = {**texts["label"], "maxLength": LONGEST_LABEL}
+    return {"anyOf": [number, of.table({"value": number, **limits, "dist": dist, **texts}, ("value",))]}
 
 
 def _state() -> Schema:

@@ -15,7 +15,7 @@ from typing import Any
 
 from rattle.errors import AssemblyError, ModelError, TraceError
 from rattle.mechanism import Mechanism
-from rattle.pages.page import live_scene
+from rattle.pages.page import live_scene, words_of
 from rattle.pages.scene import run_of, scene_json, scene_of
 from rattle.pages.viewer_text import viewer_text
 from rattle.plots.diagram import drawing
@@ -51,7 +51,7 @@ def kernel_scene(m: Mechanism, t_end: float | None, why: str) -> dict[str, Any]:
     scene = scene_of([("", m.simulate(t_end))], title=m.name)
     knobs = [
         {
-            "name": name, "value": one.value, "unit": one.unit, "label": name, "shown": m.written_unit(name)[1],
+            "name": name, "value": one.value, "unit": one.unit, **words_of(m, name), "shown": m.written_unit(name)[1],
             "min": one.minimum, "max": one.maximum,
         }
         for name, one in m.model.parameters.items()

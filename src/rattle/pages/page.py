@@ -12,7 +12,6 @@ from string import ascii_letters
 from typing import Any
 
 from rattle.errors import TraceError
-from rattle.language.units import parse_quantity
 from rattle.mechanism import Mechanism
 from rattle.pages.live_program import LiveProgram, live_program
 from rattle.pages.replay import write_page
@@ -20,6 +19,7 @@ from rattle.pages.scene import frame_of
 from rattle.pages.sweep_page import sweep_scene
 from rattle.pages.viewer_text import joined, viewer_files
 from rattle.results.columns import geometry
+from rattle.results.handy_units import written_units
 
 WORKER = "live_worker.js"
 EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
@@ -72,6 +72,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         **frame_of(drawing),
         "title": m.name or "Mechanism",
         "geometry": drawing,
+        "units": written_units(m.to_json()),
         "runs": [],
         "ideal": None,
         "knobs": knobs(m, live),
@@ -86,22 +87,20 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
 
 def knobs(m: Mechanism, live: LiveProgram) -> list[dict[str, Any]]:
     """The parameters that a page can change [SI], and the unit in which the model file writes each."""
-    written = json.loads(m.to_json()).get("parameters", {})
     return [
         {
-            "name": one.name, "value": one.value, "unit": one.unit, "min": one.low, "max": one.high, "label": one.name,
-            "shown": _written_unit(written.get(one.name)),
+            "name": one.name, "value": one.value, "unit": one.unit, "min": one.low, "max": one.high,
+            **words_of(m, one.name), "shown": m.written_unit(one.name)[1],
             "together": [name for name in live.program.bound if one.name in live.program.bound],
         }
         for one in live.program.parameters
     ]  # fmt: skip
 
 
-def _written_unit(given: Any) -> str:
-    """The unit behind the number of a parameter in a model file; "" if there is none."""
-    text = given.get("value") if isinstance(given, Mapping) else given
-    found = re.fullmatch(r"\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*(\D.*?)\s*", text) if isinstance(text, str) else None
-    return found[1] if found and parse_quantity(str(text)) is not None else ""
+def words_of(m: Mechanism, name: str) -> dict[str, str]:
+    """What a page calls a parameter, and what it says of it."""
+    one = m.model.parameters[name]
+    return {"label": one.label or name, "description": one.description}
 
 
 def _fixed(live: LiveProgram) -> list[str]:

@@ -12,6 +12,7 @@ from rattle.pages.report_study import TURNS, Study, motion_of
 from rattle.plots import curves as style
 from rattle.plots.figure import Page
 from rattle.plots.orbit import clearance_joints
+from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.within_steps import largest
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def panels(s: Study, names: list[str], *, labels: dict[str, str] | None = None) 
 
 def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
     values = [run[name], *([ideal[name]] if ideal is not None and name in ideal else [])]
-    factor, unit = style.handy_unit(run.unit(name), largest(run, name))
+    factor, unit = handy_unit(run.unit(name), largest(run, name), units_of_result(run.provenance))
     ax.plot(run.t, factor * values[0], color=style.BLUE, linewidth=0.9, label=PLAY)
     values.append(style.mark_largest(ax, run, name, style.BLUE, factor))
     if ideal is not None and name in ideal:

@@ -139,8 +139,12 @@ def _parameters(model: Model, written: Mapping[str, Any]) -> str:
         tol = f"±{_text(entry['tol'])}{dist}" if "tol" in entry else dist.strip()
         span = " to ".join(_text(entry[key]) for key in ("min", "max") if key in entry)
         value = text if plain and not isinstance(entry.get("value"), int | float) else said(one.value, one.unit, 6)
-        rows.append((name, value, "" if plain else text, span, tol))
-    return table(("parameter", "value", "follows from", "range", "tolerance"), rows, "Parameters")
+        rows.append(
+            (name, value, "" if plain else text, span, tol, ". ".join(filter(None, (one.label, one.description))))
+        )
+    head = ("parameter", "value", "follows from", "range", "tolerance", "meaning")
+    shown = len(head) if any(row[-1] for row in rows) else len(head) - 1
+    return table(head[:shown], [row[:shown] for row in rows], "Parameters")
 
 
 def _start(written: Mapping[str, Any]) -> str:

@@ -14,6 +14,7 @@ from rattle import registry
 from rattle.errors import InputError
 from rattle.pages.thinning import Between, Rows, between, shared_rows
 from rattle.plots.scene import BODIES
+from rattle.results.handy_units import units_of_result
 from rattle.results.result import Result
 from rattle.results.trust import HOW, Trust
 from rattle.results.within_steps import summit
@@ -55,6 +56,7 @@ def scene_of(
         **frame_of(first.geometry),
         "title": title or str(first.provenance.get("model") or "") or "Mechanism",
         "geometry": first.geometry,
+        "units": units_of_result(first.provenance),
         "runs": runs,
         "ideal": None if ideal is None else run_of(ideal, "without play", first.geometry, OF_GHOST),
         "knobs": [],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,8 @@ from rattle.errors import AssemblyError, InputError, ModelError
 from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
 from rattle.progress_bar import progress_bar
+from rattle.results.display import in_written_unit
 from rattle.results.result import Result
-from rattle.studies.ensemble.shown import in_one_unit
 
 ONE = 7  # values of a single parameter
 TWO = 4  # values of each of two, all combinations
@@ -101,8 +102,8 @@ def _label(m: Mechanism, plan: Mapping[str, Any]) -> str:
     said = []
     for name, x in plan.items():
         if isinstance(x, float) and name in m.model.parameters:
-            value, _, unit = in_one_unit([x, x], m.model.parameters[name].unit)
-            said.append(f"{name} = {value} {unit}".rstrip())
+            one = m.model.parameters[name]
+            said.append(f"{one.label or name} = {in_written_unit(replace(one, value=x), m.written_unit(name), 5)}")
         else:
             said.append(f"{name} = {x}")
     return ", ".join(said) or "as in the model file"

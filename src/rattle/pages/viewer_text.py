@@ -14,9 +14,11 @@ from importlib import resources
 
 from rattle.errors import InputError
 from rattle.pages.compact import compact
+from rattle.results.handy_units import HANDY, LEAST, MOST
 
 ENTRY = "mount.js"
 STYLE = "style.js"  # made here: the style sheet as a text
+HANDY_UNITS = "handy_units.js"  # made here: the table of `rattle.results.handy_units`
 IMPORT = re.compile(r'^import \{([^}]*)\} from "\./([\w-]+\.js)";\n', re.MULTILINE)
 TOP = re.compile(r"^(?:export )?(?:async )?(?:function\*?|class|const|let) +([A-Za-z_$][\w$]*)", re.MULTILINE)
 SECOND = re.compile(r",\s*([A-Za-z_$][\w$]*) *=(?!>)")
@@ -34,6 +36,9 @@ def viewer_files() -> dict[str, str]:
     folder = resources.files("rattle.pages") / "viewer"
     files = {one.name: one.read_text(encoding="utf-8") for one in folder.iterdir() if one.name.endswith(".js")}
     files[STYLE] = f"export const viewerStyle = {json.dumps(style_text(), ensure_ascii=False)};\n"
+    handy = {"units": HANDY, "least": LEAST, "most": MOST}
+    said = "// Units in which quantities are handy: rattle/results/handy_units.py.\n"
+    files[HANDY_UNITS] = f"{said}export const HANDY = {json.dumps(handy, ensure_ascii=False)};\n"
     return files
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from rattle.plots.curves import BLUE, GREY, axis_label, drawn, figure_of, handy_unit, new_axes, note
+from rattle.plots.curves import BLUE, GREY, axis_label, drawn, figure_of, new_axes, note
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
-from rattle.results.display import scale
+from rattle.results.handy_units import SMALL, Shown, handy_unit, units_of_result
 from rattle.results.within_steps import bursts, largest, summit
 
 if TYPE_CHECKING:
@@ -44,7 +44,6 @@ QUANTITY = {
     "J": "energy",
     "W": "power",
 }
-SMALL = 0.2  # [m] below which a drawing is measured in mm
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
@@ -76,7 +75,7 @@ def plot(
 ) -> Figure | Axes:
     """Curves over time [s]: one panel per unit, one time axis; the time after the horizon is shaded.
 
-    Angles are drawn in degrees, lengths in m, mm or µm according to their size; with `ax` everything stays in SI.
+    Units are those of the model file, or else degrees, and m, mm or µm by size; with `ax` everything stays in SI.
     A triangle is the largest magnitude within the steps of the run, a thin line a contact between two outputs.
     over: a curve for the horizontal axis instead of time, such as "crank.angle".
     compare: further results as (label, result); their curves of the same names are dashed.
@@ -93,12 +92,13 @@ def plot(
     if ax is not None and len(panels) > 1:
         raise InputError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
     others = list(compare)
+    written = units_of_result(result.provenance)
     axes = [ax] if ax is not None else new_axes(8.0, 1.0 + 2.2 * len(panels), rows=len(panels))
     across, along = _across(result, over)
     for panel, (unit, curves) in zip(axes, panels.items(), strict=True):
         every = [r[name] for _, r in [("", result), *others] for name in curves if name in r]
         size = max((largest(r, name) for _, r in [("", result), *others] for name in curves if name in r), default=0.0)
-        factor, shown = (1.0, unit) if ax is not None else handy_unit(unit, size)
+        factor, shown = Shown(1.0, unit) if ax is not None else handy_unit(unit, size, written)
         panel_of(panel, result, curves, others, lambda r, name: (across(r), r[name]), factor)
         tops = [
             mark_largest(panel, result, name, CURVES[k % len(CURVES)], factor, across) for k, name in enumerate(curves)
@@ -127,7 +127,8 @@ def _across(result: Result, over: str | None) -> tuple[Across, str]:
     """The values on the horizontal axis, for any result, and the label of that axis."""
     if over is None:
         return (lambda r: r.t), "time [s]"
-    factor, unit = handy_unit(result.unit(over), float(np.nanmax(np.abs(result[over]), initial=0.0)))
+    size = float(np.nanmax(np.abs(result[over]), initial=0.0))
+    factor, unit = handy_unit(result.unit(over), size, units_of_result(result.provenance))
     return (lambda r: factor * r[over]), axis_label(over, unit)
 
 
@@ -180,14 +181,6 @@ def panel_of(
     legend = ax.legend(lines, [str(k) for k in range(len(lines))], frameon=False, fontsize=9, **place)
     for text, line in zip(legend.get_texts(), lines, strict=True):
         text.set(text=str(line.get_label()), parse_math=False)
-
-
-def handy_unit(unit: str, size: float) -> tuple[float, str]:
-    """Factor from the SI unit, and the unit in which a picture shows a quantity of this size [SI].
-
-    As in tables, and lengths below 0.1 mm in µm.
-    """
-    return (1e6, "µm") if unit == "m" and 0.0 < size < 1e-4 else scale(unit, size)
 
 
 def length_axes(ax: Axes, span: float) -> None:

@@ -16,12 +16,11 @@ from rattle.plots.curves import (
     ORANGE,
     RED,
     axis_label,
-    handy_unit,
     new_figure,
     note,
     tidy,
 )
-from rattle.results.display import DEGREES
+from rattle.results.handy_units import DEGREES, handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle.plots.curves import BLACK, BORE, GREY, RED, Array, axis_label, figure_of, handy_unit
+from rattle.plots.curves import BLACK, BORE, GREY, RED, Array, axis_label, figure_of
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

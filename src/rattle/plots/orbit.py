@@ -15,17 +15,16 @@ from rattle.plots.curves import (
     CURVES,
     GREY,
     RED,
-    SMALL,
     Array,
     axis_label,
     drawn,
     figure_of,
-    handy_unit,
     new_axes,
     note,
     shade_after_horizon,
 )
 from rattle.plots.oil_orbit import draw_oil_orbit
+from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.within_steps import largest
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
         require_point(result, name)
     paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
     wide = max(float(np.ptp(c[np.isfinite(c)])) if np.isfinite(c).any() else 0.0 for _, *way in paths for c in way)
-    factor, unit = (1e3, "mm") if 1e-4 <= wide < SMALL else handy_unit("m", wide)
+    factor, unit = handy_unit("m", wide, units_of_result(result.provenance))
     given, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
     for k, (name, x, y) in enumerate(paths):
         colour = CURVES[k % len(CURVES)]

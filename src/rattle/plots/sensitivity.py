@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.analyses.sensitivity.effects import effects
-from rattle.plots.curves import CURVES, MORE, axis_label, figure_of, handy_unit, new_axes, shade_after_horizon
+from rattle.plots.curves import CURVES, MORE, axis_label, figure_of, new_axes, shade_after_horizon
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,13 +15,13 @@ from rattle.plots.curves import (
     QUANTITY,
     RED,
     axis_label,
-    handy_unit,
     length_axes,
     new_figure,
     tidy,
 )
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.plots.curves import BLUE, GREEN, GREY, SHADE, axis_label, handy_unit, new_figure, note, tidy
+from rattle.plots.curves import BLUE, GREEN, GREY, SHADE, axis_label, new_figure, note, tidy
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.plots.curves import BLUE, GREY, RED, axis_label, handy_unit, new_figure, tidy
+from rattle.plots.curves import BLUE, GREY, RED, axis_label, new_figure, tidy
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

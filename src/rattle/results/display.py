@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import base64
 import html
-import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from rattle.description.model import Model
+from rattle.description.model import Model, Parameter
+from rattle.results.handy_units import SMALL, Shown, handy_unit
 
-DEGREES = 180.0 / math.pi
-MILLIMETRES = 0.05  # a length below it is written in mm [m]
 ROUNDING = 1e-12  # an angle below it is zero [rad]
-_READ_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
 _KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xml", ".mp4": "video/mp4"}
 LARGEST = 20_000_000  # size of an animation that is embedded in a notebook [bytes]
 _NUMBER = re.compile(r"[-+±\N{MINUS SIGN}]?\+?-?\d[\d.e+-]*( ?(%|°)| [^ ]{1,9})?( dry)?$|[-\u2013]$")
@@ -47,14 +44,14 @@ _STYLE = {
 STYLE = f"<style>{''.join(f'.rattle-card {part}{{{rule}}}' for part, rule in _STYLE.items())}</style>"
 
 
-def scale(unit: str, size: float) -> tuple[float, str]:
-    """Factor from the SI unit, and the unit in which tables and pictures show a quantity of this size [SI].
+def scale(unit: str, size: float) -> Shown:
+    """Factor from the SI unit, and the unit in which tables show a quantity of this size [SI].
 
-    Angles and their rates are in degrees, lengths below 50 mm in mm, all else as it is.
+    Angles and their rates are in degrees, lengths below 0.2 m in mm, all else as it is.
     """
-    if unit in _READ_AS:
-        return DEGREES, _READ_AS[unit]
-    return (1e3, "mm") if unit == "m" and 0.0 < size < MILLIMETRES else (1.0, unit)
+    if unit == "m":
+        return Shown(1e3, "mm") if 0.0 < size < SMALL else Shown(1.0, unit)
+    return handy_unit(unit, size) if unit.startswith("rad") else Shown(1.0, unit)
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
@@ -73,6 +70,12 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
         value = 0.0
     factor, shown = scale(unit, abs(value))
     return f"{factor * value:.{digits}g} {shown}".rstrip()
+
+
+def in_written_unit(parameter: Parameter, written: tuple[float, str], digits: int = 6) -> str:
+    """The value of a parameter as text, in the unit in which the model file writes it: its size [SI] and name."""
+    size, unit = written
+    return f"{parameter.value / size:.{digits}g} {unit}" if unit else quantity(parameter.value, parameter.unit, digits)
 
 
 def table(
@@ -137,9 +140,9 @@ def joint_rows_of(model: Model) -> list[tuple[str, str, str, str, str]]:
     ]  # fmt: skip
 
 
-def model_tables(model: Model) -> str:
-    """Joints and parameters of a model as tables of a notebook."""
-    named = [(name, quantity(one.value, one.unit, 6)) for name, one in model.parameters.items()]
+def model_tables(model: Model, written: Mapping[str, tuple[float, str]]) -> str:
+    """Joints and parameters of a model as tables of a notebook; written: units of parameters, see `in_written_unit`."""
+    named = [(name, in_written_unit(one, written[name])) for name, one in model.parameters.items()]
     parts = grid(("joint", "type", "between", "clearance", "contact"), joint_rows_of(model))
     return parts + grid(("parameter", "value"), named) if named else parts
 

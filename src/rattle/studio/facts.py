@@ -45,6 +45,7 @@ def _knob(m: Mechanism, document: Mapping[str, Any], name: str) -> dict[str, Any
         factor = 1.0 / times
     return {
         "name": name, "value": one.value, "unit": unit, "factor": factor, "min": least, "max": most,
+        "label": one.label or name, "description": one.description,
         "bounded": [one.minimum is not None, one.maximum is not None], "follows": str(text) if follows else "",
     }  # fmt: skip
 

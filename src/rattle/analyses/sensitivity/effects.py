@@ -8,7 +8,8 @@ import numpy as np
 
 from rattle.equations.system import System
 from rattle.errors import InputError
-from rattle.results.display import DEGREES, MILLIMETRES, quantity
+from rattle.results.display import quantity
+from rattle.results.handy_units import DEGREES, SMALL
 from rattle.results.result import Result
 
 SHARE = 0.01  # usual change of a parameter without a tolerance, as a share of its value; of 1 if that is 0
@@ -44,7 +45,7 @@ class Effect(NamedTuple):
         value, unit, by = float(self.derivative[self.largest]), self.unit, self.by
         if unit in ("rad", "rad/s", "rad/s^2"):
             value, unit = DEGREES * value, unit.replace("rad", "deg")
-        if by == "m" and self.change < MILLIMETRES:
+        if by == "m" and self.change < SMALL:
             value, unit, by = (value, "mm", "mm") if unit == "m" else (1e-3 * value, unit, "mm")
         return f"{value:.4g} {quotient(unit, by)}".rstrip()
 

@@ -54,7 +54,7 @@ export class Curves {
   // Curves are in one panel if they have one unit, and lengths in µm, mm and m apart.
   panelOf(name) {
     const unit = this.motion.unit(name);
-    return unit === "m" ? `${unit} ${handyUnit(unit, this.motion.largest(name)).unit}` : unit;
+    return unit === "m" ? `${unit} ${handyUnit(unit, this.motion.largest(name), this.host.scene.units).unit}` : unit;
   }
 
   window(range) {

@@ -31,7 +31,7 @@ export function modelFile(text, set, knobs) {
 }
 
 function withValue(written, value) {
-  const pair = /^(\{.*?\bvalue\s*=\s*)("[^"]*"|[^,}\s]+)(.*)$/.exec(written);
+  const pair = /^(\{(?:[^"]|"[^"]*")*?\bvalue\s*=\s*)("[^"]*"|[^,}\s]+)(.*)$/.exec(written);
   if (pair) return pair[1] + value + pair[3];
   const plain = /^("[^"]*"|[^#\s]+)(.*)$/.exec(written);
   return plain ? value + plain[2] : written;

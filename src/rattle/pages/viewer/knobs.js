@@ -2,8 +2,8 @@
 
 import { button, make, say } from "./dom.js";
 import { downloadText, modelFile, runTable } from "./hand_over.js";
-import { shownUnit, tidy, typedValue, unitOf } from "./typed.js";
-import { printed } from "./units.js";
+import { tidy, typedValue, unitOf } from "./typed.js";
+import { handyUnit, printed } from "./units.js";
 
 const STEPS = 400; // of a slider
 
@@ -63,17 +63,27 @@ export class Knobs {
 
   row(knob) {
     const own = knob.shown ? unitOf(knob.shown) : null;
-    const shown = own ? { unit: knob.shown, factor: own[0] } : shownUnit(knob.unit, Math.max(...[knob.min, knob.max, knob.value].filter((x) => x !== null).map(Math.abs)));
+    const handy = handyUnit(knob.unit, Math.max(...[knob.min, knob.max, knob.value].filter((x) => x !== null).map(Math.abs)), this.viewer.scene.units);
+    const shown = own ? { unit: knob.shown, factor: own[0] } : { unit: handy.unit, factor: 1 / handy.factor };
     const around = Math.abs(knob.value) || 1;
     const low = knob.min ?? knob.value - 0.5 * around, high = knob.max ?? knob.value + 0.5 * around;
     const name = knob.label || knob.name;
     const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": name, title: "Double-click: as in the model file",
-      oninput: () => this.turned(knob.name, this.atStep(row, Number(slider.value))), ondblclick: () => this.turned(knob.name, knob.value) });
+      oninput: () => this.quietly(this.turned(knob.name, this.atStep(row, Number(slider.value)))),
+      ondblclick: () => this.quietly(this.turned(knob.name, knob.value)) });
     const box = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": `${name} in ${shown.unit || "its unit"}`,
       title: `Type a number, in ${printed(shown.unit) || "its own unit"} unless you write another unit`,
       onchange: () => this.typed(row), onkeydown: (event) => this.nudge(row, event) });
-    const label = make("label", { class: "name", ondblclick: () => this.turned(knob.name, knob.value) }, name);
-    const row = { knob, shown, low, high, slider, box, element: make("div", { class: "knob" }, label, slider, box, make("span", { class: "unit quiet" }, printed(shown.unit))) };
+    const long = name !== knob.name, label = make("label", { class: "name", title: long ? `${name} (${knob.name})` : name,
+      ondblclick: () => this.quietly(this.turned(knob.name, knob.value)) }, name);
+    const about = knob.description ? make("p", { class: "about quiet", hidden: true }, knob.description) : null;
+    if (about) label.append(make("button", { type: "button", class: "ask quiet", "aria-label": `What ${name} is`, "aria-expanded": "false",
+      onclick: ({ currentTarget: ask }) => {
+        about.hidden = !about.hidden;
+        ask.setAttribute("aria-expanded", String(!about.hidden));
+      } }, "?"));
+    const element = make("div", { class: long ? "knob labelled" : "knob" }, label, slider, box, make("span", { class: "unit quiet" }, printed(shown.unit)), about);
+    const row = { knob, shown, low, high, slider, box, element };
     this.rows.set(knob.name, row);
     return row.element;
   }

@@ -5,7 +5,7 @@ import { pathOf, pointAt } from "./data.js";
 import { drawForces, drawMoment, forcesOf, forceScale } from "./forces.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { pinsWithPlay, Stage } from "./stage.js";
-import { drawingUnit, handyUnit, niceStep, short } from "./units.js";
+import { handyUnit, niceStep, short } from "./units.js";
 
 const DASHED = [6, 5];
 
@@ -19,6 +19,7 @@ export class MechanismView {
   // motion: what is shown; ghosts: [{motion, name}] with it, the ideal mechanism first.
   setMotion(motion, scene, ghosts) {
     this.stage = new Stage(motion, scene);
+    this.units = scene.units;
     const { stage } = this, parts = stage.parts();
     const instead = new Set(parts.flatMap((part) => part.drawing.instead(stage, part.form)));
     const bodies = Object.keys(stage.bodies).filter((body) => stage.first?.[body] && !instead.has(body));
@@ -115,7 +116,7 @@ export class MechanismView {
       if (far < 16) found.push({ text, at, far });
     };
     for (const part of stage.parts()) {
-      const force = motion.has(`${part.name}.force`) ? `${part.name}.force` : null, { factor, unit } = handyUnit(force ? motion.unit(force) : "", force ? motion.largest(force) : 0);
+      const force = motion.has(`${part.name}.force`) ? `${part.name}.force` : null, { factor, unit } = handyUnit(force ? motion.unit(force) : "", force ? motion.largest(force) : 0, this.units);
       const text = `${part.name}, ${part.form.type}${force ? `, ${short(factor * motion.value(force, time))} ${unit}` : ""}`;
       for (const at of stage.ends(part.form, pose)) add(text, at);
     }
@@ -128,7 +129,7 @@ export class MechanismView {
 
   grid(p) {
     const { context, theme } = p, step = niceStep(p.metres(84));
-    const { unit, factor } = drawingUnit(Math.max(p.metres(this.width), p.metres(this.height)));
+    const { unit, factor } = handyUnit("m", step, this.units);
     context.strokeStyle = theme.faint;
     context.lineWidth = 1;
     context.beginPath();

@@ -74,7 +74,7 @@ export class Panel {
     this.names = names;
     this.lines = lines;
     const most = Math.max(0, ...lines.map((one) => one.motion.largest(one.name)));
-    this.handy = handyUnit(this.unit, most);
+    this.handy = handyUnit(this.unit, most, this.curves.host.scene.units);
     this.text = steady(this.handy.factor * most);
     this.fresh = null;
     this.legend.replaceChildren(...names.map((name) => this.entry(name)));

@@ -46,15 +46,5 @@ export function typedValue(text, unit, usual) {
   return number * found[0];
 }
 
-// The unit in which a parameter of this size is shown, and its factor: value in SI = factor * number shown.
-export function shownUnit(unit, size) {
-  if (unit === "rad") return { unit: "deg", factor: RADIANS };
-  if (unit === "m" && size < 2) return size < 2e-4 ? { unit: "µm", factor: 1e-6 } : { unit: "mm", factor: 1e-3 };
-  if (unit === "s" && size < 0.5) return { unit: "ms", factor: 1e-3 };
-  if (unit === "Pa" && size >= 1e6) return size >= 1e9 ? { unit: "GPa", factor: 1e9 } : { unit: "MPa", factor: 1e6 };
-  if (unit === "N" && size >= 2e4) return { unit: "kN", factor: 1e3 };
-  return { unit, factor: 1 };
-}
-
 // A number as short as it can be told from its neighbours in seven digits.
 export const tidy = (x) => String(Number(Number(x).toPrecision(7)));

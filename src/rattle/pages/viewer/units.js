@@ -1,9 +1,8 @@
 // Numbers for people: handy units as in the Python plots, ticks, and texts whose width does not jump.
 
-const DEGREES = 180 / Math.PI;
+import { HANDY } from "./handy_units.js";
+
 const FINER = 8; // steps by which an axis without two labels is divided more finely, enough for any range
-const TURNED = { rad: "deg", "rad/s": "deg/s", "rad/s^2": "deg/s²" };
-const PREFIXED = { N: 2e4, W: 2e4, J: 2e4, "N*m": 2e4, Pa: 1e4 }; // from where on thousands are written with a prefix
 export const QUANTITY = {
   s: "time", m: "length", rad: "angle", N: "force", "N*m": "moment", Pa: "pressure", "m/s": "speed",
   "rad/s": "angular rate", "m/s^2": "acceleration", "rad/s^2": "angular acceleration", J: "energy", W: "power",
@@ -13,22 +12,14 @@ export function printed(unit) {
   return unit.replaceAll("*", "·").replaceAll("^2", "²").replaceAll("^3", "³");
 }
 
-// Factor from the SI unit and the unit in which a quantity of this size is shown.
-export function handyUnit(unit, size) {
-  if (unit in TURNED) return { factor: DEGREES, unit: TURNED[unit] };
-  if (unit === "m" && size > 0 && size < 1e-4) return { factor: 1e6, unit: "µm" };
-  if (unit === "m" && size > 0 && size < 0.05) return { factor: 1e3, unit: "mm" };
-  if (unit in PREFIXED && size >= PREFIXED[unit]) {
-    if (size >= 1000 * PREFIXED[unit] || (unit === "Pa" && size >= 1e5)) return { factor: 1e-6, unit: `M${printed(unit)}` };
-    return { factor: 1e-3, unit: `k${printed(unit)}` };
-  }
-  if (unit === "J" && size > 0 && size < 0.05) return { factor: 1e3, unit: "mJ" };
-  return { factor: 1, unit: printed(unit) };
-}
-
-// Lengths of a drawing: mm below 0.2 m, else m.
-export function drawingUnit(span) {
-  return span < 2e-4 ? { factor: 1e6, unit: "µm" } : span < 0.2 ? { factor: 1e3, unit: "mm" } : { factor: 1, unit: "m" };
+// Factor from the SI unit and the unit in which a quantity of this size is shown, as `handy_unit` in Python.
+// written: units of the model file by SI unit, {unit: [factor, name]}.
+export function handyUnit(unit, size, written = {}) {
+  const [factor, name] = written[unit] ?? [], rungs = HANDY.units[unit] ?? [], handy = factor * size;
+  if (name && (size === 0 || (handy >= HANDY.least && handy < HANDY.most))) return { factor, unit: printed(name) };
+  const reached = rungs.length > 1 && !(size > 0) ? [] : rungs.filter(([least]) => least <= size);
+  const [, times = 1, shown = unit] = reached[reached.length - 1] ?? [];
+  return { factor: times, unit: printed(shown) };
 }
 
 // Factor and unit in which a clearance is a handy number.

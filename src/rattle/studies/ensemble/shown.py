@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rattle.results.display import MILLIMETRES, readable
+from rattle.results.display import readable
+from rattle.results.handy_units import SMALL
 
 LONGEST = 10.0  # a length up to which mm are used beside short ones [m]
 FEWEST, MOST = 5, 10  # digits
@@ -14,7 +15,7 @@ FEWEST, MOST = 5, 10  # digits
 def scale_of(values: Sequence[float], unit: str) -> tuple[float, str]:
     """Factor from SI, and the unit in which these values [SI] are shown: angles in deg, short lengths in mm."""
     sizes = [abs(x) for x in values if math.isfinite(x) and x]
-    if unit == "m" and sizes and min(sizes) < MILLIMETRES and max(sizes) < LONGEST:
+    if unit == "m" and sizes and min(sizes) < SMALL and max(sizes) < LONGEST:
         return 1e3, "mm"
     return readable(1.0, unit)
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rattle.plots.curves import QUANTITY, axis_label, handy_unit
+from rattle.plots.curves import QUANTITY, axis_label
+from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.result import Result
 from rattle.results.within_steps import bursts, largest, summit
 
@@ -72,7 +73,7 @@ def of_result(
     kept = [name for _, name in sorted(sized, key=lambda one: -one[0])[:MOST_LINES]]
     kept.sort(key=list(names).index)
     unit = result.unit(kept[0])
-    factor, shown = handy_unit(unit, max(size for size, _ in sized))
+    factor, shown = handy_unit(unit, max(size for size, _ in sized), units_of_result(result.provenance))
     lines = [_line_of(result, name, (labels or {}).get(name, name), factor) for name in kept]
     horizon = result.trust.horizon
     after = horizon if horizon is not None and horizon < result.t[-1] else None

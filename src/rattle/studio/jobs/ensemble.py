@@ -9,8 +9,9 @@ import numpy as np
 from rattle.errors import InputError
 from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
-from rattle.plots.curves import QUANTITY, axis_label, handy_unit
+from rattle.plots.curves import QUANTITY, axis_label
 from rattle.results.display import quantity
+from rattle.results.handy_units import handy_unit
 from rattle.studies.ensemble.ensemble import Ensemble
 from rattle.studies.ensemble.fields import Vary
 from rattle.studio.jobs.blocks import Block, Content, content, table, words

@@ -10,10 +10,11 @@ from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.errors import AssemblyError, ModelError
 from rattle.language.times import seconds
 from rattle.mechanism import Mechanism
-from rattle.plots.curves import axis_label, handy_unit, length_axes, new_figure, tidy
+from rattle.plots.curves import axis_label, length_axes, new_figure, tidy
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
 from rattle.results.display import quantity
+from rattle.results.handy_units import handy_unit
 from rattle.studio.jobs.blocks import Block, Content, bars, content, curves, drawing, line, table, words
 from rattle.studio.jobs.motion import usual_output
 from rattle.studio.shelf import Shelf, Source

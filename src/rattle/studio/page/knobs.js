@@ -19,7 +19,7 @@ export class Knobs {
   show(facts) {
     this.facts = facts;
     this.complain("");
-    const shape = JSON.stringify([facts.knobs.map((one) => [one.name, one.min, one.max, one.unit, one.follows]),
+    const shape = JSON.stringify([facts.knobs.map((one) => [one.name, one.label, one.description, one.min, one.max, one.unit, one.follows]),
       facts.contacts.map((one) => [one.joint, one.models.length]), facts.settings.gravity.length]);
     if (shape !== this.shape) this.build(facts);
     this.shape = shape;
@@ -48,7 +48,7 @@ export class Knobs {
     const id = `knob-${knob.name}`;
     const entry = h("input", { class: "entry", "aria-label": `${knob.name}, value with unit`, spellcheck: "false", autocomplete: "off" });
     const slider = h("input", { type: "range", id, min: 0, max: 400, step: 1 });
-    const label = h("label", { for: id, title: knob.name }, knob.name);
+    const label = h("label", { for: id, title: knob.label === knob.name ? knob.name : `${knob.label} (${knob.name})` }, knob.label);
     let now = knob, sent = 0, timer = 0;
     const send = (value) => {
       clearTimeout(timer);
@@ -74,7 +74,8 @@ export class Knobs {
     });
     const follows = knob.follows ? h("p", { class: "quiet" }, `= ${knob.follows}`) : null;
     const ends = h("div", { class: "ends", "aria-hidden": "true" }, h("span", {}, shown(knob, knob.min)), h("span", {}, shown(knob, knob.max)));
-    return h("div", { class: "knob" }, h("div", { class: "row" }, label, entry), follows ?? [slider, ends]);
+    const about = knob.description ? h("p", { class: "quiet about" }, knob.description) : null;
+    return h("div", { class: "knob" }, h("div", { class: "row" }, label, entry), about, follows ?? [slider, ends]);
   }
 
   contactRow(contact) {

@@ -1,0 +1,113 @@
+"""In which unit people read a quantity: one table for pictures, pages and the studio.
+
+The unit in which the model file writes such quantities comes first, where numbers in it are handy; then the table.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rattle.language.units import (
+    FORCE,
+    LENGTH,
+    MOMENT,
+    POWER,
+    Dimension,
+    QuantityError,
+    dimension_of,
+    parse_quantity,
+    unit_of_quantity,
+)
+
+DEGREES = 180.0 / math.pi
+SMALL = 0.2  # a length below it is written in mm, in drawings, curves and tables [m]
+LEAST, MOST = 0.1, 1e5  # numbers that are handy in the unit of the model file
+
+
+class Shown(NamedTuple):
+    """A unit: factor from the SI unit, and its name."""
+
+    factor: float
+    unit: str
+
+
+# by SI unit: from which size on [SI] a quantity is shown in which unit
+HANDY: dict[str, tuple[tuple[float, float, str], ...]] = {
+    "m": ((0.0, 1e6, "µm"), (1e-4, 1e3, "mm"), (SMALL, 1.0, "m")),
+    "rad": ((0.0, DEGREES, "deg"),),
+    "rad/s": ((0.0, DEGREES, "deg/s"),),
+    "rad/s^2": ((0.0, DEGREES, "deg/s^2"),),
+    "N": ((0.0, 1.0, "N"), (2e4, 1e-3, "kN"), (2e7, 1e-6, "MN")),
+    "N*m": ((0.0, 1.0, "N*m"), (2e4, 1e-3, "kN*m"), (2e7, 1e-6, "MN*m")),
+    "W": ((0.0, 1.0, "W"), (2e4, 1e-3, "kW"), (2e7, 1e-6, "MW")),
+    "J": ((0.0, 1e3, "mJ"), (0.05, 1.0, "J"), (2e4, 1e-3, "kJ"), (2e7, 1e-6, "MJ")),
+    "Pa": ((0.0, 1.0, "Pa"), (1e4, 1e-3, "kPa"), (1e5, 1e-6, "MPa"), (1e9, 1e-9, "GPa")),
+}
+# SI units of curves by the dimension of what a model file writes; angles have none, so that their names decide
+DIMENSIONS: dict[Dimension, str] = {LENGTH: "m", FORCE: "N", MOMENT: "N*m", POWER: "W", dimension_of("m/s"): "m/s"}
+TURNING = {"deg": "rad", "°": "rad", "rad": "rad", "rpm": "rad/s", "rad/s": "rad/s", "deg/s": "rad/s"}
+ENERGIES = ("J", "Wh")  # of the same dimension as a moment
+
+
+def handy_unit(unit: str, size: float, written: Mapping[str, Shown] | None = None) -> Shown:
+    """Factor from the SI unit, and the unit in which a quantity of this size [SI] is shown.
+
+    written: units of the model file by SI unit, see `written_units`.
+    """
+    own = (written or {}).get(unit)
+    if own is not None and (size == 0.0 or LEAST <= own.factor * size < MOST):
+        return own
+    rungs = HANDY.get(unit, ())
+    if len(rungs) > 1 and not size > 0.0:
+        return Shown(1.0, unit)
+    reached = [Shown(factor, name) for least, factor, name in rungs if least <= size]
+    return reached[-1] if reached else Shown(1.0, unit)
+
+
+def written_units(document: Any) -> dict[str, Shown]:
+    """Units in which a model file writes lengths, angles, rates, forces, moments: of each kind the most frequent.
+
+    document: its tables, or their JSON.
+    """
+    counts: Counter[tuple[str, Shown]] = Counter()
+    for text in _texts(json.loads(document) if isinstance(document, str) else document):
+        if found := _unit_of(text):
+            counts[found] += 1
+    units: dict[str, Shown] = {}
+    for (unit, shown), _ in counts.most_common():
+        units.setdefault(unit, shown)
+    return units
+
+
+def units_of_result(provenance: Mapping[str, Any]) -> dict[str, Shown]:
+    """The same of the model that a result holds; none without a model."""
+    document = provenance.get("document")
+    return written_units(str(document)) if document else {}
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for one in value.values():
+            yield from _texts(one)
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _texts(one)
+
+
+def _unit_of(text: str) -> tuple[str, Shown] | None:
+    """SI unit and unit of a quantity in a model file; None for other texts and for other kinds of quantities."""
+    try:
+        quantity = parse_quantity(text)
+    except QuantityError:
+        return None
+    if quantity is None or quantity[1] is None:
+        return None
+    size, name = unit_of_quantity(text)
+    unit = TURNING.get(name) or ("" if name in ENERGIES else DIMENSIONS.get(quantity[1], ""))
+    return (unit, Shown(1.0 / size, name)) if unit else None
