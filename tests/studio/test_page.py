@@ -297,7 +297,7 @@ mv "$SEEN.part" "$SEEN"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="a program that stands for the browser is a shell script")
-def test_a_browser_is_led_to_the_page_by_a_file_that_only_its_user_reads(tmp_path, open_page):
+def test_a_browser_is_led_to_the_page_by_a_file_that_only_its_user_reads(tmp_path, browser):
     """What stands on the command line of the browser, where every user reads it, is no secret."""
     (tmp_path / "m.toml").write_text(PENDULUM)
     program, seen = tmp_path / "browser.sh", tmp_path / "seen"
@@ -314,9 +314,11 @@ def test_a_browser_is_led_to_the_page_by_a_file_that_only_its_user_reads(tmp_pat
         file = Path(url2pathname(urlsplit(words.strip()).path))
         assert file.stat().st_mode & 0o077 == 0
         assert file.parent.stat().st_mode & 0o077 == 0
-        page = open_page("about:blank")
+        context = browser.new_context()
+        page = context.new_page()
         page.goto(file.as_uri())
         page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+        context.close()
         assert served.ask(urlsplit(served.address).path + "?" + urlsplit(served.address).query).status == 303
     finally:
         served.process.terminate()
