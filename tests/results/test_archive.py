@@ -1,17 +1,22 @@
 """A file of a result gives the numbers that were saved, or a ValueError: whatever happened to it, whoever made it."""
 
+import io
 import json
 import pickle
 import shutil
 import sys
+import tracemalloc
 import zipfile
 
 import h5py
 import numpy as np
 import pytest
 
+import rattle as rt
 from circling import circling
 from rattle.results import archive
+from rattle.results.columns import geometry
+from rattle.results.record_schema import BodyForm, Geometry, JointForm, LoadForm, misfit
 from rattle.results.result import load_result
 
 pytestmark = pytest.mark.nojit
@@ -182,7 +187,8 @@ def test_arrays_in_an_npz_that_are_none_are_refused(tmp_path, lift):
         load_result(tmp_path / "h.npz")
 
 
-def test_a_packed_file_that_would_fill_the_memory_is_refused(tmp_path):
+@pytest.mark.parametrize("way", [zipfile.ZIP_BZIP2, zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA])
+def test_a_packed_file_that_would_fill_the_memory_is_refused(tmp_path, way):
     saved(tmp_path, "npz")
     with zipfile.ZipFile(tmp_path / "r.npz") as old, zipfile.ZipFile(tmp_path / "h.npz", "w") as new:
         for name in old.namelist():
@@ -190,9 +196,52 @@ def test_a_packed_file_that_would_fill_the_memory_is_refused(tmp_path):
                 new.writestr(name, old.read(name))
         for name in ("t", "lift"):
             zeros = header_of((2_000_000,)) + bytes(16_000_000)
-            new.writestr(f"{name}.npy", zeros, zipfile.ZIP_BZIP2)  # one byte for thousands
-    with pytest.raises(ValueError, match=r"h\.npz declares 16\d* bytes"):
+            new.writestr(f"{name}.npy", zeros, way)  # one byte for thousands
+    with pytest.raises(ValueError, match=r"h\.npz holds 't' packed"):
         load_result(tmp_path / "h.npz")
+
+
+def test_a_packed_record_is_refused_before_memory_is_taken_for_it(tmp_path):
+    """Of 200 MB in 0.2 MB, as they would be unpacked, nothing is."""
+    saved(tmp_path, "npz")
+    with zipfile.ZipFile(tmp_path / "r.npz") as old, zipfile.ZipFile(tmp_path / "h.npz", "w") as new:
+        for name in old.namelist():
+            if name != f"{archive.RECORD}.npy":
+                new.writestr(name, old.read(name))
+        words = io.BytesIO()
+        np.lib.format.write_array(words, np.array(b"{}" + bytes(200_000_000)), allow_pickle=False)
+        new.writestr(f"{archive.RECORD}.npy", words.getvalue(), zipfile.ZIP_DEFLATED)
+    del words
+    tracemalloc.start()
+    try:
+        with pytest.raises(rt.InputError, match="packed"):
+            load_result(tmp_path / "h.npz")
+        assert tracemalloc.get_traced_memory()[1] < 5e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_members_of_an_npz_that_share_their_bytes_are_refused(tmp_path):
+    """Curves that are one inside of the other make many of few bytes, without any packing."""
+    r = circling(2001)
+    r.save(tmp_path / "r.npz")
+    content = (tmp_path / "r.npz").read_bytes()
+    with zipfile.ZipFile(tmp_path / "r.npz") as old:
+        size = sum(one.file_size for one in old.infolist())
+    assert size <= len(content)
+    with pytest.raises(archive.Damaged, match="more than"):
+        archive._fits(len(r.stored) + 50, 2001, len(content), packed=1)
+
+
+def test_every_example_has_the_geometry_that_files_are_compared_with():
+    """No key is written that the types do not know, but for dimensions of a play."""
+    for name in rt.examples():
+        drawn = json.loads(json.dumps(geometry(rt.example(name).model)))
+        assert misfit(drawn, Geometry, "geometry") == "", name
+        for family, form in (("joints", JointForm), ("loads", LoadForm), ("bodies", BodyForm)):
+            for one in drawn[family].values():
+                more = one.keys() - form.__annotations__.keys()
+                assert all(not misfit(one[key], list[float], key) for key in more), (name, family, more)
 
 
 def without(key):
@@ -203,7 +252,43 @@ def put(**more):
     return lambda given: given.update(more)
 
 
+def in_joint(**more):
+    def change(given):
+        form = {
+            "type": "revolute",
+            "bodies": ["arm", "ground"],
+            "points": [[0, 0], [0, 0]],
+            "clearance": 0.0,
+            "contact": "",
+        }
+        given["geometry"] = {"bodies": {"arm": {"points": {}}}, "joints": {"O": {**form, **more}}}
+
+    return change
+
+
+def in_trust(**more):
+    return lambda given: given["trust"].update(more)
+
+
 RECORDS = {
+    "drift no number": in_trust(drift=None),
+    "drift of angles a text": in_trust(drift_angle="=1"),
+    "horizon a list": in_trust(horizon=[1]),
+    "notes a number": in_trust(notes=5),
+    "notes of numbers": in_trust(notes=[5]),
+    "pulled a list": in_trust(pulled=[1]),
+    "contacts a text": in_trust(contacts="many"),
+    "stopped a number": in_trust(stopped=1),
+    "oil without heat": in_joint(oil={"boundary": 1e-6, "density": 900.0}),
+    "oil of texts": in_joint(oil={"boundary": 1e-6, "density": 900.0, "specific_heat": "=1"}),
+    "oil a number": in_joint(oil=5),
+    "joint without bodies": in_joint(bodies=[]),
+    "joint of strangers": in_joint(bodies=["arm", "leg"]),
+    "clearance a text": in_joint(clearance="1"),
+    "stop of one end": in_joint(stop=[1]),
+    "driven a stranger": lambda given: given["geometry"].update(driven=["M"]),
+    "loads a list": lambda given: given["geometry"].update(loads=[1]),
+    "peaks of texts": put(peaks={"O.normal": ["a", "b", "c"]}),
     **{f"no {key}": without(key) for key in ("geometry", "events", "trust", "success", "stats", "units")},
     "message no text": put(message=5),
     "success no truth": put(success="yes"),

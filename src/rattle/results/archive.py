@@ -23,13 +23,14 @@ from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic, is_special
 from rattle.errors import InputError, MissingPackage, WrongType, shown
+from rattle.results.record_schema import misfit_of
 
 Array = NDArray[np.float64]
 FORMAT = 2  # 1: without checksum, netCDF only
 RECORD, DIGEST = "rattle.record", "sha256"
 SUFFIXES = (".nc", ".npz")
 TRAILER = b"\nrattle sha256 "  # after the HDF5 data, followed by 64 hexadecimal digits and a line end
-PACKED = 1100  # largest compression ratio that deflate can reach
+PACKED = 1100  # largest compression ratio that deflate can reach, in a netCDF file
 NETCDF = b"\x89HDF\r\n\x1a\n"
 ZIP = b"PK\x03\x04"
 HINT = "pip install h5netcdf h5py xarray pandas"
@@ -156,15 +157,12 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
         require_whole(file)
     try:
         text, record, digest, t, curves = reader(file)
+        _require_not_later(record)
         _require_plain(record, len(curves))
     except Damaged as error:
         raise InputError(f"{file} {error}") from None
     except Exception as error:  # h5py, zipfile and json raise many kinds of errors; all mean the same here
         raise InputError(f"{file} {NO_RESULT}") from error
-    if record["format"] > FORMAT:
-        raise InputError(
-            f"{file} has format {record['format']}; this version of rattle reads up to {FORMAT}: install a newer one"
-        )
     if (digest or record["format"] > 1) and digest != _digest(text, t, curves):
         raise InputError(f"{file} is damaged: its content does not match its checksum; compute it again")
     return record, t, np.column_stack(curves) if curves else np.empty((len(t), 0))
@@ -199,9 +197,9 @@ def require_whole(file: Path) -> bool:
     return True
 
 
-def _fits(count: int, n: int, size: int) -> None:
+def _fits(count: int, n: int, size: int, packed: int = PACKED) -> None:
     """Refuse a file that is too small for the curves it declares, before memory is allocated."""
-    if 8 * n * count > PACKED * size:
+    if 8 * n * count > packed * size:
         raise Damaged(f"declares {count} curves of {n} instants, more than {size} bytes can hold")
 
 
@@ -243,7 +241,9 @@ def _read_npz(file: Path) -> Found:
 
         def member(name: str) -> tuple[np.dtype[Any], tuple[int, ...], bytes]:
             info = opened.getinfo(f"{name}.npy")
-            if info.file_size > PACKED * size:
+            if info.compress_type != zipfile.ZIP_STORED:
+                raise Damaged(f"holds '{name}' packed, as no result does: a small file could fill the memory")
+            if info.file_size > size:
                 raise Damaged(f"declares {info.file_size} bytes, more than {size} bytes can hold")
             content = io.BytesIO(opened.read(info))
             version = np.lib.format.read_magic(content)
@@ -265,11 +265,18 @@ def _read_npz(file: Path) -> Found:
 
         text, digest, t = word(RECORD), word(DIGEST), curve("t")
         record = json.loads(text)
-        _fits(len(record["names"]) + 1, len(t), size)
+        _fits(len(record["names"]) + 1, len(t), size, packed=1)
         return text, record, digest, t, [curve(name, len(t)) for name in record["names"]]
 
 
 # ---------------------------------------------------------------- what a record may contain
+def _require_not_later(record: Any) -> None:
+    """Refuse a record of a later format, which may hold anything."""
+    form = record["format"]
+    if type(form) is int and form > FORMAT:
+        raise Damaged(f"has format {form}; this version of rattle reads up to {FORMAT}: install a newer one")
+
+
 def _require_plain(record: Any, count: int) -> None:
     """Refuse a record that is not as `Result.save` writes it.  Raises InputError, TypeError, KeyError."""
     names = record["names"]
@@ -301,9 +308,8 @@ def _require_plain(record: Any, count: int) -> None:
         texts = isinstance(joint, str) and isinstance(kind, str)
         if not texts or not all(type(one) in (int, float) for one in (event[0], *numbers)):
             raise InputError("an event is a time, a joint, a kind and numbers")
-    for group in ("bodies", "joints", "loads"):
-        if not all(isinstance(one, dict) for one in record["geometry"].get(group, {}).values()):
-            raise InputError("geometry is made of tables")
+    if where := misfit_of(record["geometry"], record["trust"], record.get("peaks", {})):
+        raise Damaged(f"{NO_RESULT}: {where} in its record is not as a result has it")
 
 
 def first_place(

@@ -1,0 +1,135 @@
+"""What the record of a result holds, as types; a file that somebody made is compared with them before it is used.
+
+The types of `Trust` are those of its fields; those of the geometry stand here, as `columns.geometry` writes it.
+"""
+
+# no postponed annotations here: TypedDict would not see which keys are NotRequired
+from collections.abc import Mapping
+from types import NoneType, UnionType
+from typing import Any, NotRequired, TypedDict, Union, get_args, get_origin, get_type_hints, is_typeddict
+
+from numpy import ndarray
+
+from rattle.results.trust import Trust
+
+Pair = tuple[float, float]
+
+
+class Oil(TypedDict):
+    """The oil of a joint: thickness of the boundary film [m], density [kg/m^3], specific heat [J/(kg K)]."""
+
+    boundary: float
+    density: float
+    specific_heat: float
+
+
+class JointForm(TypedDict):
+    """A joint; lists of numbers under other keys are dimensions of its play."""
+
+    type: str
+    bodies: tuple[str, str]
+    points: tuple[Pair, Pair]
+    clearance: float
+    contact: str
+    fields: NotRequired[dict[str, float | list[float]]]
+    sense: NotRequired[float]
+    coordinate: NotRequired[str]
+    axis: NotRequired[float]
+    travel: NotRequired[float]
+    outline: NotRequired[list[Pair]]
+    stop: NotRequired[tuple[float | None, float | None]]
+    oil: NotRequired[Oil]
+    bush_radius: NotRequired[float]
+
+
+class LoadForm(TypedDict):
+    """A load."""
+
+    type: str
+    bodies: tuple[str, str]
+    points: tuple[Pair, Pair]
+    fields: NotRequired[dict[str, float | list[float]]]
+    coordinate: NotRequired[str]
+    power: NotRequired[float]
+
+
+class BodyForm(TypedDict):
+    """A body: its points, and the rings of its plate [m]."""
+
+    points: dict[str, Pair]
+    outline: NotRequired[list[list[Pair]]]
+
+
+class GroundForm(TypedDict):
+    """The ground: its points [m]."""
+
+    points: dict[str, Pair]
+
+
+class Geometry(TypedDict):
+    """Everything that is drawn; of what is not drawn all tables are empty."""
+
+    bodies: dict[str, BodyForm]
+    ground: NotRequired[GroundForm]
+    joints: NotRequired[dict[str, JointForm]]
+    loads: NotRequired[dict[str, LoadForm]]
+    driven: NotRequired[list[str]]
+
+
+def misfit(value: Any, wanted: Any, where: str) -> str:
+    """Where a value of JSON is not of a type, such as "geometry.joints.O.clearance"; "" if all of it is."""
+    if is_typeddict(wanted):
+        return _table_misfit(value, wanted, where)
+    kind, parts = get_origin(wanted) or wanted, get_args(wanted)
+    if kind in (UnionType, Union):
+        return "" if any(not misfit(value, part, where) for part in parts) else where
+    if kind is tuple and parts[-1:] != (Ellipsis,):
+        right = isinstance(value, list | tuple) and len(value) == len(parts)
+        return _first(zip(value, parts, strict=True), where) if right else where
+    if kind in (list, tuple):
+        return _first(((one, parts[0]) for one in value), where) if isinstance(value, list | tuple) else where
+    if kind in (dict, Mapping):
+        right = isinstance(value, dict) and all(isinstance(key, str) for key in value)
+        found = (misfit(one, parts[1], f"{where}.{key}") for key, one in value.items()) if right else iter([where])
+        return next(filter(None, found), "")
+    if kind is ndarray:  # of intervals
+        return misfit(value, list[Pair], where)
+    fits = {float: (int, float), int: (int,), str: (str,), bool: (bool,), NoneType: (NoneType,)}[kind]
+    return "" if type(value) in fits else where
+
+
+def _first(pairs: Any, where: str) -> str:
+    """The first misfit among values with their types."""
+    return next(filter(None, (misfit(one, wanted, f"{where}[{n}]") for n, (one, wanted) in enumerate(pairs))), "")
+
+
+def _table_misfit(value: Any, wanted: Any, where: str) -> str:
+    if not isinstance(value, dict):
+        return where
+    for key, hint in get_type_hints(wanted).items():
+        if key in value:
+            if found := misfit(value[key], hint, f"{where}.{key}"):
+                return found
+        elif key in wanted.__required_keys__:
+            return f"{where}.{key}"
+    return ""
+
+
+def misfit_of(geometry: Any, trust: Any, peaks: Any) -> str:
+    """Where these parts of a record are not as a result is written; "" if they are."""
+    hints = get_type_hints(Trust)
+    if not isinstance(trust, dict):
+        return "trust"
+    found = next(filter(None, (misfit(trust[key], hints[key], f"trust.{key}") for key in trust if key in hints)), "")
+    found = found or misfit(geometry, Geometry, "geometry") or misfit(peaks, dict[str, list[float]], "peaks")
+    return found or _stranger(geometry)
+
+
+def _stranger(geometry: Geometry) -> str:
+    """Where a part of the geometry names another that is not there."""
+    bodies, joints = {*geometry["bodies"], "ground"}, geometry.get("joints", {})
+    for family, forms in (("joints", joints), ("loads", geometry.get("loads", {}))):
+        for name, form in forms.items():
+            if not bodies.issuperset(form["bodies"]):
+                return f"geometry.{family}.{name}.bodies"
+    return "" if joints.keys() >= {*geometry.get("driven", ())} else "geometry.driven"
