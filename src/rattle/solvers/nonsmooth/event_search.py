@@ -36,6 +36,8 @@ LOOKS_KEPT = 64
 MOST_LOOKS = 4000  # in one step
 GUIDED = 6  # attempts to locate a zero where the stages predict it
 NARROW = 1e-6  # share of a step that is not halved further
+JUMPED = 1e-3  # share of an indicator that is left where it jumps below zero, as N where a wall ends
+BEYOND = 1e-12  # share of the time by which an event is later that is a jump: on its other side whatever the rounding
 
 
 @compiled
@@ -103,6 +105,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
     if f_low <= 0.0:
         return low
     far, f_far, looks, near, shift, tilt = low, f_low, m.glances, low, lift, 0.0
+    last, whole = high, f_low
     for turn in range(100):
         least = 1e-16 * abs(t) + 1e-15 * h
         if not (high - low) * h > least:
@@ -125,6 +128,8 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
             far, f_far, high, f_high = high, f_high, middle, value
         else:
             far, f_far, low, f_low = low, f_low, middle, value
+    if f_high < -JUMPED * whole:
+        high = min(high + BEYOND * abs(t) / h, last)
     return high
 
 
