@@ -18,7 +18,10 @@ def rng_for(*words):
     return np.random.default_rng(zlib.crc32(" ".join(words).encode()))
 
 
-SHARES = {"pressure_angle": 0.25, "backlash": 0.05, "pretension": 0.05}  # of fields that have to be smaller than others
+SHARES = {  # of fields that have to be smaller than others
+    "pressure_angle": 0.25, "backlash": 0.05, "pretension": 0.05, "play": 0.02, "rounding": 0.05,
+}  # fmt: skip
+COUNTS = {"arcs"}  # fields that are whole numbers
 OPTIONS = {"roller"}  # fields that are also left out: 0 is another way
 
 
@@ -31,6 +34,8 @@ def field_values(kind, rng):
             found[key] = [local_function(shape, one.function_of, {}, NO_TABLES)]
         elif key in OPTIONS and rng.integers(2):
             found[key] = [0.0]
+        elif key in COUNTS:
+            found[key] = [float(rng.integers(3, 9))]
         elif one.shape == "number":
             found[key] = [rng.uniform(0.5, 2.0) * SHARES.get(key, 1.0)]
         elif one.shape == "pair":

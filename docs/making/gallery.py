@@ -33,7 +33,7 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
         "Speed of the last knock",
         lambda r: ([one.normal_speed for one in r.events if one.kind == "impact"][-1], "m/s"),
     ),
-    "geneva": ("Largest speed of the wheel", lambda r: (np.abs(r["wheel.omega"]).max(), "rad/s")),
+    "geneva": ("Angle of the wheel after two turns", lambda r: (np.ptp(r["wheel.angle"]), "rad")),
     "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
     "jansen_leg": ("Length of a step", lambda r: (np.ptp(r["shank.foot.x"]), "m")),
     "ratchet": ("Lift in three swings", lambda r: (r["load.y"][-1] - r["load.y"][0], "m")),
@@ -58,7 +58,7 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
 CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
 INSTANT = {
     "door_closer": 0.2,
-    "geneva": 0.3,
+    "geneva": 0.09,
     "scissor_lift": 0.4,
     "toggle_clamp": 0.3,
     "slider_crank": 0.09,

@@ -60,7 +60,7 @@ class Field:
     live: the value may be an expression in t, state and signals, evaluated at every instant.
     least: "positive" or "not negative" if the number is limited.
     default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given.
-    choices: the words allowed for shape "choice".
+    choices: the words allowed for shape "choice"; flags: those that false and true stand for, if these are allowed.
     local: names that only its expression may use, if it is live.
     turns: of shape "connect": the two bodies must be able to turn against each other.
     function_of: name of a variable [`of_unit`]: the value is an expression of it and of parameters, which the kernel
@@ -74,6 +74,7 @@ class Field:
     least: str = ""
     live: bool = False
     choices: tuple[str, ...] = ()
+    flags: tuple[str, str] | tuple[()] = ()
     local: tuple[LocalName, ...] = ()
     turns: bool = False
     function_of: str = ""

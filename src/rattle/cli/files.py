@@ -150,7 +150,7 @@ def kinds(name: str | None) -> None:
 
 def _unit(spec: Any) -> str:
     if spec.shape == "choice":
-        return " | ".join(spec.choices)
+        return " | ".join((*spec.choices, *(("true", "false") if spec.flags else ())))
     if spec.shape == "flag":
         return "true | false"
     return {"number": f"[{spec.unit or '-'}]", "pair": f"[{spec.unit}, {spec.unit}]"}.get(spec.shape, f"({spec.shape})")

@@ -217,6 +217,11 @@ class Joint:
         return self.contact is not None and self.contact.acts and (self.clearance > 0.0 or self.one_sided is not None)
 
     @property
+    def passing(self) -> bool:
+        """True if bodies come to its contacts and leave them, so that it does not hold the mechanism together."""
+        return bool(self.leaf.passing(self.fields))
+
+    @property
     def one_sided(self) -> Any:
         """The class of its one-sided contacts, a `OneSidedKind`; None if it has no such."""
         found = registry.one_sided_of(self.kind)

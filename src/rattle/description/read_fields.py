@@ -49,8 +49,9 @@ class FieldReader:
                 return float(default)
             return float(one.choices.index(default)) if one.shape == "choice" else default
         if one.shape == "choice":
-            if given[key] in one.choices:
-                return float(one.choices.index(given[key]))
+            word = one.flags[given[key]] if one.flags and isinstance(given[key], bool) else given[key]
+            if word in one.choices:
+                return float(one.choices.index(word))
             hint = suggest(str(given[key]), one.choices)
             self.values.wrong(here, f"expected one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
             return math.nan

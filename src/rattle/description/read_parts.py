@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from rattle import registry
@@ -223,6 +224,8 @@ class Parts(FieldReader):
             contact = read_contact(self, given["contact"], site_of_one_sided(sided), (*path, "contact"))
         elif "contact" in given:
             values.wrong((*path, "contact"), "needs a clearance of the joint (radial, in m)", at_key=True)
+        if len(values.problems) == before:
+            contact = self._passing(found, fields, clearance, contact, path)
         stop = self._stop(given["stop"], found.name, (*path, "stop")) if "stop" in given else None
         dimensions = {}
         for key, wanted in tables.items():
@@ -241,6 +244,26 @@ class Parts(FieldReader):
         )
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _passing(
+        self, kind: registry.Kind, fields: Mapping[str, Any], clearance: float, contact: Contact | None, path: Path
+    ) -> Contact | None:
+        """The contact of a joint that bodies come to and leave: it must act, and has a bush if it needs one."""
+        if not (what := kind.leaf.passing(fields)):
+            return contact
+        play = registry.play_of(kind.name)
+        if contact is None or not contact.acts or (play is not None and not clearance > 0.0):
+            needed = "clearance and a contact" if play is not None else "a contact"
+            self.values.wrong(path, f'{what} needs {needed} that acts, such as "impact": it holds by its walls alone')
+            return contact
+        radius = kind.leaf.assumed_radius(fields)
+        if contact.bush_radius > 0.0 or not radius > clearance:
+            return contact
+        self.values.remarks.append(
+            f"{'.'.join(map(str, path))}: bush_radius is not given, and a pin strikes the corners of a mouth with its"
+            f" radius; {radius:.3g} m is assumed"
+        )
+        return replace(contact, bush_radius=radius)
 
     def _dimensions(self, wanted: Mapping[str, Field], given: Any, path: Path) -> tuple[float, ...]:
         """The lengths [m] in a table of dimensions of a joint with clearance."""

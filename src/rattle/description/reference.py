@@ -118,7 +118,8 @@ def _wear() -> Topic:
 
 
 def _line(key: str, one: Mapping[str, Any]) -> str:
-    choices = f" ({' | '.join(one['enum'])})" if "enum" in one else ""
+    words = [str(word).lower() if isinstance(word, bool) else word for word in one.get("enum", ())]
+    choices = f" ({' | '.join(words)})" if words else ""
     return f"{key}: {one.get('description', 'a number or a text')}{choices}"
 
 

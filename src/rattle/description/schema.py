@@ -203,9 +203,11 @@ def _dimensions(joint: Kind) -> dict[str, Schema]:
 
 def _one_sided(joint: Kind) -> dict[str, Schema]:
     """The contact of a joint that is one-sided with it."""
-    if registry.one_sided_of(joint.name) is None:
+    sided = registry.one_sided_of(joint.name)
+    if sided is None:
         return {}
-    return {"contact": _contact(contact_models(joint.name), ALONG, "contact model: the joint is then one-sided")}
+    without = () if sided.leaf.slides else ALONG
+    return {"contact": _contact(contact_models(joint.name), without, "contact model: the joint is then one-sided")}
 
 
 def _stop(joint: Kind) -> dict[str, Schema]:

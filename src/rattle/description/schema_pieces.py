@@ -66,7 +66,7 @@ def field(one: Field) -> Schema:
     if one.function_of:
         meaning += f"; an expression in {one.function_of} [{one.of_unit}], which may use tables"
     if one.shape == "choice":
-        made: Schema = {"enum": list(one.choices), "description": meaning}
+        made: Schema = {"enum": [*one.choices, *([False, True] if one.flags else [])], "description": meaning}
     elif one.shape == "flag":
         made = {"type": "boolean", "description": meaning}
     elif one.shape == "pair":

@@ -45,7 +45,10 @@ class ContactGeometry:
 
     @staticmethod
     def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
-        """What bends the gap besides arms and turning walls: SLOPE [m], CURVE [m] and BOW [1/m], see `layout`."""
+        """What bends the gap besides arms and turning walls: SLOPE [m], CURVE [m] and BOW [1/m], see `layout`.
+
+        constants: that the start of a joint has set; of a kind of clearance the clearance and radius of the bush [m].
+        """
         return 0.0, 0.0, 0.0
 
     @classmethod

@@ -50,12 +50,13 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
     play = registry.play_of(joint.kind)
     if joint.contact is not None and play is not None and joint.is_loose:
         sizes = [size for table in joint.dimensions.values() for size in table]
-        p = tuple(packed([*points, *_gap(joint.clearance, joint.contact), *joint.numbers, *sizes]))
+        gap = _gap(joint.clearance, joint.contact)
+        p, bends = tuple(packed([*points, *gap, *joint.numbers, *sizes])), play.leaf.bends(joint.fields, gap)
         corners, contact = tuple(range(play.leaf.contacts)), joint.contact
         if (wear := joint.worn) is not None:
             play = registry.kinds("worn")[play.name]
             p, contact = (*p, *play.leaf.parameters(wear)), replace(contact, static=wear.bed(p[at.CLEARANCE]))
-        found.append(ContactGroup(play, contact, p, corners, ("joints", joint.name, "contact")))
+        found.append(ContactGroup(play, contact, p, corners, ("joints", joint.name, "contact"), bends))
     sided = registry.one_sided_of(joint.kind)
     if joint.contact is not None and sided is not None and joint.is_loose:
         p = tuple(packed([*points, *sided.leaf.parameters(joint.fields, joint.constants)]))

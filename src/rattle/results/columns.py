@@ -249,8 +249,12 @@ def geometry(model: Model) -> dict[str, Any]:
             if math.isfinite(travel := joint.leaf.travel(joint.fields)):
                 joints[name]["travel"] = travel
         joints[name]["fields"] = numbers(joint.fields)
-        if (outline := joint.leaf.outline(joint.fields)) is not None:
-            joints[name]["outline"] = [[float(x), float(y)] for x, y in outline]
+        for key, outline in (
+            ("outline", joint.leaf.outline(joint.fields)),
+            ("borne_outline", joint.leaf.borne_outline(joint.fields)),
+        ):
+            if outline is not None:
+                joints[name][key] = [[float(x), float(y)] for x, y in outline]
         if joint.stop is not None:  # an end that there is not is None
             ends = (joint.stop.minimum, joint.stop.maximum)
             joints[name]["stop"] = [end if math.isfinite(end) else None for end in ends]

@@ -128,7 +128,7 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     """As `assemble`, without notes on what could not be kept."""
     model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
-    open_ = {name: one for name, one in model.joints.items() if one.is_loose}
+    open_ = {name: one for name, one in model.joints.items() if one.is_loose and not one.passing}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
     shut, held = system, [name for name in open_ if not _placed(model, open_[name])]
     missing: list[str] = []

@@ -35,10 +35,12 @@ _kept: tuple[IdealStart, ...] = ()  # replaced, never changed: threads may look 
 
 
 def ideal_model(model: Model) -> Model:
-    """The same mechanism with every clearance closed, and without stops."""
+    """The same mechanism with every clearance closed, and without stops and what bodies come to and leave."""
     closed = Contact("ideal", {})
     joints = {
-        name: replace(one, contact=closed if one.contact else None, stop=None) for name, one in model.joints.items()
+        name: replace(one, contact=closed if one.contact else None, stop=None)
+        for name, one in model.joints.items()
+        if not one.passing
     }
     return replace(model, joints=joints)
 
@@ -72,6 +74,7 @@ def _of_importance(model: Model) -> Model:
         if one.contact or one.stop or one.constants
         else one
         for name, one in model.joints.items()
+        if not one.passing
     }
     values = [one.value for one in model.drivers.values()]
     values += [value for one in model.loads.values() for value in one.values]

@@ -61,7 +61,9 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
     text = f"{what} needs drivers that determine every position; {dof} (can still move: {names})."
-    if loose:
+    if passing := ", ".join(name for name, joint in system.model.joints.items() if joint.passing):
+        text += f" What {passing} hold where bodies touch only a run in time follows: use simulate."
+    elif loose:
         text += f" There is {loose}: close it with ideal() or --ideal."
     else:
         text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."

@@ -5,11 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rattle.description.model import Contact, Joint
+from rattle.description.passing import require_none_passing
 from rattle.equations.system import System, compile_system, is_link
 
 
 def without_guide_play(system: System) -> System:
-    """The mechanism with every guide closed, and one-sided joints that nothing can penetrate."""
+    """The mechanism with every guide closed, and one-sided joints that nothing can penetrate.
+
+    Raises ModelError if it has joints that bodies come to and leave.
+    """
+    require_none_passing(system.model, "an equilibrium")
     joints = dict(system.model.joints)
     for name, one in joints.items():
         if not one.leaf.massless and one.is_loose and (one.clearance > 0.0 or _is_rigid(one)):

@@ -1,19 +1,20 @@
-"""A pin in a straight slot with rounded ends and clearance: one contact.
+"""A pin in a straight slot with clearance: one contact, with its walls, a rounded end, or the corners of an open end.
 
-The slot (half width R, length L between the centres of its ends, direction u) is centred on the point of A, the pin
-(radius R - c) on the point of B.  The centre of the pin is within c of the line from end to end:
+The slot (half width R, length L between the centres of its rounded ends, direction u) is centred on the point of A, the
+pin (radius r = R - c) on the point of B.  d = (r_B + s_B) - (r_A + s_A) has the components x = u . d along the slot and
+y across it.  The nearest place of the slot is, with f from that place to the centre of the pin,
 
-d = (r_B + s_B) - (r_A + s_A),  z = u . d limited to +-L/2     the point of that line nearest to the centre of the pin
-e = d - z u,  n = e / |e|                                      between the ends n is across: u turned by +-90 degrees
-g = c - |e|                                                    gap; the contact point is p_B = s_B + h n on B,
-                                                               h = R - (c + |e|)/2, and the same place p_A on A
+    on a wall           f = (0, y -+ R)                  |x| <= L/2
+    around an end       e = d -+ (L/2) u, n = e/|e|      beyond L/2; its arc has the radius R about that point
+    at a corner         f = (x -+ L/2, y -+ R)           beyond L/2 where the end is open: there the walls just stop
 
-r: velocity of the centre of the pin relative to the material of A there, t = n turned by 90 degrees; n turns at the
-rate w_n = w_A between the ends, w_A + (t . r)/|e| around them, so normal and gap rate are continuous from wall to end:
-    n . r = -g'                                    d/dt = J_n dv - gamma_n
-    slip = t . r + (w_B - w_A) h                   d/dt = J_t dv - gamma_t
-    gamma_n = -w_n slip + t . (w_B p_B' - w_A p_A')
-    gamma_t = w_n (n . r) - n . (w_B p_B' - w_A p_A')
+    g = |f| - r,  n = -f/|f|  of a wall and a corner;    g = c - |e|  of an arc
+    the contact point is p_B = s_B + h n on B, h = r + g/2, and the same place p_A on A
+
+A slot with an open end is a thin wall, of which the pin may touch both sides: a pin that is outside is as far away as
+it looks.  Without an open end there is no outside, and the walls bear inwards however far away the pin is.  The normal
+and the gap rate are continuous from wall to arc and from wall to corner, so that the pin goes through a mouth in one
+contact; only g'' jumps there.  See `elements.disc_contact` for the row.
 """
 
 from __future__ import annotations
@@ -24,54 +25,54 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rattle.elements.clearances import ClearanceKind, FreePlay
+from rattle.elements.disc_contact import write_disc
+from rattle.elements.geneva import AT_END, AT_START, BOTH, open_at
 from rattle.jit import layout as at
-from rattle.jit.functions import kernel
+from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import direction, ends
 from rattle.registry import kind
+
+TINY = 1e-150  # distance [m] that may be divided by: the centre of a pin at a corner, far inside of the material
+
+
+@compiled
+def nearest(x, y, half, opens, width, radius):
+    """Nearest place of the slot to the centre of a pin at (x, y) [m] in the frame of the slot.
+
+    half: L/2; opens: index in OPEN; width: R; radius: of the pin [m].
+    Returns n (along and across the slot), gap [m], turning rate of n per speed t . r' [1/m], and True of a curved wall.
+    """
+    side = 1.0 if y >= 0.0 else -1.0
+    if abs(x) <= half:
+        if opens > 0.0 and abs(y) > width:
+            return 0.0, -side, abs(y) - width - radius, 0.0, False
+        return 0.0, side, width - radius - abs(y), 0.0, False
+    end = 1.0 if x > 0.0 else -1.0
+    fx, fy = x - end * half, y
+    corner = opens == BOTH or opens == (AT_END if end > 0.0 else AT_START)
+    if corner:
+        fy -= side * width
+    far = math.sqrt(fx * fx + fy * fy)
+    inv = 1.0 / max(far, TINY)
+    if corner or (opens > 0.0 and far > width):
+        return -fx * inv, -fy * inv, far - (0.0 if corner else width) - radius, -inv, False
+    return fx * inv, fy * inv, width - radius - far, inv, True
 
 
 @kernel("clearance")
 def pin_in_slot(body, a, b, p, k, corner, row, kinematics):
     """Write gap [m], its rate [m/s], normal, arms [m], slip [m/s] and gamma [m/s^2] of the contact into its row."""
-    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
-    c, radius = p[k + at.CLEARANCE], p[k + at.RADIUS]
+    sax, say, sbx, sby, dx, dy, _, _ = ends(body, a, b, p, k)
+    c, width = p[k + at.CLEARANCE], p[k + at.RADIUS]
     ux, uy = direction(body, a, p[k + at.FIELDS])
-    half = 0.5 * p[k + at.FIELDS + 1]
-    wa, wb = body[a, at.W], body[b, at.W]
-    rx, ry = ddx + wa * dy, ddy - wa * dx
-    along = ux * dx + uy * dy
-    if abs(along) <= half:
-        y = ux * dy - uy * dx
-        side = 1.0 if y >= 0.0 else -1.0
-        nx, ny, e = -side * uy, side * ux, side * y
-        round_ = inv = 0.0
-    else:
-        z = math.copysign(half, along)
-        ex, ey = dx - z * ux, dy - z * uy
-        e = math.sqrt(ex * ex + ey * ey)
-        inv = 1.0 / e  # |along| > half, so e > 0
-        nx, ny = ex * inv, ey * inv
-        round_ = nx * ry - ny * rx
-    closing, across = nx * rx + ny * ry, nx * ry - ny * rx
-    turning = wa + round_ * inv
-    h = radius - 0.5 * (c + e)
-    pbx, pby = sbx + h * nx, sby + h * ny
-    slip = across + (wb - wa) * h
-    # rates of the arms
-    dpbx = -wb * sby - 0.5 * closing * nx - h * turning * ny
-    dpby = wb * sbx - 0.5 * closing * ny + h * turning * nx
-    dpax, dpay = dpbx + body[b, at.VX] - body[a, at.VX], dpby + body[b, at.VY] - body[a, at.VY]
-    fx, fy = wb * dpbx - wa * dpax, wb * dpby - wa * dpay
-
-    kinematics[row, at.GAP] = c - e
-    kinematics[row, at.DGAP] = -closing
-    kinematics[row, at.NX], kinematics[row, at.NY] = nx, ny
-    kinematics[row, at.PAX], kinematics[row, at.PAY] = sax + dx + h * nx, say + dy + h * ny
-    kinematics[row, at.PBX], kinematics[row, at.PBY] = pbx, pby
-    kinematics[row, at.SLIP] = slip
-    kinematics[row, at.ACROSS] = round_
-    kinematics[row, at.GAMMA_N] = -turning * slip + nx * fy - ny * fx
-    kinematics[row, at.GAMMA_T] = turning * closing - nx * fx - ny * fy
+    x, y = ux * dx + uy * dy, ux * dy - uy * dx
+    half, opens = 0.5 * p[k + at.FIELDS + 1], p[k + at.FIELDS + 2]
+    along, across, gap, bent, curved = nearest(x, y, half, opens, width, width - c)
+    nx, ny = along * ux - across * uy, along * uy + across * ux
+    radius = width - c
+    sliding = write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, nx, ny, gap, radius, bent, row, kinematics)
+    if curved:
+        kinematics[row, at.ACROSS] = sliding
 
 
 class AcrossSlot(FreePlay):
@@ -84,7 +85,7 @@ class AcrossSlot(FreePlay):
 
 @kind("clearance", "pin-in-slot", pin_in_slot)
 class PinInSlot(ClearanceKind):
-    """A pin in a straight slot with rounded ends: one contact, on a wall or around an end.
+    """A pin in a straight slot with rounded or open ends: one contact, on a wall, around an end or at its corners.
 
     Source: Flores, Ambrosio, Revolute joints with clearance in multibody systems, Comput. Struct. 82 (2004) 1359-1369,
     for the rounded ends; Flores, Leine, Glocker, Multibody Syst. Dyn. 23 (2010) 165-190, for the walls.
@@ -98,15 +99,21 @@ class PinInSlot(ClearanceKind):
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Arms [m] of the farther end of the slot (of its middle if it has no ends) and of the pin."""
-        half = 0.5 * p[at.FIELDS + 1]
+        half, width = 0.5 * p[at.FIELDS + 1], p[at.RADIUS] if p[at.FIELDS + 2] > 0.0 else 0.0
         end = half if half < math.inf else 0.0
-        return math.hypot(p[0], p[1]) + end, math.hypot(p[2], p[3])
+        return math.hypot(p[0], p[1]) + math.hypot(end, width), math.hypot(p[2], p[3])
+
+    @staticmethod
+    def bends(fields: Mapping[str, float], constants: Sequence[float]) -> tuple[float, float, float]:
+        """1/r [1/m]: how fast the direction from a corner to the pin turns, which is nowhere nearer than its radius."""
+        clearance, width = constants
+        return 0.0, 0.0, 1.0 / (width - clearance) if fields["open"] > 0.0 else 0.0
 
     @staticmethod
     def play_along(fields: Mapping[str, float], along: np.ndarray) -> np.ndarray:
         """The part (n,) [m] of the displacement beyond the centres of the ends."""
-        half = 0.5 * fields["length"]
-        outside: np.ndarray = along - along.clip(-half, half)
+        half, (start, end) = 0.5 * fields["length"], open_at(fields)
+        outside: np.ndarray = along - along.clip(-math.inf if start else -half, math.inf if end else half)
         return outside
 
     @staticmethod

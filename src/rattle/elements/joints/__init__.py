@@ -117,6 +117,19 @@ class JointKind:
         return ""
 
     @staticmethod
+    def passing(fields: Mapping[str, Any]) -> str:
+        """What it is, with an article, if it consists of contacts that bodies come to and leave; "" if it holds them.
+
+        Then it has no part in putting the mechanism together, and without contacts there is no such joint.
+        """
+        return ""
+
+    @staticmethod
+    def assumed_radius(fields: Mapping[str, Any]) -> float:
+        """Radius of its bush [m] where contacts need it and it is not given; 0: they do not."""
+        return 0.0
+
+    @staticmethod
     def doubt(fields: Mapping[str, Any]) -> str:
         """What is noted with every run about values of the fields that are possible, in words; "" if nothing."""
         return ""
@@ -124,6 +137,11 @@ class JointKind:
     @staticmethod
     def outline(fields: Mapping[str, Any]) -> Any:
         """Points (n, 2) [m] of the outline of A that the fields give, in A's frame about A's point; None if none."""
+        return None
+
+    @staticmethod
+    def borne_outline(fields: Mapping[str, Any]) -> Any:
+        """The same of B."""
         return None
 
 

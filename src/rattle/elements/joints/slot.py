@@ -4,18 +4,23 @@ u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s
 Phi   = n . d = 0                                                         [m]
 gamma = n . (s_B w_B^2 - s_A w_A^2) + 2 w_A (u . d') + w_A^2 (n . d)      [m/s^2]
 
-This is the first row of the prismatic joint.  The ends of the slot stop the pin only in a joint with clearance.
+This is the first row of the prismatic joint.  Without `length` the line goes on for ever, through the point of A and
+out on its other side.  The ends of the slot stop the pin, or let it out, only in a joint with clearance.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
+from rattle.elements.geneva import OPEN
 from rattle.elements.joints import JointKind, Motor
 from rattle.elements.joints.prismatic import on_line
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind
+
+SLENDER = 0.1  # half the width of a slot by its length, where nothing but a mouth depends on it and it is not given
 
 
 @kernel("joint")
@@ -40,6 +45,27 @@ class Slot(JointKind):
         "m", "distance between the centres of its rounded ends, the point of A in the middle", default=math.inf,
         least="positive",
     )  # fmt: skip
+    open = Field(
+        "", "end at which the pin comes in and out: that in the direction of the axis (end, or true), start, or both",
+        default="none", shape="choice", choices=OPEN, flags=("none", "end"),
+    )  # fmt: skip
+
+    @staticmethod
+    def fault(fields: Mapping[str, Any]) -> str:
+        """An open end needs a place."""
+        if fields["open"] > 0.0 and fields["length"] == math.inf:
+            return "an open end needs the length of the slot: give `length`, with the point of A in the middle"
+        return ""
+
+    @staticmethod
+    def passing(fields: Mapping[str, Any]) -> str:
+        """A slot with an open end does not hold a pin that is outside of it."""
+        return "a slot with an open end" if fields["open"] > 0.0 else ""
+
+    @staticmethod
+    def assumed_radius(fields: Mapping[str, Any]) -> float:
+        """Half the width of a slot with an open end whose width is not given [m]."""
+        return SLENDER * fields["length"] if fields["open"] > 0.0 else 0.0
 
     @staticmethod
     def line(fields: Mapping[str, float]) -> float:

@@ -6,7 +6,7 @@ import { pointAt } from "./data.js";
 import { feet } from "./ground.js";
 import { actuator, cylinderBodies, guide, guideReach, slot, slotReach } from "./guides.js";
 import { spring, torsionSpring } from "./springs.js";
-import { belt, beltReach, cam, camReach, flatFollower, gear, gearReach, rack } from "./wheels.js";
+import { belt, beltReach, cam, camReach, discReach, flatFollower, gear, gearReach, lockingDisc, rack } from "./wheels.js";
 
 const ends = (form) => form.bodies.map((body, k) => [body, form.points[k]]);
 const none = () => [];
@@ -26,6 +26,7 @@ export const FORMS = {
   rack: { reach: gearReach, instead: none, prepare: rack },
   belt: { reach: beltReach, instead: none, prepare: belt },
   cam: { reach: camReach, instead: none, prepare: cam },
+  "locking-disc": { reach: discReach, instead: none, prepare: lockingDisc },
   "flat-follower": { reach: camReach, instead: none, prepare: flatFollower },
 };
 

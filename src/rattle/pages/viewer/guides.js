@@ -153,23 +153,30 @@ function cylinder(stage, form) {
   return [...stopWalls(stage, form, length / 2, half), { z: 3.2, draw }];
 }
 
-// Pin in a slot with rounded ends, of its given length or else a little longer than the pin moves.
+// Pin in a slot with rounded or open ends, of its given length or else a little longer than the pin moves.
 export function slot(stage, part) {
   const { form } = part;
   const span = slotSpan(stage, form), { half } = span, size = half - form.clearance;
   const [low, high] = [span.low + half, span.high - half];
   const turns = Array.from({ length: 19 }, (_, k) => -Math.PI / 2 + (Math.PI * k) / 18);
-  const edge = [
-    ...turns.map((s) => [high + half * Math.cos(s), half * Math.sin(s)]),
-    ...turns.map((s) => [low - half * Math.cos(s), -half * Math.sin(s)]),
-  ];
+  const open = form.fields?.open ?? 0, ends = [[1, high, open >= 2], [-1, low, open === 1 || open === 3]];
+  const edges = ends.map(([sense, end, mouth]) => (mouth
+    ? [[end, -sense * half], [end, sense * half]]
+    : turns.map((s) => [end + sense * half * Math.cos(s), sense * half * Math.sin(s)])));
+  // lines that begin and end at a mouth
+  const [first, last] = ends.map(([, , mouth]) => mouth), [right, left] = edges;
+  const strokes = [];
+  if (first && last) strokes.push([right[1], left[0]], [left[1], right[0]]);
+  else if (first) strokes.push([right[1], ...left, right[0]]);
+  else if (last) strokes.push([left[1], ...right, left[0]]);
+  else strokes.push([...right, ...left]);
   const walls = (p, pose) => {
-    const line = lineOf(stage, form, pose), outline = edge.map(([x, y]) => onLine(line, x, y));
+    const line = lineOf(stage, form, pose), shown = (points) => points.map(([x, y]) => onLine(line, x, y));
     if (form.bodies[0] === "ground") {
       p.wall(onLine(line, low, -half), onLine(line, high, -half), { stroke: 7, colour: p.theme.grey, width: 1.6 });
     }
-    p.area(outline, p.theme.paper, 0.85);
-    p.line(outline, { colour: p.theme.grey, width: 1.8, closed: true });
+    p.area(shown([...right, ...left]), p.theme.paper, 0.85);
+    for (const one of strokes) p.line(shown(one), { colour: p.theme.grey, width: 1.8, closed: !(first || last) });
   };
   const pin = (p, pose) => {
     p.circle(stage.ends(form, pose)[1], size, { colour: p.theme.black, fill: p.theme.steel, width: 1.5 });

@@ -216,6 +216,12 @@ export function camReach(form) {
   return [...ends, ...(form.outline ?? []).filter((_, k) => k % 12 === 0).map((one) => [form.bodies[0], [x + one[0], y + one[1]]])];
 }
 
+// The same seen from B: its outline stands in the place of that of A.
+const borne = (form) => ({
+  ...form, bodies: [...form.bodies].reverse(), points: [...form.points].reverse(), outline: form.borne_outline,
+});
+export const discReach = (form) => [...camReach(form), ...camReach(borne(form))];
+
 // The outline on its body, filled if it is closed, then with a line from the centre to where it begins.
 function outlineOf(form) {
   const outline = form.outline ?? [], [x, y] = form.points[0], [body] = form.bodies;
@@ -259,3 +265,6 @@ export function flatFollower(stage, part) {
   };
   return [...outlineOf(form), { z: 3, draw }];
 }
+
+// A locking disc with its sector cut out, and the wheel with its hollow arcs.
+export const lockingDisc = (stage, part) => [...outlineOf(part.form), ...outlineOf(borne(part.form))];

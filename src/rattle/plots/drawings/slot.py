@@ -1,4 +1,4 @@
-"""Pin in a slot with rounded ends, of its given length or else a little longer than the pin moves."""
+"""Pin in a slot with rounded or open ends, of its given length or else a little longer than the pin moves."""
 
 from __future__ import annotations
 
@@ -28,8 +28,11 @@ def slot(ax: Axes, scene: Scene, part: Part) -> list[Update]:
     low, high = (-form["travel"], form["travel"]) if "travel" in form else ends
     half = form.get("bush_radius") or 0.02 * scene.size + form["clearance"]
     turns = np.linspace(-np.pi / 2, np.pi / 2, 19)
-    edge = [(high + half * np.cos(s), half * np.sin(s)) for s in turns]
-    edge += [(low - half * np.cos(s), -half * np.sin(s)) for s in turns]
+    opens = form["fields"].get("open", 0.0)  # 1 start, 2 end, 3 both
+    edge = []
+    for sense, end, mouth in ((1.0, high, opens >= 2.0), (-1.0, low, opens in (1.0, 3.0))):
+        round_ = [(end + sense * half * np.cos(s), sense * half * np.sin(s)) for s in turns]
+        edge += [(end, -sense * half), (np.nan, np.nan), (end, sense * half)] if mouth else round_
     outline = np.stack([line.at(np.full(len(way), x), y) for x, y in (*edge, edge[0])], axis=1)
     size = half - form["clearance"]
     pin = np.stack([centre + size * np.array([np.cos(s), np.sin(s)]) for s in 2.0 * turns], axis=1)
