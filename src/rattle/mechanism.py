@@ -112,7 +112,8 @@ class Mechanism(AnalysedModel):
 
     def page(
         self, path: str | os.PathLike[str], *, t_end: Seconds | None = None,
-        over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False,
+        over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False, title: str = "",
+        curves: Sequence[str] = (), trust: bool = True,
     ) -> str:  # fmt: skip
         """Write the mechanism as one web page that computes: `m.page("fourbar.html")`; no server, no internet.
 
@@ -121,11 +122,16 @@ class Mechanism(AnalysedModel):
         sweep to choose from, and the reason is returned ("" for a page that computes).
         t_end: end of the motion [s] (default: as in the model).  over: values of parameters for such runs, numbers in
         SI or texts such as "1 mm", all combinations.  progress: show a progress bar.
-        Raises ModelError, AssemblyError, OSError; ValueError for more than 40 runs.
+        title: above the page, instead of the name of the model.  curves: those shown at first.  trust: False leaves one
+        word of how far the motion can be trusted, and hides the reasons.
+        Raises ModelError, AssemblyError, OSError; ValueError for more than 40 runs or an unknown curve.
         """
         from rattle.pages.page import page
 
-        return page(self, path, t_end=seconds_or_none(t_end, "t_end"), over=over, progress=progress)
+        return page(
+            self, path, t_end=seconds_or_none(t_end, "t_end"), over=over, progress=progress, title=title,
+            curves=curves, trust=trust,
+        )  # fmt: skip
 
     def film(self, joint: str) -> Film:
         """The oil film of a joint as a calculator: static positions, whirl, Stribeck curve, chart; see `rt.Film`.

@@ -307,3 +307,35 @@ def test_a_slider_that_is_refused_leaves_no_error_behind(tmp_path, open_page):
         shows(tab.get_by_role("alert"))
     slider.dblclick()
     shows(tab.get_by_role("alert"), "hidden")
+
+
+def test_a_page_has_the_title_the_curves_and_the_words_that_were_asked_for(tmp_path, open_page):
+    """Without its reasons trust is still one word: nobody is led to believe what does not hold."""
+    m = short_fourbar()
+    m.page(tmp_path / "task.html", title="Task 3", curves=["O3.force", "rocker.O3.x"], trust=False)
+    tab = open_page((tmp_path / "task.html").as_uri())
+    becomes(tab, READY)
+    shows(tab.get_by_role("heading", name="Task 3"))
+    assert tab.title() == "Task 3"
+    becomes(tab, "() => rattle.viewer.curves.chosen.join() === 'O3.force,rocker.O3.x'")
+    shows(tab.get_by_text("With limits", exact=True))
+    assert tab.get_by_text("why?").count() == 0
+    assert tab.get_by_text("constraint error").count() == 0
+    with pytest.raises(ValueError, match=r"no curve 'O3\.forse'; did you mean 'O3\.force'"):
+        m.page(tmp_path / "no.html", curves=["O3.forse"])
+    assert not (tmp_path / "no.html").exists()
+
+
+def test_a_phone_that_lies_shows_the_mechanism_and_the_whole_player(fourbar_page, open_page):
+    for width, height in ((844, 390), (667, 375)):
+        tab = open_page(fourbar_page, viewport={"width": width, "height": height}, has_touch=True, is_mobile=True)
+        becomes(tab, READY)
+        frames(tab)
+        player = tab.get_by_role("group", name="Player").bounding_box()
+        assert player["y"] + player["height"] <= height + 0.5
+        drawing = tab.locator(".mechanism").bounding_box()
+        assert drawing["height"] > 0.6 * height
+        assert drawing["width"] > 0.35 * width
+        assert tab.evaluate("document.documentElement.scrollWidth") <= width
+        assert tab.evaluate("document.documentElement.scrollHeight") <= height + 1
+        keep_picture(tab, f"live-{width}x{height}")

@@ -13,7 +13,8 @@ from circling import circling
 from rattle import registry
 from rattle.pages.replay import page_text
 from rattle.pages.scene import MOST_ROWS, plain, scene_json, scene_of
-from rattle.plots.drawings import drawings
+from rattle.plots.drawings import drawings, parts
+from rattle.plots.scene import Scene
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 
@@ -236,3 +237,36 @@ def test_force_of_a_gear_acts_where_its_pitch_circles_touch(viewer_in_node):
     between = np.column_stack([r["idle.C.x"] - r["driver.C.x"], r["idle.C.y"] - r["driver.C.y"]])
     out = at - np.column_stack([r["driver.C.x"], r["driver.C.y"]])
     np.testing.assert_allclose(between[:, 0] * out[:, 1] - between[:, 1] * out[:, 0], 0.0, atol=1e-6)
+
+
+SCISSOR = """
+format = 1
+ground.points = { F = [0, 0] }
+bodies.right = { bar = ["F", "T2"], length = 1.2, mass = 1, points = { M = [0, 0] } }
+bodies.left = { bar = ["G", "T1"], length = 1.2, mass = 1, points = { M = [0, 0] } }
+bodies.table = { points = { T1 = [0, 0], T2 = [0, 0], P = [0.5, 0.1] }, mass = 1, inertia = 1 }
+initial = { right = { angle = "20 deg" }, left = { angle = "160 deg" } }
+joints.F = { type = "revolute", connect = ["ground.F", "right.F"] }
+joints.M = { type = "revolute", connect = ["right.M", "left.M"] }
+joints.G = { type = "slot", connect = ["ground.F", "left.G"], axis = 0 }
+joints.T1 = { type = "revolute", connect = ["table.T1", "left.T1"] }
+joints.T2 = { type = "slot", connect = ["table.T2", "right.T2"], axis = 0 }
+simulate = { t_end = 0.1 }
+"""
+SHAPE = """
+import { Motion, shapeOf, Stage } from "./viewer.mjs";
+const stage = new Stage(new Motion(data.runs[0], data.geometry), data);
+console.log(JSON.stringify(shapeOf(stage, "table").points));
+"""
+
+
+def test_a_body_is_drawn_up_to_the_pin_in_its_slot(viewer_in_node):
+    """The slot of the table begins at its left pin and is used at its right end, where the bar carries it."""
+    r = rt.loads(SCISSOR).simulate()
+    shape = np.array(viewer_in_node(SHAPE, plain(scene_of([("", r)]))))
+    pin = r["right.T2.x"] - r["table.T1.x"]  # the table keeps its angle
+    assert shape[:, 0].max() > pin.max()
+    stage = Scene(r, np.arange(len(r.t)), 1.2)
+    held = np.array([point for part, how in parts(r.geometry) for _, point in how.holds(stage, part.form)])
+    assert held[:, 0].max() > pin.max()
+    assert len(held) == 2  # those of the table; the ground is no body

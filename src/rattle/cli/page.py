@@ -21,10 +21,15 @@ from rattle.cli.output import check_files, say_written
     help="The page holds the runs for these values instead of computing: also NAME=VALUE,VALUE; given twice, all"
     " combinations.",
 )  # fmt: skip
+@click.option("--title", default="", help="What stands above the page; default: the name of the model.")
+@click.option("--curves", default="", metavar="NAME,NAME", help="Curves that are shown at first.")
+@click.option(
+    "--trust/--no-trust", default=True, help="Whether one can read why a run can be trusted, or see the word alone."
+)
 @click.pass_context
 def page(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: float | None,
-    ranges: tuple[str, ...],
+    ranges: tuple[str, ...], title: str, curves: str, trust: bool,
 ) -> None:  # fmt: skip
     """Write a mechanism as one web page that computes: turn a parameter and the motion follows.
 
@@ -40,6 +45,7 @@ def page(
     Examples: rattle page fourbar -o fourbar.html
               rattle page slider_crank --set "speed=3000 rpm" -o fast.html
               rattle page slider_crank_play --over "c=0.2 mm:0.6 mm:3" --t-end 6ms -o play.html
+              rattle page fourbar --title "Task 3" --curves rocker.angle,O3.normal --no-trust -o task.html
     """
     from rattle.cli.ensemble import axis_values
     from rattle.pages.page import page as write
@@ -56,7 +62,10 @@ def page(
             raise click.UsageError(f"--over: '{name}' is given twice")
         axes[name] = values
     m = read_model(file, settings, ideal)
-    why = write(m, output, t_end=t_end, over=axes or None, progress=not ctx.obj["quiet"])
+    names = [name.strip() for name in curves.split(",") if name.strip()]
+    why = write(
+        m, output, t_end=t_end, over=axes or None, progress=not ctx.obj["quiet"], title=title, curves=names, trust=trust
+    )
     if why and not ranges:
         logging.getLogger("rattle").info(f"the page replays runs that were computed now, because {why}")
     say_written(output)

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from string import ascii_letters
 from typing import Any
 
-from rattle.errors import TraceError
+from rattle.errors import InputError, TraceError, suggest
 from rattle.mechanism import Mechanism
 from rattle.pages.live_program import LiveProgram, live_program
 from rattle.pages.replay import write_page
@@ -19,6 +19,7 @@ from rattle.pages.scene import frame_of
 from rattle.pages.sweep_page import sweep_scene
 from rattle.pages.viewer_text import joined, viewer_files
 from rattle.results.columns import geometry
+from rattle.results.derived import rules
 from rattle.results.handy_units import written_units
 
 WORKER = "live_worker.js"
@@ -31,12 +32,14 @@ NAMES = "names, units, parameters, sliders, values, start, inputs, layout, funct
 
 def page(
     m: Mechanism, path: str | os.PathLike[str], *, t_end: float | None = None,
-    over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False,
+    over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False, title: str = "",
+    curves: Sequence[str] = (), trust: bool = True,
 ) -> str:  # fmt: skip
     """Write the page of a mechanism; returns why it replays runs that were computed before, "" if it computes.
 
     t_end: of the motion at first [s], instead of the model's.  over: values of parameters whose runs a page holds that
-    cannot compute, see `sweep_page.runs_of`.  Raises ModelError, AssemblyError, ValueError, OSError.
+    cannot compute, see `sweep_page.runs_of`.  title, curves, trust: as of `Mechanism.page`.  Raises ModelError,
+    AssemblyError, InputError, OSError.
     """
     scene, why = None, "these values were asked for"
     if over is None:
@@ -47,8 +50,19 @@ def page(
             why = str(error).replace("straight-line code", "a page")
     if scene is None or why:
         scene = sweep_scene(m, why, t_end=t_end, over=over, progress=progress)
-    write_page(scene, path)
+    _require_curves(scene, curves)
+    shown = {**scene["show"], **({"curves": list(curves)} if curves else {}), **({} if trust else {"trust": False})}
+    write_page({**scene, "show": shown, "title": title or scene["title"]}, path)
     return why
+
+
+def _require_curves(scene: Mapping[str, Any], curves: Sequence[str]) -> None:
+    """Raise InputError for a curve that the motions of a page do not have."""
+    stored = scene["runs"][0]["names"] if scene["runs"] else scene["live"]["names"]
+    known = [*stored, *rules(scene["geometry"], set(stored))]
+    for name in curves:
+        if name not in known:
+            raise InputError(f"the motion has no curve '{name}'{suggest(name, known)}")
 
 
 def _nothing_to_turn(scene: Mapping[str, Any], m: Mechanism) -> str:
@@ -78,7 +92,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "knobs": knobs(m, live),
         "live": {
             "packed": _packed(worker_text(live)), "settings": {"t_end": live.settings["t_end"]},
-            "ideal": live.ideal is not None, "model": m.to_toml(),
+            "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.program.names),
         },
         "show": {"ghost": live.ideal is not None},
         "notes": [*live.notes, *_fixed(live)],

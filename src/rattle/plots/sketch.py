@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +11,7 @@ from rattle.plots.curves import GREY, LINES, tidy
 from rattle.plots.drawings import parts
 from rattle.plots.movie_file import Update
 from rattle.plots.orbit import clearance_joints
-from rattle.plots.scene import Array, Scene, draw_area, draw_dot, draw_line, draw_plate, draw_tag
+from rattle.plots.scene import Array, Pair, Scene, draw_area, draw_dot, draw_line, draw_plate, draw_tag
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +40,10 @@ def draw_mechanism(ax: Axes, stage: Scene, names: bool = True) -> list[Update]:
     drawn = list(parts(stage.result.geometry))
     own = {body for part, how in drawn for body in how.instead_of(stage, part.form)}
     updates = [move for part, how in drawn for move in how.draw(ax, stage, part)]
-    updates += [move for body in stage.bodies if body not in own for move in draw_body(ax, stage, body)]
+    held = [end for part, how in drawn for end in how.holds(stage, part.form)]
+    for body in stage.bodies:
+        if body not in own:
+            updates += draw_body(ax, stage, body, [point for other, point in held if other == body])
     for name in clearance_joints(stage.result) if names else ():
         form = stage.result.geometry["joints"][name]
         updates.append(draw_tag(ax, name, stage.ends(form)[0]))
@@ -49,12 +52,12 @@ def draw_mechanism(ax: Axes, stage: Scene, names: bool = True) -> list[Update]:
     return updates
 
 
-def draw_body(ax: Axes, stage: Scene, body: str) -> list[Update]:
+def draw_body(ax: Axes, stage: Scene, body: str, held: Sequence[Pair] = ()) -> list[Update]:
     """A bar through two points, a filled plate through more; a single point is tied to the mass centre.
 
-    A plate with an outline is drawn as it is, with its holes.
+    A plate with an outline is drawn as it is, with its holes.  held: further points in its frame [m], of its slots.
     """
-    points, colour = stage.points(body), stage.colour(body)
+    points, colour = np.vstack([stage.points(body), *(np.array([point]) for point in held)]), stage.colour(body)
     if rings := stage.rings(body):
         paths = [np.stack([stage.path(body, p) for p in np.vstack([ring, ring[:1]])], axis=1) for ring in rings]
         edges = [draw_line(ax, path, color=colour, linewidth=2, alpha=0.85, zorder=3) for path in paths]

@@ -26,7 +26,7 @@ export function hull(points) {
 export function shapeOf(stage, body) {
   const rings = stage.rings(body);
   if (rings.length) return { rings };
-  let points = stage.points(body);
+  let points = [...stage.points(body), ...stage.held(body)];
   if (points.length < 2) points = [...points, [0, 0]];
   const wide = Math.max(...[0, 1].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k]))));
   if (wide < 1e-9 * stage.size) return { spot: points[0] };

@@ -1,10 +1,11 @@
 // Forms of joints and loads, by the name under which a kind says how it is drawn (rattle/plots/drawings has the same).
-// A form has reach(form, stage): [body, point] that must be in the picture; instead(stage, form): bodies that it draws
+// A form has reach(form, stage): [body, point] that must be in the picture; holds(form, stage), if any: [body, point] up to
+// which bodies are drawn; instead(stage, form): bodies that it draws
 // itself; prepare(stage, part): a list of {z, draw(painter, pose, at)}, drawn in the order of z.
 
 import { pointAt } from "./data.js";
 import { feet } from "./ground.js";
-import { actuator, cylinderBodies, guide, guideReach, slot, slotReach } from "./guides.js";
+import { actuator, cylinderBodies, guide, guideHolds, guideReach, slot, slotHolds, slotReach } from "./guides.js";
 import { spring, torsionSpring } from "./springs.js";
 import { belt, beltReach, cam, camReach, discReach, flatFollower, gear, gearReach, lockingDisc, rack } from "./wheels.js";
 
@@ -17,8 +18,8 @@ export const FORMS = {
   weld: { reach: ends, instead: none, prepare: weld },
   rod: { reach: ends, instead: none, prepare: rod },
   clutch: { reach: (form) => [[hub(form), [0, 0]]], instead: none, prepare: clutch },
-  guide: { reach: guideReach, instead: cylinderBodies, prepare: guide },
-  slot: { reach: slotReach, instead: none, prepare: slot },
+  guide: { reach: guideReach, holds: guideHolds, instead: cylinderBodies, prepare: guide },
+  slot: { reach: slotReach, holds: slotHolds, instead: none, prepare: slot },
   actuator: { reach: ends, instead: none, prepare: actuator },
   spring: { reach: ends, instead: none, prepare: spring },
   "torsion-spring": { reach: ends, instead: none, prepare: torsionSpring },

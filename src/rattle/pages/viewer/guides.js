@@ -40,6 +40,16 @@ const reachOf = (spanOf) => (form, stage) => {
 
 export const guideReach = reachOf(guideSpan), slotReach = reachOf(slotSpan);
 
+// Both ends of a guide or slot that a body carries, [body, point]: the body is drawn up to them.
+const heldBy = (spanOf) => (form, stage) => {
+  const [a] = form.bodies, [[x, y]] = form.points, { low, high, half } = spanOf(stage, form);
+  const c = Math.cos(form.axis), s = Math.sin(form.axis);
+  return a === "ground" ? [] : [low + half, high - half].map((way) => [a, [x + way * c, y + way * s]]);
+};
+
+export const slotHolds = heldBy(slotSpan);
+export const guideHolds = (form, stage) => (cylinderBodies(stage, form).length ? [] : heldBy((...of) => ({ ...guideSpan(...of), half: 0 }))(form, stage));
+
 function ways(stage, form) {
   return stage.range((pose) => coordinate(lineOf(stage, form, pose), stage.ends(form, pose)[1]));
 }

@@ -41,6 +41,11 @@ export class Stage {
 
   points(body) { return Object.values(this.bodies[body]?.points ?? {}); }
 
+  // Points of a body up to which it is drawn because of slots and guides that it carries.
+  held(body) {
+    return this.parts().flatMap(({ form, drawing }) => drawing.holds?.(form, this) ?? []).filter(([one]) => one === body).map(([, point]) => point);
+  }
+
   rings(body) { return this.bodies[body]?.outline ?? []; }
 
   ends(form, pose) { return form.bodies.map((body, k) => pointAt(pose, body, form.points[k])); }

@@ -39,6 +39,7 @@ class Part(NamedTuple):
 Draw = Callable[["Axes", Scene, Part], list[Update]]
 Reach = Callable[[Form], Iterable[tuple[str, Pair]]]  # bodies, and points of their frames [m]
 Bodies = Callable[[Scene, Form], Iterable[str]]
+Holds = Callable[[Scene, Form], Iterable[tuple[str, Pair]]]
 
 
 class Drawing(NamedTuple):
@@ -48,6 +49,7 @@ class Drawing(NamedTuple):
     reach: Reach  # what must be inside the picture
     instead_of: Bodies  # bodies that it draws itself
     name_at: float  # place of its name: 0 at the point on A, 1 at that on B
+    holds: Holds  # bodies, and points of their frames [m] up to which they are drawn: both ends of a slot
 
 
 def ends(form: Form) -> list[tuple[str, Pair]]:
@@ -60,16 +62,21 @@ def none(scene: Scene, form: Form) -> tuple[str, ...]:
     return ()
 
 
+def nothing(scene: Scene, form: Form) -> tuple[tuple[str, Pair], ...]:
+    """No body is larger because of it."""
+    return ()
+
+
 _known: dict[str, Drawing] = {}
 
 
 def drawing(
-    name: str, *, reach: Reach = ends, instead_of: Bodies = none, name_at: float = 0.5
+    name: str, *, reach: Reach = ends, instead_of: Bodies = none, name_at: float = 0.5, holds: Holds = nothing
 ) -> Callable[[Draw], Draw]:
     """Decorator: the function draws joints or loads whose kind says drawn_as = name; arguments as in `Drawing`."""
 
     def enter(draw: Draw) -> Draw:
-        _known[name] = Drawing(draw, reach, instead_of, name_at)
+        _known[name] = Drawing(draw, reach, instead_of, name_at, holds)
         return draw
 
     return enter

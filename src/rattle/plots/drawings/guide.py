@@ -82,21 +82,44 @@ def reach(form: Form) -> list[tuple[str, Pair]]:
     return [(a, tuple(p)), (b, tuple(q)), *((a, (p[0] + way * cos, p[1] + way * sin)) for way in ways)]
 
 
-@drawing("guide", reach=reach, instead_of=barrel_and_rod, name_at=1.0)
+def on_body(form: Form, low: float, high: float) -> list[tuple[str, Pair]]:
+    """Both ends [m] of a line of A, in its frame, where A is a body: it reaches up to them."""
+    (body, _), ((x, y), _) = form["bodies"], form["points"]
+    cos, sin = float(np.cos(form["axis"])), float(np.sin(form["axis"]))
+    return [(body, (x + end * cos, y + end * sin)) for end in (low, high)] if body != "ground" else []
+
+
+def rail_of(scene: Scene, form: Form) -> list[tuple[str, Pair]]:
+    """The ends of a guide that a body carries."""
+    return [] if is_cylinder(scene, form) else on_body(form, *guide_span(scene, form))
+
+
+def guide_span(scene: Scene, form: Form) -> tuple[float, float]:
+    """Where a guide begins and ends along its line [m]."""
+    length, _ = block_size(scene, form)
+    way = line_of(scene, form).coordinate(scene.ends(form)[1])
+    stops = [end for end in form.get("stop", ()) if end is not None]
+    return min([way.min(), *stops]) - 0.8 * length, max([way.max(), *stops]) + 0.8 * length
+
+
+def block_size(scene: Scene, form: Form) -> tuple[float, float]:
+    """Length and height of the block of a guide [m]."""
+    return form.get("block") or (0.12 * scene.size, 0.07 * scene.size)
+
+
+@drawing("guide", reach=reach, instead_of=barrel_and_rod, name_at=1.0, holds=rail_of)
 def guide(ax: Axes, scene: Scene, part: Part) -> list[Update]:
     """Draw one guide with its block, or a cylinder."""
     form = part.form
     if is_cylinder(scene, form):
         return _cylinder(ax, scene, form)
     line = line_of(scene, form)
-    length, height = form.get("block") or (0.12 * scene.size, 0.07 * scene.size)
-    way = line.coordinate(scene.ends(form)[1])
-    stops = [end for end in form.get("stop", ()) if end is not None]
-    low, high = min([way.min(), *stops]) - 0.8 * length, max([way.max(), *stops]) + 0.8 * length
+    length, height = block_size(scene, form)
+    low, high = guide_span(scene, form)
     updates = draw_stops(ax, form, line, length / 2, 0.7 * height)
     for side in (-1, 1) if form["clearance"] else (0,):
         y = side * (height / 2 + form["clearance"])
-        wall = np.stack([line.at(np.full(len(way), x), y) for x in (low, high)], axis=1)
+        wall = np.stack([line.at(np.full(len(line.origin), x), y) for x in (low, high)], axis=1)
         if form["bodies"][0] == "ground":
             start, end = wall[0] if side <= 0 else wall[0, ::-1]
             draw_wall(ax, start, end, 0.014 * scene.size, color=GREY, linewidth=1.5, zorder=1)
