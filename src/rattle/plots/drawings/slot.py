@@ -40,7 +40,7 @@ def slot(ax: Axes, scene: Scene, part: Part) -> list[Update]:
     half = form.get("bush_radius") or 0.02 * scene.size + form["clearance"]
     turns = np.linspace(-np.pi / 2, np.pi / 2, 19)
     opens = form["fields"].get("open", 0.0)  # 1 start, 2 end, 3 both
-    edge = []
+    edge: list[tuple[float, float]] = []
     for sense, end, mouth in ((1.0, high, opens >= 2.0), (-1.0, low, opens in (1.0, 3.0))):
         round_ = [(end + sense * half * np.cos(s), sense * half * np.sin(s)) for s in turns]
         edge += [(end, -sense * half), (np.nan, np.nan), (end, sense * half)] if mouth else round_
