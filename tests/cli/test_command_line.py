@@ -6,7 +6,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -317,17 +316,64 @@ def test_comparison_ends_at_ctrl_c(stop_at):
     assert not Path("never.png").exists()
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("compare", "fourbar", "-o", "never.png"),
+        ("poincare", "double_pendulum", "--of", "upper.angle", "--of", "upper.omega", "--period", "1"),
+        ("ensemble", "fourbar", "--of", "max(O3.force)", "-n", "8"),
+        ("tolerance", "fourbar", "--of", "max(O3.force)"),
+        ("page", "stribeck", "-o", "never.html"),
+        ("report", "fourbar", "-o", "never.html"),
+        ("demo", "-o", "never"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_ctrl_c_ends_the_whole_command_not_one_run_of_it(tmp_path, monkeypatch, stop_at, words):
+    monkeypatch.chdir(tmp_path)
+    calls = stop_at(1)
+    found = call(*words)
+    assert found.exit_code == 130, found.output
+    assert len(set(calls)) == 1  # nothing was run after it
+    assert not [one for one in tmp_path.rglob("never*") if one.is_file()]
+
+
+def test_a_report_is_not_written_of_a_motion_that_was_cut_and_the_old_one_stays(tmp_path, monkeypatch, stop_at):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "r.html").write_text("the old one")
+    for number, run in ((3, 1), (1, 2)):  # in the motion, and in the run that tells how long it can be trusted
+        stop_at(number, run)
+        assert call("report", "fourbar", "-o", "r.html").exit_code == 130
+        monkeypatch.undo()
+        monkeypatch.chdir(tmp_path)
+        assert (tmp_path / "r.html").read_text() == "the old one"
+        assert [one.name for one in tmp_path.iterdir()] == ["r.html"]
+
+
+RUNNING = """
+import sys
+from rattle.analyses.dynamics import run
+from rattle.cli.main import main
+real = run.Run.advance
+def advance(self, t, chunk):
+    print("running", flush=True)
+    return real(self, t, chunk)
+run.Run.advance = advance
+main()
+"""
+
+
 def test_a_program_that_is_interrupted_ends_at_once_with_the_status_of_shells(tmp_path):
     words = ["run", "double_pendulum", "--t-end", "1000", "-o", "out.npz"]
     run = subprocess.Popen(
-        [sys.executable, "-m", "rattle", *words],
+        [sys.executable, "-c", RUNNING, *words],
         cwd=tmp_path,
         env=PLAIN,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # tests that run behind a shell's & ignore it
     )
-    time.sleep(2.5)
+    assert run.stdout.readline() == b"running\n"
     run.send_signal(signal.SIGINT)
     _, said = run.communicate(timeout=30)
     assert run.returncode == 130, said

@@ -144,7 +144,7 @@ def finish(ctx: click.Context, result: Result, kept: bool = True) -> None:
     """End a command with the exit status of its result; the reason of a failure goes to stderr."""
     if not result.success and ctx.obj["quiet"]:
         click.echo(f"stopped: {result.message}", err=True)
-    if result.interrupted or result.stats.get("horizon_interrupted"):
+    if result.cut_short:
         ctx.exit(STOPPED)
     if not result.success:
         ctx.exit(1)

@@ -51,7 +51,7 @@ def compare(
         joint=joint, curve=curve, t_end=t_end, law=law, progress=not ctx.obj["quiet"]
     )
     click.echo(str(found))
-    if any(r.interrupted or r.stats.get("horizon_interrupted") for r in found.results.values()):
+    if any(r.cut_short for r in found.results.values()):
         ctx.exit(STOPPED)
     save_figure(found.figure(), output)
     say_written(output)

@@ -48,7 +48,7 @@ def kernel_scene(m: Mechanism, t_end: float | None, why: str) -> dict[str, Any]:
 
     why: the reason why the page cannot.  Raises ModelError, AssemblyError.
     """
-    scene = scene_of([("", m.simulate(t_end))], title=m.name)
+    scene = scene_of([("", m.simulate(t_end).whole())], title=m.name)
     knobs = [
         {
             "name": name, "value": one.value, "unit": one.unit, **words_of(m, name), "shown": m.written_unit(name)[1],

@@ -92,14 +92,12 @@ def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> S
         return found
     found.run = _tried(
         found, "motion", "computing the motion, twice: the second run tells how far the first can be trusted",
-        lambda: m.simulate(t_end, horizon=True, progress=progress), fatal=True,
+        lambda: m.simulate(t_end, horizon=True, progress=progress).whole(), fatal=True,
     )  # fmt: skip
     if found.run is None:
         return found
     if not found.run.success:
         found.trouble.append(f"The motion ends early, at t = {found.run.trust.t_end:.4g} s: {found.run.message}")
-    if found.run.interrupted:
-        return found
     _without_play(found)
     _at_rest(found)
     _over_a_cycle(found)
@@ -127,7 +125,7 @@ def _without_play(found: Study) -> None:
         return
     ideal = _tried(
         found, "without play", "computing the motion without play, for comparison",
-        lambda: found.m.ideal().simulate(run.trust.t_end, t_eval=run.t),
+        lambda: found.m.ideal().simulate(run.trust.t_end, t_eval=run.t).whole(),
     )  # fmt: skip
     found.ideal = ideal if ideal is not None and ideal.success else None
 

@@ -42,14 +42,12 @@ def sweep_scene(
         label = _label(m, plan)
         try:
             changed = m.set(**plan) if plan else m
-            result = changed.simulate(t_end, horizon=not plan)
+            result = changed.simulate(t_end, horizon=not plan).whole()
         except (ModelError, AssemblyError) as error:
             if not plan:
                 raise
             failed.append(f"{label}: {str(error).splitlines()[0]}")
             continue
-        if result.interrupted or result.stats.get("horizon_interrupted"):
-            raise KeyboardInterrupt
         made.append((label, result))
     notes = [f"this page holds {len(made)} runs that were computed before, because {why}", *failed]
     if len(made) > 1:

@@ -126,8 +126,9 @@ def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
     except OSError as error:
         raise type(error)(f"cannot make the folder {place}: {error.strerror}") from error
     mechanism = rattle.example(EXAMPLE)
-    play, ideal = mechanism.simulate(), mechanism.ideal().simulate(horizon=True)
-    drawn = mechanism.simulate(t_eval=np.linspace(0.0, play.trust.t_end, FINE), horizon=True)
+    play, ideal = mechanism.simulate().whole(), mechanism.ideal().simulate(horizon=True).whole()
+    times = np.linspace(0.0, play.trust.t_end, FINE)
+    drawn = mechanism.simulate(t_eval=times, horizon=True).whole()
     writers: dict[str, Callable[[Path], object]] = {
         f"{EXAMPLE}-figures.png": partial(save_figure, paper_page(drawn, ideal)),
         **{f"orbit-{pin}.png": partial(save_figure, drawn.plot_orbit(pin)) for pin in clearance_joints(drawn)},

@@ -10,7 +10,7 @@ import difflib
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -110,6 +110,17 @@ class Result:
     def interrupted(self) -> bool:
         """True if the user stopped the run (Ctrl-C); the result ends there."""
         return bool(self.stats.get("interrupted", False))
+
+    @property
+    def cut_short(self) -> bool:
+        """True if the user stopped the run, or the second one that tells how long it can be trusted."""
+        return self.interrupted or bool(self.stats.get("horizon_interrupted", False))
+
+    def whole(self) -> Self:
+        """This result.  Raises KeyboardInterrupt if it was cut short, so that what it is a part of ends too."""
+        if self.cut_short:
+            raise KeyboardInterrupt
+        return self
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore a pickled copy and make its arrays read-only again."""

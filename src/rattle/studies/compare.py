@@ -157,7 +157,7 @@ def compare(
             loosened = make()
             method = usual_stepper(contacts_of(loosened.system))
             results[model] = loosened.simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
-            if results[model].interrupted or results[model].stats.get("horizon_interrupted"):
+            if results[model].cut_short:
                 skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
                 break
         except ModelError as error:

@@ -34,8 +34,6 @@ class Shelf:
         m = self.mechanism(source)
         found = self._results.get(True) or self._results.get(horizon)
         if found is None:
-            found = m.simulate(progress=True, horizon=horizon)
-            if found.interrupted or found.stats.get("horizon_interrupted"):
-                raise KeyboardInterrupt
+            found = m.simulate(progress=True, horizon=horizon).whole()
             self._results[horizon] = found
         return found

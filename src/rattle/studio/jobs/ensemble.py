@@ -138,9 +138,7 @@ def sample(shelf: Shelf, source: Source, number: int) -> dict[str, Any]:
     e = shelf.studies.get("ensemble")
     if e is None:
         raise InputError("the model has changed since: compute the ensemble again")
-    r = e.sample(int(number)).simulate(e.task.t_end, progress=True)
-    if r.interrupted:
-        raise KeyboardInterrupt
+    r = e.sample(int(number)).simulate(e.task.t_end, progress=True).whole()
     said = e.told(int(number))
     value = quantity(float(e[e.outputs[0]][int(number)]), e.unit(e.outputs[0]))
     return {
