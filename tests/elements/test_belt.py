@@ -193,3 +193,44 @@ def test_a_rigid_stop_beside_an_elastic_belt_is_hit_and_keeps_the_energy():
     assert hits
     assert r["two_pin.angle"].max() < 0.01 + 1e-9
     assert r.trust.energy_balance < 1e-6 * np.abs(r["energy.kinetic"]).max() + 1e-9
+
+
+# ---------------------------------------------------------------- slip
+WRAP = math.pi - 2 * math.asin(0.1 / 0.5)  # about the pulley of 0.1 m
+
+
+@pytest.mark.parametrize(("mu", "crossed"), [(None, False), (0.2, False), (0.5, True)])
+def test_a_run_says_from_when_on_a_belt_would_slip_by_the_formula_of_eytelwein(mu, crossed):
+    """Both strands bear T0 +- M/(2 r): they slip from M = 2 r T0 (E - 1)/(E + 1) on, E = exp(mu wrap)."""
+    wrap = math.pi + 2 * math.asin(0.3 / 0.5) if crossed else WRAP
+    most = math.exp((mu or 0.3) * wrap)
+    moment = 2 * 0.2 * T0 * (most - 1) / (most + 1)
+    more = (f"friction = {mu}\n" if mu else "") + ("crossed = true\n" if crossed else "")
+    t = np.linspace(0.0, 2.0, 401)
+    r = rt.loads(text(more, push=f"{moment}*t", damping=2000)).simulate(2.0, t_eval=t, rtol=1e-8, atol=1e-10)
+    (note,) = [one for one in r.trust.notes if "would slip" in one]
+    assert float(note.split("first at t = ")[1].split(" s")[0]) == pytest.approx(1.0, abs=0.02)
+    assert f"friction holds {most:.3g} (Eytelwein, mu = {mu or 0.3:g}{'' if mu else ', assumed'}" in note
+    assert f"wrap {math.degrees(wrap):.4g} deg" in note
+
+
+def test_a_slack_strand_holds_nothing():
+    r = rt.loads(text(push="300", damping=2000)).simulate(0.5)
+    (note,) = [one for one in r.trust.notes if "would slip" in one]
+    assert "without limit: the slack strand hangs" in note
+
+
+@pytest.mark.parametrize(("more", "push"), [("", "20"), ("toothed = true", "300"), ("", "0")])
+def test_a_belt_that_holds_or_has_teeth_has_no_such_note(more, push):
+    r = rt.loads(text(more, push=push, damping=2000)).simulate(0.5)
+    assert not [one for one in r.trust.notes if "would slip" in one]
+
+
+def test_inverse_dynamics_says_it_too():
+    t = np.linspace(0.0, 1.0, 101)
+    r = rt.loads(text(push="100*t", initial="")).inverse_dynamics(t)
+    (note,) = [one for one in r.trust.notes if "would slip" in one]
+    most = math.exp(0.3 * WRAP)
+    assert float(note.split("first at t = ")[1].split(" s")[0]) == pytest.approx(
+        2 * 0.2 * T0 * (most - 1) / (most + 1) / 100, abs=0.011
+    )

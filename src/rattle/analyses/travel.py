@@ -58,6 +58,13 @@ def fits(system: System, q: np.ndarray) -> Iterator[tuple[str, Joint, Any, np.nd
             yield name, joint, fit, (bx - ax) * np.sin(axis) - (by - ay) * np.cos(axis)
 
 
+def distance_of(system: System, q: np.ndarray, joint: Joint) -> np.ndarray:
+    """Distance (n,) [m] of the two points of a joint at positions q (n, nb, 3)."""
+    (ax, ay, _), (bx, by, _) = (_path(system, q, point) for point in (joint.a, joint.b))
+    apart: np.ndarray = np.hypot(bx - ax, by - ay)
+    return apart
+
+
 def unfit(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
     """Notes on joints whose points are not at the distance that they need: t (n,) [s], q (n, nb, 3) [m, m, rad]."""
     notes = []

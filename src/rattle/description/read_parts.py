@@ -235,7 +235,7 @@ class Parts(FieldReader):
                 inside = ", ".join(wanted)
                 values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
         friction = None
-        if "friction" in given:
+        if "friction" in given and "friction" not in found.fields:
             block = next(iter(dimensions.values()), ())
             friction = joint_friction(self, given["friction"], found, block, clearance > 0.0, (*path, "friction"))
         wear, contact = read_wear(self, given, found, clearance, contact, (*path, "wear"))

@@ -15,6 +15,7 @@ from rattle.analyses.dynamics.peak_values import peak_values
 from rattle.analyses.dynamics.run import Run, pulls, start_state
 from rattle.analyses.dynamics.singular_passages import Passage, passage_notes, passages
 from rattle.analyses.dynamics.soundness import fast_links, loose, remarks
+from rattle.analyses.grip import grip_notes
 from rattle.analyses.timetable import jolt_events, jolt_notes
 from rattle.analyses.travel import out_of_place, places
 from rattle.jit import layout as at
@@ -50,6 +51,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *loose(run.stepper.leaf, run.rtol),
         *fast_links(system, data, names),
         *out_of_place(system, run.t_eval[:n], places(system, run.raw[:n])),
+        *grip_notes(system, run.t_eval[:n], places(system, run.raw[:n]), data, names),
         *_series_notes(run),
         *run.remarks(),
     )

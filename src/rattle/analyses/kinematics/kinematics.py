@@ -14,6 +14,7 @@ from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.analyses.clutches import require_known_torques, run_backwards
+from rattle.analyses.grip import grip_notes
 from rattle.analyses.kinematics.motors import motors_at, without_effort
 from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin, unjoined
@@ -207,6 +208,7 @@ def _result(
             open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
             nonunique = nonunique_reactions(system, sweep.workspace)
         data = np.ascontiguousarray(data)
+        notes = [*notes, *grip_notes(system, t, places(system, raw), data, names)]
     else:
         names, units = motion_columns(system)
         data = raw

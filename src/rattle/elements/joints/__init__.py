@@ -45,6 +45,15 @@ class Strand(NamedTuple):
     damping: float  # [N*s/m]
 
 
+class Grip(NamedTuple):
+    """How much the tensions of two strands may differ."""
+
+    mu: float  # coefficient of friction
+    source: str  # ", assumed" if it is
+    wrap: Any  # (n,) smallest angle of wrap [rad]
+    ratio: Any  # (n,) largest ratio of the tensions
+
+
 class JointKind:
     """Interface of the kinds of joint; the defaults are those of a pin that both bodies share."""
 
@@ -79,6 +88,11 @@ class JointKind:
     @staticmethod
     def strand(fields: Mapping[str, Any]) -> Strand | None:
         """The law of its one-sided contacts, if these are strands; None otherwise."""
+        return None
+
+    @staticmethod
+    def grip(fields: Mapping[str, Any], distance: Any) -> Grip | None:
+        """By what its two strands hold without slip, at distances (n,) of its points [m]; None if they always do."""
         return None
 
     @staticmethod

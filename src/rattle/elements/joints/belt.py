@@ -6,6 +6,9 @@ open belt:  R = -R_B     crossed:  R = R_B,     S = R_A + R
     Phi   = R_A phi_A + R phi_B - S psi - c = 0          the row where the belt cannot stretch  [m]
     gamma = S (p . d0/l^2 - 2 (d . d') (p . d')/l^4),   d0 = s_A w_A^2 - s_B w_B^2              [m/s^2]
 
+Eytelwein: it would slip where  tight/slack > exp(mu wrap),  wrap = pi - 2 asin(|R_A - R_B|/l) about the smaller
+pulley, crossed pi + 2 asin((R_A + R_B)/l).  Here it does not slip; a run says where it would.
+
 In a run in time the belt is two strands that stretch, see `one_sided.strands`; kinematics and the start take it as
 stiff.  psi is known up to whole turns only, see `elements.wrapped`.
 """
@@ -16,23 +19,27 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.elements.joints import Fit, JointKind, Strand
+import numpy as np
+
+from rattle.elements.joints import Fit, Grip, JointKind, Strand
 from rattle.elements.wrapped import SMALL, turned_by, write_turning
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
 
+USUAL = 0.3  # coefficient of friction of a belt on its pulleys, where none is given
+
 
 @kernel("joint")
 def belt(body, a, b, p, k, row, rows):
-    """Write the row of the belt [m]; p[k + 4:] = R_A, R_B [m], 1 if crossed, 3 of strands, 4 of the start."""
+    """Write the row of the belt [m]; p[k + 4:] = R_A, R_B [m], 1 if crossed, 3 of strands, 2 of slip, 4 of start."""
     _, _, _, _, dx, dy, _, _ = ends(body, a, b, p, k)
     ra, rb = p[k + 4], p[k + 5] * (2.0 * p[k + 6] - 1.0)
     s = ra + rb
-    wheels = ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 10]
-    near = 1.0 if abs(s) < SMALL * (ra + abs(rb)) else p[k + 13]
-    write_turning(body, a, b, p, k, ra, rb, turned_by(wheels, s, near, p[k + 12], dx, dy), row, rows)
+    wheels = ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 12]
+    near = 1.0 if abs(s) < SMALL * (ra + abs(rb)) else p[k + 15]
+    write_turning(body, a, b, p, k, ra, rb, turned_by(wheels, s, near, p[k + 14], dx, dy), row, rows)
 
 
 @kind("joint", "belt", belt)
@@ -51,6 +58,24 @@ class Belt(JointKind):
     stiffness = Field("N/m", "of one strand", least="positive")
     damping = Field("N*s/m", "of one strand, while it is stretched", default=0.0, least="not negative")
     pretension = Field("N", "tension of both strands at the start", default=0.0, least="not negative")
+
+    friction = Field(
+        "", "coefficient of friction of belt and pulleys, by which a run says where it would slip (default: 0.3)",
+        default=0.0, least="positive",
+    )  # fmt: skip
+    toothed = Field("", "a chain or a toothed belt, which cannot slip", default=False, shape="flag")
+
+    @staticmethod
+    def grip(fields: Mapping[str, Any], distance: Any) -> Grip | None:
+        """Eytelwein: tight/slack < exp(mu wrap), by the pulley of the smaller wrap, at distances (n,) [m]."""
+        if fields["toothed"]:
+            return None
+        ra, rb = fields["radii"]
+        across = np.clip((ra + rb if fields["crossed"] else -abs(ra - rb)) / distance, -1.0, 1.0)
+        wrap = np.pi + 2.0 * np.arcsin(across)
+        given = fields["friction"] > 0.0
+        mu = fields["friction"] if given else USUAL
+        return Grip(mu, "" if given else ", assumed", wrap, np.exp(mu * wrap))
 
     @staticmethod
     def start_constants(residual: tuple[float, ...], d: tuple[float, float]) -> tuple[float, ...]:
