@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,10 +13,13 @@ from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
 from rattle.cli.positions import entry, holding_record, listed, modes_record
+from rattle.cli.requirements import check_required, finish_required, judge, require_option
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from rattle.analyses.accuracy.clearance_error import Accuracy
+    from rattle.cli.requirements import Verdict
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
 
@@ -93,7 +97,7 @@ def _notes(result: Result) -> str:
     return "\n".join([*lines, *result.trust.notes])
 
 
-def _record(result: Result) -> str:
+def _record(result: Result, verdicts: Sequence[Verdict] = ()) -> str:
     import numpy as np
 
     curves = {
@@ -112,6 +116,7 @@ def _record(result: Result) -> str:
         "trust": result.trust.to_dict(),
         "events": events,
         "curves": curves,
+        **({"required": [verdict.record for verdict in verdicts]} if verdicts else {}),
     }
     return to_json(record)
 
@@ -137,12 +142,12 @@ effort_option = click.option(
 @model_options
 @span_options(1001)
 @save_options()
+@require_option
 @click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
 @click.pass_context
 def kinematics(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t_end: float | None, points: int,
-    output: str | None, csv: str | None, fallback: str | None,
-    as_json: bool,
+    output: str | None, csv: str | None, fallback: str | None, required: tuple[str, ...], as_json: bool,
 ) -> None:  # fmt: skip
     """Driven motion: position, velocity and acceleration, dead centres and branch points.
 
@@ -153,14 +158,17 @@ def kinematics(
     """
     m = read_model(file, settings, ideal)
     check_results(file, output, csv, fallback)
+    check_required(m, required, "kinematics", t_end)
     result = m.kinematics(span_times(m, t_end, points))
+    verdicts = judge(result, required)
     if as_json:
-        click.echo(_record(result))
+        click.echo(_record(result, verdicts))
     elif len(result.t):
         bodies = list(result.geometry["bodies"])
         click.echo(_ranges(result, [f"{body}.{key}" for body in bodies for key in ("x", "y", "angle", "omega")]))
         click.echo(_notes(result))
     finish(ctx, result, keep(result, output, csv, fallback))
+    finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
 @click.command()
@@ -172,12 +180,13 @@ def kinematics(
     help="Effort and power that a motor on this joint would need in place of the driver [N m or N, W].",
 )
 @save_options()
+@require_option
 @click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
 @click.pass_context
 def inverse_dynamics(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t_end: float | None, points: int,
     effort_at: str | None, output: str | None, csv: str | None, fallback: str | None,
-    as_json: bool,
+    required: tuple[str, ...], as_json: bool,
 ) -> None:  # fmt: skip
     """Driven motion with all reactions, and torque and power of the drivers.
 
@@ -190,15 +199,18 @@ def inverse_dynamics(
 
     m = read_model(file, settings, ideal)
     check_results(file, output, csv, fallback)
+    check_required(m, required, "inverse-dynamics", t_end)
     result = m.inverse_dynamics(span_times(m, t_end, points), effort_at=effort_at)
+    verdicts = judge(result, required)
     if as_json:
-        click.echo(_record(result))
+        click.echo(_record(result, verdicts))
     elif len(result.t):
         efforts = [name for name in result.stored if name.endswith((".torque", ".thrust", ".power", ".force"))]
         click.echo(joint_table(result))
         click.echo(_ranges(result, efforts))
         click.echo(_notes(result))
     finish(ctx, result, keep(result, output, csv, fallback))
+    finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
 @click.command()
@@ -332,26 +344,27 @@ def modes(
 @click.command()
 @model_options
 @click.option(
-    "--of",
-    "of",
-    required=True,
-    metavar="NAME",
-    help="The output that may deviate, e.g. rocker.angle, coupler.P.x or a signal.",
-)
+    "--of", "curves", multiple=True, required=True, metavar="NAME",
+    help="The output that may deviate, e.g. rocker.angle, coupler.P.x or a signal; may be given more than once.",
+)  # fmt: skip
 @span_options(73)
 @click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also compute the exact extremes.")
-@click.option("-o", "--output", metavar="FILE", help="Draw the error band and contributions: .svg, .png or .pdf.")
+@click.option(
+    "-o", "--output", metavar="FILE",
+    help="Draw the error band and contributions: .svg, .png or .pdf; of several --of FILE-NAME.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
 def accuracy(
-    file: str, settings: tuple[str, ...], ideal: bool, of: str, t_end: float | None, points: int, extremes: bool,
-    output: str | None, as_json: bool,
+    file: str, settings: tuple[str, ...], ideal: bool, curves: tuple[str, ...], t_end: float | None, points: int,
+    extremes: bool, output: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """What the play of the joints does to the accuracy of an output, and which joint to tighten first.
 
     FILE is a model file or the name of a shipped example.
 
     \b
-    Example:  rattle accuracy path_generator --of coupler.P.y -o accuracy.svg
+    Examples: rattle accuracy path_generator --of coupler.P.y -o accuracy.svg
+              rattle accuracy path_generator --of coupler.P.x --of coupler.P.y
     """
     from rattle.plots.curves import save_figure
 
@@ -359,18 +372,24 @@ def accuracy(
     if ideal:
         raise click.UsageError("accuracy is about play, and --ideal removes all of it; leave --ideal out")
     m = read_model(file, settings, False)
-    found = m.accuracy(of, span_times(m, t_end, points), extremes=extremes)
+    times = span_times(m, t_end, points)
+    answers = [m.accuracy(curve, times, extremes=extremes) for curve in curves]
     if as_json:
-        arrays = {
-            key: getattr(found, key).tolist()
-            for key in ("t", "nominal", "worst", "rss", "low", "high", "loaded", "pressed", "rule")
-        }
-        contributions = dict(zip(found.joints, found.contributions.T.tolist(), strict=True))
-        record = {"of": found.of, "unit": found.unit, "share": found.share, "tighten": found.tighten}
-        click.echo(to_json({**record, **arrays, "contributions": contributions}))
+        records = [_accuracy_record(answer) for answer in answers]
+        click.echo(to_json(records[0] if len(records) == 1 else records))
     else:
-        click.echo(str(found))
-    if output is not None:
-        save_figure(found.plot(), output)
+        click.echo("\n\n".join(map(str, answers)))
+    for answer in answers if output is not None else ():
+        target = Path(str(output))
+        target = target if len(answers) == 1 else target.with_name(f"{target.stem}-{answer.of}{target.suffix}")
+        save_figure(answer.plot(), target)
         if not as_json:
-            say_written(output)
+            say_written(target)
+
+
+def _accuracy_record(answer: Accuracy) -> dict[str, Any]:
+    """The play of one output as a record; arrays over time [SI]."""
+    keys = ("t", "nominal", "worst", "rss", "low", "high", "loaded", "pressed", "rule")
+    contributions = dict(zip(answer.joints, answer.contributions.T.tolist(), strict=True))
+    record = {"of": answer.of, "unit": answer.unit, "share": answer.share, "tighten": answer.tighten}
+    return {**record, **{key: getattr(answer, key).tolist() for key in keys}, "contributions": contributions}

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import model_options, read_model, shows_progress, time, value
 from rattle.cli.output import STOPPED, as_json, check_files, check_pictures, say_written
+from rattle.cli.requirements import asked_outputs, check_limits, judge_share, of_share, required_share
 
 if TYPE_CHECKING:
     from rattle.studies.ensemble.samples import Samples
@@ -18,8 +19,8 @@ MOST_VALUES = 2**20  # of one parameter of a sweep
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium", "accuracy", "modes")
 
 
-def question_options(several: bool = True) -> Callable[..., Any]:
-    """Add to a command what is asked of every mechanism: --of (several: more than once), --analysis, --t-end."""
+def question_options(needed: bool = True) -> Callable[..., Any]:
+    """Add to a command what is asked of every mechanism: --of (needed: at least one), --analysis, --t-end."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
@@ -30,10 +31,9 @@ def question_options(several: bool = True) -> Callable[..., Any]:
             "--analysis", type=click.Choice(ANALYSES), default="simulate", show_default=True,
             help="What is run; accuracy has curves such as rocker.angle.high (band of play), modes mode1.frequency.",
         )(function)  # fmt: skip
-        more = "; may be given more than once." if several else "."
         return click.option(
-            "--of", "outputs", multiple=several, required=True, metavar="OUTPUT",
-            help=f'A number of a run, e.g. "max(O3.force)" or "at(rocker.angle, 0.3)"{more}',
+            "--of", "outputs", multiple=True, required=needed, metavar="OUTPUT",
+            help='A number of a run, e.g. "max(O3.force)" or "at(rocker.angle, 0.3)"; may be given more than once.',
         )(function)  # fmt: skip
 
     return add
@@ -60,7 +60,7 @@ def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.command()
 @model_options
 @click.option("-n", "count", type=int, default=1000, show_default=True, help="How many mechanisms.")
-@question_options()
+@question_options(needed=False)
 @click.option(
     "--vary", "varied", multiple=True, metavar="NAMES",
     help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm,l2=0.5 mm:normal".  '
@@ -79,12 +79,17 @@ def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
     help="Keep this curve of every mechanism too, at 201 instants (netCDF, with -o); may be given more than once.",
 )
 @click.option("--limit", metavar="VALUE", help='Also: how many stay at or below it, e.g. "5 kN"; for one --of.')
+@click.option(
+    "--require", "required", multiple=True, metavar="CONDITION",
+    help='What 99.73 % of the mechanisms have to keep, or the exit status is 1: "max(B.force) < 2 kN", or for another'
+    ' share "max(B.force) < 2 kN: 95 %"; 95% alone is about --limit.  May be given more than once.',
+)  # fmt: skip
 @engine_options
 @click.pass_context
 def ensemble(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, count: int, outputs: tuple[str, ...],
     analysis: str, t_end: float | None, varied: tuple[str, ...], seed: int, design: str, limit: str | None,
-    histories: tuple[str, ...],
+    required: tuple[str, ...], histories: tuple[str, ...],
     threads: int | None, workers: int | None, scheduler: str | None, folder: str | None, csv: str | None,
     picture: str | None, json_too: bool,
 ) -> None:  # fmt: skip
@@ -99,8 +104,19 @@ def ensemble(
               rattle ensemble fourbar -n 10000 --vary r3,r4 --of "final(rocker.angle)" --t-end 20ms -o runs
 
     Motion with play is chaotic: a single run says little, the distribution of many is the answer.  The table gives
-    every mean with its 95 % confidence, quantiles, and how many mechanisms could not be run and why.
+    every mean with its 95 % confidence, quantiles, and how many mechanisms could not be run and why.  With --limit
+    or --require the exit status is 1 if fewer than 99.73 % of the mechanisms keep it, or than the share asked for.
     """
+    shares = [text for text in required if "%" in text and not any(sign in text for sign in "<>=")]
+    conditions = [text for text in required if text not in shares]
+    if len(shares) > (limit is not None):
+        raise click.UsageError(
+            f"--require {shares[-1]}: one share of the mechanisms, beside the --limit that they keep"
+        )
+    needed = required_share(shares[0] if shares else None)
+    outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(conditions)]))
+    if not outputs:
+        raise click.UsageError('--of names what is asked of every mechanism, e.g. --of "max(O3.force)"')
     if limit is not None and len(outputs) > 1:
         raise click.UsageError("--limit is for one --of; with several it is not clear which is meant")
     if histories and folder is None:
@@ -112,21 +128,27 @@ def ensemble(
         from rattle.studies.ensemble.ensemble import require_limit
 
         require_limit(m, outputs[0], value(limit), vary, analysis=analysis, t_end=t_end)
+    check_limits(m, conditions, vary, analysis=analysis, t_end=t_end)
     found = m.ensemble(
         count, list(outputs), vary, seed=seed, analysis=analysis, t_end=t_end, design=design,
         threads=threads, workers=workers, scheduler=scheduler, folder=folder, histories=histories,
-        progress=not ctx.obj["quiet"],
+        progress=shows_progress(ctx),
     )  # fmt: skip
     share = None if limit is None else found.yield_below(outputs[0], value(limit))
+    verdicts = judge_share(found, conditions)
+    if share is not None:
+        verdicts.insert(0, of_share(f"stay at or below {limit}", share, needed))
     if json_too:
-        record = found.record() | ({} if share is None else {"share_below": share._asdict()})
-        click.echo(as_json(record))
+        below = {} if share is None else {"share_below": share._asdict()}
+        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
+        click.echo(as_json(found.record() | below | asked))
     else:
         click.echo(str(found))
-        if share is not None:
-            part, low, high = (100 * one for one in share)
-            click.echo(f"{part:.4g} % of the mechanisms stay at or below {limit} (95 %: {low:.4g} to {high:.4g} %)")
+        for verdict in verdicts:
+            click.echo(verdict.said)
     _keep(ctx, found, csv, picture, lambda: found.plot(outputs[0], limit=None if limit is None else value(limit)))
+    if not all(verdict.kept for verdict in verdicts):
+        ctx.exit(1)
 
 
 @click.command()
@@ -162,7 +184,7 @@ def sweep(
         axes[name] = values
     found = m.sweep(
         axes, list(outputs), analysis=analysis, t_end=t_end, threads=threads, workers=workers, scheduler=scheduler,
-        folder=folder, progress=not ctx.obj["quiet"],
+        folder=folder, progress=shows_progress(ctx),
     )  # fmt: skip
     click.echo(as_json(found.record()) if json_too else str(found))
     _keep(ctx, found, csv, picture, lambda: found.plot(outputs[0]))
@@ -237,11 +259,3 @@ def axis_values(text: str) -> tuple[str, list[float | str]]:
     unit = "" if dimension is None else unit_name(dimension) or "rad"  # kept: it may not be that of the parameter
     values = np.linspace(first[0], last[0], count).tolist()
     return name.strip(), [f"{x!r} {unit}" if unit else x for x in values]
-
-
-def value(text: str) -> float | str:
-    """A number in SI, or a text with a unit."""
-    try:
-        return float(text)
-    except ValueError:
-        return text.strip()

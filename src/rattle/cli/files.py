@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from rattle.cli.options import model_options, read_model
+from rattle.cli.options import model_options, read_model, read_result
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_files, say_written
 
@@ -92,12 +92,12 @@ def export(result: str, output: str) -> None:
     Example:  rattle export out.nc -o out.csv
     """
     from rattle.results import archive
-    from rattle.results.result import load_result, require_table
+    from rattle.results.result import require_table
 
     check_files(result, output)
     table = Path(output).suffix.lower() not in archive.SUFFIXES
     (require_table if table else archive.require)(output)
-    loaded = load_result(result)
+    loaded = read_result(result)
     (loaded.to_csv if table else loaded.save)(output)
     say_written(output)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import STOPPED, check_files, say_written
 
 
@@ -73,7 +73,7 @@ def optimise(
         raise click.UsageError("--vary: every parameter once")
     found = m.optimise(
         objective, vary, constraints, t_end=t_end, analysis=analysis, starts=starts, seed=seed,
-        progress=not ctx.obj["quiet"],
+        progress=shows_progress(ctx),
     )  # fmt: skip
     click.echo(found.report)
     if output is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import click
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
+    from rattle.results.result import Result
 
 
 def time(value: str | float) -> float:
@@ -24,9 +26,22 @@ def time(value: str | float) -> float:
         raise click.BadParameter(str(error).removeprefix("time: ")) from None
 
 
+def value(text: str) -> float | str:
+    """A number in SI, or a text with a unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()
+
+
 def given(ctx: click.Context, name: str) -> bool:
     """True if the option was written on the command line, also with its default value."""
     return ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
+
+
+def shows_progress(ctx: click.Context) -> bool:
+    """True where somebody sees how far the work has come: at a terminal, and not with -q."""
+    return not ctx.obj["quiet"] and sys.stderr is not None and sys.stderr.isatty()
 
 
 class LateOption(click.Option):
@@ -103,17 +118,8 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
 
     Raises click.UsageError, ModelError.
     """
-    from pathlib import Path
-
-    from rattle.loading import example, examples, load
-
     run_laws(click.get_current_context().meta.get("rattle.laws", ()))
-    known = examples()
-    if file not in known and not Path(file).expanduser().exists() and Path(file).suffix == "":
-        from rattle.errors import suggest
-
-        raise click.UsageError(f"there is no file {file!r} and no example of that name{suggest(file, known)}")
-    m = example(file) if file in known and not Path(file).exists() else load(file)
+    m = _model(file)
     changes: dict[str, Any] = {}
     for one in settings:
         name, equals, value = one.partition("=")
@@ -124,3 +130,41 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
     if changes:
         m = m.set(changes)
     return m.ideal() if ideal else m
+
+
+def _model(file: str) -> Mechanism:
+    """The model in a file, or the shipped example of that name if there is no such file.
+
+    Raises click.UsageError, ModelError.
+    """
+    from pathlib import Path
+
+    from rattle.loading import example, examples, load
+
+    known = examples()
+    if file not in known and not Path(file).expanduser().exists() and Path(file).suffix == "":
+        from rattle.errors import suggest
+
+        raise click.UsageError(f"there is no file {file!r} and no example of that name{suggest(file, known)}")
+    return example(file) if file in known and not Path(file).exists() else load(file)
+
+
+def read_result(file: str) -> Result:
+    """A saved result; of a model file or the name of a shipped example, the motion that `rattle run` computes.
+
+    Raises click.UsageError, ModelError, InputError.
+    """
+    import logging
+    from pathlib import Path
+
+    from rattle.results.result import load_result
+
+    if Path(file).suffix.lower() not in ("", ".toml", ".json") or (Path(file).suffix == "" and Path(file).exists()):
+        return load_result(file)
+    m = _model(file)
+    log = logging.getLogger("rattle")
+    log.info(f"{file}: a model, which is run now; `rattle run {file} -o out.nc` keeps its motion")
+    result = m.simulate(progress=shows_progress(click.get_current_context()))
+    if not result.success:
+        log.warning(f"stopped: {result.message}")
+    return result

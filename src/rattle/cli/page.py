@@ -6,7 +6,7 @@ import logging
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import check_files, say_written
 
 
@@ -64,7 +64,7 @@ def page(
     m = read_model(file, settings, ideal)
     names = [name.strip() for name in curves.split(",") if name.strip()]
     why = write(
-        m, output, t_end=t_end, over=axes or None, progress=not ctx.obj["quiet"], title=title, curves=names, trust=trust
+        m, output, t_end=t_end, over=axes or None, progress=shows_progress(ctx), title=title, curves=names, trust=trust
     )
     if why and not ranges:
         logging.getLogger("rattle").info(f"the page replays runs that were computed now, because {why}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.options import run_laws, time
+from rattle.cli.options import read_result, run_laws, time
 from rattle.cli.output import check_files, check_pictures, say_written
 from rattle.errors import InputError
 
@@ -42,7 +42,6 @@ def power(
               rattle power out.nc --cycle "20 ms" -o power.svg
               rattle power out.nc -o power.csv
     """
-    from rattle.results.result import load_result
 
     table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
     if table and Path(str(output)).suffix.lower() != ".csv":
@@ -54,7 +53,7 @@ def power(
     if output is not None:
         (check_files if table else check_pictures)(result, output)
     run_laws(laws)
-    r = load_result(result)
+    r = read_result(result)
     end = r.trust.t_end
     p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < 1e-9 * end else end - cycle)
     if output is None:

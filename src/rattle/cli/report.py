@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import check_files, say_written
 
 
@@ -44,7 +44,7 @@ def report(
     command = _typed(ctx, file, target)
     found = write_report(
         m, target, title=title, author=author, t_end=t_end, paper=paper, command=command,
-        progress=not ctx.obj["quiet"],
+        progress=shows_progress(ctx),
     )  # fmt: skip
     say_written(target)
     if found.trouble:

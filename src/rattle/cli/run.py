@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rattle.cli.options import LateOption, model_options, read_model, time
+from rattle.cli.options import LateOption, model_options, read_model, shows_progress, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_results, finish, keep, save_options
+from rattle.cli.requirements import check_required, finish_required, judge, require_option
 
 if TYPE_CHECKING:
     from rattle.results.result import Result
@@ -50,19 +51,22 @@ if TYPE_CHECKING:
     help="Run a second time with a tighter tolerance, to find out how long the curves can be trusted; "
     "doubles the time.",
 )
+@require_option
 @click.option("--json", "as_json", is_flag=True, help="Print table and trust as JSON.")
 @click.pass_context
 def run(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None,
     fallback: str | None, contact: str | None, t_end: float | None, method: str | None, rtol: float | None,
-    atol: float | None, step: float | None, most_steps: int | None, horizon: bool, as_json: bool,
+    atol: float | None, step: float | None, most_steps: int | None, horizon: bool, required: tuple[str, ...],
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Motion in time: peak and RMS force of every joint, energy, and how far the result can be trusted.
 
     FILE is a model file or the name of a shipped example.
 
     \b
-    Example:  rattle run fourbar --t-end 0.2 --set r3="2 mm" -o out.nc
+    Examples: rattle run fourbar --t-end 0.2 --set r3="2 mm" -o out.nc
+              rattle run slider_crank --require "max(abs(motor.torque)) < 400 N*m"
     """
     from rattle.results.contact_summary import joint_table
     from rattle.results.film_summary import film_table
@@ -71,11 +75,13 @@ def run(
     if contact is not None:
         m = m.with_contact(contact)
     check_results(file, output, csv, fallback)
+    check_required(m, required, t_end=t_end)
     result = m.simulate(
         t_end, method=method, rtol=rtol, atol=atol, step=step, horizon=horizon, most_steps=most_steps,
-        progress=not ctx.obj["quiet"],
+        progress=shows_progress(ctx),
     )  # fmt: skip
     kept = keep(result, output, csv, fallback)
+    verdicts = judge(result, required)
     if as_json:
         record = {
             "success": result.success,
@@ -83,6 +89,7 @@ def run(
             "trust": result.trust.to_dict(),
             "stats": result.stats,
             "peaks": _peaks(result),
+            **({"required": [verdict.record for verdict in verdicts]} if verdicts else {}),
         }
         click.echo(to_json(record))
     else:
@@ -91,6 +98,7 @@ def run(
             click.echo(said)
         click.echo(str(result.trust))
     finish(ctx, result, kept)
+    finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
 def _methods(impacts: bool) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rattle.cli.options import model_options, read_model
+from rattle.cli.options import model_options, read_model, read_result
 from rattle.cli.output import check_files, check_pictures, say_written
 
 
@@ -101,7 +101,6 @@ def plot(
     from pathlib import Path
 
     from rattle.plots.curves import save_figure
-    from rattle.results.result import load_result
 
     target = Path(output) if output else Path(result).with_suffix(".png")
     for option, given in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
@@ -121,12 +120,12 @@ def plot(
         raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
     if names or orbit or xy:
         check_pictures(result, target)
-    loaded = load_result(result)
+    loaded = read_result(result)
     if not names and not orbit and not xy:
         for name in loaded.names:
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
         return
-    others = [(label, load_result(file)) for label, file in map(_labelled, compare)]
+    others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
     figures = []
     alone = output is not None and bool(names) + bool(xy) + len(orbit) == 1
     if names and spectrum:
@@ -193,10 +192,9 @@ def animate(
     from pathlib import Path
 
     from rattle.plots.movie_file import require_film
-    from rattle.results.result import load_result
 
     if Path(output).suffix.lower() != ".html":
         require_film(output)
     check_files(result, output)
-    load_result(result).animate(output, frames=frames, trace=trace, speed=speed, names=names, power=power)
+    read_result(result).animate(output, frames=frames, trace=trace, speed=speed, names=names, power=power)
     say_written(output)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import STOPPED, beside, check_pictures, say_written
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def compare(
 
     check_pictures(file, output)
     found = read_model(file, settings, ideal).compare(
-        joint=joint, curve=curve, t_end=t_end, law=law, progress=not ctx.obj["quiet"]
+        joint=joint, curve=curve, t_end=t_end, law=law, progress=shows_progress(ctx)
     )
     click.echo(str(found))
     if any(r.cut_short for r in found.results.values()):
@@ -136,7 +136,7 @@ def poincare(
         low, high = (_amount(m, parameter, text, at) for text, at in ((first, "--from"), (last, "--to")))
         found = m.bifurcation(
             parameter, np.linspace(low, high, count), curves[0], period=period, skip=skip, points=points,
-            progress=not ctx.obj["quiet"],
+            progress=shows_progress(ctx),
         )  # fmt: skip
         figure, interrupted = found.plot(), found.interrupted
         click.echo(found.rule)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from rattle.cli.options import model_options, read_model, time
+from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import STOPPED, as_json, check_pictures, say_written
 
 
@@ -47,7 +47,7 @@ def wear(
     m = read_model(file, settings, ideal)
     found = m.wear(
         cycles, _jump(jump), cycle, {} if depth is None else {"depth": _depth(depth)}, output,
-        progress=not ctx.obj["quiet"],
+        progress=shows_progress(ctx),
     )  # fmt: skip
     click.echo(as_json(_record(found)) if json_too else str(found))
     if picture is not None:
