@@ -24,7 +24,14 @@ from rattle.analyses.assembly.start_constants import (
     with_constants,
     without_counting,
 )
-from rattle.analyses.assembly.start_values import given_values, keep_places, keep_positions, keep_rates, start_notes
+from rattle.analyses.assembly.start_values import (
+    change_of_given,
+    given_values,
+    keep_places,
+    keep_positions,
+    keep_rates,
+    start_notes,
+)
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
 from rattle.description.model import Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
@@ -38,6 +45,10 @@ from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
 FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
+KEPT = (
+    1e-9  # change of a given value that counts as none [rad, mechanism sizes]: rounding of what was computed elsewhere
+)
+ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
 
 
@@ -266,23 +277,38 @@ def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
 def _positions(
     system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
 ) -> tuple[np.ndarray, int]:
-    """Closed positions (3 nb,) and the number of iterations; guesses for angles not given are varied until it works."""
-    best = None
+    """Closed positions (3 nb,) that change given values least among all that are found, and the number of iterations.
+
+    Where several do, the first of them.
+    """
+    given = given_values(system, 0)
+    small, tolerance = system.row_count <= LARGE, 1e-12 * system.size
+    nearest, least_gap, total = None, None, 0
     for q in guesses(system, workspace, t, offsets, None if ideal is None else ideal.q):
         start = q.copy()
-        gap, iterations = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)
-        if not gap <= 1e-9 * system.size and system.row_count <= LARGE:
+        gap, iterations = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
+        if not gap <= 1e-9 * system.size and small and nearest is None:
             q[:] = start
             least_open(system, workspace, t, q)
-            gap, more = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)
+            gap, more = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
             iterations += more
+        total += iterations
         if gap <= 1e-9 * system.size:
-            return q, iterations
-        if best is None or gap < best[0]:
-            best = (gap, q)
-    assert best is not None
+            if ideal is not None or not small:
+                return q, total
+            q = keep_positions(system, workspace, t, q, given)
+            change = change_of_given(system, q, given)
+            if nearest is None or change < (1.0 - ALIKE) * nearest[0]:
+                nearest = (change, q)
+            if change <= KEPT**2:
+                break
+        elif least_gap is None or gap < least_gap[0]:
+            least_gap = (gap, q)
+    if nearest is not None:
+        return nearest[1], total
+    assert least_gap is not None
     _without_drivers(system, workspace, t)
-    raise AssemblyError(why_open_from(system, workspace, t, best[1]))
+    raise AssemblyError(why_open_from(system, workspace, t, least_gap[1]))
 
 
 def _without_drivers(system: System, workspace: Workspace, t: float) -> None:

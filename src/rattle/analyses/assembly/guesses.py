@@ -11,6 +11,7 @@ import numpy as np
 
 from rattle.analyses.assembly.first_guess import passed_angles, place_positions
 from rattle.analyses.assembly.unclosed import why_open, without_value
+from rattle.analyses.assembly.vector_loops import VectorLoops
 from rattle.equations.closure import place_only
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.motion import constraints, drive
@@ -24,8 +25,9 @@ STARTS = 48  # guesses that are tried for angles that are not given
 def guesses(
     system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: np.ndarray | None
 ) -> Iterator[np.ndarray]:
-    """First guesses (3 nb,): bodies placed by the joints from the ground outwards, for one set of angles each.
+    """First guesses (3 nb,): bodies placed by the joints from the ground outwards, then all closings of its loops.
 
+    Angles that are not given are tried where the loops do not determine all.
     ideal: (3 nb,) positions of the ideal mechanism, if they are known.
     """
     model = system.model
@@ -34,12 +36,14 @@ def guesses(
     angles, free = passed_angles(model, functions)
     if ideal is not None:  # the ideal mechanism gives the angles that were not given
         angles.update({name: float(ideal[3 * system.bodies.index(name) + 2]) for name in free})
-        free = []
     yield place_positions(system, angles, offsets, functions)
     if ideal is not None:  # the given angles may be rough: those of the ideal mechanism are right within the clearance
         closed = {name: float(ideal[3 * n + 2]) for n, name in enumerate(system.bodies)}
         yield place_positions(system, {**angles, **closed}, offsets, functions)
-    if not free:
+        return
+    closings = VectorLoops(system, functions)
+    yield from closings
+    if not free or closings.complete:
         return
     turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
     tried: Iterator[tuple[float, ...]] = itertools.product(turns, repeat=len(free))

@@ -41,6 +41,12 @@ def given_values(system: System, turn: int) -> np.ndarray:
     return given
 
 
+def change_of_given(system: System, q: np.ndarray, given: np.ndarray) -> float:
+    """Sum of the squared changes of given positions, angles in rad and lengths in sizes of the mechanism."""
+    change = (q - given) / np.tile([system.size, system.size, 1.0], system.body_count)
+    return float(np.nansum(change * change))
+
+
 # ---------------------------------------------------------------- least change in two stages
 def least_change(
     system: System, jacobian: np.ndarray, wanted: np.ndarray, known: np.ndarray, noise: np.ndarray
