@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.assembly.computable import require_digits
-from rattle.analyses.assembly.first_guess import outward, place_rates
+from rattle.analyses.assembly.first_guess import first_guess, place_rates
 from rattle.analyses.assembly.guesses import guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
-from rattle.analyses.assembly.rank import loose_without_mass
+from rattle.analyses.assembly.rank import free_motions, loose_without_mass, scaled_rows
 from rattle.analyses.assembly.start_constants import (
     constants_at,
     constants_of,
@@ -33,11 +33,11 @@ from rattle.analyses.assembly.start_values import (
     start_notes,
 )
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
-from rattle.description.model import Joint, Model
+from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
 from rattle.equations.dense import LARGE
 from rattle.equations.motion import constraints, drive
-from rattle.equations.placement import pose, turned
+from rattle.equations.placement import point_at, pose, turned
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
@@ -49,6 +49,8 @@ KEPT = (
     1e-9  # change of a given value that counts as none [rad, mechanism sizes]: rounding of what was computed elsewhere
 )
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
+NUDGE = 1e-5  # of differences, as a share of the mechanism's size
+DETERMINED = 1e-6  # share of a nudge by which a pin may move in its bush that joints and given values place
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
 
 
@@ -141,14 +143,15 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if one.is_loose and not one.passing}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
-    shut, held = system, [name for name in open_ if not _placed(model, open_[name])]
+    shut, held = system, list[str]()
     missing: list[str] = []
     if offsets:
         shut, found = ideal_start(model, t, put_together, consistent_start)
         if isinstance(found, Assembled):
             ideal = found
-        elif links or held:  # it need not close if the user's values determine everything
-            raise found
+        held = _undetermined(system, t, first_guess(system, t) if ideal is None else ideal.q, open_)
+        if isinstance(found, AssemblyError) and (links or held):  # it need not close if given values determine all
+            shut, ideal = _partly_closed(model, t, [*links, *held], found)
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
         if missing and ideal is not None:
             pressed = {name: links[name].clearance for name in missing}
@@ -156,6 +159,11 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
             held = [*links, *held]  # closing would move the pins away from where the reactions press them
     workspace = system.workspace()
     q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, shut)
+    if ideal is not None and not set(open_) <= set(held) and outside(system, workspace):
+        # values that place the pins are too rough for the play: they start as the mechanism without play has them
+        every = [*missing, *open_]
+        inside, more = _closed(system, workspace, t, offsets, every, missing, ideal, shut)
+        q, iterations = inside, iterations + more
     if t == 0.0:  # the instant for which offsets are given
         _refuse_offsets_along(system, q)
     given = given_values(system, 1)
@@ -170,6 +178,21 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     if beyond := outside(system, workspace):
         raise AssemblyError(beyond)
     return Assembled(t, q, v, residual, iterations)
+
+
+def _partly_closed(model: Model, t: float, names: list[str], why: AssemblyError) -> tuple[System, Assembled]:
+    """The mechanism without the play of some joints, put together.  Raises `why` if that cannot be either."""
+    joints = dict(model.joints)
+    for name in names:
+        joints[name] = replace(joints[name], contact=Contact("ideal", {}), stop=None)
+    closed = replace(model, joints=joints)
+    if not any(one.is_loose or is_link(one) for one in joints.values()):
+        raise why
+    try:
+        system = put_together(closed)
+        return system, consistent_start(system, t)
+    except AssemblyError:
+        raise why from None
 
 
 def _closed(
@@ -209,24 +232,33 @@ def _closed(
     return (q if outside(system, workspace) else kept), iterations
 
 
-def _placed(model: Model, joint: Joint) -> bool:
-    """True if the user's values determine where the pin of this joint is, without an offset.
+def _undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
+    """Joints, of those with contacts, whose pins have an offset or are not where other joints and given values say.
 
-    So it is if no offset is given and both bodies are placed by given x, y, angle or by other joints.
+    q: (3 nb,) positions [m, m, rad] near the start, which is at t [s].
     """
-    if joint.name in model.initial.offsets:
+    model = system.model
+    without = [name for name in joints if name not in model.initial.offsets]
+    if not without or system.row_count > LARGE:
+        return list(joints)
+    workspace = system.workspace()
+    open_by(workspace, t, q, np.zeros_like(q))
+    known = np.eye(len(q))[~np.isnan(given_values(system, 0))]
+    motions = free_motions(np.vstack([scaled_rows(system, workspace), known]))
+    scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
+
+    def moves(joint: Joint) -> bool:
+        """True if its pin can move in the bush while nothing that is known changes."""
+        for motion in motions * (NUDGE * system.size * scale):
+            ahead, back = (
+                point_at(system, q + way * motion, joint.b) - point_at(system, q + way * motion, joint.a)
+                for way in (1.0, -1.0)
+            )
+            if np.abs(ahead - back).max() > DETERMINED * NUDGE * system.size:
+                return True
         return False
-    without = replace(model, joints={name: one for name, one in model.joints.items() if not one.is_loose})
-    reached = {"ground"} | {body for body, _, _ in outward(without)}
 
-    def known(body: str) -> bool:
-        values = model.initial.bodies.get(body, {})
-        return body == "ground" or ("angle" in values and (body in reached or ("x" in values and "y" in values)))
-
-    bodies = (joint.a.body, joint.b.body)
-    driven = {driver.joint for driver in model.drivers.values()}
-    turning = {one.b.body for one in model.joints.values() if one.name in driven} | {"ground"}
-    return all(known(body) or (body in turning and body in reached) for body in bodies)
+    return [name for name, joint in joints.items() if name not in without or moves(joint)]
 
 
 def _hold_offsets(

@@ -22,6 +22,14 @@ def scaled_rows(system: System, workspace: Workspace) -> np.ndarray:
     return finite(full / length[:, None])
 
 
+def free_motions(rows: np.ndarray) -> np.ndarray:
+    """(f, n) directions in which none of the rows (nr, n), each about as long as the others, changes."""
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    _, values, right = np.linalg.svd(rows)
+    return right[int((values > RANK * values[0]).sum()) :]
+
+
 def row_lengths(system: System, workspace: Workspace) -> np.ndarray:
     """(nr,) lengths of the rows of Phi_q, by which `scaled_rows` divides; 1 for a row of zeros."""
     return _rows_and_lengths(system, workspace)[1]
@@ -104,11 +112,7 @@ def _driven(system: System, workspace: Workspace) -> np.ndarray:
     """(drivers, degrees of freedom) rows of the drivers in the directions that the joints leave free."""
     full = scaled_rows(system, workspace)
     driving = np.array([row.driver for row in system.rows])
-    free = np.eye(full.shape[1])  # one per row
-    if not driving.all():
-        _, values, v = np.linalg.svd(full[~driving])
-        free = v[int((values > RANK * values[0]).sum()) :]
-    along: np.ndarray = full[driving] @ free.T
+    along: np.ndarray = full[driving] @ free_motions(full[~driving]).T
     return along
 
 
