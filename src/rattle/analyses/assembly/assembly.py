@@ -156,14 +156,12 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
         if missing and ideal is not None:
             pressed = {name: links[name].clearance for name in missing}
             offsets.update(along_reactions(shut, t, ideal.q, ideal.v, pressed))
-            held = [*links, *held]  # closing would move the pins away from where the reactions press them
+        if ideal is not None:
+            held = [*links, *held]  # closing would move the pins away from their offsets, given or along the reactions
     workspace = system.workspace()
     q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, shut)
-    if ideal is not None and not set(open_) <= set(held) and outside(system, workspace):
-        # values that place the pins are too rough for the play: they start as the mechanism without play has them
-        every = [*missing, *open_]
-        inside, more = _closed(system, workspace, t, offsets, every, missing, ideal, shut)
-        q, iterations = inside, iterations + more
+    if ideal is not None and _beyond(system, workspace, t, q):
+        q = _inside(system, workspace, t, offsets, held, missing, ideal, shut, q)
     if t == 0.0:  # the instant for which offsets are given
         _refuse_offsets_along(system, q)
     given = given_values(system, 1)
@@ -218,18 +216,46 @@ def _closed(
             if not gap <= 1e-9 * system.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
                 raise AssemblyError(why_open_from(system, workspace, t, q))
         except AssemblyError:
-            if not missing:
+            if not any(is_link(system.model.joints[name]) for name in held):
                 raise
             q, missing = None, []  # pins placed by reactions that are not unique may not fit
     if q is None:
         q, iterations = _positions(system, workspace, t, offsets, ideal)
     if missing and system.row_count <= LARGE:
-        q = keep_places(system, workspace, t, q, given)
+        placed = keep_places(system, workspace, t, q, given)
+        q = q if _beyond(system, workspace, t, placed) else placed
     if system.row_count > LARGE or missing or any(name in system.model.initial.offsets for name in held):
         return q, iterations
     kept = keep_positions(system, workspace, t, q, given)
-    open_by(workspace, t, kept, np.zeros_like(kept))
-    return (q if outside(system, workspace) else kept), iterations
+    return (q if _beyond(system, workspace, t, kept) else kept), iterations
+
+
+def _beyond(system: System, workspace: Workspace, t: float, q: np.ndarray) -> str:
+    """In words, which pin is outside its bush at positions q (3 nb,); "" if none is."""
+    open_by(workspace, t, q, np.zeros_like(q))
+    return outside(system, workspace)
+
+
+def _inside(
+    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
+    ideal: Assembled, shut: System, otherwise: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Positions (3 nb,) with all pins inside their bushes; `otherwise` if there are none.
+
+    Where given values are too rough for the play, pins start where the mechanism without play has them, and massless
+    links stand in other directions than the reactions have.
+    """
+    every = list(dict.fromkeys([*held, *(name for name, one in system.model.joints.items() if one.is_loose)]))
+    for turn in range(4 if missing else 1):
+        for names in (held, every) if turn else (every,):
+            aside = {name: tuple(turned(0.5 * math.pi * turn, offsets[name]).tolist()) for name in missing}
+            try:
+                q, _ = _closed(system, workspace, t, {**offsets, **aside}, names, missing, ideal, shut)
+            except AssemblyError:
+                continue
+            if not _beyond(system, workspace, t, q):
+                return q
+    return otherwise
 
 
 def _undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
