@@ -49,6 +49,7 @@ KEPT = (
     1e-9  # change of a given value that counts as none [rad, mechanism sizes]: rounding of what was computed elsewhere
 )
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
+WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
 NUDGE = 1e-5  # of differences, as a share of the mechanism's size
 DETERMINED = 1e-6  # share of a nudge by which a pin may move in its bush that joints and given values place
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
@@ -341,11 +342,12 @@ def _positions(
     """
     given = given_values(system, 0)
     small, tolerance = system.row_count <= LARGE, 1e-12 * system.size
-    nearest, least_gap, total = None, None, 0
+    closings: list[tuple[float, np.ndarray]] = []  # the squared change of given values, positions
+    least_gap, total = None, 0
     for q in guesses(system, workspace, t, offsets, None if ideal is None else ideal.q):
         start = q.copy()
         gap, iterations = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
-        if not gap <= 1e-9 * system.size and small and nearest is None:
+        if not gap <= 1e-9 * system.size and small and not closings:
             q[:] = start
             least_open(system, workspace, t, q)
             gap, more = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
@@ -354,19 +356,37 @@ def _positions(
         if gap <= 1e-9 * system.size:
             if ideal is not None or not small:
                 return q, total
-            q = keep_positions(system, workspace, t, q, given)
-            change = change_of_given(system, q, given)
-            if nearest is None or change < (1.0 - ALIKE) * nearest[0]:
-                nearest = (change, q)
-            if change <= KEPT**2:
-                break
+            if not closings:
+                q = keep_positions(system, workspace, t, q, given)
+            closings.append((change_of_given(system, q, given), q))
+            if closings[-1][0] <= KEPT**2:
+                return q, total
         elif least_gap is None or gap < least_gap[0]:
             least_gap = (gap, q)
-    if nearest is not None:
-        return nearest[1], total
+    if closings:
+        return _nearest(system, workspace, t, given, closings), total
     assert least_gap is not None
     _without_drivers(system, workspace, t)
     raise AssemblyError(why_open_from(system, workspace, t, least_gap[1]))
+
+
+def _nearest(
+    system: System, workspace: Workspace, t: float, given: np.ndarray, closings: list[tuple[float, np.ndarray]]
+) -> np.ndarray:
+    """Positions (3 nb,) that change given values least; those that do not are moved to change them less, first.
+
+    closings: the squared change of given values, and positions; the first of them cannot be moved so.
+    """
+    best = closings[0]
+    later = sorted(range(1, len(closings)), key=lambda n: closings[n][0])
+    for n in later:
+        if closings[n][0] > WORTH * best[0]:
+            break
+        q = keep_positions(system, workspace, t, closings[n][1], given)
+        change = change_of_given(system, q, given)
+        if change < (1.0 - ALIKE) * best[0]:
+            best = (change, q)
+    return best[1]
 
 
 def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
