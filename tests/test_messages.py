@@ -91,7 +91,7 @@ def test_what_cannot_be_closed_without_its_play_says_who_disagrees_and_that_play
 
 
 def test_a_value_that_the_driver_holds_through_a_loop_names_the_joints_of_the_loop():
-    notes = rt.example("fourbar").ideal().start.notes
+    notes = rt.example("fourbar").ideal().start.changes
     assert notes[0].startswith("asked for coupler.angle = 60 deg, got 59.4471 deg")
     assert notes[0].endswith("the driver 'motor' holds it through joints 'O1', 'O2', 'O3', 'O4'")
 

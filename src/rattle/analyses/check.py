@@ -126,7 +126,7 @@ def check(system: System, start: Assembled) -> Check:
         stops=tuple(stop_lines(model)),
         reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
-        start=(*start.notes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
+        start=(*start.changes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
         residual=start.residual,
         plates=tuple(_plates(model)),
         parameters=tuple(_parameters(model)),

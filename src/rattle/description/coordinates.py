@@ -28,11 +28,12 @@ POINT = {
     "vy": ("m/s", "B.vy + B.omega*(px*cos(B.angle) - py*sin(B.angle))"),
 }
 ACROSS = "hypot(b.x - a.x, b.y - a.y)"
+COINCIDENT = 1e-150  # m: ends nearer than this have no direction, and a length that does not change
 COORDINATES = {  # key and unit of a coordinate and of its rate, and what they are between points a and b of A and B
     "angle": (("angle", "rad", "B.angle - A.angle"), ("rate", "rad/s", "B.omega - A.omega")),
     "length": (
         ("length", "m", ACROSS),
-        ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/{ACROSS}"),
+        ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/hypot({ACROSS}, {COINCIDENT})"),
     ),
     "position": (
         ("position", "m", "(b.x - a.x)*cos(A.angle + axis) + (b.y - a.y)*sin(A.angle + axis)"),

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
+from rattle.description.coordinates import COINCIDENT
+
 POINT = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}  # of a point, with units
 KEYS = {"angle": ("angle", "rate"), "position": ("position", "rate"), "length": ("length", "rate")}
 UNITS = {"angle": "rad", "position": "m", "length": "m"}
@@ -103,7 +105,7 @@ def value_of(rule: Rule, curve: Callable[[str], Any], cos: Any, sin: Any, hypot:
     va, vb = (_point(body, at, curve, cos, sin, True) for body, at in zip(rule.bodies, rule.points, strict=True))
     vx, vy = vb["x"] - va["x"], vb["y"] - va["y"]
     if what == "length rate":
-        return (dx * vx + dy * vy) / hypot(dx, dy)
+        return (dx * vx + dy * vy) / hypot(hypot(dx, dy), COINCIDENT)
     return vx * ux + vy * uy + _of_body(a, "omega", curve) * (dy * ux - dx * uy)
 
 

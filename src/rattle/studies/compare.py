@@ -61,7 +61,11 @@ class Comparison:
         wide = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
         lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in rows]
         lines += [f"{model}: left out: {why}" for model, why in self.skipped.items()]
-        lines += [f"{model}: {note}" for model, notes in self.notes.items() for note in notes]
+        by_note: dict[str, list[str]] = {}
+        for model, notes in self.notes.items():
+            for note in notes:
+                by_note.setdefault(note, []).append(model)
+        lines += [f"{', '.join(models)}: {note}" for note, models in by_note.items()]
         return "\n".join([f"{self.name}: joint {self.joint}", *lines, *self.assumed])
 
     def rows(self) -> list[tuple[str, ...]]:

@@ -24,13 +24,13 @@ from rattle.analyses.assembly.start_constants import (
     with_constants,
     without_counting,
 )
+from rattle.analyses.assembly.start_notes import start_notes
 from rattle.analyses.assembly.start_values import (
     change_of_given,
     given_values,
     keep_places,
     keep_positions,
     keep_rates,
-    start_notes,
 )
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
 from rattle.description.model import Contact, Joint, Model
@@ -64,7 +64,8 @@ class Assembled:
     v: np.ndarray  # (3 nb,) their rates [m/s, m/s, rad/s]
     residual: float  # largest constraint residual [m or rad]
     iterations: int
-    notes: tuple[str, ...] = ()  # on values of [initial] that could not be kept
+    notes: tuple[str, ...] = ()  # on values of [initial] that could not be kept, where that matters; in every result
+    changes: tuple[str, ...] = ()  # on all of them
 
 
 def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> Assembled:
@@ -78,7 +79,11 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> 
     _require_held(system, made)
     if t != 0.0:
         return made
-    return replace(made, notes=(*system.model.remarks, *start_notes(system, t, made.q, made.v)))
+    shut = system
+    if any(is_link(one) or _has_play(one) for one in system.model.joints.values()):
+        shut = ideal_start(system.model, t, put_together, consistent_start)[0]
+    remarks, said = system.model.remarks, start_notes(system, shut, t, made.q, made.v)
+    return replace(made, notes=(*remarks, *said.brief), changes=(*remarks, *said.all))
 
 
 def _require_held(system: System, made: Assembled) -> None:
@@ -142,7 +147,7 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     """As `assemble`, without notes on what could not be kept."""
     model = system.model
     links = {name: one for name, one in model.joints.items() if is_link(one)}
-    open_ = {name: one for name, one in model.joints.items() if one.is_loose and not one.passing}
+    open_ = {name: one for name, one in model.joints.items() if _has_play(one)}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
     shut, held = system, list[str]()
     missing: list[str] = []
@@ -161,7 +166,8 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
             held = [*links, *held]  # closing would move the pins away from their offsets, given or along the reactions
     workspace = system.workspace()
     q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, shut)
-    if ideal is not None and _beyond(system, workspace, t, q):
+    pins = any(one.one_sided is None for one in (*links.values(), *open_.values()))
+    if ideal is not None and pins and _beyond(system, workspace, t, q):
         q = _inside(system, workspace, t, offsets, held, missing, ideal, shut, q)
     if t == 0.0:  # the instant for which offsets are given
         _refuse_offsets_along(system, q)
@@ -179,13 +185,18 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     return Assembled(t, q, v, residual, iterations)
 
 
+def _has_play(joint: Joint) -> bool:
+    """True if its contacts hold the mechanism together."""
+    return joint.is_loose and not joint.passing
+
+
 def _partly_closed(model: Model, t: float, names: list[str], why: AssemblyError) -> tuple[System, Assembled]:
     """The mechanism without the play of some joints, put together.  Raises `why` if that cannot be either."""
     joints = dict(model.joints)
     for name in names:
         joints[name] = replace(joints[name], contact=Contact("ideal", {}), stop=None)
     closed = replace(model, joints=joints)
-    if not any(one.is_loose or is_link(one) for one in joints.values()):
+    if not any(_has_play(one) or is_link(one) for one in joints.values()):
         raise why
     try:
         system = put_together(closed)
@@ -246,7 +257,7 @@ def _inside(
     Where given values are too rough for the play, pins start where the mechanism without play has them, and massless
     links stand in other directions than the reactions have.
     """
-    every = list(dict.fromkeys([*held, *(name for name, one in system.model.joints.items() if one.is_loose)]))
+    every = list(dict.fromkeys([*held, *(name for name, one in system.model.joints.items() if _has_play(one))]))
     for turn in range(4 if missing else 1):
         for names in (held, every) if turn else (every,):
             aside = {name: tuple(turned(0.5 * math.pi * turn, offsets[name]).tolist()) for name in missing}
@@ -262,6 +273,7 @@ def _inside(
 def _undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
     """Joints, of those with contacts, whose pins have an offset or are not where other joints and given values say.
 
+    Surfaces that only push touch, unless an angle is given for their bodies too.
     q: (3 nb,) positions [m, m, rad] near the start, which is at t [s].
     """
     model = system.model
@@ -285,7 +297,14 @@ def _undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joi
                 return True
         return False
 
-    return [name for name, joint in joints.items() if name not in without or moves(joint)]
+    driven = {driver.joint for driver in model.drivers.values()}
+    turning = {one.b.body for one in model.joints.values() if one.name in driven} | {"ground"}
+
+    def touches(joint: Joint) -> bool:
+        bodies = {joint.a.body, joint.b.body} - turning
+        return joint.one_sided is not None and any("angle" not in model.initial.bodies.get(one, {}) for one in bodies)
+
+    return [name for name, joint in joints.items() if name not in without or touches(joint) or moves(joint)]
 
 
 def _hold_offsets(

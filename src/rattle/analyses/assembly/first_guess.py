@@ -139,12 +139,17 @@ def _out_of_cams(
     return 0.0
 
 
-def first_guess(system: System, t: float = 0.0) -> np.ndarray:
-    """Positions (3 nb,) [m, m, rad] at time t [s] with which the search for closed ones begins."""
+def driver_functions(system: System, t: float) -> dict[str, float]:
+    """The value of every driver's function at t [s] [rad or m]; 0 where it has none."""
     workspace = system.workspace()
     drive(workspace, t)
-    functions = {name: float(workspace.values[system.driver_slot(name)]) for name in system.model.drivers}
-    functions = {name: value if math.isfinite(value) else 0.0 for name, value in functions.items()}
+    values = {name: float(workspace.values[system.driver_slot(name)]) for name in system.model.drivers}
+    return {name: value if math.isfinite(value) else 0.0 for name, value in values.items()}
+
+
+def first_guess(system: System, t: float = 0.0) -> np.ndarray:
+    """Positions (3 nb,) [m, m, rad] at time t [s] with which the search for closed ones begins."""
+    functions = driver_functions(system, t)
     return place_positions(system, passed_angles(system.model, functions)[0], system.model.initial.offsets, functions)
 
 

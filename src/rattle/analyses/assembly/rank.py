@@ -26,7 +26,7 @@ def free_motions(rows: np.ndarray) -> np.ndarray:
     """(f, n) directions in which none of the rows (nr, n), each about as long as the others, changes."""
     if not len(rows):
         return np.eye(rows.shape[1])
-    _, values, right = np.linalg.svd(rows)
+    _, values, right = np.linalg.svd(finite(rows))
     return right[int((values > RANK * values[0]).sum()) :]
 
 

@@ -1,4 +1,4 @@
-"""Given start values: kept as far as joints and drivers allow; changes are reported.
+"""Given start values: kept as far as joints and drivers allow.
 
 Positions and rates change in two stages: first the given values, by the least change that the constraints require,
 then all others by the least change still needed; both are weighted by mass.  With G the columns of the given values,
@@ -8,13 +8,11 @@ min |e|, P^T Phi_q (G (r + e)) = -P^T Phi;   then   Phi_q (G (r + e) + O o) = -P
 
 from __future__ import annotations
 
-import functools
 import math
 
 import numpy as np
 
 from rattle.analyses.assembly.computable import finite
-from rattle.description.model import driven_ends
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.system import System
@@ -22,11 +20,8 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))
-UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 NOISE = 1e-15  # share of the terms of a residual that is rounding
 RANK = 1e-10  # share of the largest singular value below which columns are dependent
-MOST_NAMED = 6  # joints that are named one by one, at most
-SEEN = 1e-6  # least change that is reported [rad, mechanism sizes, share of the rates]
 EASY = 1e4  # by how much more coordinates without mass move than the inverse root of their fictitious mass says
 ROUNDS = 40  # of Newton's method
 
@@ -157,82 +152,3 @@ def keep_rates(
             break
         made = made + least_change(system, jacobian, wanted, known, noise)
     return made
-
-
-# ---------------------------------------------------------------- notes
-def start_notes(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[str, ...]:
-    """Notes on changed values: "asked for crank.angle = 90 deg, got 0 deg: the driver 'motor' holds it".
-
-    t: [s]; q, v: (3 nb,) assembled positions [m, m, rad] and rates [m/s, m/s, rad/s].
-    """
-    speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
-    changed: dict[str, list[str]] = {}
-    free = functools.cache(lambda: _freedom(system, t, q, v))  # costly, and rarely needed
-    for turn, now in enumerate((q, v)):
-        for k, (given, got) in enumerate(zip(given_values(system, turn).tolist(), now.tolist(), strict=True)):
-            if math.isnan(given):
-                continue
-            name, key = system.bodies[k // 3], KEYS[turn][k % 3]
-            size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(given))
-            if abs(got - given) > SEEN * size:
-                factor = 180.0 / math.pi if key == "angle" else 1.0
-                asked, found = f"{given * factor:.6g}", f"{got * factor if abs(got) > 1e-12 * size else 0.0:.6g}"
-                if asked == found:
-                    found = f"{got * factor:.12g}"
-                text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {found} {UNITS[key]}"
-                changed.setdefault(_holder(system, free(), k), []).append(text)
-    return tuple(f"{'; '.join(texts)}: {who}" for who, texts in changed.items())
-
-
-def _freedom(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Coordinates (3 nb,) that can change under all rows, those that can under the rows of joints, and the rows."""
-    workspace = system.workspace()
-    open_by(workspace, t, q, v)
-    full = dense_rows(system, workspace)
-    driving = np.array([row.driver for row in system.rows], dtype=bool)
-    every = _free(full)
-    return every, (_free(full[~driving]) if driving.any() else every), full
-
-
-def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: int) -> str:
-    """In words, what prevents the given value of coordinate k."""
-    under_all, under_joints, rows = free
-    if under_all[k]:
-        return "the given values contradict each other"
-    if not under_joints[k]:
-        return "the joints hold it"
-    body = system.bodies[k // 3]
-    own = []
-    for name, driver in system.model.drivers.items():
-        a, b, _ = driven_ends(system.model, driver)
-        if body in (a.body, b.body):
-            own.append(name)
-    if len(own) == 1:
-        return f"the driver '{own[0]}' holds it"
-    owners = _holding(system, rows, k)
-    drivers = [f"'{one}'" for one in system.model.drivers if one in owners or not owners]
-    joints = [f"'{one}'" for one in system.model.joints if one in owners]
-    more = f" and {len(joints) - MOST_NAMED} more" if len(joints) > MOST_NAMED else ""
-    through = f" through joint{'s' if len(joints) > 1 else ''} {', '.join(joints[:MOST_NAMED])}{more}" if joints else ""
-    several = len(drivers) > 1
-    return f"the driver{'s' if several else ''} {', '.join(drivers)} hold{'' if several else 's'} it{through}"
-
-
-def _holding(system: System, rows: np.ndarray, k: int) -> set[str]:
-    """Owners of the rows that together fix coordinate k: those in e_k = Phi_q^T x."""
-    unit = np.zeros(rows.shape[1])
-    unit[k] = 1.0
-    length = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
-    part = np.abs(np.linalg.lstsq((rows / length[:, None]).T, unit, rcond=1e-9)[0])
-    return {row.owner for row, size in zip(system.rows, part, strict=True) if size > 1e-9 * part.max()}
-
-
-def _free(rows: np.ndarray) -> np.ndarray:
-    """Coordinates (columns) that can change without violating any of the rows."""
-    if not len(rows):
-        return np.ones(rows.shape[1], dtype=bool)
-    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
-    _, values, right = np.linalg.svd(finite(rows))
-    rank = int((values > 1e-9 * values[0]).sum())
-    free: np.ndarray = np.abs(right[rank:]).max(axis=0, initial=0.0) > 1e-7
-    return free

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.first_guess import outward
+from rattle.analyses.assembly.first_guess import driver_functions, outward
 from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations.system import System
 
@@ -320,6 +320,11 @@ def _onto_circle(start: complex, u: complex, radius: float) -> tuple[list[float]
 
 
 # ---------------------------------------------------------------- what turns together, what is driven, what is a loop
+def groups_at(system: System, t: float) -> dict[str, tuple[str, float]]:
+    """Of every body, and of the ground, the group that turns with it at t [s], and how far it is ahead of it [rad]."""
+    return _groups(system.model, driver_functions(system, t))
+
+
 def _groups(model: Model, functions: Mapping[str, float]) -> dict[str, tuple[str, float]]:
     """Of every body, and of the ground, the group that turns with it, and how far it is ahead of its group [rad]."""
     tied = [(one.a.body, one.b.body, one.kept_angle) for one in model.joints.values() if one.kept_angle is not None]
@@ -358,10 +363,15 @@ def _neighbours(model: Model) -> Neighbours:
     """Joints that say where points are, by body, with the body on the other side."""
     near: Neighbours = {}
     for joint in model.joints.values():
-        if joint.leaf.places and not joint.leaf.bodies:
+        if _ties(joint):
             near.setdefault(joint.a.body, []).append((joint, joint.b.body))
             near.setdefault(joint.b.body, []).append((joint, joint.a.body))
     return near
+
+
+def _ties(joint: Joint) -> bool:
+    """True if the joint says where the point of B is, apart from a slide along a line or about a point."""
+    return joint.leaf.places and not joint.leaf.bodies and not joint.passing
 
 
 def _trees(near: Neighbours, root: str) -> dict[str, list[tuple[Joint, str, str]]]:

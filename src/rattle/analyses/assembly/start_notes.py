@@ -1,0 +1,197 @@
+"""What became of the values that were given for the start, in words.
+
+An angle of a loop is a guess that selects a closing, and it does its work however rough it is; a value that contradicts
+a driver, a place or a rate is not.  `check` names every change, results only those that matter, in one line.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.analyses.assembly.computable import finite
+from rattle.analyses.assembly.first_guess import first_guess, outward
+from rattle.analyses.assembly.rank import free_motions, scaled_rows
+from rattle.analyses.assembly.start_values import KEYS, given_values
+from rattle.analyses.assembly.vector_loops import GROUND, groups_at
+from rattle.description.model import driven_ends
+from rattle.equations.closure import open_by
+from rattle.equations.dense import LARGE, dense_rows
+from rattle.equations.system import System
+
+UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+MOST_NAMED = 6  # joints that are named one by one, at most
+MOST_VALUES = 3  # values that a result names, at most
+SEEN = 1e-6  # least change that is reported [rad, mechanism sizes, share of the rates]
+SHAKE = 1e-3  # displacement along the joints' freedoms [rad, mechanism sizes]
+GUESS = math.radians(60)  # up to which an angle that selects a closing is a rough guess
+ROUGH = math.radians(10)  # the same of an angle that could have been kept if others had not been given
+AT_ODDS, HELD = "the given values contradict each other", "the joints hold it"
+UNREACHED = "the joints do not let it get there"
+
+
+class Change(NamedTuple):
+    """A given value that was not kept."""
+
+    text: str
+    why: str
+    matters: bool
+
+
+class StartNotes(NamedTuple):
+    """What is said of a start."""
+
+    all: tuple[str, ...]  # every change
+    brief: tuple[str, ...]  # at most one line on changes, and bodies that nobody has placed
+
+
+def start_notes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarray) -> StartNotes:
+    """Notes on changed values: "asked for crank.angle = 90 deg, got 0 deg: the driver 'motor' holds it".
+
+    shut: the mechanism without play; t: [s]; q, v: (3 nb,) assembled positions [m, m, rad] and rates [m/s, m/s, rad/s].
+    """
+    changes = _changes(system, shut, t, q, v)
+    adrift = _adrift(system, t, q)
+    return StartNotes((*_lines(changes), *adrift), (*_one_line([one for one in changes if one.matters]), *adrift))
+
+
+def _lines(changes: list[Change]) -> list[str]:
+    """One line for every reason."""
+    by_reason: dict[str, list[str]] = {}
+    for change in changes:
+        by_reason.setdefault(change.why, []).append(change.text)
+    return [f"{'; '.join(texts)}: {why}" for why, texts in by_reason.items()]
+
+
+def _one_line(changes: list[Change]) -> list[str]:
+    if not changes:
+        return []
+    more = len(changes) - MOST_VALUES
+    also = f"; and {more} more given values were changed, which `rattle check` names" if more > 0 else ""
+    return ["; ".join(_lines(changes[:MOST_VALUES])) + also]
+
+
+def _changes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarray) -> list[Change]:
+    speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
+    free = functools.cache(lambda: _freedom(shut, t, q, v))  # costly, and rarely needed
+    alone = int((~np.isnan(given_values(system, 0))).sum()) == 1
+    changes = []
+    for turn, now in enumerate((q, v)):
+        for k, (given, got) in enumerate(zip(given_values(system, turn).tolist(), now.tolist(), strict=True)):
+            if math.isnan(given):
+                continue
+            name, key = system.bodies[k // 3], KEYS[turn][k % 3]
+            size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(given))
+            if abs(got - given) <= SEEN * size:
+                continue
+            factor = 180.0 / math.pi if key == "angle" else 1.0
+            asked, found = f"{given * factor:.6g}", f"{got * factor if abs(got) > 1e-12 * size else 0.0:.6g}"
+            if asked == found:
+                found = f"{got * factor:.12g}"
+            why = _holder(shut, free(), k)
+            if why == AT_ODDS and alone and turn == 0:
+                why = UNREACHED
+            limit = (ROUGH if why in (AT_ODDS, UNREACHED) else GUESS) if _selects(system, t, name, key) else 0.0
+            text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {found} {UNITS[key]}"
+            changes.append(Change(text, why, abs(got - given) > limit))
+    return changes
+
+
+def _selects(system: System, t: float, body: str, key: str) -> bool:
+    """True of an angle that neither joints nor drivers tie to the ground: a loop may close with several values."""
+    if key != "angle":
+        return False
+    groups = groups_at(system, t)
+    return groups[body][0] != groups[GROUND][0]
+
+
+def _adrift(system: System, t: float, q: np.ndarray) -> list[str]:
+    """Bodies that no joint, driver or given value places, if closing the joints has moved them.
+
+    q: (3 nb,) positions at t [s].
+    """
+    reached = {body for body, _, _ in outward(system.model)}
+    loose = [n for n, name in enumerate(system.bodies) if name not in reached]
+    if not loose or system.row_count > LARGE:
+        return []
+    guess, given = first_guess(system, t), given_values(system, 0)
+    size = np.tile([system.size, system.size, 1.0], system.body_count)
+    moved = np.abs(q - guess) > SEEN * size
+    workspace = system.workspace()
+    open_by(workspace, t, q, np.zeros_like(q))
+    known = np.eye(len(q))[~np.isnan(given)]
+    open_ = np.abs(free_motions(np.vstack([scaled_rows(system, workspace), known]))).max(axis=0, initial=0.0) > SEEN
+    texts = []
+    for n in loose:
+        places = list(range(3 * n, 3 * n + 3))
+        if np.isnan(given[places]).all() and (moved & open_)[places].any():
+            x, y, angle = q[places].tolist()
+            texts.append(f"{system.bodies[n]} to x = {x:.6g} m, y = {y:.6g} m, angle = {math.degrees(angle):.6g} deg")
+    if not texts:
+        return []
+    return [f"closing the joints moved {'; '.join(texts)}, which nothing places: give x, y and angle in [initial]"]
+
+
+def _freedom(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Coordinates (3 nb,) that can change under all rows, those that can under the rows of joints, and the rows."""
+    workspace = system.workspace()
+    open_by(workspace, t, q, v)
+    full = dense_rows(system, workspace)
+    driving = np.array([row.driver for row in system.rows], dtype=bool)
+    every = _free(full)
+    if not driving.any():
+        return every, every, full
+    joints = _free(full[~driving])
+    motions = free_motions(scaled_rows(system, workspace)[~driving])
+    if len(motions):  # where a coordinate has an extreme, as at a dead centre, it is free beside it
+        size = np.tile([system.size, system.size, 1.0], system.body_count)
+        open_by(workspace, t, q + SHAKE * size * motions.sum(axis=0), v)
+        joints |= _free(dense_rows(system, workspace)[~driving])
+    return every, joints, full
+
+
+def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: int) -> str:
+    """In words, what prevents the given value of coordinate k."""
+    under_all, under_joints, rows = free
+    if under_all[k]:
+        return AT_ODDS
+    if not under_joints[k]:
+        return HELD
+    body = system.bodies[k // 3]
+    own = []
+    for name, driver in system.model.drivers.items():
+        a, b, _ = driven_ends(system.model, driver)
+        if body in (a.body, b.body):
+            own.append(name)
+    if len(own) == 1:
+        return f"the driver '{own[0]}' holds it"
+    owners = _holding(system, rows, k)
+    drivers = [f"'{one}'" for one in system.model.drivers if one in owners or owners.isdisjoint(system.model.drivers)]
+    joints = [f"'{one}'" for one in system.model.joints if one in owners]
+    more = f" and {len(joints) - MOST_NAMED} more" if len(joints) > MOST_NAMED else ""
+    through = f" through joint{'s' if len(joints) > 1 else ''} {', '.join(joints[:MOST_NAMED])}{more}" if joints else ""
+    several = len(drivers) > 1
+    return f"the driver{'s' if several else ''} {', '.join(drivers)} hold{'' if several else 's'} it{through}"
+
+
+def _holding(system: System, rows: np.ndarray, k: int) -> set[str]:
+    """Owners of the rows that together fix coordinate k: those in e_k = Phi_q^T x."""
+    unit = np.zeros(rows.shape[1])
+    unit[k] = 1.0
+    length = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
+    part = np.abs(np.linalg.lstsq((rows / length[:, None]).T, unit, rcond=1e-9)[0])
+    return {row.owner for row, size in zip(system.rows, part, strict=True) if size > 1e-9 * part.max()}
+
+
+def _free(rows: np.ndarray) -> np.ndarray:
+    """Coordinates (columns) that can change without violating any of the rows."""
+    if not len(rows):
+        return np.ones(rows.shape[1], dtype=bool)
+    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
+    _, values, right = np.linalg.svd(finite(rows))
+    rank = int((values > 1e-9 * values[0]).sum())
+    free: np.ndarray = np.abs(right[rank:]).max(axis=0, initial=0.0) > 1e-7
+    return free
