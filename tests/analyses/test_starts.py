@@ -159,8 +159,6 @@ def test_rough_angles_of_a_driven_linkage_are_said_by_the_check_alone():
     assert "left_forearm" not in str(m.simulate(1e-3).trust)
 
 
-
-
 def test_results_name_the_values_that_contradict_a_driver_in_one_line():
     m = rt.loads(slider_crank('joint = "O"\nangle = "7*t"', crank='{ angle = "90 deg", omega = 5 }'))
     notes = m.initial("rod", angle=0.4).initial("slider", x=0.1, vx=1).start.notes
