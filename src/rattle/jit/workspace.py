@@ -191,6 +191,8 @@ ARRAYS = {
     "sign": Array("f1", "nw", "", "sign of every monitored force"),
     "crossings": Array("f2", "n, 3", "", "zero crossings of monitored forces"),
     "events": Array("f2", "n, 8", "SI", "what contacts did"),
+    "break_rows": Array("f2", "0 or rows, columns", "SI", "output rows on both sides of events, see `solvers.breaks`"),
+    "break_times": Array("f1", "0 or rows + 1", "s", "their number, then their times"),
     "measure": Array("f1", "nr", "1/m or 1/rad", "scale of every residual; negative for angles"),
     "audit": Array("f1", "18", "", "whether a step may stand, see `step_audit`"),
     "quantity": Array(

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from rattle.description.model import Model
 from rattle.results.columns import geometry
-from rattle.results.event import Event, Peak
+from rattle.results.event import Breaks, Event, Peak
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.version import __version__
@@ -32,7 +32,7 @@ def build_result(
     model: Model, analysis: str, *, t: ArrayLike, data: ArrayLike, names: Iterable[str], units: Mapping[str, str],
     trust: Trust, stats: Mapping[str, Any] | None = None, settings: Mapping[str, Any] | None = None,
     events: Iterable[Event] = (), message: str = "", peaks: Mapping[str, Peak] | None = None,
-    drawn: bool = True,
+    drawn: bool = True, breaks: Breaks | None = None,
 ) -> Result:  # fmt: skip
     """A result of a model; t (n,) [s], data (n, k) in SI units, the rest as in `Result`.
 
@@ -42,5 +42,5 @@ def build_result(
     return Result(
         t=t, data=data, names=names, units=units, geometry=geometry(model) if drawn else NOTHING_DRAWN, trust=trust,
         stats=stats or {}, provenance=provenance(model, analysis, **(settings or {})), events=events,
-        success=not message, message=message, peaks=peaks,
+        success=not message, message=message, peaks=peaks, breaks=breaks,
     )  # fmt: skip

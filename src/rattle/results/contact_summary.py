@@ -29,6 +29,8 @@ class Curves(Protocol):
     def events(self) -> tuple[Event, ...]: ...
     @property
     def peaks(self) -> Mapping[str, Peak]: ...
+    @property
+    def whole(self) -> Curves: ...
     def __getitem__(self, name: str) -> np.ndarray: ...
     def __contains__(self, name: object) -> bool: ...
 
@@ -41,13 +43,16 @@ def peak(result: Curves, name: str) -> tuple[float, float]:
     values = np.abs(result[name])
     if not len(values):
         raise InputError(f"no output, so {name!r} has no peak")
-    return extreme(result.t, values)
+    best = extreme(result.t, values)
+    beside = np.abs(result.whole[name])
+    k = int(np.argmax(np.where(np.isfinite(beside), beside, -math.inf)))  # one side of an impact, say
+    return (float(beside[k]), float(result.whole.t[k])) if beside[k] > best[0] else best
 
 
 def rms_of(result: Curves, name: str) -> float:
     """Root mean square of a curve over time, in its SI unit, see `Result.rms`."""
     known = result.peaks.get(name)
-    return known.rms if known is not None else rms(result.t, result[name])
+    return known.rms if known is not None else rms(result.whole.t, result.whole[name])
 
 
 def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:

@@ -49,8 +49,8 @@ def evaluate(
 def curve_of(
     node: Node, result: Result, parameters: Mapping[str, float], ideal: Result | None = None
 ) -> SampledCurve:  # fmt: skip
-    """The curve of an expression over result names, parameters [SI] and t, as it stands inside a reduction."""
-    return _Curves(result, parameters, ideal).curve(node)
+    """The curve of an expression over result names, parameters [SI] and t through the outputs of a result."""
+    return _Curves(result, parameters, ideal, broken=False).curve(node)
 
 
 def _require_ideal(output: Output, result: Result, ideal: Result | None) -> None:
@@ -64,11 +64,17 @@ def _require_ideal(output: Output, result: Result, ideal: Result | None) -> None
 class _Curves:
     """Curves by name, parameters and `t` of one run."""
 
-    def __init__(self, result: Result, parameters: Mapping[str, float], ideal: Result | None) -> None:
-        self.result, self.parameters, self.ideal = result, parameters, ideal
+    def __init__(
+        self, result: Result, parameters: Mapping[str, float], ideal: Result | None, broken: bool = True
+    ) -> None:
+        """broken: with both sides of every event."""
         shared = len(result.t) if ideal is None else min(len(result.t), len(ideal.t))  # of a run that stopped early
-        self.t = result.t[:shared]
         self.whole = result.success and (ideal is None or ideal.success)
+        end = result.t[:shared][-1] if shared else -math.inf
+        self.result = result.whole if broken else result
+        self.count = int(np.searchsorted(self.result.t, end, side="right"))
+        self.parameters, self.ideal = parameters, ideal
+        self.t = self.result.t[: self.count]
 
     def of_name(self, name: str) -> NDArray[np.float64] | float:
         if name == "t":
@@ -76,8 +82,17 @@ class _Curves:
         if name in self.parameters:
             return self.parameters[name]
         if name.startswith(IDEAL) and name not in self.result and self.ideal is not None:
-            return self.ideal[name[len(IDEAL) :]][: len(self.t)]
-        return self.result[name][: len(self.t)]
+            return self.of_ideal(name[len(IDEAL) :])
+        return self.result[name][: self.count]
+
+    def of_ideal(self, name: str) -> NDArray[np.float64]:
+        """A curve of the mechanism without play at these instants: it has other events, and mostly none."""
+        assert self.ideal is not None
+        if len(self.ideal.t) >= len(self.t) and np.array_equal(self.ideal.t[: len(self.t)], self.t):
+            return self.ideal[name][: len(self.t)]
+        whole = self.ideal.whole
+        curve = SampledCurve(whole.t, whole[name])
+        return np.array([curve.at(float(t)) for t in self.t])
 
     def curve(self, node: Node) -> SampledCurve:
         """The values of an expression at all instants."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 
 class Event(NamedTuple):
     """One change of a contact, or a jump of a driver; fields that do not apply to its kind are zero.
@@ -28,3 +30,10 @@ class Peak(NamedTuple):
     value: float  # in the unit of the quantity
     t: float  # [s]
     rms: float  # root mean square over the run, in the same unit
+
+
+class Breaks(NamedTuple):
+    """Values of the stored curves just before and just after every instant at which they jump or bend, in turn."""
+
+    t: np.ndarray  # (2 k,) [s], every instant twice
+    data: np.ndarray  # (2 k, columns) SI

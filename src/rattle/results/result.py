@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import functools
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -20,7 +21,7 @@ from rattle.errors import InputError, WrongType
 from rattle.results import archive, contact_summary, film_summary
 from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture
-from rattle.results.event import Event, Peak
+from rattle.results.event import Breaks, Event, Peak
 from rattle.results.trust import Trust
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
+NEXT_TO = 1e-6  # share of the mean interval of outputs within which an output lies on an event
 TABLES = (".csv", ".txt", ".dat", "")  # suffixes under which text is expected
 
 
@@ -66,6 +68,7 @@ class Result:
         success: bool = True,
         message: str = "",
         peaks: Mapping[str, Peak] | None = None,
+        breaks: Breaks | None = None,
     ) -> None:
         self.t: Array = _frozen(t)
         self.stored: tuple[str, ...] = tuple(names)
@@ -77,6 +80,7 @@ class Result:
         self.success = success
         self.message = message
         self.peaks: dict[str, Peak] = dict(peaks or {})
+        self.breaks = breaks  # values on both sides of impacts and other events; not written to files
         self._data = _frozen(data)
         if self._data.shape != (len(self.t), len(self.stored)):
             raise InputError(f"data has shape {self._data.shape}; expected {(len(self.t), len(self.stored))}")
@@ -136,6 +140,32 @@ class Result:
         if name not in self._derived:
             raise UnknownName(self._unknown(name))
         return np.asarray(value_of(self._derived[name], self.__getitem__, np.cos, np.sin, np.hypot))
+
+    @functools.cached_property
+    def whole(self) -> Result:
+        """The same with the instants of events, each twice: its values are those just before and just after.
+
+        Between two of them all curves are smooth.  Outputs that lie on an event, or next to it, are left out.
+        """
+        if self.breaks is None or len(self.t) < 2:
+            return self
+        inside = (self.breaks.t > self.t[0]) & (self.breaks.t < self.t[-1])
+        t, data = self.breaks.t[inside], self.breaks.data[inside]
+        if not len(t):
+            return self
+        gap = NEXT_TO * float(self.t[-1] - self.t[0]) / (len(self.t) - 1)
+        after = np.searchsorted(t, self.t)
+        before = np.abs(t[np.maximum(after - 1, 0)] - self.t)
+        apart = np.minimum(before, np.abs(t[np.minimum(after, len(t) - 1)] - self.t)) > gap
+        apart[[0, -1]] = True
+        times = np.concatenate([self.t[apart], t])
+        order = np.argsort(times, kind="stable")
+        return Result(
+            t=times[order], data=np.concatenate([self._data[apart], data])[order], names=self.stored,
+            units=self._units, geometry=self.geometry, trust=self.trust, stats=self.stats,
+            provenance=self.provenance, events=self.events, success=self.success, message=self.message,
+            peaks=self.peaks,
+        )  # fmt: skip
 
     def unit(self, name: str) -> str:
         """SI unit of a curve ("" if it has none).  Raises UnknownName."""

@@ -12,6 +12,9 @@ the curve is zero, as a force without contact is; a flight of two samples is too
 A cubic may turn inside its interval only where the second differences on both sides agree (same sign, factor `ALIKE`),
 as at a maximum that the samples resolve; elsewhere the curve is straight there.
 
+An instant that stands twice is a *break*: the values just before and just after an impact, a kink of a driver or
+another event.  No group reaches across it, the curve jumps or bends there, and the value at it is that just after.
+
 Source: Harten, Engquist, Osher, Chakravarthy, J. Comput. Phys. 71 (1987) 231, section 3; the preference for the group
 in the middle: Shu, J. Sci. Comput. 5 (1990) 127.
 """
@@ -47,7 +50,7 @@ class _Pieces(NamedTuple):
 
 
 class SampledCurve:
-    """A curve of time through samples; t (n,) increasing [s], values (n,) finite or not, in any unit.
+    """A curve of time through samples; t (n,) increasing [s], twice at a break, values (n,) finite or not, in any unit.
 
     Raises InputError if there is no instant, or if they do not increase.
     """
@@ -57,7 +60,7 @@ class SampledCurve:
         self.values: Array = np.asarray(values, dtype=np.float64)
         if not len(self.t):
             raise InputError("the result has no instant")
-        if not (np.diff(self.t) > 0.0).all():
+        if not (np.diff(self.t) >= 0.0).all():
             raise InputError("the instants of the result must increase")
         self.span = float(self.t[-1] - self.t[0])  # [s]
         self.finite = bool(np.isfinite(self.values).all())
@@ -224,12 +227,19 @@ def _polynomial(a: Array, u: Array | np.float64) -> Array:
 
 
 def _coefficients(t: Array, values: Array) -> Array:
-    """(4, n - 1) coefficients of the cubics; with fewer than four samples polynomials of lower degree."""
+    """(4, n - 1) coefficients of the cubics; with fewer than four samples polynomials of lower degree.
+
+    Differences across a break are infinite, so that no group has them.
+    """
     n = len(t)
     h = np.diff(t)
-    first = np.diff(values) / h
+    whole = h > 0.0
+    first = np.where(whole, np.diff(values) / h, 0.0)
     second = np.diff(first) / (t[2:] - t[:-2]) if n > 2 else np.zeros(0)
     third = np.diff(second) / (t[3:] - t[:-3]) if n > 3 else np.zeros(0)
+    if not whole.all():
+        second = np.where(whole[1:] & whole[:-1], second, np.inf)
+        third = np.where(whole[2:] & whole[1:-1] & whole[:-2], third, np.inf)
     i = np.arange(n - 1)
     if n < 3:
         return np.array([values[:-1], first, 0.0 * h, 0.0 * h])
@@ -237,19 +247,25 @@ def _coefficients(t: Array, values: Array) -> Array:
     before = _smaller(second, i - 1, i, 1.0)
     group = np.where(before, i - 1, i)
     beside = np.where(before, t[np.maximum(i - 1, 0)], t[np.minimum(i + 2, n - 1)]) - t[:-1]
-    d2 = second[group]
+    d2 = _known(second[group])
     if n < 4:
         d3 = np.zeros(n - 1)
     else:  # the group that has the interval in its middle, or the one beyond the third sample
         outer = np.where(before, i - 2, i)
-        d3 = third[np.where(_smaller(third, outer, i - 1, CENTRAL), outer, i - 1)]
+        d3 = _known(third[np.where(_smaller(third, outer, i - 1, CENTRAL), outer, i - 1)])
     cubics = np.array([values[:-1], first - d2 * h + d3 * h * beside, d2 - d3 * (h + beside), d3])
     one, two = second[np.clip(i - 1, 0, n - 3)], second[np.clip(i, 0, n - 3)]
+    one, two = np.where(np.isinf(one), two, one), np.where(np.isinf(two), one, two)
     small, large = np.minimum(np.abs(one), np.abs(two)), np.maximum(np.abs(one), np.abs(two))
     alike = (one * two > 0.0) & (large <= ALIKE * small)
     cuts = _turns(cubics, h)
     straight = ~alike & (cuts < h).any(axis=0)
     return np.where(straight, [values[:-1], first, 0.0 * h, 0.0 * h], cubics)
+
+
+def _known(differences: Array) -> Array:
+    """Divided differences, 0 where there is none on one side of all breaks: the polynomial is of lower degree there."""
+    return np.where(np.isinf(differences), 0.0, differences)
 
 
 def _turns(a: Array, h: Array) -> Array:

@@ -21,11 +21,16 @@ from rattle.analyses.travel import out_of_place, places
 from rattle.jit import layout as at
 from rattle.results.build import build_result
 from rattle.results.columns import columns, width
-from rattle.results.event import Event
+from rattle.results.event import Breaks, Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.nonsmooth.impacts import LOW
 from rattle.solvers.output_row import record
+
+MANY_BREAKS = (
+    "so many events that the values on both sides of each are not kept: integrals, means and extremes of rates are"
+    " taken from the outputs alone; simulate a shorter time for them"
+)
 
 
 def report(run: Run, reach: Reach | None) -> Result:
@@ -46,6 +51,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *contact_notes(system, contacts, float(curve["kinetic"].max(initial=0.0))),
         *oil_notes(system, data, names),
         *jolt_notes(run.jolts, run.table),
+        *((MANY_BREAKS,) if run.room < 0 else ()),
         *run.about_peaks(any(event.kind == "impact" for event in contacts)),
         *(() if run.message else remarks(system, run.workspace, run.stepper.leaf)),
         *loose(run.stepper.leaf, run.rtol),
@@ -63,7 +69,16 @@ def report(run: Run, reach: Reach | None) -> Result:
                   "t_end": run.t_end},
         events=sorted((*contacts, *jolt_events(run.jolts)), key=lambda event: event.t),
         peaks=peak_values(system, run.workspace, reached - run.start.t - sum(one.until - one.since for one in passed)),
+        breaks=_breaks(run),
     )  # fmt: skip
+
+
+def _breaks(run: Run) -> Breaks | None:
+    """Values on both sides of all events; None if there are none or too many."""
+    if not run.breaks:
+        return None
+    times, rows = (np.concatenate(parts) for parts in zip(*run.breaks, strict=True))
+    return Breaks(times, columns(run.system, rows)[0])
 
 
 def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:

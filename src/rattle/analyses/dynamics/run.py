@@ -41,6 +41,7 @@ from rattle.solvers.step_audit import UNSOUND
 
 stop = threading.Event()  # when set, all runs of the process end where they are, as after Ctrl-C
 GLANCE = 1e-6  # share of a run to look ahead for the side of a switching function that is zero
+MOST_NUMBERS = 8_000_000  # of output rows beside events that a run keeps: 64 MB
 CHUNK = 2000  # steps between two checks of progress and of Ctrl-C
 
 
@@ -71,6 +72,8 @@ class Run(ABC):
         self.raw = np.zeros((len(t_eval), width(system, self.ports)))
         self.crossings: list[np.ndarray] = []
         self.contacts: list[np.ndarray] = []
+        self.breaks: list[tuple[np.ndarray, np.ndarray]] = []  # times (2 k,) [s] and output rows, see `solvers.breaks`
+        self.room = MOST_NUMBERS  # for numbers in them
         self.first_sign = np.ones(len(system.watched))
         self.message = ""
         self.most_steps: int | None = None
@@ -166,6 +169,9 @@ class Run(ABC):
     def switch(self, t: float) -> int:
         """Switch expressions at t [s]: sides of the next piece, a jolt if a driver jumps; PAUSED or a failure."""
         handle, nr = self.workspace, self.system.row_count
+        self.take_breaks()
+        sides = np.zeros((2, width(self.system)))
+        record(handle, t, handle.state, sides[0])
         before, after, percussion = np.zeros((3, nr))
         jumps = [jump for jump in self.table.jumps if jump.t == t]
         if jumps:
@@ -184,7 +190,24 @@ class Run(ABC):
         status = self.go_on(t, bool(jumps))
         if status == PAUSED:
             self.record_now(t)
+            record(handle, t, handle.state, sides[1])
+            self.keep_breaks(np.array([t, t]), sides)
         return status
+
+    def take_breaks(self) -> None:
+        """Keep the rows that steps have written beside events, and make room for others."""
+        times = self.workspace.break_times
+        if len(times) and (count := int(times[0]) // 2 * 2):
+            self.keep_breaks(times[1 : 1 + count].copy(), self.workspace.break_rows[:count].copy())
+            times[0] = 0.0
+
+    def keep_breaks(self, times: np.ndarray, rows: np.ndarray) -> None:
+        """Keep output rows (2 k, width) at times (2 k,) [s], unless there are too many in all."""
+        self.room -= rows.size
+        if self.room < 0:
+            self.breaks = []  # some alone would be taken for all
+        elif not self.ports and not self.wear:
+            self.breaks.append((times, rows))
 
     def record_now(self, t: float) -> None:
         """Write the outputs at the instant t [s], with the values just after it, or let the next step write them."""
@@ -232,6 +255,7 @@ class Run(ABC):
                 status = self.advance(self.t_end, self.chunk())
                 self.crossings.append(m.crossings[: tally[at.FOUND]].copy())
                 self.contacts.append(m.events[: tally[at.EVENT_COUNT]].copy())
+                self.take_breaks()
                 tally[at.FOUND] = tally[at.EVENT_COUNT] = 0
                 if bar is not None:
                     bar.update(self.clock[at.T] - bar.n)

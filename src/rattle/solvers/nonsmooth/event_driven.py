@@ -25,6 +25,7 @@ from rattle.equations.unilateral import CHATTER, LOCKED
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
+from rattle.solvers.breaks import after_break, before_break
 from rattle.solvers.contacts.clutches import gets_ahead, takes_impulses
 from rattle.solvers.contacts.contact_events import (
     find_peaks,
@@ -231,6 +232,12 @@ def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
         interpolate(m, until, y_new)
     if not quiet and not write_until(m, t, h, t_until, t_out, out):
         return ESCAPED
+    if met:
+        stage = m.stage
+        for n in range(stage.shape[0]):
+            stage[n] = y_new[n]
+        project_on_contacts(m, t_until, stage, -1)
+        before_break(m, t_until, stage)
     if inside_wall(m) if quiet else escaped(m, y_new):
         m.clock[at.TROUBLE] = t_until
         return ESCAPED
@@ -328,6 +335,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             clock[at.T] = t_until
             return status
         start_next(m, t_until, t_end, met, quiet, rtol, atol)
+        if met:
+            after_break(m, t_until, m.state)
         if m.held[at.DETERMINANT] < 0.0:
             return LOCKED
     return DONE if clock[at.T] >= t_end else PAUSED
