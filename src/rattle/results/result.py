@@ -149,7 +149,7 @@ class Result:
         """
         if self.breaks is None or len(self.t) < 2:
             return self
-        inside = (self.breaks.t > self.t[0]) & (self.breaks.t < self.t[-1])
+        inside = (self.breaks.t > self.t[0]) & (self.breaks.t <= self.t[-1])
         t, data = self.breaks.t[inside], self.breaks.data[inside]
         if not len(t):
             return self
@@ -157,7 +157,8 @@ class Result:
         after = np.searchsorted(t, self.t)
         before = np.abs(t[np.maximum(after - 1, 0)] - self.t)
         apart = np.minimum(before, np.abs(t[np.minimum(after, len(t) - 1)] - self.t)) > gap
-        apart[[0, -1]] = True
+        apart[0] = True
+        apart[-1] = t[-1] < self.t[-1]
         times = np.concatenate([self.t[apart], t])
         order = np.argsort(times, kind="stable")
         return Result(

@@ -134,6 +134,19 @@ class SampledCurve:
         p = _Pieces(every, np.zeros_like(h), h, self.values[:-1], self.values[1:])
         return self._spans(p, level)
 
+    def rises(self, level: float) -> tuple[NDArray[np.int64], Array]:
+        """Intervals (m,) in which the curve rises through a level, and the instants [s] at which it does.
+
+        At a break where it jumps from below to above it rises too.  A curve that only touches the level does not.
+        """
+        side = np.sign(self.values - level)
+        following = np.minimum.accumulate(np.where(side != 0.0, np.arange(len(side)), len(side) - 1)[::-1])[::-1]
+        side = side[following]  # at the level a sample counts as the next one beside it
+        every, h = np.arange(len(self.t) - 1), np.diff(self.t)
+        rising = (side[:-1] < 0.0) & (side[1:] > 0.0)
+        p = _Pieces(every, np.zeros_like(h), h, self.values[:-1], self.values[1:])
+        return every[rising], self.t[:-1][rising] + self._roots(p, rising, level)
+
     def _spans(self, p: _Pieces, level: float) -> tuple[Array, Array]:
         """The spans above a level in pieces of the curve."""
         left, right = p.left - level, p.right - level

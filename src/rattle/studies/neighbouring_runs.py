@@ -94,7 +94,7 @@ def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rt
             for run in (one, two):
                 _go(run, t + late * length / 64.0)
             now = _distance(one, two, apart.places, weight)
-            if now < LARGEST_GROWTH * before:
+            if now < LARGEST_GROWTH * APART:
                 break
             if late == LATE or stepper.leaf.loop != EVENT_DRIVEN:
                 return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
@@ -20,6 +20,11 @@ from rattle.language.syntax import ExpressionError, Name, Node, parse, walk
 from rattle.language.times import Seconds, seconds
 from rattle.language.units import TIME, describe, dimension_of
 from rattle.results.display import quantity, table
+from rattle.results.sampled_curve import SampledCurve
+
+CLOSE = 1e-3  # share of an interval of outputs within which instants around a crossing lie: its cube is lost
+NEWTON = 4  # steps to the root of a parabola that is nearly straight
+FARTHEST = 100.0  # of these shares that a crossing may be off: beyond, the run is not the same
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -140,8 +145,9 @@ def section(
     """Values [SI] of some names of a result once per period, or whenever a curve rises through a level.
 
     period: [s] or an expression over parameters (default: one turn of the driver).
-    crossing: a name; its rises through `level` [SI] are located on
-    a cubic spline of the output, with at least 200 outputs per period or mean distance of crossings.
+    crossing: a name; its rises through `level` [SI] are located on the dense output of the steps, between at least 200
+    outputs per period or mean distance of crossings.  A jump from below to above, as of a rate in an impact, is a rise
+    too: its point has the values just after it.
     skip: points left out at the start.  points: number of points (there may be fewer crossings).
     method, rtol, atol, step: as in `simulate`.  Raises InputError for wrong arguments or if nothing crosses,
     SolverError if the run stops before the first point, UnknownName for a name that the result does not have.
@@ -159,28 +165,77 @@ def section(
             r.t, {n: r[n] for n in names}, {n: r.unit(n) for n in names}, f"every {T:.4g} s{stopped(r)}",
             r.interrupted, pins(m), r.message,
         )  # fmt: skip
-    from scipy.interpolate import CubicSpline
-
     span = (skip + points) * period_of(m, period) if period is not None else m.model.settings.t_end
     r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + points) + 1), **settings)
-    rises = rises_of(r, crossing, level)
-    times = rises[skip:][:points]
-    if not len(times):
-        require_crossings(r, crossing, level, len(rises), skip)
-    values = {n: CubicSpline(r.t, r[n])(times) if len(times) else np.zeros(0) for n in names}
+    rises = Rises.of(r, crossing, level)
+    kept = rises.part(slice(skip, skip + points))
+    if not len(kept.t):
+        require_crossings(r, crossing, level, len(rises.t), skip)
+    times, values = _located(m, r, crossing, level, kept, names, {**settings, "t_end": span})
     rule = f"{crossing} rises through {level:g}{stopped(r)}"
     return Section(times, values, {n: r.unit(n) for n in names}, rule, r.interrupted, pins(m), r.message)
 
 
-def rises_of(r: Result, name: str, level: float) -> np.ndarray:
-    """Times (n,) [s] at which a curve rises through a level [SI], on a cubic spline of its outputs."""
-    from scipy.interpolate import CubicSpline
+class Rises(NamedTuple):
+    """Instants at which a curve rises through a level, on the cubics through its outputs."""
 
-    if len(r.t) < 2:
-        return np.zeros(0)
-    curve = CubicSpline(r.t, r[name] - level)
-    rate = curve.derivative()
-    return np.array([t for t in np.ravel(curve.solve(0.0, extrapolate=False)) if rate(t) > 0.0])
+    t: np.ndarray  # (n,) [s]
+    width: np.ndarray  # (n,) of the interval of outputs [s]; 0 where it jumps
+    after: np.ndarray  # (n,) row of the output that ends it
+
+    @classmethod
+    def of(cls, r: Result, name: str, level: float) -> Rises:
+        """All rises of a curve of a result through a level [SI]."""
+        whole = r.whole
+        if len(whole.t) < 2:
+            return cls(np.zeros(0), np.zeros(0), np.zeros(0, np.int64))
+        interval, t = SampledCurve(whole.t, whole[name]).rises(level)
+        return cls(t, np.diff(whole.t)[interval], interval + 1)
+
+    def part(self, which: slice) -> Rises:
+        """Some of them."""
+        return Rises(self.t[which], self.width[which], self.after[which])
+
+
+def _located(
+    m: Mechanism, r: Result, crossing: str, level: float, rises: Rises, names: Sequence[str], settings: dict[str, Any]
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Instants (n,) [s] of rises, and the values [SI] of some names there.
+
+    The same run once more gives the dense output at three instants around each; a parabola through them is within
+    rounding of it.  At a jump the values are those of the row just after it.
+    """
+    times = rises.t.copy()
+    values = {name: r.whole[name][rises.after] for name in names}
+    smooth = np.flatnonzero(rises.width > 0.0)
+    near = CLOSE * rises.width[smooth]
+    around = rises.t[smooth, None] + near[:, None] * [-1.0, 0.0, 1.0]
+    wanted = np.unique(np.clip(around, 0.0, settings["t_end"]))
+    again = m.simulate(t_eval=wanted, **settings) if len(wanted) else r
+    for k, t, h in zip(smooth, around, near, strict=True):
+        rows = np.searchsorted(again.t, np.clip(t, 0.0, settings["t_end"]))
+        if len(again.t) <= rows[2]:  # stopped by the user
+            continue
+        u = _root(again[crossing][rows] - level)
+        times[k] = rises.t[k] + h * u
+        for name in names:
+            values[name][k] = _parabola(again[name][rows], u)
+    return times, values
+
+
+def _root(y: np.ndarray) -> float:
+    """Where the parabola through y (3,) at -1, 0, 1 is zero: the root nearest to 0."""
+    slope, bend = 0.5 * (y[2] - y[0]), 0.5 * (y[2] + y[0]) - y[1]
+    u = -y[1] / slope if slope else 0.0
+    for _ in range(NEWTON):
+        rate = slope + 2.0 * bend * u
+        u -= (y[1] + u * (slope + bend * u)) / rate if rate else 0.0
+    return float(u) if abs(u) < FARTHEST else 0.0
+
+
+def _parabola(y: np.ndarray, u: float) -> float:
+    """Value at u of the parabola through y (3,) at -1, 0, 1."""
+    return float(y[1] + u * (0.5 * (y[2] - y[0]) + u * (0.5 * (y[2] + y[0]) - y[1])))
 
 
 def require_crossings(r: Result, name: str, level: float, count: int, skip: int) -> None:

@@ -31,12 +31,14 @@ from rattle.errors import AssemblyError, InputError, ModelError, Problem, Solver
 from rattle.jit import functions
 from rattle.results.build import build_result
 from rattle.results.columns import columns, motion, motion_columns, width
-from rattle.results.event import Event
+from rattle.results.event import Breaks, Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
 
 log = logging.getLogger("rattle")
+BESIDE = 1e-9  # share of the span at which the values on either side of a switch are taken
+MOST_NUMBERS = 8_000_000  # of rows beside switches
 
 
 def require_driven(system: System, start: Assembled, what: str) -> None:
@@ -123,7 +125,8 @@ def analyse(
             raise AssemblyError(f"{said}. There is {loose}: close it with ideal() or --ideal.") from None
     if system.row_count <= LARGE:
         require_driven(system, start, what)
-    jumps = timetable(system, min(start.t, float(times[0])), float(times[-1])).jumps
+    table = timetable(system, min(start.t, float(times[0])), float(times[-1]))
+    jumps = table.jumps
     motors = motors_at(system, effort_at)
     if motors and system.dry_joints:
         said = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
@@ -156,12 +159,31 @@ def analyse(
         events.append(Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end"))
     notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
     spent = time.perf_counter() - began
-    result = _result(given.model, sweep, reached, raw, forces, motors, message, events, notes, spent)
+    sides = _sides(first, reached, table.instants, forces)
+    result = _result(given.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides)
     if message and strict:
         raise SolverError(message, result)
     if message:
         log.warning(message)
     return result
+
+
+def _sides(
+    first: Sweep, times: np.ndarray, instants: np.ndarray, forces: bool
+) -> tuple[np.ndarray, np.ndarray] | None:  # fmt: skip
+    """Times (2 k,) [s] and output rows just before and just after the instants at which expressions switch."""
+    if len(times) < 2:
+        return None
+    beside = BESIDE * float(times[-1] - times[0])
+    inside = instants[(instants > times[0] + beside) & (instants <= times[-1])]
+    if not len(inside) or 2 * len(inside) * width(first.system) > MOST_NUMBERS:
+        return None
+    pairs = np.ravel([inside - beside, np.minimum(inside + beside, times[-1])], order="F")
+    every = np.union1d(times, pairs)  # the outputs lead on from one to the next
+    rows = first.fork().go(every, forces)
+    if len(rows) < len(every):
+        return None
+    return np.repeat(inside, 2), rows[np.searchsorted(every, pairs)]
 
 
 def _without_value(sweep: Sweep, t: np.ndarray, raw: np.ndarray) -> list[str]:
@@ -189,29 +211,16 @@ def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
 # ---------------------------------------------------------------- the result
 def _result(
     model: Model, sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]],
-    message: str, events: list[Event], notes: list[str], wall: float,
+    message: str, events: list[Event], notes: list[str], wall: float, sides: tuple[np.ndarray, np.ndarray] | None,
 ) -> Result:  # fmt: skip
-    system = sweep.system
     nonunique: tuple[str, ...] = ()
+    data, names, units = _curves(model, sweep, raw, forces, motors)
+    if forces and sweep.system.row_count > 3 * sweep.system.body_count:
+        open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
+        nonunique = nonunique_reactions(sweep.system, sweep.workspace)
     if forces:
-        data, names, units = columns(system, raw[:, : width(system)])
-        replaced = {system.rows[row].owner for row, _ in motors}
-        drop = {f"energy.{key}" for key in ("work", "dissipated", "balance")}
-        keep = [k for k, name in enumerate(names) if name not in drop and name.partition(".")[0] not in replaced]
-        data, names = data[:, keep], [names[k] for k in keep]
-        for n, (_, joint) in enumerate(motors):
-            _, effort, unit = model.joints[joint].leaf.motor
-            names += [f"{joint}.{effort}", f"{joint}.power"]
-            units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
-            data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])
-        if system.row_count > 3 * system.body_count:
-            open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
-            nonunique = nonunique_reactions(system, sweep.workspace)
-        data = np.ascontiguousarray(data)
-        notes = [*notes, *grip_notes(system, t, places(system, raw), data, names)]
-    else:
-        names, units = motion_columns(system)
-        data = raw
+        notes = [*notes, *grip_notes(sweep.system, t, places(sweep.system, raw), data, names)]
+    breaks = None if sides is None else Breaks(sides[0], _curves(model, sweep, sides[1], forces, motors)[0])
     trust = Trust(
         drift=float(sweep.clock[swept.GAP]), energy_balance=math.nan, t_end=float(t[-1]) if len(t) else 0.0,
         horizon=float(t[-1]) if len(t) else 0.0, nonunique=nonunique, notes=tuple(notes),
@@ -224,5 +233,26 @@ def _result(
     }
     return build_result(
         model, "inverse dynamics" if forces else "kinematics", t=t, data=data, names=names, units=units, trust=trust,
-        stats=stats, events=events, message=message,
+        stats=stats, events=events, message=message, breaks=breaks,
     )  # fmt: skip
+
+
+def _curves(
+    model: Model, sweep: Sweep, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]]
+) -> tuple[np.ndarray, list[str], dict[str, str]]:
+    """Columns of a result from raw rows, their names and SI units."""
+    system = sweep.system
+    if forces:
+        data, names, units = columns(system, raw[:, : width(system)])
+        replaced = {system.rows[row].owner for row, _ in motors}
+        drop = {f"energy.{key}" for key in ("work", "dissipated", "balance")}
+        keep = [k for k, name in enumerate(names) if name not in drop and name.partition(".")[0] not in replaced]
+        data, names = data[:, keep], [names[k] for k in keep]
+        for n, (_, joint) in enumerate(motors):
+            _, effort, unit = model.joints[joint].leaf.motor
+            names += [f"{joint}.{effort}", f"{joint}.power"]
+            units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
+            data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])
+        return np.ascontiguousarray(data), names, units
+    names, units = motion_columns(system)
+    return raw, names, units
