@@ -177,7 +177,7 @@ def test_near_a_value_that_is_not_finite_there_is_none(bad):
     assert np.isfinite(curve.at(t[30] + 1e-3))
 
 
-@pytest.mark.parametrize("t", [[], [0.0, 1.0, 1.0], [1.0, 0.5]])
+@pytest.mark.parametrize("t", [[], [0.0, 1.0, 0.9], [1.0, 0.5]])
 def test_instants_must_increase(t):
     with pytest.raises(ValueError, match="instant"):
         SampledCurve(t, t)

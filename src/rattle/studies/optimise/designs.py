@@ -83,7 +83,8 @@ class Design:
 class Designs:
     """Evaluates designs of one problem, the last few once only."""
 
-    def __init__(self, question: Question) -> None:
+    def __init__(self, question: Question, before: Designs | None = None) -> None:
+        """before: whose counts go on."""
         self.question = question
         self.squares: list[Square] = squares(question.objective) or []
         self.runs = self.derived = 0  # designs that were run, and how many of them with derivatives
@@ -92,6 +93,9 @@ class Designs:
         self._known: dict[bytes, Design] = {}
         self._exact: list[RepeatedSensitivities | None] | None = None  # of the mechanism, and of that without play
         self._why_not = ""
+        if before is not None:
+            self.runs, self.derived = before.runs, before.derived
+            self.failures, self.differenced = before.failures, before.differenced
         self.on_run: Callable[[], None] = lambda: None
 
     def at(self, x: np.ndarray) -> Design:
@@ -156,6 +160,15 @@ class Designs:
     def gradient_doubt(self, design: Design) -> float:
         """Errors of the gradient of a sum of squares (of the square of a root) by those of its parts; else 0."""
         return 2.0 * DOUBT * self._steepness(design) ** 2
+
+    def by_squares(self, design: Design) -> bool:
+        """True if the objective is a sum of squares whose parts are the same in every design.
+
+        Parts of a whole curve have their places between outputs; impacts come at other instants in every design.
+        """
+        curves = any(one.form == "curve" for one in self.squares)
+        jumps = design.ran.result.breaks is not None
+        return bool(self.squares) and not self.question.constraints and not (curves and jumps)
 
     @property
     def is_root(self) -> bool:

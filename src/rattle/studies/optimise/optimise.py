@@ -14,6 +14,7 @@ from rattle.analyses import arguments
 from rattle.errors import AssemblyError, InputError, ModelError, SolverError
 from rattle.progress_bar import progress_bar
 from rattle.results.evaluation import evaluate
+from rattle.results.reductions import READ_OFF
 from rattle.studies.optimise.designs import Design, Designs
 from rattle.studies.optimise.optimum import Check, Optimum, Search
 from rattle.studies.optimise.question import RTOL, Bound, Question, question
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("rattle")
 TRIES = 64  # designs drawn for one search until one can be evaluated
+REFINEMENTS = 2  # searches with FINER times as many instants each, if the check wants them
 FINER = 4  # times as many instants, where they matter, for the check of the optimum
 TIGHTER = 1e-2  # times the tolerance for that check
 
@@ -61,7 +63,33 @@ def optimise(
         if bar is not None:
             bar.close()
     assert best is not None  # the first search always begins
-    return _optimum(designs, best, searches, interrupted)
+    try:
+        log.setLevel(max(level, logging.ERROR))
+        return _confirmed(designs, best, searches, interrupted)
+    finally:
+        log.setLevel(level)
+
+
+def _confirmed(designs: Designs, best: Found, searches: list[Search], interrupted: bool) -> Optimum:
+    """The optimum; where more instants give other numbers, the best design is searched for anew with them."""
+    found = _optimum(designs, best, searches, interrupted)
+    whole = any(part.kind not in READ_OFF for one in designs.question.outputs for part in one.reductions)
+    for _ in range(REFINEMENTS if whole else 0):
+        if found.confirmed or found.check.message or not found.feasible or interrupted:
+            break
+        finer = Designs(replace(designs.question, finer=FINER * designs.question.finer), designs)
+        begin = finer.at(best.best.x)
+        if not begin.sound:
+            break
+        number = searches.index(found.best_search)
+        designs, best = finer, search(finer, begin)
+        ended = _search(finer.question, searches[number].number, best)
+        old = searches[number]
+        searches[number] = replace(
+            ended, begun=old.begun, begun_value=old.begun_value, designs=old.designs + ended.designs
+        )
+        found = _optimum(designs, best, searches, interrupted)
+    return found
 
 
 def _begins(designs: Designs, starts: int, seed: int) -> Any:
@@ -112,7 +140,7 @@ def _optimum(designs: Designs, best: Found, searches: list[Search], interrupted:
         question=asked, mechanism=made, numbers=best.best.numbers, held=held(designs, best), searches=tuple(searches),
         feasible=best.meets, check=confirmed, runs=designs.runs, derived=designs.derived,
         failures=dict(designs.failures), differenced=dict(designs.differenced),
-        squares=bool(designs.squares) and not asked.constraints, interrupted=interrupted,
+        squares=designs.by_squares(best.best), interrupted=interrupted,
     )  # fmt: skip
 
 

@@ -91,7 +91,7 @@ class Optimum:
     @property
     def success(self) -> bool:
         """True if the best design meets the constraints, its search converged, and the check agrees."""
-        return self.feasible and not self.interrupted and not self._best.message and self.confirmed
+        return self.feasible and not self.interrupted and not self.best_search.message and self.confirmed
 
     @property
     def confirmed(self) -> bool:
@@ -102,7 +102,8 @@ class Optimum:
         return bool(close and not self.check.message)
 
     @property
-    def _best(self) -> Search:
+    def best_search(self) -> Search:
+        """The search that ended at the best design."""
         return min(self.searches, key=lambda one: (not one.feasible, _or_inf(one.value)))
 
     @property
@@ -177,7 +178,7 @@ class Optimum:
 
     def _ends(self) -> list[str]:
         """Where the searches ended."""
-        best = self._best
+        best = self.best_search
         same = [one for one in self.searches if one.ended and self._distance(one, best) <= ALIKE]
         others = [one for one in self.searches if one.ended and one not in same]
         said = [f"{len(same)} of {len(self.searches)} searches ended at this design"]

@@ -51,6 +51,7 @@ class Question:
     analysis: str  # one of ANALYSES
     objective: Output
     constraints: tuple[Constraint, ...] = ()
+    finer: int = 1  # times as many instants as asked for, where the values of outputs need them
 
     @property
     def outputs(self) -> list[Output]:
@@ -90,7 +91,7 @@ class Question:
         """
         read_off = self._read_off(m)
         count = len(output_times(m.model.settings, self.t_end, None)[1]) - 1
-        grid = np.linspace(0.0, self.t_end, finer * max(count, FEWEST) + 1)
+        grid = np.linspace(0.0, self.t_end, self.finer * finer * max(count, FEWEST) + 1)
         apart = np.abs(grid - _nearest(grid, read_off)) > SAME * self.t_end
         return np.asarray(np.union1d(grid[apart], read_off))
 

@@ -80,7 +80,7 @@ def search(designs: Designs, begin: Design) -> Found:
     equal = np.array([one.comparison == EQUAL for one in designs.question.constraints], dtype=bool)
     found = Found(begin, begin, sizes(designs, begin), equal)
     try:
-        if designs.squares and not designs.question.constraints:
+        if designs.by_squares(begin):
             _least_squares(designs, found)
         else:
             _quadratic_programming(designs, found)
