@@ -30,7 +30,7 @@ class Curves(Protocol):
     @property
     def peaks(self) -> Mapping[str, Peak]: ...
     @property
-    def whole(self) -> Curves: ...
+    def with_breaks(self) -> Curves: ...
     def __getitem__(self, name: str) -> np.ndarray: ...
     def __contains__(self, name: object) -> bool: ...
 
@@ -44,15 +44,15 @@ def peak(result: Curves, name: str) -> tuple[float, float]:
     if not len(values):
         raise InputError(f"no output, so {name!r} has no peak")
     best = extreme(result.t, values)
-    beside = np.abs(result.whole[name])
+    beside = np.abs(result.with_breaks[name])
     k = int(np.argmax(np.where(np.isfinite(beside), beside, -math.inf)))  # one side of an impact, say
-    return (float(beside[k]), float(result.whole.t[k])) if beside[k] > best[0] else best
+    return (float(beside[k]), float(result.with_breaks.t[k])) if beside[k] > best[0] else best
 
 
 def rms_of(result: Curves, name: str) -> float:
     """Root mean square of a curve over time, in its SI unit, see `Result.rms`."""
     known = result.peaks.get(name)
-    return known.rms if known is not None else rms(result.whole.t, result.whole[name])
+    return known.rms if known is not None else rms(result.with_breaks.t, result.with_breaks[name])
 
 
 def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:

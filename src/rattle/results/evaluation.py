@@ -71,7 +71,7 @@ class _Curves:
         shared = len(result.t) if ideal is None else min(len(result.t), len(ideal.t))  # of a run that stopped early
         self.whole = result.success and (ideal is None or ideal.success)
         end = result.t[:shared][-1] if shared else -math.inf
-        self.result = result.whole if broken else result
+        self.result = result.with_breaks if broken else result
         self.count = int(np.searchsorted(self.result.t, end, side="right"))
         self.parameters, self.ideal = parameters, ideal
         self.t = self.result.t[: self.count]
@@ -90,7 +90,7 @@ class _Curves:
         assert self.ideal is not None
         if len(self.ideal.t) >= len(self.t) and np.array_equal(self.ideal.t[: len(self.t)], self.t):
             return self.ideal[name][: len(self.t)]
-        whole = self.ideal.whole
+        whole = self.ideal.with_breaks
         curve = SampledCurve(whole.t, whole[name])
         return np.array([curve.at(float(t)) for t in self.t])
 

@@ -142,7 +142,7 @@ class Result:
         return np.asarray(value_of(self._derived[name], self.__getitem__, np.cos, np.sin, np.hypot))
 
     @functools.cached_property
-    def whole(self) -> Result:
+    def with_breaks(self) -> Result:
         """The same with the instants of events, each twice: its values are those just before and just after.
 
         Between two of them all curves are smooth.  Outputs that lie on an event, or next to it, are left out.

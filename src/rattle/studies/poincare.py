@@ -186,7 +186,7 @@ class Rises(NamedTuple):
     @classmethod
     def of(cls, r: Result, name: str, level: float) -> Rises:
         """All rises of a curve of a result through a level [SI]."""
-        whole = r.whole
+        whole = r.with_breaks
         if len(whole.t) < 2:
             return cls(np.zeros(0), np.zeros(0), np.zeros(0, np.int64))
         interval, t = SampledCurve(whole.t, whole[name]).rises(level)
@@ -206,7 +206,7 @@ def _located(
     rounding of it.  At a jump the values are those of the row just after it.
     """
     times = rises.t.copy()
-    values = {name: r.whole[name][rises.after] for name in names}
+    values = {name: r.with_breaks[name][rises.after] for name in names}
     smooth = np.flatnonzero(rises.width > 0.0)
     near = CLOSE * rises.width[smooth]
     around = rises.t[smooth, None] + near[:, None] * [-1.0, 0.0, 1.0]
