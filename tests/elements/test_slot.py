@@ -422,3 +422,78 @@ def test_no_equilibrium_of_a_bead_that_rests_at_the_end_of_its_slot_has_that_as_
     assert "the ends of 'slot' and the play there are left out: where a pin rests at an end" in found.note
     with pytest.raises(ValueError, match="no equilibrium was found at t = 0 s: the ends of 'slot'"):
         found.first_at(0.0)
+
+
+# ---------------------------------------------------------------- friction without play
+@nojit
+@pytest.mark.parametrize("mu", [0.1, 0.4])
+def test_friction_in_the_slot_of_a_yoke_takes_the_moment_that_virtual_work_says(mu):
+    """N = m r w^2 cos, sliding at r w cos: M = m r^2 w^2 (sin cos + mu cos^2), in inverse dynamics and in a run."""
+    t = np.linspace(0.0, 0.0628, 101)
+    m = scotch_yoke(f"friction = {mu}")
+    c, s = np.cos(100 * t), np.sin(100 * t)
+    for r in (m.inverse_dynamics(t), m.simulate(0.0628, t_eval=t)):
+        assert r["motor.torque"] == pytest.approx(25 * (s * c + mu * c * c), abs=1e-6)
+    assert r["energy.dissipated"][-1] == pytest.approx(25 * mu * math.pi, rel=1e-2)  # a turn but 0.2 deg
+    table = r.power().elements
+    assert float(table[table["element"] == "slot"]["lost"].iloc[0]) == pytest.approx(25 * mu * math.pi, rel=1e-2)
+
+
+def on_a_slope(mu, static=None, extra=""):
+    rubs = (
+        f"friction = {mu}" if static is None else f'friction = {{ model = "coulomb", mu = {mu}, mu_static = {static} }}'
+    )
+    return bead(rubs, "x = 0, y = 0", 10.0, "20 deg", extra)
+
+
+SLOPE = math.radians(20.0)
+
+
+@nojit
+@pytest.mark.parametrize("mu", [0.2, 0.5])
+def test_a_pin_slides_down_its_slot_or_sticks_as_a_block_on_a_slope(mu):
+    r = on_a_slope(mu).simulate(1.0)
+    down = max(10.0 * (math.sin(SLOPE) - mu * math.cos(SLOPE)), 0.0)
+    way = -(r["bead.x"] * math.cos(SLOPE) + r["bead.y"] * math.sin(SLOPE))
+    assert way == pytest.approx(0.5 * down * r.t**2, abs=1e-9)
+    assert r["energy.dissipated"][-1] == pytest.approx(mu * 20.0 * math.cos(SLOPE) * way[-1], abs=1e-8)
+    rubs = 20.0 * (mu * math.cos(SLOPE) if down else math.sin(SLOPE))
+    assert abs(r["slot.friction"][1:]) == pytest.approx(rubs, rel=1e-9)
+    assert r.trust.energy_balance < 1e-9
+
+
+@nojit
+def test_a_stuck_pin_breaks_away_at_its_coefficient_at_rest():
+    """Pulled down the slot by a growing force: it slides from F = m g (mu_static cos - sin) on."""
+    along = '[loads.pull]\ntype = "force"\nat = "bead.P"\nforce = ["-10*t*cos(pi/9)", "-10*t*sin(pi/9)"]\n'
+    r = on_a_slope(0.5, 0.6, along).simulate(1.0)
+    (breaks,) = [one.t for one in r.events if one.kind == "slip"]
+    assert breaks == pytest.approx(20.0 * (0.6 * math.cos(SLOPE) - math.sin(SLOPE)) / 10.0, rel=1e-9)
+
+
+@nojit
+def test_friction_in_a_slot_holds_a_pin_between_two_pulls_and_by_itself_beyond_its_angle():
+    held = '[drivers.straight]\nbody = "bead"\ncoordinate = "angle"\nangle = 0\n'
+    pull = f'[loads.pull]\ntype = "force"\nat = "bead.P"\nforce = ["{math.cos(SLOPE)}", "{math.sin(SLOPE)}"]\n'
+    for mu in (0.2, 0.5):
+        found = on_a_slope(mu, extra=held + pull).holds("pull")
+        ends = [20.0 * (math.sin(SLOPE) + sense * mu * math.cos(SLOPE)) for sense in (-1.0, 1.0)]
+        assert (found.low, found.high) == pytest.approx(tuple(ends), rel=1e-9)
+        assert found.self_locking == (mu > math.tan(SLOPE))
+
+
+@nojit
+@pytest.mark.parametrize(
+    ("joint", "words"),
+    [
+        ('"rod"\nlength = 0.1', "make it a body with two revolute joints"),
+        ('"gear"\nradii = [0.1, 0.1]', "pitch circles do not tell"),
+        ('"rack"\nradius = 0.1', "pitch circles do not tell"),
+        ('"fixed"', "expected .*prismatic.*slot"),
+    ],
+)
+def test_joints_whose_friction_cannot_be_told_say_why(joint, words):
+    ends = "[ground.points]\nO = [0, 0]\n[bodies.b]\npoints = { P = [0, 0] }\nmass = 1\ninertia = 1\n"
+    text = f'format = 1\n{ends}[joints.j]\ntype = {joint}\nconnect = ["ground.O", "b.P"]\nfriction = 0.1\n'
+    with pytest.raises(rt.ModelError, match=words):
+        _ = rt.loads(text).model

@@ -6,7 +6,8 @@ Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, 
     sticks                         w . dv = gamma,   |tau| <= mu_static L       (coulomb)
     always                         tau = -T(arm u, N) arm                       (a law of the family "friction")
 
-    L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a
+    L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a,
+                 |lambda_1| of a joint with one row
 
 The reaction lambda depends on tau.  With the responses to unit forces,
 
@@ -172,16 +173,16 @@ def set_up(m):
                 value += system[n, o] * (memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED])
             system[n, count] = value
             continue
-        r, sign = m.dry[n, at.DRY_ROW], sense_of(m, n)
-        first, second = multiplier[r], multiplier[r + 1]
+        r, q, sign = m.dry[n, at.DRY_ROW], m.dry[n, at.DRY_SECOND], sense_of(m, n)
+        first, second = multiplier[r], multiplier[q]
         for o in range(count):
             more = memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED]
             first += reaction[o, r] * more
-            second += reaction[o, r + 1] * more
+            second += reaction[o, q] * more
         size, slope, slope2 = resisting(m, n, first, second)
         system[n, count] = tau - sign * size
         for o in range(count):
-            system[n, o] -= sign * (slope * reaction[o, r] + slope2 * reaction[o, r + 1])
+            system[n, o] -= sign * (slope * reaction[o, r] + slope2 * reaction[o, q])
 
 
 @compiled
@@ -290,8 +291,7 @@ def end_dry_friction(m):
     for n in range(dry.shape[0]):
         m.power[at.LOSS_RATE] -= memory[n, at.DRY_FORCE] * memory[n, at.DRY_RATE]
         if dry[n, at.DRY_LAW] >= 0:
-            r = dry[n, at.DRY_ROW]
-            N, _, _ = pressing(m, n, multiplier[r], multiplier[r + 1])
+            N, _, _ = pressing(m, n, multiplier[dry[n, at.DRY_ROW]], multiplier[dry[n, at.DRY_SECOND]])
             resistance(m, n, N)
         if lasting(m, n) < 0.0:
             memory[n, at.DRY_OVER] = 1.0
@@ -300,8 +300,8 @@ def end_dry_friction(m):
 @compiled
 def limit(m, n):
     """The largest |tau| at which joint n sticks, by the present multipliers."""
-    p, r = m.dry[n, at.DRY_P], m.dry[n, at.DRY_ROW]
-    N, _, _ = pressing(m, n, m.multiplier[r], m.multiplier[r + 1])
+    p, first, second = m.dry[n, at.DRY_P], m.dry[n, at.DRY_ROW], m.dry[n, at.DRY_SECOND]
+    N, _, _ = pressing(m, n, m.multiplier[first], m.multiplier[second])
     return m.values[p + at.DRY_MU_STATIC] * m.values[p + at.DRY_ARM] * N
 
 

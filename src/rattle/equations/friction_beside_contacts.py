@@ -32,9 +32,9 @@ def pull(m, r, n):
             if b > 0:
                 total += line[n, at.BX + k] * m.velocity_response[r, 3 * b - 3 + k]
         return total / mobility(m, n, n)
-    first = dry[n, at.DRY_ROW]
-    _, slope, slope2 = resisting(m, n, multiplier[first], multiplier[first + 1])
-    change = slope * m.multiplier_response[r, first] + slope2 * m.multiplier_response[r, first + 1]
+    first, second = dry[n, at.DRY_ROW], dry[n, at.DRY_SECOND]
+    _, slope, slope2 = resisting(m, n, multiplier[first], multiplier[second])
+    change = slope * m.multiplier_response[r, first] + slope2 * m.multiplier_response[r, second]
     return -sense_of(m, n) * change
 
 

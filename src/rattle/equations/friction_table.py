@@ -35,6 +35,8 @@ def friction_table(
         kernel = len(registry.kinds("joint")) + driver.tag
         form = at.DRY_GUIDE if joint.line is not None else at.DRY_PIN
         a, b = number[joint.a.body], number[joint.b.body]
-        found.append((n, a, b, kernel, place, joints[n][at.FIRST_ROW], form, law, states, own))
+        first = joints[n][at.FIRST_ROW]
+        second = first + min(1, len(joint.leaf.rows) - 1)
+        found.append((n, a, b, kernel, place, first, form, law, states, own, second))
         states += own
     return found

@@ -240,8 +240,9 @@ declare("dry", """
     DRY_LAW [] kernel of its friction law; -1: set-valued
     DRY_STATE [] first state of that law among those of all elements
     DRY_STATES [] number of states of that law
+    DRY_SECOND [] second row of the joint; the first again, where there is one only
 """)
-DRY_JOINT, DRY_A, DRY_B, DRY_KERNEL, DRY_P, DRY_ROW, DRY_FORM, DRY_LAW, DRY_STATE, DRY_STATES = range(10)
+DRY_JOINT, DRY_A, DRY_B, DRY_KERNEL, DRY_P, DRY_ROW, DRY_FORM, DRY_LAW, DRY_STATE, DRY_STATES, DRY_SECOND = range(11)
 DRY_PIN, DRY_GUIDE = 0, 1
 # parameters after those of the row (two points, a direction or zero, a function that is zero): arm [m or 1], 1/a [1/m];
 # then mu and mu_static, or those of the law

@@ -83,7 +83,7 @@ def unsure_friction(system: System, free: np.ndarray) -> tuple[str, ...]:
     for name, entry in zip(system.dry_joints, system.arrays["dry"], strict=True):
         friction, row = system.model.joints[name].friction, int(entry[at.DRY_ROW])
         second_counts = entry[at.DRY_FORM] == at.DRY_PIN or (friction is not None and friction.reach > 0.0)
-        if unsure[row] or (second_counts and unsure[row + 1]):
+        if unsure[row] or (second_counts and unsure[entry[at.DRY_SECOND]]):
             found.append(name)
     return tuple(found)
 

@@ -48,7 +48,7 @@ class Motion(NamedTuple):
     direction: np.ndarray  # (3 nb,) of the load sought
     inverse: np.ndarray  # (rows, 3 nb) multipliers by the forces that they balance
     coordinate: np.ndarray  # (n, 3 nb) rows w of the joints with friction
-    row: np.ndarray  # (n,) first multiplier of each
+    rows: np.ndarray  # (n, 2) multipliers of each by which it rubs; the only one twice
 
     @property
     def free(self) -> float:
@@ -126,7 +126,7 @@ def one_motion(system: System, workspace: Workspace, sought: Sought | None) -> M
     held = [n for n in range(len(system.dry_joints)) if system.arrays["dry"][n, at.DRY_LAW] < 0]
     return Motion(
         scale, z / worth, force, sought.direction, inverse, _coordinates(system, workspace)[held],
-        system.arrays["dry"][held, at.DRY_ROW],
+        system.arrays["dry"][held][:, [at.DRY_ROW, at.DRY_SECOND]],
     )  # fmt: skip
 
 
@@ -180,7 +180,6 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
     largest = float(np.linalg.norm(motion.z / motion.scale)) * np.linalg.norm(motion.coordinate * motion.scale, axis=1)
     still = np.flatnonzero(np.abs(rate) <= STILL * largest)
     rate[still] = 0.0
-    rows = np.stack([motion.row, motion.row + 1], axis=1)
     others, alone = motion.inverse @ motion.force, motion.free * (motion.inverse @ motion.direction)
     rounding = NOTHING * float(np.abs(others).max(initial=0.0) + np.abs(alone).max(initial=0.0))
     best: Impending | None = None
@@ -188,8 +187,8 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
         way, slip = np.sign(rate), np.abs(rate) * arm
         way[still[:MOST_STILL]] = signs
         acting = sense * (slip[:, None] * motion.direction - (way * arm)[:, None] * motion.coordinate)
-        response = np.moveaxis((acting @ motion.inverse.T)[:, rows], 0, 2)
-        one = Rubbing(values[p + at.DRY_MU_STATIC], reach, (others + alone)[rows], response, slip, rounding)
+        response = np.moveaxis((acting @ motion.inverse.T)[:, motion.rows], 0, 2)
+        one = Rubbing(values[p + at.DRY_MU_STATIC], reach, (others + alone)[motion.rows], response, slip, rounding)
         found = limit(one, far)
         more = math.inf if np.isinf(found.x).any() else float(slip @ found.x)
         if best is None or more > abs(best.load - motion.free):

@@ -67,6 +67,7 @@ class JointKind:
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
     rubs: ClassVar[bool] = False  # True: it may have friction by its own reaction, as a pin or (with a line) a guide
+    no_friction: ClassVar[str] = ""  # why it has none, and what to do, in words
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
 

@@ -38,6 +38,10 @@ class Rack(JointKind):
     """
 
     rows = ("m",)
+    no_friction = (
+        "the teeth slide to both sides of the pitch point, by their number and shape, which pitch circles do not tell:"
+        " put their mean loss into a torque, or as friction into the bearings"
+    )
     places = False
     moment = True
     from_start = 1

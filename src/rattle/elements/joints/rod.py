@@ -50,6 +50,10 @@ class Rod(JointKind):
     """
 
     rows = ("m",)
+    no_friction = (
+        "a rod without mass cannot pass on the moments that friction in its pins needs: make it a body with two"
+        " revolute joints, which have friction"
+    )
     drawn_as = "rod"
     length = Field("m", "length of the rod", least="positive")
 

@@ -4,8 +4,9 @@ u = direction of the line (fixed in A), n = u turned by 90 degrees, d = (r_B + s
 Phi   = n . d = 0                                                         [m]
 gamma = n . (s_B w_B^2 - s_A w_A^2) + 2 w_A (u . d') + w_A^2 (n . d)      [m/s^2]
 
-This is the first row of the prismatic joint.  Without `length` the line goes on for ever, through the point of A and
-out on its other side.  The ends of the slot stop the pin, or let it out, only in a joint with clearance.
+This is the first row of the prismatic joint.  Its friction is by |lambda| and the speed of the centre of the pin along
+the slot: that the pin turns is left out.  Without `length` the line goes on for ever, through the point of A and out on
+its other side.  The ends of the slot stop the pin, or let it out, only in a joint with clearance.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ class Slot(JointKind):
     motor = Motor("position", "thrust", "N")
     coordinate = "position"
     drawn_as = "slot"
+    rubs = True
     axis = Field("rad", "direction of the slot in A's frame", default=0.0)
     length = Field(
         "m", "distance between the centres of its rounded ends, the point of A in the middle", default=math.inf,
