@@ -17,7 +17,7 @@ pytestmark = pytest.mark.nojit
 
 SOURCES = Path(rt.__file__).parent
 # the compiled layer checks its own callers; a damaged file of machine code is compiled again; an unknown attribute
-OWN = {"jit", "trace/llvm.py", "__init__.py", "results/archive.py"}
+OWN = {"jit", "trace/llvm.py", "__init__.py", "results/archive.py", "wrong_arguments.py"}
 
 
 def test_no_refusal_is_a_bare_error_of_python():

@@ -9,6 +9,7 @@ from rattle.analyses.analysed_model import AnalysedModel
 from rattle.errors import ModelError, suggest
 from rattle.language.times import Seconds, seconds_or_none
 from rattle.results.result import UnknownName
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     import os
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from rattle.studies.wear.worn import Worn
 
 
+@answers_in_words
 class Mechanism(AnalysedModel):
     """A planar mechanism: read from a model file, or built in code.
 

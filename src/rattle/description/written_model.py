@@ -70,11 +70,20 @@ class WrittenModel(Building):
     def parameters_with(self, changes: Mapping[str, Mapping[str, Any]], place: str) -> dict[str, Parameter]:
         """All parameters where some have these entries of the model file (tol, dist) instead, read as there.
 
-        Raises ModelError with all that is wrong in the changes, at `place`; KeyError for an unknown name.
+        Raises ModelError with all that is wrong in the changes, at `place`.
         """
         from rattle.description.read_parameters import parameters_with
 
+        for name in changes:
+            self._parameter(name)
         return parameters_with(self._document, changes, place)
+
+    def _parameter(self, name: str) -> Any:
+        """A parameter as it is written.  Raises ModelError for an unknown name."""
+        written = self._document.get("parameters", {})
+        if name not in written:
+            raise ModelError([Problem(("parameters", name), f"no such parameter{suggest(name, written)}")])
+        return written[name]
 
     def following(self, names: Iterable[str]) -> set[str]:
         """Parameters that change with these, which are among them."""
@@ -234,9 +243,9 @@ class WrittenModel(Building):
     def written_unit(self, name: str) -> tuple[float, str]:
         """Unit of a parameter as the model file writes its value: its size in SI units, and its name; 1 and "" if none.
 
-        Raises KeyError for an unknown name.
+        Raises ModelError for an unknown name.
         """
-        value = self._document["parameters"][name]
+        value = self._parameter(name)
         text = value.get("value") if isinstance(value, Mapping) else value
         return unit_of_quantity(text) if isinstance(text, str) else (1.0, "")
 

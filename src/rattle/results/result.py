@@ -23,6 +23,7 @@ from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture
 from rattle.results.event import Breaks, Event, Peak
 from rattle.results.trust import Trust
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     import xarray
@@ -45,6 +46,7 @@ class UnknownName(InputError, KeyError):
 
 
 # ---------------------------------------------------------------- the result
+@answers_in_words
 class Result:
     """Motion, reactions and energy of one run, by name.
 
