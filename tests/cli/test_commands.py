@@ -237,7 +237,7 @@ def test_export_writes_every_number_with_its_unit_and_all_digits(saved, tmp_path
 
 # ---------------------------------------------------------------- demo, warmup
 def test_demo_shows_what_play_does_to_the_forces_of_the_paper(tmp_path):
-    done = run("-q", "demo", "-o", tmp_path / "pictures")
+    done = run("-q", "demo", "--paper", "-o", tmp_path / "pictures")
     assert done.exit_code == 0, done.output
     made = {path.name for path in (tmp_path / "pictures").iterdir()}
     assert made == {"fourbar-figures.png", "orbit-O3.png", "orbit-O4.png", "fourbar.csv", "fourbar.gif"}
@@ -255,6 +255,18 @@ def test_demo_shows_what_play_does_to_the_forces_of_the_paper(tmp_path):
     names = [name for name in table.dtype.names if name.startswith("O3.e")]
     offset = np.hypot(*(table[name] for name in names))
     np.testing.assert_allclose(offset, 0.005, atol=1e-12)  # [m]: a massless link keeps the pin on the wall
+
+
+def test_demo_shows_how_far_two_loose_pins_put_a_point_off_its_path(tmp_path):
+    done = run("-q", "demo", "-o", tmp_path / "demo")
+    assert done.exit_code == 0, done.output
+    made = {path.name for path in (tmp_path / "demo").iterdir()}
+    assert made == {"crank-rocker.png", "crank-rocker.html", "crank-rocker.csv"}
+    m = rt.example("crank_rocker_play")
+    r, ideal = m.simulate(), m.ideal().simulate()
+    off = 1e3 * np.hypot(*(r[f"coupler.P.{axis}"] - ideal[f"coupler.P.{axis}"] for axis in "xy"))
+    assert f"P is {off.min():.2f} to {off.max():.2f} mm off its path" in done.stdout
+    assert r.trust.pulled == {"A": 0.0, "B": 0.0}  # a mechanism of which every word holds
 
 
 @nojit

@@ -198,7 +198,7 @@ def main(ctx: click.Context, quiet: bool) -> None:
     """Planar mechanisms whose joints have play.
 
     \b
-    rattle demo                      the paper's four-bar, figures into ./rattle-demo
+    rattle demo                      what two loose pins do, into ./rattle-demo
     rattle example fourbar > f.toml  start from a shipped model file
     rattle check f.toml              is it assembled as meant?
     rattle draw f.toml               a picture of it, everything by name

@@ -12,13 +12,18 @@ from rattle.cli.output import check_files, check_pictures, say_written
 @click.option(
     "-o", "--output", metavar="FOLDER", default="rattle-demo", show_default=True, help="Folder for the files."
 )
-def demo(output: str) -> None:
-    """The paper's four-bar with and without play: a short table, the paper's Figures 3-12, orbits, CSV, GIF.
+@click.option("--paper", is_flag=True, help="Instead the four-bar of the paper: its Figures 3 to 12, orbits, CSV, GIF.")
+def demo(output: str, paper: bool) -> None:
+    """What two loose pins do to a crank-rocker: a short table, a picture, a page with sliders, CSV.
 
     \b
-    Example:  rattle demo -o pictures
+    Examples: rattle demo
+              rattle demo --paper -o pictures
     """
-    from rattle.plots.paper_page import run_demo
+    if paper:
+        from rattle.plots.paper_page import run_demo
+    else:
+        from rattle.plots.demo_page import run_demo
 
     paths, text = run_demo(output)
     click.echo(text)

@@ -25,6 +25,7 @@ from rattle.plots.curves import (
     save_figure,
     shade_after_horizon,
 )
+from rattle.plots.demo_page import folder_for
 from rattle.plots.orbit import clearance_joints
 from rattle.results.contact_summary import joint_table
 
@@ -120,11 +121,7 @@ def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
     """
     import rattle
 
-    place = Path(folder).expanduser()
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise type(error)(f"cannot make the folder {place}: {error.strerror}") from error
+    place = folder_for(folder)
     mechanism = rattle.example(EXAMPLE)
     play, ideal = mechanism.simulate().whole(), mechanism.ideal().simulate(horizon=True).whole()
     times = np.linspace(0.0, play.trust.t_end, FINE)

@@ -21,7 +21,7 @@ from rattle.studio.server import Server
 SWITCH = (
     5e-4  # how soon a thread that reads a long text lets the server answer other pages [s]; Python's is ten times that
 )
-FIRST = "fourbar"  # example that a studio without a file begins with
+FIRST = "crank_rocker_play"  # example that a studio without a file begins with
 
 
 def serve(file: str | None, address: str, port: int, open_browser: bool) -> None:
