@@ -19,7 +19,9 @@ pytestmark = pytest.mark.nojit
 
 def guide_to_models():
     """The model, the plate and the tolerances that the guide shows."""
-    model, plate, tolerances, *_ = re.findall(r"```toml\n(.*?)```", DOCS["model-file.md"], re.DOTALL)
+    blocks = re.findall(r"```toml\n(.*?)```", DOCS["model-file.md"], re.DOTALL)
+    signs = ("format = 1", "holes", "[tolerances]")
+    model, plate, tolerances = (next(block for block in blocks if sign in block) for sign in signs)
     return model, plate, tolerances
 
 

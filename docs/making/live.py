@@ -10,13 +10,13 @@ from making.runs import run
 from making.tree import module_with
 
 FOLDER = Path("beside") / "live"  # copied as it is: live/NAME.html
-FRONT = "front"  # the page on the front: `rattle page fourbar --set l3=l2 --t-end 0.5s`
+FRONT = "front"  # the page on the front: `rattle page crank_rocker_play`
 
 
 def pages(folder: Path) -> dict[str, str]:
     """Writes the pages into `folder`/beside/live; nothing is included by other pages."""
     (folder / FOLDER).mkdir(parents=True, exist_ok=True)
-    rt.example("fourbar").set(l3="l2").page(folder / FOLDER / f"{FRONT}.html", t_end=0.5)
+    rt.example("crank_rocker_play").page(folder / FOLDER / f"{FRONT}.html")
     for name in rt.examples():
         path = folder / FOLDER / f"{name}.html"
         try:

@@ -71,12 +71,11 @@ def test_the_examples_of_the_help_run(command, line, results, monkeypatch):
 
 def test_the_commands_of_the_readme_run_one_after_the_other(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    shutil.copy(rt.examples()["fourbar"], tmp_path / "fourbar.toml")
     blocks = re.findall(
         r"^```sh\n(.*?)^```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
     )
     lines = [line.partition("#")[0] for block in blocks for line in block.splitlines() if line.startswith("rattle ")]
-    assert len(lines) >= 6
+    assert len(lines) >= 3
     for line in lines:
         done = CliRunner().invoke(main, ["-q", *shlex.split(line)[1:]])
         assert done.exit_code == 0, f"{line}\n{done.output}"
