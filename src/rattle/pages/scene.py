@@ -23,7 +23,7 @@ from rattle.version import __version__
 FORMAT = "rattle-scene 1"
 OF_GHOST = (".x", ".y", ".angle")
 MOST_ROWS = 2501  # evenly chosen instants of a run in a page
-ROWS_IN_ALL = 16_000  # of all runs of a page together, so that it can be sent
+ROWS_IN_ALL = 10_000  # of all runs of a page together, so that it can be sent
 FEWEST_ROWS = 401  # of a run, however many there are
 TICKS = 2**32 - 1  # parts of a run in which the instants of single values are counted
 
