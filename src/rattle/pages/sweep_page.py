@@ -49,7 +49,8 @@ def sweep_scene(
             failed.append(f"{label}: {str(error).splitlines()[0]}")
             continue
         made.append((label, result))
-    notes = [f"this page holds {len(made)} runs that were computed before, because {why}", *failed]
+    held = f"{len(made)} runs that were" if len(made) > 1 else "one run that was"
+    notes = [f"this page holds {held} computed before, because {why}", *failed]
     if len(made) > 1:
         notes.append("how long curves can be trusted was computed for the first run only, the model as in its file")
     return scene_of(made, title=m.name, notes=notes)

@@ -19,6 +19,7 @@ from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_
 from rattle.plots.power_arrows import draw_power
 from rattle.plots.scene import Scene, draw_tag
 from rattle.plots.sketch import draw_mechanism, extent
+from rattle.results.handy_units import units_of_result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,7 +95,7 @@ def scene(
     pins = list(clearance_joints(result))[:MOST_INSETS]
     figure, ax, insets = _stage(high - low, len(pins))
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    length_axes(ax, float(max(high - low)))
+    length_axes(ax, float(max(high - low)), units_of_result(result.provenance))
     pace = float(result.t[pick[-1]] - result.t[pick[0]]) * fps / max(len(pick) - 1, 1)
     updates = [_clock(ax, stage, pace), *_traces(ax, stage, trace)]
     updates += draw_mechanism(ax, stage)

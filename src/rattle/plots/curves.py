@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
-from rattle.results.handy_units import SMALL, Shown, handy_unit, units_of_result
+from rattle.results.handy_units import Shown, Units, handy_unit, units_of_result
 from rattle.results.within_steps import bursts, largest, summit
 
 if TYPE_CHECKING:
@@ -183,13 +183,12 @@ def panel_of(
         text.set(text=str(line.get_label()), parse_math=False)
 
 
-def length_axes(ax: Axes, span: float) -> None:
-    """Label the axes of a drawing, whose data are in m, with x and y in mm if it spans less than `SMALL`, else in m."""
-    small = span < SMALL
-    unit = "mm" if small else "m"
+def length_axes(ax: Axes, span: float, written: Units | None = None) -> None:
+    """Label the axes of a drawing of this span, whose data are in m, in the unit of the model file or a handy one."""
+    factor, unit = handy_unit("m", span, written)
     ax.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
-    for axis in (ax.xaxis, ax.yaxis) if small else ():
-        axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "\N{MINUS SIGN}"))
+    for axis in (ax.xaxis, ax.yaxis) if factor != 1.0 else ():
+        axis.set_major_formatter(lambda value, _: f"{factor * value:g}".replace("-", "\N{MINUS SIGN}"))
 
 
 # ---------------------------------------------------------------- common to all pictures

@@ -29,6 +29,7 @@ from rattle.plots.scene import Array, Scene
 from rattle.plots.sketch import draw_mechanism, extent
 from rattle.results.build import build_result
 from rattle.results.display import quantity
+from rattle.results.handy_units import written_units
 from rattle.results.trust import Trust
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None) -> Figure | Axes:
     given, ax = ax, ax if ax is not None else _axes(high - low)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     tidy(ax).grid(False)
-    length_axes(ax, float(max(high - low)))
+    length_axes(ax, float(max(high - low)), written_units(m.to_json()))
     draw_mechanism(ax, scene, names=False)
     labels = [*_joints(scene, position), *_bodies(ax, scene, position), *_points(ax, scene, position)]
     labels += [

@@ -20,6 +20,7 @@ from rattle.plots.curves import (
     RED,
     SHADE,
     figure_of,
+    mark_largest,
     new_axes,
     robust_limits,
     save_figure,
@@ -90,7 +91,8 @@ def _panel(ax: Axes, panel: Panel, play: Result, ideal: Result) -> None:
     ax.set_ylabel(f"{panel.symbol} [{panel.unit}]")
     ax.margins(x=0.0)
     shade_after_horizon(ax, play)
-    robust_limits(ax, [curve, other], side="right")
+    tops = mark_largest(ax, play, panel.name, BLUE, panel.factor)
+    robust_limits(ax, [curve, other, tops], side="right")
 
 
 def _head(figure: Figure, play: Result) -> None:

@@ -1,14 +1,13 @@
 """In which unit people read a quantity: one table for pictures, pages and the studio.
 
-The unit in which the model file writes such quantities comes first, where numbers in it are handy; then the table.
+The unit in which the model file writes a quantity of such a size comes first, where its number is handy; then a table.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rattle.language.units import (
@@ -35,6 +34,17 @@ class Shown(NamedTuple):
     unit: str
 
 
+class Written(NamedTuple):
+    """A quantity as a model file writes it: its size [SI], factor from the SI unit, and the name of its unit."""
+
+    size: float
+    factor: float
+    unit: str
+
+
+Units = Mapping[str, Sequence[Written]]  # by SI unit the quantities of a model file
+
+
 # by SI unit: from which size on [SI] a quantity is shown in which unit
 HANDY: dict[str, tuple[tuple[float, float, str], ...]] = {
     "m": ((0.0, 1e6, "µm"), (1e-4, 1e3, "mm"), (SMALL, 1.0, "m")),
@@ -53,14 +63,14 @@ TURNING = {"deg": "rad", "°": "rad", "rad": "rad", "rpm": "rad/s", "rad/s": "ra
 ENERGIES = ("J", "Wh")  # of the same dimension as a moment
 
 
-def handy_unit(unit: str, size: float, written: Mapping[str, Shown] | None = None) -> Shown:
+def handy_unit(unit: str, size: float, written: Units | None = None) -> Shown:
     """Factor from the SI unit, and the unit in which a quantity of this size [SI] is shown.
 
-    written: units of the model file by SI unit, see `written_units`.
+    written: quantities of the model file, see `written_units`: the one nearest in size lends its unit.
     """
-    own = (written or {}).get(unit)
-    if own is not None and (size == 0.0 or LEAST <= own.factor * size < MOST):
-        return own
+    near = min((written or {}).get(unit, ()), key=lambda one: _distance(one.size, size), default=None)
+    if near is not None and (size == 0.0 or LEAST <= near.factor * size < MOST):
+        return Shown(near.factor, near.unit)
     rungs = HANDY.get(unit, ())
     if len(rungs) > 1 and not size > 0.0:
         return Shown(1.0, unit)
@@ -68,22 +78,25 @@ def handy_unit(unit: str, size: float, written: Mapping[str, Shown] | None = Non
     return reached[-1] if reached else Shown(1.0, unit)
 
 
-def written_units(document: Any) -> dict[str, Shown]:
-    """Units in which a model file writes lengths, angles, rates, forces, moments: of each kind the most frequent.
+def _distance(one: float, other: float) -> float:
+    """How far two sizes are from each other, as the logarithm of their ratio; 0 beside zero."""
+    return abs(math.log(one / other)) if other > 0.0 else 0.0
+
+
+def written_units(document: Any) -> dict[str, list[Written]]:
+    """Lengths, angles, rates, forces, moments, powers and speeds of a model file with their units, each size once.
 
     document: its tables, or their JSON.
     """
-    counts: Counter[tuple[str, Shown]] = Counter()
+    units: dict[str, list[Written]] = {}
     for text in _texts(json.loads(document) if isinstance(document, str) else document):
-        if found := _unit_of(text):
-            counts[found] += 1
-    units: dict[str, Shown] = {}
-    for (unit, shown), _ in counts.most_common():
-        units.setdefault(unit, shown)
+        unit, one = _unit_of(text)
+        if one is not None and one not in units.setdefault(unit, []):
+            units[unit].append(one)
     return units
 
 
-def units_of_result(provenance: Mapping[str, Any]) -> dict[str, Shown]:
+def units_of_result(provenance: Mapping[str, Any]) -> dict[str, list[Written]]:
     """The same of the model that a result holds; none without a model."""
     document = provenance.get("document")
     return written_units(str(document)) if document else {}
@@ -100,14 +113,14 @@ def _texts(value: Any) -> Iterator[str]:
             yield from _texts(one)
 
 
-def _unit_of(text: str) -> tuple[str, Shown] | None:
+def _unit_of(text: str) -> tuple[str, Written | None]:
     """SI unit and unit of a quantity in a model file; None for other texts and for other kinds of quantities."""
     try:
         quantity = parse_quantity(text)
     except QuantityError:
-        return None
-    if quantity is None or quantity[1] is None:
-        return None
+        return "", None
+    if quantity is None or quantity[1] is None or quantity[0] == 0.0:
+        return "", None
     size, name = unit_of_quantity(text)
     unit = TURNING.get(name) or ("" if name in ENERGIES else DIMENSIONS.get(quantity[1], ""))
-    return (unit, Shown(1.0 / size, name)) if unit else None
+    return unit, Written(abs(quantity[0]), 1.0 / size, name) if unit else None

@@ -13,10 +13,11 @@ export function printed(unit) {
 }
 
 // Factor from the SI unit and the unit in which a quantity of this size is shown, as `handy_unit` in Python.
-// written: units of the model file by SI unit, {unit: [factor, name]}.
+// written: quantities of the model file by SI unit, {unit: [[size, factor, name]]}: the one nearest in size lends its unit.
 export function handyUnit(unit, size, written = {}) {
-  const [factor, name] = written[unit] ?? [], rungs = HANDY.units[unit] ?? [], handy = factor * size;
-  if (name && (size === 0 || (handy >= HANDY.least && handy < HANDY.most))) return { factor, unit: printed(name) };
+  const rungs = HANDY.units[unit] ?? [], far = ([one]) => (size > 0 ? Math.abs(Math.log(one / size)) : 0);
+  const near = (written[unit] ?? []).reduce((best, one) => (best && far(best) <= far(one) ? best : one), null);
+  if (near && (size === 0 || (near[1] * size >= HANDY.least && near[1] * size < HANDY.most))) return { factor: near[1], unit: printed(near[2]) };
   const reached = rungs.length > 1 && !(size > 0) ? [] : rungs.filter(([least]) => least <= size);
   const [, times = 1, shown = unit] = reached[reached.length - 1] ?? [];
   return { factor: times, unit: printed(shown) };
