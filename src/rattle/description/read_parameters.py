@@ -335,5 +335,7 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
             continue
         seen = fixed[name] if name in fixed else values.dimension(nodes[name])
         values.dimensions[name] = seen
+        if name not in fixed and not values.has_units(nodes[name]):
+            values.numbers.add(name)
         units[name] = unit_name(seen) if seen is not None else ""
     return {name: nodes[name] for name in order}, units

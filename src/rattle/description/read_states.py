@@ -82,6 +82,7 @@ def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node
         if name in guessed and not _fits(values, node, guessed[name]):
             del guessed[name]
     values.dimensions = {**known, **{name: guessed[name] for name in rates if name in guessed}}
+    values.numbers.update(name for name in guessed if name in rates and not values.has_units(rates[name]))
 
 
 def _fits(values: Values, node: Node, of_state: Dimension) -> bool:
@@ -128,4 +129,6 @@ def _rate(values: Values, given: Any, path: Path) -> tuple[Node | None, Dimensio
         quantity, text, path, None
     ):
         return None, None
-    return (quantity, values.dimension(quantity)) if values.is_finite(quantity, path) else (None, None)
+    if not values.is_finite(quantity, path):
+        return None, None
+    return quantity, values.dimension(quantity) if values.has_units(quantity) else None

@@ -37,6 +37,7 @@ from rattle.language.units import (
     describe,
     dimension_of,
     parse_quantity,
+    unit_name,
 )
 
 Path = tuple[str | int, ...]
@@ -48,6 +49,36 @@ SMALLEST, LARGEST = 1e-60, 1e60
 RANGE = f"{SMALLEST:g} to {LARGEST:g} in SI units"
 TAKEN = RESERVED | {"ground", "energy"}
 LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, "not negative": lambda x: x >= 0.0}
+
+
+PLAIN = "#"  # stands for a function of a plain number in a formula
+OF_NUMBERS = frozenset(("sin", "cos", "tan", "asin", "acos", "atan", "tanh", "exp", "log", "floor"))
+
+
+def _outside(node: Node) -> Node:
+    """A formula with one name in place of every function of a plain number."""
+    stack: list[Node] = []
+    for part in walk(node):
+        if isinstance(part, Apply):
+            operands = tuple(stack[-len(part.operands) :])
+            del stack[-len(part.operands) :]
+            plain = part.name in OF_NUMBERS
+            stack.append(Name(PLAIN, part.column) if plain else Apply(part.name, operands, part.column))
+        else:
+            stack.append(part)
+    return stack[0]
+
+
+def _functions(node: Node) -> list[Apply]:
+    """Functions of plain numbers in a formula, outside of each other."""
+    found, waiting = [], [node]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, Apply) and part.name in OF_NUMBERS:
+            found.append(part)
+        elif isinstance(part, Apply):
+            waiting.extend(part.operands)
+    return found
 
 
 class TooManyProblems(Exception):
@@ -69,7 +100,7 @@ class Values:
         self.constants: dict[str, float] = {}  # parameters [SI]
         self.dimensions: dict[str, Dimension | None] = {}  # of parameters, signals and states
         self.live: dict[str, None] = {}  # names that change during a run, in the order of the file
-        self.numbers: set[str] = set()  # live names that may stand for a number of any dimension
+        self.numbers: set[str] = set()  # live names that are plain numbers in a formula to which nobody gave units
         self.broken: set[str] = set()  # names whose own definition has a problem
         self.curves: dict[str, Curve] = {}  # tables
         self.tables: Tables = NO_TABLES  # the same
@@ -229,9 +260,25 @@ class Values:
         except ExpressionError as error:
             self.in_expression(error, path)
             return False
-        if unit is None or seen is None or seen == dimension_of(unit):
+        if unit is None or seen is None or seen == dimension_of(unit) or not self.has_units(node):
             return True
         self.wrong(path, f"{said(text)} is {describe(seen)}; expected {expected(unit)}")
+        return False
+
+    def has_units(self, node: Node) -> bool:
+        """True if somebody gave units in a formula: to a number, a parameter, a state or a table.
+
+        Others, such as `b.x - b.x**3` or `cos(w*t) - b.x`, are of plain numbers in SI units: an implied factor may have
+        any unit, whether it is written or not.  Arguments of functions are formulas of their own.
+        """
+        for part in walk(_outside(node)):
+            if isinstance(part, Number) and part.dimension is not None:
+                return True
+            if isinstance(part, Number) or (isinstance(part, Apply) and not part.name.endswith(CALL)):
+                continue
+            keys = (part.name, argument_of(part.name)) if isinstance(part, Apply) else (part.name,)
+            if any(self.dimensions.get(key) is not None and key not in self.numbers for key in keys):
+                return True
         return False
 
     def dimension(self, node: Node, unit: str | None = None) -> Dimension | None:
@@ -239,27 +286,37 @@ class Values:
 
         It is unknown if there are only numbers and `t`: "sin(3*t)" may be any formula in SI units.  Beside names that
         have a dimension, `t` is a time, or the plain number of seconds if only that is consistent, as in "A*sin(t)".
-        Names of points, joints and loads have one too, or are numbers of any if only that is consistent.
+        A formula without given units is of any dimension if it is not consistent, see `has_units`.
         """
-        used = names(node)
-        calls = {part.name for part in walk(node) if isinstance(part, Apply) and part.name.endswith(CALL)}
-        known = {*used, *calls, *map(argument_of, calls)}
-        units = any(isinstance(part, Number) and part.dimension is not None for part in walk(node))
-        if not units and all(self.dimensions.get(one) is None for one in known):
+        for function in _functions(node):
+            argument = function.operands[0]
+            inside = self.dimension(argument, "rad")
+            if inside is not None and inside != DIMENSIONLESS and self.has_units(argument):
+                raise ExpressionError(
+                    f"cannot take {function.name} of {unit_name(inside)}; expected a plain number or angle",
+                    function.column,
+                )
+        outer = _outside(node)
+        known = {one for one in names(outer) if self.dimensions.get(one) is not None}
+        if not known and not self.has_units(node):
             return None
         try:
-            seen = dimension(node, self.dimensions.get)
+            seen = dimension(outer, self._dimension_of)
         except ExpressionError as error:
+            if not self.has_units(node):
+                return None
             with suppress(ExpressionError):
-                return dimension(node, self.dimensions.get, DIMENSIONLESS if "t" in used else TIME)
-            if used & self.numbers:
-                with suppress(ExpressionError):
-                    return dimension(node, lambda one: None if one in self.numbers else self.dimensions.get(one))
+                return dimension(outer, self._dimension_of, DIMENSIONLESS if "t" in names(outer) else TIME)
             raise error from None
-        if unit is None or seen is None or seen == dimension_of(unit) or "t" not in used:
+        if unit is None or seen is None or seen == dimension_of(unit) or "t" not in names(outer):
             return seen
-        again = dimension(node, self.dimensions.get, DIMENSIONLESS)
-        return again if again in (None, dimension_of(unit)) else seen
+        with suppress(ExpressionError):
+            again = dimension(outer, self._dimension_of, DIMENSIONLESS)
+            return again if again in (None, dimension_of(unit)) else seen
+        return seen
+
+    def _dimension_of(self, name: str) -> Dimension | None:
+        return DIMENSIONLESS if name == PLAIN else self.dimensions.get(name)
 
     # ------------------------------------------------------------ numbers
     def value(self, given: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:

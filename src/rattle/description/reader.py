@@ -84,6 +84,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
         for key, unit in STATE_UNITS.items():
             values.live[f"{name}.{key}"] = None
             values.dimensions[f"{name}.{key}"] = dimension_of(unit)
+            values.numbers.add(f"{name}.{key}")
     declare(values, document)
     starts = declare_states(values, document)
     signals, units = read_signals(values, document)
