@@ -3,11 +3,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 PYTEST = $(BIN)/python -m pytest -q -n 2
 OLDEST := $(VENV)-oldest
+WHEEL := $(VENV)-wheel
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test check proofs long times docs coverage bench clean
+.PHONY: help demo test check proofs wheel long times docs coverage bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
@@ -27,11 +28,23 @@ check: ## the same without the set-up
 
 proofs: $(VENV)/.ready-dev $(VENV)/.ready-oldest ## all other tests: slow ones, browsers, plain Python, documentation, oldest packages
 	$(SPHINX)
+	$(MAKE) wheel
 	NUMBA_DISABLE_JIT=1 $(PYTEST)
 	RATTLE_JIT=plain $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'compliant or positions or equilibria or workspace'
 	NUMBA_BOUNDSCHECK=1 $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_bounds.py
 	$(OLDEST)/bin/python -m pytest -q -n 2 --part quick
 	$(PYTEST) --part rest
+
+wheel: $(VENV)/.ready-dev ## build wheel and sdist, install each into an empty environment and run it
+	rm -rf build/dist build/installed
+	$(BIN)/python -m hatchling build -d build/dist
+	$(PYTHON) -m venv --clear $(WHEEL)
+	$(WHEEL)/bin/pip install --quiet --disable-pip-version-check build/dist/*.whl
+	$(WHEEL)/bin/rattle -q demo -o build/installed
+	$(WHEEL)/bin/rattle -q page slider_crank -o build/installed/page.html
+	$(WHEEL)/bin/rattle -q ensemble slider_crank -n 64 --vary "rod_length=0.1 mm" --of "max(slider.ax)" --analysis kinematics
+	$(WHEEL)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps build/dist/*.tar.gz
+	$(WHEEL)/bin/rattle -q demo --paper -o build/installed
 
 long: $(VENV)/.ready-dev ## proofs that take a minute or more each
 	$(BIN)/python -m pytest -q -m long
@@ -51,7 +64,7 @@ bench: $(VENV)/.ready-bench ## speed, as ratios to yardsticks measured in the sa
 	$(BIN)/python benchmarks/run.py
 
 clean: ## remove .venv and everything made here
-	rm -rf $(VENV) $(OLDEST) build dist docs/generated .*_cache .benchmarks .coverage .hypothesis rattle-demo
+	rm -rf $(VENV) $(OLDEST) $(WHEEL) build dist docs/generated .*_cache .benchmarks .coverage .hypothesis rattle-demo
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # one stamp per set of extras; a change of pyproject.toml installs anew
