@@ -172,8 +172,8 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
     given, now = given_values(system, turn), (start.q, start.v)[turn]
     if turn == 1 and np.isnan(given).all() and not system.watched:
         return Kept([], [], [])
-    joints = _basis(system, start, [])
     basis = _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
+    joints = list(basis) if turn == 0 else _basis(system, start, [])  # pins go before given places and angles
     found = Kept(pins, [], [])
     for k in np.flatnonzero(_agrees(system, now, given)):
         unit = _unit(len(given), int(k))
