@@ -281,3 +281,48 @@ def test_slopes_are_those_of_the_closing_that_was_asked_for():
     low, high = m.many({"b": [2.99 - 1e-4, 2.99 + 1e-4]}, ["at(coupler.angle, 0)"], 0.01)["at(coupler.angle, 0)"]
     assert (low + high) / 2 == pytest.approx(coupler(2.99), abs=1e-6)
     assert (high - low) / 2e-4 == pytest.approx((coupler(2.99 + 1e-4) - coupler(2.99 - 1e-4)) / 2e-4, rel=1e-5)
+
+
+# ---------------------------------------------------------------- many
+@pytest.mark.parametrize(
+    ("drive", "given"),
+    [(0.5236, {}), (0.5236, {"coupler": 0.4}), (None, {"coupler": 0.5}), (None, {"crank": 0.5236, "coupler": 0.4993})],
+)
+def test_samples_of_a_length_start_as_each_of_them_alone(drive, given):
+    """Among them some that cannot be put together."""
+    m = fourbar(np.array([4.0, 1.0, 2.99, 2.1]), drive, given, np.ones(3)).parameter("b", 2.99)
+    m = m.set({"bodies.coupler.length": "b"})
+    values = [0.6, *np.linspace(2.8, 3.2, 9)]
+    together = m.many({"b": values}, ["final(rocker.angle)"], 1e-3)["final(rocker.angle)"]
+    assert np.isnan(together[0])
+    with pytest.raises(rt.AssemblyError):
+        _ = m.set(b=0.6).start
+    alone = [m.set(b=float(value)).simulate(1e-3)["rocker.angle"][-1] for value in values[1:]]
+    np.testing.assert_allclose(together[1:], alone, atol=1e-8)
+
+
+def test_samples_with_pins_at_given_offsets_start_side_by_side_and_as_each_alone():
+    """The paper's four-bar: both pins have play and offsets, so that angles given beside them are guesses."""
+    m = rt.example("fourbar")
+    values = np.linspace(0.55, 0.65, 5)
+    together = m.many({"l2": values}, ["final(rocker.angle)"], 1e-3)
+    assert "run side by side" in str(together)
+    assert "one by one" not in str(together)
+    for value, angle in zip(values, together["final(rocker.angle)"], strict=True):
+        one = m.set(l2=float(value))
+        assert one.simulate(1e-3)["rocker.angle"][-1] == pytest.approx(angle, abs=1e-9)
+        r = one.simulate(1e-6)
+        assert [r[f"{pin}.{key}"][0] for pin in ("O3", "O4") for key in ("ex", "ey")] == pytest.approx(
+            [0.005, 0, 0.005, 0], abs=1e-12
+        )
+
+
+def test_the_closing_that_is_taken_does_not_change_with_the_masses_nor_jump_with_a_length():
+    """Nothing is given but the driver: of both closings the one whose angles are nearer to 0."""
+    rng = np.random.default_rng(8)
+    for length in np.linspace(2.6, 3.3, 8):
+        sizes = np.array([4.0, 1.0, length, 2.1])
+        q = angles_of(fourbar(sizes, 0.5236, {}, rng.uniform(0.1, 10.0, 3)))
+        pairs = dyad(along(0.5236, 1.0), np.array([4.0, 0.0]), float(length), 2.1)
+        near = min(pairs, key=lambda pair: apart(pair[0], 0) ** 2 + apart(pair[1], 0) ** 2)
+        assert (q["coupler"], q["rocker"]) == pytest.approx(near, abs=1e-9)

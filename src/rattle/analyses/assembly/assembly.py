@@ -14,7 +14,7 @@ import numpy as np
 
 from rattle.analyses.assembly.computable import require_digits
 from rattle.analyses.assembly.first_guess import first_guess, place_rates
-from rattle.analyses.assembly.guesses import guesses, least_open, why_open_from
+from rattle.analyses.assembly.guesses import Guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
 from rattle.analyses.assembly.rank import free_motions, loose_without_mass, scaled_rows
 from rattle.analyses.assembly.start_constants import (
@@ -50,6 +50,7 @@ KEPT = (
 )
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
+HARD = 8  # guesses from which it is tried hard to close, until one does
 NUDGE = 1e-5  # of differences, as a share of the mechanism's size
 DETERMINED = 1e-6  # share of a nudge by which a pin may move in its bush that joints and given values place
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
@@ -362,11 +363,11 @@ def _positions(
     given = given_values(system, 0)
     small, tolerance = system.row_count <= LARGE, 1e-12 * system.size
     closings: list[tuple[float, np.ndarray]] = []  # the squared change of given values, positions
-    least_gap, total = None, 0
-    for q in guesses(system, workspace, t, offsets, None if ideal is None else ideal.q):
+    least_gap, total, search = None, 0, Guesses(system, workspace, t, offsets, None if ideal is None else ideal.q)
+    for number, q in enumerate(search):
         start = q.copy()
         gap, iterations = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
-        if not gap <= 1e-9 * system.size and small and not closings:
+        if not gap <= 1e-9 * system.size and small and not closings and number < HARD:
             q[:] = start
             least_open(system, workspace, t, q)
             gap, more = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
@@ -378,11 +379,15 @@ def _positions(
             if not closings:
                 q = keep_positions(system, workspace, t, q, given)
             closings.append((change_of_given(system, q, given), q))
-            if closings[-1][0] <= KEPT**2:
-                return q, total
+            if closings[0][0] <= KEPT**2 and (search.settled or closings[-1][0] > KEPT**2):
+                break  # closings that change given values come after those that do not
+            if closings[-1][0] <= KEPT**2 < closings[0][0]:
+                closings = closings[-1:]
         elif least_gap is None or gap < least_gap[0]:
             least_gap = (gap, q)
     if closings:
+        if search.discrete and (kept := [q for change, q in closings if change <= KEPT**2]):
+            return min(kept, key=search.away), total
         return _nearest(system, workspace, t, given, closings), total
     assert least_gap is not None
     _without_drivers(system, workspace, t)

@@ -22,36 +22,58 @@ from rattle.jit.workspace import Workspace
 STARTS = 48  # guesses that are tried for angles that are not given
 
 
-def guesses(
-    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: np.ndarray | None
-) -> Iterator[np.ndarray]:
+class Guesses:
     """First guesses (3 nb,): bodies placed by the joints from the ground outwards, then all closings of its loops.
 
     Angles that are not given are tried where the loops do not determine all.
-    ideal: (3 nb,) positions of the ideal mechanism, if they are known.
     """
-    model = system.model
-    drive(workspace, t)
-    functions = {name: float(workspace.values[system.driver_slot(name)]) for name in model.drivers}
-    angles, free = passed_angles(model, functions)
-    if ideal is not None:  # the ideal mechanism gives the angles that were not given
-        angles.update({name: float(ideal[3 * system.bodies.index(name) + 2]) for name in free})
-    yield place_positions(system, angles, offsets, functions)
-    if ideal is not None:  # the given angles may be rough: those of the ideal mechanism are right within the clearance
-        closed = {name: float(ideal[3 * n + 2]) for n, name in enumerate(system.bodies)}
-        yield place_positions(system, {**angles, **closed}, offsets, functions)
-        return
-    closings = VectorLoops(system, functions)
-    yield from closings
-    if not free or closings.complete:
-        return
-    turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
-    tried: Iterator[tuple[float, ...]] = itertools.product(turns, repeat=len(free))
-    if len(turns) ** len(free) > STARTS:
-        random = np.random.default_rng(0)
-        tried = iter([tuple(random.uniform(-math.pi, math.pi, len(free))) for _ in range(STARTS)])
-    for turn in itertools.islice(tried, STARTS):
-        yield place_positions(system, {**angles, **dict(zip(free, turn, strict=True))}, offsets, functions)
+
+    def __init__(
+        self, system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: np.ndarray | None
+    ) -> None:
+        """ideal: (3 nb,) positions of the ideal mechanism, if they are known."""
+        model = system.model
+        drive(workspace, t)
+        self.system, self.offsets, self.ideal = system, offsets, ideal
+        self.functions = {name: float(workspace.values[system.driver_slot(name)]) for name in model.drivers}
+        self.angles, self.free = passed_angles(model, self.functions)  # of bodies [rad]; bodies whose angle is sought
+        self.discrete = False  # True: all closings are known that keep the given values
+        self.settled = not self.free  # True: no later guess is better than one that keeps all given values
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        system, angles, free, ideal = self.system, self.angles, self.free, self.ideal
+        if ideal is not None:  # the ideal mechanism gives the angles that were not given
+            rough = {**angles, **{name: float(ideal[3 * system.bodies.index(name) + 2]) for name in free}}
+            yield place_positions(system, rough, self.offsets, self.functions)
+            # the given angles may be rough: those of the ideal mechanism are right within the clearance
+            closed = {name: float(ideal[3 * n + 2]) for n, name in enumerate(system.bodies)}
+            yield place_positions(system, {**rough, **closed}, self.offsets, self.functions)
+            return
+        yield place_positions(system, angles, self.offsets, self.functions)
+        loops = VectorLoops(system, self.functions)
+        for q in loops:
+            self.settled, self.discrete = not free or not loops.complete, loops.complete
+            yield q
+        self.discrete = loops.complete
+        if not free or loops.complete:
+            return
+        turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
+        tried: Iterator[tuple[float, ...]] = itertools.product(turns, repeat=len(free))
+        if len(turns) ** len(free) > STARTS:
+            random = np.random.default_rng(0)
+            tried = iter([tuple(random.uniform(-math.pi, math.pi, len(free))) for _ in range(STARTS)])
+        for turn in itertools.islice(tried, STARTS):
+            varied = {**angles, **dict(zip(free, turn, strict=True))}
+            yield place_positions(system, varied, self.offsets, self.functions)
+
+    def away(self, q: np.ndarray) -> tuple[float, float]:
+        """How far angles that are sought are from 0, squared, without whole turns and with them [rad^2].
+
+        Rounded, for those that are equal but for rounding.
+        """
+        sought = [float(q[3 * self.system.bodies.index(name) + 2]) for name in self.free]
+        every = (sum(math.remainder(angle, math.tau) ** 2 for angle in sought), sum(angle**2 for angle in sought))
+        return round(every[0], 9), round(every[1], 9)
 
 
 def least_open(system: System, workspace: Workspace, t: float, q: np.ndarray) -> None:
