@@ -7,10 +7,12 @@ import pytest
 
 import rattle as rt
 from browsing import becomes, frames
+from circling import circling
 from rattle.pages.notebook import kernel_scene
 from rattle.pages.page import page
 from rattle.pages.replay import replay, write_page
 from rattle.pages.scene import run_of, scene_json
+from rattle.results.result import Result
 from rattle.studio.jobs.blocks import of_result
 
 PIN = "B.normal"
@@ -117,3 +119,31 @@ def test_the_colours_of_an_orbit_end_at_the_largest_force_or_say_it():
     bar = figure.axes[-1]
     want = r.peak(PIN)[0]
     assert bar.get_ylim()[1] >= want or f"{want:.4g} N" in bar.get_title()
+
+
+INK = """([t, y]) => {
+  const panel = rattle.viewer.curves.panels[0], canvas = panel.below, ratio = canvas.width / canvas.clientWidth;
+  const x = Math.round(ratio * panel.X(t)), at = Math.round(ratio * panel.Y(panel.handy.factor * y));
+  const box = canvas.getContext("2d").getImageData(x - 3, at, 7, 4).data; // just below the tip
+  const blue = (_, k) => box[4 * k + 2] - box[4 * k] > 60 && box[4 * k + 3] > 60;
+  return Array.from({ length: box.length / 4 }, blue).some(Boolean);
+}"""
+
+
+def test_a_single_value_that_stands_out_is_seen_at_every_zoom(tmp_path, open_page):
+    """One instant of 30001 is much larger: its tip has the colour of the curve, in the whole run and ever closer."""
+    r, at = circling(n=30_001, horizon=None, pulls=False), 17_003
+    data = np.array(r._data)
+    data[at, r.stored.index("O.normal")] = 4000.0
+    spiky = Result(
+        t=r.t, data=data, names=r.stored, units=r._units, geometry=r.geometry, trust=r.trust, stats={}, provenance={}
+    )
+    replay(spiky, tmp_path / "page.html")
+    tab = open_page((tmp_path / "page.html").as_uri(), reduced_motion="reduce")
+    becomes(tab, "window.rattle && rattle.names.length > 0")
+    tab.evaluate("rattle.choose(['O.normal'])")
+    for span in (0.2, 0.05, 0.01, 1e-3, 1e-4):
+        low = min(max(0.0, r.t[at] - 0.4 * span), r.t[-1] - span)
+        tab.evaluate("([low, high]) => rattle.viewer.curves.window([low, high])", [low, low + span])
+        frames(tab)
+        assert tab.evaluate(INK, [r.t[at], 4000.0]), f"not seen in a window of {span} s"
