@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import rattle as rt
 from linkages import block_in_guide
@@ -384,3 +385,62 @@ def test_a_stiffness_that_no_step_can_resolve_is_refused_by_name():
     with pytest.raises(rt.ModelError, match=r"joints.O.contact: so stiff that a contact at 1 m/s would last .* s"):
         m.simulate(0.01)
     assert pin_in_bush('{ model = "exact", restitution = 0.5, stiffness = 1e18 }').simulate(0.01).success
+
+
+# ---------------------------------------------------------------- starts near a wall, and peaks
+def flight_to_wall(e, v, c):
+    """Time [s] at which a pin that flies freely from the offset e [m] at v [m/s] is at the wall of its clearance c."""
+    a, b = v @ v, e @ v
+    gap = c - math.hypot(*e)
+    d = gap * (c + math.hypot(*e))
+    return d / (b + math.sqrt(b * b + a * d))  # without cancellation, however small the gap
+
+
+def hertz_peak_of_flight(e, v, c, stiffness):
+    """Largest force [N] on a pin of 1 kg: its angular momentum about the bush and its energy do not change."""
+    turn = e[0] * v[1] - e[1] * v[0]
+    start = 0.5 * v @ v
+    most = lambda d: 0.5 * (turn / (c + d)) ** 2 + 0.4 * stiffness * d**2.5 - start  # noqa: E731
+    deepest = brentq(most, 0.0, (2.5 * start / stiffness) ** 0.4 * 1.001, xtol=1e-300, rtol=1e-14)
+    return stiffness * deepest**1.5
+
+
+def test_pins_that_start_near_their_walls_have_the_first_contact_of_closed_form():
+    rng = np.random.default_rng(7)
+    for case in range(150):
+        c, speed = 10.0 ** rng.uniform(-5, -3), 10.0 ** rng.uniform(-3, 2.5)
+        gap = c * 10.0 ** rng.uniform(-12, -2)
+        around, aside = rng.uniform(-math.pi, math.pi), math.pi / 2 * rng.uniform(-1, 1)
+        e = (c - gap) * np.array([math.cos(around), math.sin(around)])
+        v = speed * np.array([math.cos(around + aside), math.sin(around + aside)])
+        law = ("hertz", "exact", "kelvin-voigt")[case % 3]
+        e_n = 1.0 if law == "hertz" else 0.7
+        contact = f'{{ model = "{law}", restitution = {e_n}, stiffness = 1e9, bush_radius = 0.01 }}'
+        m = pin_in_bush(contact, x=float(e[0]), y=float(e[1]), vx=float(v[0]), vy=float(v[1]), c=c)
+        wall = flight_to_wall(e, v, c)
+        end = wall + 2e-3 * speed**-0.2
+        r = m.simulate(end, rtol=1e-9)
+        assert r.success, (case, r.message)
+        hit = contacts_of(r, "O")[0]
+        # coordinates are rounded, times to 1e-15 of a step
+        approach = math.sqrt(max(speed**2 - ((e[0] * v[1] - e[1] * v[0]) / c) ** 2, 0.0))
+        rounding = 1e-15 * end + 1e-14 * c * (1.0 + speed / approach) / approach
+        assert hit.t == pytest.approx(wall, rel=1e-9, abs=rounding), case
+        if law == "hertz":
+            assert hit.peak_force == pytest.approx(hertz_peak_of_flight(e, v, c, 1e9), rel=1e-6), case
+
+
+@pytest.mark.parametrize("law", ["hertz", "exact", "kelvin-voigt"])
+def test_largest_force_of_a_contact_converges_with_the_tolerance(law):
+    # it lies anywhere in a step, beside its ends as well
+    rng = np.random.default_rng(1)
+    for _ in range(12):
+        v, phi = 10.0 ** rng.uniform(-2, 1.5), rng.uniform(-1.2, 1.2)
+        e = 1.0 if law == "hertz" else 0.6
+        contact = f'{{ model = "{law}", restitution = {e}, stiffness = 1e9, bush_radius = 0.01 }}'
+        m = pin_in_bush(contact, vx=v * math.cos(phi), vy=v * math.sin(phi), c=1e-4)
+        peaks = []
+        for rtol in (1e-8, 1e-10, 1e-12, 1e-13):
+            r = m.simulate(2e-4 / (v * math.cos(phi)) + 1e-3 * v**-0.2, rtol=rtol, atol=1e-3 * rtol)
+            peaks.append(contacts_of(r, "O")[0].peak_force)
+        assert peaks[:3] == [pytest.approx(peaks[3], rel=100.0 * rtol) for rtol in (1e-8, 1e-10, 1e-12)]

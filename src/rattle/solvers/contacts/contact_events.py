@@ -21,16 +21,20 @@ from rattle.jit.families import call_stiffness
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.event_rows import note_end
-from rattle.solvers.contacts.gap_search import NONE, may_reach, search
+from rattle.solvers.contacts.gap_search import NONE, may_reach, rounding, search
 from rattle.solvers.dense_output import interpolate
 
 PARTS = 16  # samples in a step of what is left of the mode of a clutch
 DIPS = 4  # parabolas through a least value between them
 GAUSS, WEIGHTS = (np.array(one) for one in np.polynomial.legendre.leggauss(8))
+PEAK_PARTS = 8  # samples of a force in a step
+FLAT = 0.1  # share by which the force between two samples may be larger than at them
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+PEAK_WIDTH = 1e-6  # share of a step in which the largest force is enclosed: its error is the square of that
 FIRST_STEP = (
     0.01  # first step in a contact, as a share of its expected duration: its force starts with a fractional power
 )
-LATER = 1e-7  # share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
+LATER = 1e-7  # largest share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
 
 
 @native("void", "h", "f", "v")
@@ -211,6 +215,20 @@ def first_turn(m, h, n, until):
     return NONE
 
 
+@compiled
+def beyond_rounding(m, h, n, side):
+    """Least share of the step (length h [s]) at which contact n changes; 0 if its gap is more than rounding before.
+
+    Otherwise its gap grows by rounding until then, and no more, so that it does not change back and is not inside its
+    wall either.
+    """
+    memory, slight = m.contact_memory[n], rounding(m, n)
+    if side * memory[at.GAP_0] > slight:
+        return 0.0
+    way = -side * memory[at.DGAP_0] * h
+    return LATER if way * LATER <= slight else slight / way
+
+
 @native("fi", "h", "f", "f")
 def first_change(m, h, until):
     """Share of the step, up to `until`, at which the first contact starts or ends, and its index; NONE if none does."""
@@ -222,9 +240,9 @@ def first_change(m, h, until):
             if share < best:
                 best, who = max(share, LATER), n
         elif contact[n, at.IMPACT] == 0 and may_reach(m, h, n, side):
-            share = search(m, h, n, side, min(best, until))
+            share = max(search(m, h, n, side, min(best, until)), beyond_rounding(m, h, n, side))
             if share < best:
-                best, who = max(share, LATER), n
+                best, who = share, n
     return best, who
 
 
@@ -237,6 +255,35 @@ def near_peak(m):
         if shut and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
             return True
     return False
+
+
+@compiled
+def highest_force(m, n, until):
+    """Largest force [N] of compliant contact n up to the share `until` of the step, from the dense output.
+
+    By samples, and by golden section around the largest of them, the ends of the step included.
+    """
+    high, best = 0.0, 0
+    for part in range(PEAK_PARTS + 1):
+        force = normal_at(m, until * part / PEAK_PARTS, n)
+        if force > high:
+            high, best = force, part
+    if high <= m.contact_memory[n, at.PEAK] * (1.0 - FLAT):
+        return high
+    low, top = until * max(best - 1, 0) / PEAK_PARTS, until * min(best + 1, PEAK_PARTS) / PEAK_PARTS
+    one, two = top - GOLDEN * (top - low), low + GOLDEN * (top - low)
+    first, second = normal_at(m, one, n), normal_at(m, two, n)
+    while top - low > PEAK_WIDTH:
+        high = max(high, first, second)
+        if first > second:
+            top, two, second = two, one, first
+            one = top - GOLDEN * (top - low)
+            first = normal_at(m, one, n)
+        else:
+            low, one, first = one, two, second
+            two = low + GOLDEN * (top - low)
+            second = normal_at(m, two, n)
+    return max(high, first, second)
 
 
 @native("void", "h", "f", "i")
@@ -252,21 +299,7 @@ def find_peaks(m, until, sampled):
         memory[n, at.STEPS_IN] += 1.0
         high = max(memory[n, at.N_0], memory[n, at.N_1] if until >= 1.0 else 0.0)
         if sampled and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
-            best = 0
-            for part in range(1, 8):
-                force = normal_at(m, until * part / 8.0, n)
-                if force > high:
-                    high, best = force, part
-            if best > 0 and high > memory[n, at.PEAK]:
-                low, top = until * (best - 1) / 8.0, until * (best + 1) / 8.0
-                for _ in range(14):
-                    one, two = low + 0.382 * (top - low), low + 0.618 * (top - low)
-                    first, second = normal_at(m, one, n), normal_at(m, two, n)
-                    high = max(high, first, second)
-                    if first > second:
-                        top = two
-                    else:
-                        low = one
+            high = max(high, highest_force(m, n, until))
         memory[n, at.PEAK] = max(memory[n, at.PEAK], high)
 
 
