@@ -12,7 +12,9 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.projection import project
 
-NEAR = 1e-6  # share of its scale within which contacts hit at the same instant: well above the integration error
+NEAR = 100.0  # roundings of a gap within which a contact is at its wall
+AT_ONCE = 1e-11  # share of the size of the mechanism within which contacts hit at the same instant, by errors of steps
+AT_ONCE_OF_GAP = 1e-6  # the same, as a share of the scale of the gap, where that is less
 FAR = 100.0  # how far a contact may move along its wall, in gaps, when it is projected onto the wall
 EXACT = 1e-16  # share of the typical size of a gap to which closed ones are brought onto their walls
 STILL = 1e-12  # share of its terms below which a contact velocity counts as zero
@@ -20,8 +22,9 @@ STILL = 1e-12  # share of its terms below which a contact velocity counts as zer
 
 @compiled
 def noise(m, n):
-    """Penetration of contact n that may be rounding [m or rad]."""
-    return 1e-12 * scale_of(m, n) + 1e-15 * m.lever[n, at.GAP_SIZE]
+    """Penetration of contact n that may be rounding [m or rad]: a wide gap does not make it larger."""
+    size = 1e-15 * m.lever[n, at.GAP_SIZE]
+    return min(1e-12 * scale_of(m, n), size) + size
 
 
 @compiled
@@ -34,7 +37,16 @@ def note_open(m, n, gap):
 @compiled
 def at_wall(m, n):
     """True if open contact n is at its wall (its gap must be up to date); near ones that hit are projected there."""
-    return m.contact_kinematics[n, at.GAP] <= 100.0 * noise(m, n)
+    return m.contact_kinematics[n, at.GAP] <= NEAR * noise(m, n)
+
+
+@compiled
+def nearness(m, n):
+    """Gap [m or rad] up to which contact n hits with another one that is at its wall, and is put there too.
+
+    It is a loss of energy that no impact accounts for, so that it does not grow with the clearance.
+    """
+    return max(NEAR * noise(m, n), min(AT_ONCE * m.lever[n, at.GAP_SIZE], AT_ONCE_OF_GAP * scale_of(m, n)))
 
 
 @compiled
@@ -56,7 +68,7 @@ def add_hitting(m, count, who):
     for n in range(contact.shape[0]):
         if who < 0 or contact[n, at.IMPACT] == 0 or mode[n] != OFF or contact[n, at.LEVEL] == 1:
             continue
-        if n == who or abs(kinematics[n, at.GAP]) <= NEAR * scale_of(m, n):
+        if n == who or abs(kinematics[n, at.GAP]) <= nearness(m, n):
             active[closed] = n
             closed += 1
     return closed

@@ -39,7 +39,7 @@ from rattle.solvers.contacts.pawls import seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, scale_of
 from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.nonsmooth.contact_modes import HIT, MEETS, NOTHING
-from rattle.solvers.nonsmooth.contact_projection import NEAR, noise, project_on_contacts
+from rattle.solvers.nonsmooth.contact_projection import noise, project_on_contacts
 from rattle.solvers.nonsmooth.event_handling import agree_with_friction, handle_event, new_modes, remember
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
 from rattle.solvers.output_row import record
@@ -70,6 +70,7 @@ from rattle.solvers.step_control import (
 )  # fmt: skip
 from rattle.solvers.step_state import DENSE_STAGES, SAMPLES, STABLE, STAGES, STEP
 
+START_NEAR = 1e-6  # share of its scale within which a contact given at its wall is put there
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
 CROWDED = 1e-6
@@ -89,7 +90,7 @@ def start(m, t):
         if contact[n, at.LEVEL] == 1:
             who = n if contact[n, at.IMPACT] == 1 and takes_impulses(m, n) and gets_ahead(m, n) else who
             continue
-        near = max(NEAR * scale_of(m, n), 4.0 * noise(m, n))
+        near = max(START_NEAR * scale_of(m, n), 4.0 * noise(m, n))
         if contact[n, at.IMPACT] == 0 or mode[n] != OFF or kinematics[n, at.GAP] > near:
             continue
         if nearest < 0 or kinematics[n, at.GAP] < kinematics[nearest, at.GAP]:
