@@ -83,7 +83,7 @@ declare("audit", """
     MOST_WORK [J] largest work so far
     LEAST_POTENTIAL [J] smallest potential energy so far
     MOST_POTENTIAL [J] largest so far
-    MOST_UNREST [] largest unrest so far
+    MOST_UNREST [J] largest unrest so far
     OPEN_ANGLE [rad] largest angle by which joints were open
     OPEN_LENGTH [m] largest length
     OPENNESS [] of the present step: largest residual, relative to the mechanism's size or 1 rad
@@ -91,9 +91,14 @@ declare("audit", """
     UNREST [] of the present step: energy error as a share of the turnover
     CORRECTION [] openness that was corrected in the present step
     SUNK [] largest depth of a set-valued contact in its wall, as a share of GAP_SCALE, Moreau-Jean only
+    KINETIC_NOW [J] kinetic energy at the state checked last
+    WORK_NOW [J] work done there
+    POTENTIAL_NOW [J] potential energy there
+    UNREST_NOW [J] unrest there
 """)
 OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, MOST_KINETIC, MOST_WORK, LEAST_POTENTIAL = range(9)
 MOST_POTENTIAL, MOST_UNREST, OPEN_ANGLE, OPEN_LENGTH, OPENNESS, OPEN_ROW, UNREST, CORRECTION, SUNK = range(9, 18)
+KINETIC_NOW, WORK_NOW, POTENTIAL_NOW, UNREST_NOW = range(18, 22)
 declare("landing", """
     LANDS [] 1 + switch at which the step ends; 0: none
     GO_ON [s] next step

@@ -57,7 +57,7 @@ def note_drift(m):
 
 @native("i", "h", "v")
 def stands(m, y):
-    """True if the state y, with rates in `body` and potential in `power`, is acceptable; then it is recorded."""
+    """True if the state y, with rates in `body` and potential in `power`, is acceptable; see `keep_energies`."""
     audit, body, mass, power = m.audit, m.body, m.mass, m.power
     energies = energies_at(m)
     kinetic, potential, lost = 0.0, power[at.POTENTIAL_ENERGY], y[energies + DISSIPATED]
@@ -84,17 +84,24 @@ def stands(m, y):
     unrest = max(0.0, abs(total - audit[at.TOTAL_0]) - ROUNDING * max(abs(low), abs(high)))
     share = unrest / turnover if turnover > 0.0 else unrest
     audit[at.UNREST] = share
-    sound = (
+    audit[at.KINETIC_NOW], audit[at.WORK_NOW] = kinetic, work
+    audit[at.POTENTIAL_NOW], audit[at.UNREST_NOW] = potential, unrest
+    return (
         share <= audit[at.UNREST_LIMIT]
         and audit[at.OPENNESS] <= audit[at.OPEN_LIMIT]
         and audit[at.CORRECTION] <= TOO_FAR
     )
-    if not sound:
-        return False
-    audit[at.MOST_KINETIC], audit[at.MOST_WORK] = max(audit[at.MOST_KINETIC], kinetic), max(audit[at.MOST_WORK], work)
-    audit[at.LEAST_POTENTIAL], audit[at.MOST_POTENTIAL], audit[at.MOST_UNREST] = (
-        low,
-        high,
-        max(audit[at.MOST_UNREST], share),
-    )
-    return True
+
+
+@compiled
+def keep_energies(m):
+    """Record the energies of the state that was checked last: it is one of the run.
+
+    The end of a step that an event cuts short is not: beyond a wall it may have any energy.
+    """
+    audit = m.audit
+    audit[at.MOST_KINETIC] = max(audit[at.MOST_KINETIC], audit[at.KINETIC_NOW])
+    audit[at.MOST_WORK] = max(audit[at.MOST_WORK], audit[at.WORK_NOW])
+    audit[at.LEAST_POTENTIAL] = min(audit[at.LEAST_POTENTIAL], audit[at.POTENTIAL_NOW])
+    audit[at.MOST_POTENTIAL] = max(audit[at.MOST_POTENTIAL], audit[at.POTENTIAL_NOW])
+    audit[at.MOST_UNREST] = max(audit[at.MOST_UNREST], audit[at.UNREST_NOW])

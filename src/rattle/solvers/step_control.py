@@ -17,7 +17,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.dense_output import prepare_dense
 from rattle.solvers.state_switches import REPEAT, SLIDES, arrive, crossed, land, release
-from rattle.solvers.step_audit import UNSOUND, stands
+from rattle.solvers.step_audit import UNSOUND, keep_energies, stands
 from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, STABLE, STAGES
 
 TRY_AGAIN = -1  # the step must be repeated, with the length in `clock`
@@ -216,6 +216,9 @@ def take_over(m, t, located):
     for n in range(y.shape[0]):
         y[n] = y_new[n]
         f[n] = f_new[n]
+    if located:
+        stands(m, y)
+    keep_energies(m)
     clock[at.H_MIN] = min(clock[at.H_MIN], t - clock[at.T]) if not located else clock[at.H_MIN]
     clock[at.T] = t
     m.tally[at.STEPS] += 1

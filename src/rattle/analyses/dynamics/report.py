@@ -14,7 +14,7 @@ from rattle.analyses.dynamics.oil_notes import oil_notes
 from rattle.analyses.dynamics.peak_values import peak_values
 from rattle.analyses.dynamics.run import Run, pulls, start_state
 from rattle.analyses.dynamics.singular_passages import Passage, passage_notes, passages
-from rattle.analyses.dynamics.soundness import fast_links, loose, remarks
+from rattle.analyses.dynamics.soundness import energy_share, fast_links, loose, remarks
 from rattle.analyses.grip import grip_notes
 from rattle.analyses.timetable import jolt_events, jolt_notes
 from rattle.analyses.travel import out_of_place, places
@@ -121,7 +121,7 @@ def _trust(
     return Trust(
         drift=float(seen[at.OPEN_LENGTH]),
         drift_angle=float(seen[at.OPEN_ANGLE]),
-        energy_share=float(seen[at.MOST_UNREST]),
+        energy_share=energy_share(seen),
         drift_joint=system.rows[tally[at.DRIFT_ROW]].owner if system.rows else "",
         energy_balance=balance,
         t_end=float(clock[at.T]),

@@ -60,7 +60,7 @@ def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
     energy_limit: largest share [-] for the energy error, given by the stepper.
     """
     size = system.extent
-    seen = np.zeros(at.SUNK + 1)
+    seen = np.zeros(at.width("audit"))
     seen[at.OPEN_LIMIT], seen[at.UNREST_LIMIT] = LIMIT, energy_limit
     return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
 
@@ -79,6 +79,16 @@ def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) ->
     workspace.audit[at.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
 
 
+def energy_share(seen: np.ndarray) -> float:
+    """Largest energy error of a run as a share of the energy that it has exchanged, with what the tolerances allow.
+
+    seen: `audit` at its end.
+    """
+    exchanged = seen[[at.MOST_KINETIC, at.MOST_WORK]].max()
+    exchanged = max(exchanged, seen[at.MOST_POTENTIAL] - seen[at.LEAST_POTENTIAL]) + LIMIT * seen[at.FLOOR]
+    return float(seen[at.MOST_UNREST] / exchanged) if exchanged > 0.0 else 0.0
+
+
 # ---------------------------------------------------------------- notes
 def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tuple[str, ...]:
     """Notes on a run whose drift or energy error is more than rounding."""
@@ -93,7 +103,7 @@ def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tup
             f"contacts sank up to {100 * seen[at.SUNK]:.2g} % of the clearance, or of the range between stops, into"
             f" their walls: {stepper.title} detects contact only once per step, a shorter step detects it sooner"
         )
-    share = float(seen[at.MOST_UNREST])
+    share = energy_share(seen)
     if share > SAID and stepper.title:
         found.append(f"energy error {share:.2g} of the largest energy: {stepper.title}, in proportion to its step")
     elif share > SAID:

@@ -42,8 +42,14 @@ export function stands(s, y, first) {
   if (!(s.unrest <= limits.energy && s.openness <= limits.drift && s.correction <= limits.jump)) return false;
   [s.mostKinetic, s.mostWork, s.least, s.most] = [
     Math.max(s.mostKinetic, kinetic), Math.max(s.mostWork, work), low, high];
-  s.mostUnrest = Math.max(s.mostUnrest, s.unrest);
+  s.mostUnrest = Math.max(s.mostUnrest, unrest);
   return true;
+}
+
+// the largest energy error as a share of the energy exchanged so far, with what the tolerances allow
+function energyShare(s) {
+  const exchanged = Math.max(s.mostKinetic, s.mostWork, s.most - s.least) + s.settings.limits.drift * s.floor;
+  return exchanged > 0 ? s.mostUnrest / exchanged : 0;
 }
 
 // the energy below which errors are ignored: that of a mechanism at rest, within the tolerances
@@ -96,7 +102,7 @@ export function trustOf(s, reach) {
   const trust = {
     drift: s.drift, drift_angle: s.driftAngle, drift_joint: s.driftRow < 0 ? "" : layout.rows[s.driftRow][0],
     energy: balance.reduce((most, x) => Math.max(most, Math.abs(x)), s.written ? 0 : NaN),
-    energy_share: s.mostUnrest, t_end: s.t, stopped: s.message !== "", ...pulls(s),
+    energy_share: energyShare(s), t_end: s.t, stopped: s.message !== "", ...pulls(s),
     pending: reach === null && s.written > 1, horizon: reach && reach.time, horizon_motion: reach && reach.motion, horizon_curve: reach ? reach.first : "",
     notes: [...(s.anotherWay ? [ANOTHER_WAY] : []), ...(s.message ? [] : remarks(s))],
   };
@@ -124,7 +130,7 @@ function remarks(s) {
   const shorter = s.method === "rk4" ? "a shorter step" : "a smaller rtol";
   if (opened > 1e-6)
     found.push(`joints opened by ${general(opened, 2)} of the mechanism's size (or rad): ${shorter} reduces this`);
-  if (s.mostUnrest > 1e-6)
-    found.push(`energy error ${general(s.mostUnrest, 2)} of the largest energy: ${shorter} reduces it`);
+  if (energyShare(s) > 1e-6)
+    found.push(`energy error ${general(energyShare(s), 2)} of the largest energy: ${shorter} reduces it`);
   return found;
 }

@@ -77,7 +77,7 @@ from rattle.solvers.peaks.samples import START, add_step, gauge
 from rattle.solvers.ports import keep_ports, show_ports
 from rattle.solvers.projection import close_joints, project
 from rattle.solvers.sign_watch import cross_at_once
-from rattle.solvers.step_audit import UNSOUND, stands
+from rattle.solvers.step_audit import UNSOUND, keep_energies, stands
 from rattle.solvers.step_control import has_room
 
 MOST_CHANGES = 4  # times that a step is taken for clutches that begin or cease to slip
@@ -251,6 +251,7 @@ def end_stands(m, t, h):
     if not stands(m, y_new):
         m.clock[at.TROUBLE] = t + h
         return UNSOUND
+    keep_energies(m)
     locate_contacts(m)
     seat_pawls(m, False)
     audit[at.SUNK] = max(audit[at.SUNK], deepest(m))
