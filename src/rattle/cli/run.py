@@ -52,13 +52,14 @@ if TYPE_CHECKING:
     "doubles the time.",
 )
 @require_option
+@click.option("--why", "-v", is_flag=True, help="Say why the result can be trusted so far: errors, contacts, remarks.")
 @click.option("--json", "as_json", is_flag=True, help="Print table and trust as JSON.")
 @click.pass_context
 def run(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, csv: str | None,
     fallback: str | None, contact: str | None, t_end: float | None, method: str | None, rtol: float | None,
     atol: float | None, step: float | None, most_steps: int | None, horizon: bool, required: tuple[str, ...],
-    as_json: bool,
+    why: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Motion in time: peak and RMS force of every joint, energy, and how far the result can be trusted.
 
@@ -68,7 +69,7 @@ def run(
     Examples: rattle run fourbar --t-end 0.2 --set r3="2 mm" -o out.nc
               rattle run slider_crank --require "max(abs(motor.torque)) < 400 N*m"
     """
-    from rattle.results.contact_summary import joint_table
+    from rattle.results.contact_summary import contact_lines, joint_table
     from rattle.results.film_summary import film_table
 
     m = read_model(file, settings, ideal)
@@ -90,13 +91,18 @@ def run(
             "stats": result.stats,
             "peaks": _peaks(result),
             **({"required": [verdict.record for verdict in verdicts]} if verdicts else {}),
+            "contacts": {name: one._asdict() for name, one in result.contacts.items()},
         }
         click.echo(to_json(record))
     else:
         click.echo(joint_table(result))
+        for line in contact_lines(result):
+            click.echo(line)
         if said := film_table(result):
             click.echo(said)
-        click.echo(str(result.trust))
+        click.echo(result.trust.word)
+        for line in result.trust.why if why else result.trust.notes:
+            click.echo(line)
     finish(ctx, result, kept)
     finish_required(ctx, verdicts, None if as_json else click.echo)
 
@@ -117,12 +123,18 @@ def _steppers(adaptive: bool) -> str:
     return steppers(adaptive)
 
 
-def _peaks(result: Result) -> dict[str, dict[str, float | str]]:
-    """Largest magnitude, its time [s] and RMS of all forces, moments, efforts and powers, found within the steps."""
+def _peaks(result: Result) -> dict[str, dict[str, float | str | None]]:
+    """Largest magnitude, its time [s] and RMS of all forces, moments, efforts and powers, found within the steps.
+
+    None where they say nothing of a real force, as between impacts of rigid contacts that turn or nearly lock.
+    """
+    from rattle.results.contact_summary import readable
+
     return {
-        name: {"peak": one.value, "t": one.t, "rms": one.rms, "unit": result.unit(name)}
+        name: {"peak": one.value if shown else None, "t": one.t, "rms": one.rms if shown else None, "unit": unit}
         for name, one in result.peaks.items()
         if name in result
+        for shown, unit in [(readable(result, name), result.unit(name))]
     }
 
 

@@ -216,8 +216,11 @@ declare("held", """
     SCALE [] magnitude of the terms of the last a = G f + b
     WEAKEST [] smallest pivot / its diagonal, sparse solution
     SHARED [] 1 + a contact whose force may differ without changing the motion
+    LOCK_SHARE [] smallest (G_nn +- mu G_nt) / G_nn of a sliding contact so far: it locks if it is <= 0
+    LOCK_AT [s] when
+    LOCK_CONTACT [] which contact
 """)
-DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED = range(8)
+DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED, LOCK_SHARE, LOCK_AT, LOCK_CONTACT = range(11)
 declare("stuck", """
     EVENT_AT [s] time of the last event
     EVENTS_THERE [] events at that time so far

@@ -239,6 +239,7 @@ def geometry(model: Model) -> dict[str, Any]:
             "points": [list(joint.a.at), list(joint.b.at)],
             "clearance": joint.clearance,
             "contact": joint.contact.title if joint.contact else "",
+            "rigid": joint.contact is not None and joint.contact.rigid,
         }
         if joint.leaf.bodies:
             joints[name]["sense"] = joint.fields["sense"]

@@ -13,6 +13,7 @@ from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
 
 ROUNDING = 1e-12  # share of the largest kinetic energy below which a loss is rounding
+TOWERS = 20.0  # ratio of largest and RMS force of a mechanism with rigid contacts, above which it is not shown
 SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
 
 
@@ -47,6 +48,23 @@ def peak(result: Curves, name: str) -> tuple[float, float]:
     beside = np.abs(result.with_breaks[name])
     k = int(np.argmax(np.where(np.isfinite(beside), beside, -math.inf)))  # one side of an impact, say
     return (float(beside[k]), float(result.with_breaks.t[k])) if beside[k] > best[0] else best
+
+
+def readable(result: Curves, name: str) -> bool:
+    """False if the largest value of a force says nothing of a real contact, or was not found at all.
+
+    In a mechanism with rigid contacts forces between impacts may rise by orders of magnitude for microseconds: where a
+    pin turns in its play with very different masses along and across its path, and where friction nearly locks it.
+    """
+    value = peak(result, name)[0]
+    if not math.isfinite(value):
+        return False
+    return not rigid_joints(result) or value <= TOWERS * rms_of(result, name)
+
+
+def rigid_joints(result: Curves) -> tuple[str, ...]:
+    """Joints with play whose contacts nothing can penetrate: their impacts have impulses, not forces."""
+    return tuple(name for name, form in result.geometry["joints"].items() if form.get("rigid"))
 
 
 def rms_of(result: Curves, name: str) -> float:
@@ -93,6 +111,9 @@ class ContactSummary(NamedTuple):
     peak: float  # largest force [N or N m], from within the steps
     rms: float  # of the force over the whole run [N or N m]
     longest_flight: float  # longest time without contact [s]
+    impulse: float  # largest impulse of an impact [N s or N m s]
+    impulse_at: float  # its time [s]; NaN without impacts
+    readable: bool  # False: a rigid contact whose largest force says nothing of a real one
     energy_lost: float  # in impacts and contacts, friction included [J]
     power_lost: float  # mean power lost over the run [W]
 
@@ -119,6 +140,8 @@ def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
     events = [event for event in result.events if event.joint == joint]
     lasting = [event for event in events if event.kind == "contact"]
     spans = pressing_spans(events)
+    hits = [event for event in events if event.kind == "impact"]
+    hardest = max(hits, key=lambda event: event.impulse, default=None)
     lost = math.fsum(event.energy_lost for event in events)
     if "energy.kinetic" in result and abs(lost) < ROUNDING * float(result["energy.kinetic"].max()):
         lost = 0.0
@@ -134,10 +157,13 @@ def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
     return ContactSummary(
         share=share,
         contacts=len(lasting),
-        impacts=sum(event.kind == "impact" for event in events),
+        impacts=len(hits),
         peak=max([_pressing(result, joint, force), *(event.peak_force for event in lasting)]),
         rms=rms_of(result, force),
         longest_flight=flight,
+        impulse=hardest.impulse if hardest else 0.0,
+        impulse_at=hardest.t if hardest else math.nan,
+        readable=readable(result, force),
         energy_lost=lost,
         power_lost=lost / span if span else 0.0,
     )
@@ -186,27 +212,58 @@ def rms(t: np.ndarray, values: np.ndarray) -> float:
 def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heading and one row per joint, with units: peak force and its time, RMS force; with play the contact summary.
 
-    Peak and RMS of a run in time are found within its steps, otherwise on a smooth curve through the positions.
+    Peak and RMS of a run in time are found within its steps, otherwise on a smooth curve through the positions.  With
+    rigid contacts the force is that between impacts, and "-" where it says nothing of a real one; their largest impulse
+    stands beside the number of impacts.
     """
-    loose = contacts(result)
-    head: tuple[str, ...] = ("joint", "peak force", "at t", "RMS force")
+    loose, rigid = contacts(result), rigid_joints(result)
+    head: tuple[str, ...] = ("joint", "lasting force" if rigid else "peak force", "at t", "RMS force")
     if loose:
         head += ("pressing", "contacts", "impacts", "energy lost", "mean power")
+        head += ("largest impulse", "at t") if rigid else ()
     rows = []
     for joint in result.geometry["joints"]:
         if f"{joint}.fx" not in result or not len(result.t):
             continue
         (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
-        row: tuple[str, ...] = (joint, f"{force:.4g} N", f"{when:.4g} s", f"{mean:.4g} N")
+        largest = (f"{force:.4g} N", f"{when:.4g} s") if readable(result, f"{joint}.force") else ("-", "-")
+        row: tuple[str, ...] = (joint, *largest, f"{mean:.4g} N" if largest[0] != "-" else "-")
         if one := loose.get(joint):
             row += (f"{100 * one.share:.0f} %", str(one.contacts), str(one.impacts))
             part = " dry" if f"{joint}.film_thickness" in result else ""  # what its oil loses stands in the oil's table
             row += (f"{one.energy_lost:.4g} J{part}", f"{one.power_lost:.4g} W{part}")
+            row += (f"{one.impulse:.3g} N*s", f"{one.impulse_at:.4g} s") if one.impacts else ()
         rows.append(row + ("-",) * (len(head) - len(row)))
     return head, rows
 
 
-WIDTHS = (14, 12, 14, 10, 10, 9, 14, 13)  # of the columns after the name
+def _two(value: float) -> str:
+    """A number with two digits, without an exponent where that is short."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def contact_lines(result: Curves) -> tuple[str, ...]:
+    """What rigid contacts show, joint by joint: impulses, force of lasting contact, and that of elastic bushes."""
+    lines = []
+    for joint in rigid_joints(result):
+        one = contacts(result).get(joint)
+        if one is None:
+            continue
+        said = [f"largest impulse {one.impulse:.3g} N*s (t = {one.impulse_at:.4g} s)"] if one.impacts else []
+        if one.readable:
+            said.append(f"lasting contact up to {one.peak:.4g} N")
+        else:
+            said.append(
+                f"the force of lasting contact rises beyond {TOWERS:g} times its RMS, not to be read as a force"
+            )
+        if joint in result.trust.elastic:
+            low, high = result.trust.elastic[joint]
+            said.append(f"elastic bushes would show about {_two(low)} to {_two(high)} N ({result.trust.bushes[joint]})")
+        lines.append(f"{joint}: {'; '.join(said)}")
+    return tuple(lines)
+
+
+WIDTHS = (14, 12, 14, 10, 10, 9, 14, 13, 17, 12)  # of the columns after the name
 
 
 def joint_table(result: Curves) -> str:

@@ -14,6 +14,7 @@ from rattle.results.display import card, marks
 
 Array = NDArray[np.float64]
 LOOSE = 1e-6  # drift over the size of the mechanism, and share of the energy, above which a solution is loose
+POOR = 1e-3  # share of the energy that nothing accounts for, above which a run is not trusted at all
 FEW = 6  # steps in the shortest contact below which its forces are coarse
 HOW = " (horizon=True does)"  # what computes the horizon, for those who write Python; pages leave it out
 
@@ -35,6 +36,11 @@ class Trust:
     fewest_steps: float | None = None  # steps in the shortest contact
     nonunique: tuple[str, ...] = ()  # joints whose reactions are not unique
     notes: tuple[str, ...] = ()
+    elastic: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # rigid joint -> peaks of elastic ones [N]
+    bushes: Mapping[str, str] = field(default_factory=dict)  # ... -> which bushes, in words
+    unread: tuple[
+        str, ...
+    ] = ()  # joints whose largest force says nothing of a real one, see `contact_summary.readable`
     singular: tuple[float, ...] = ()  # instants at which singular positions were passed [s]
     drift_angle: float = 0.0  # largest angle between bodies that belong together [rad]
     stopped: bool = False  # the run ended before its end time
@@ -54,10 +60,58 @@ class Trust:
         first = f"{self._accuracy()}; {self._reach()}"
         return f"{first}\n{remarks}" if remarks else f"{self._accuracy()}\n{self._reach()}"
 
+    @property
+    def word(self) -> str:
+        """The answer in one line: trusted, or not, and how far; `why` has the reasons."""
+        return f"{self._verdict()}{self._exceptions()}"
+
+    @property
+    def why(self) -> tuple[str, ...]:
+        """The reasons of `word`, in sentences: what agrees, how well the equations were solved, and all remarks."""
+        return (self._reach(), self._accuracy(), *(one for one in (self._pulling(), *self._remarks()) if one))
+
+    def trusted_until(self) -> float | None:
+        """Last instant up to which curves can be trusted [s]: of the horizon, and before any link pulls.
+
+        None: the horizon was not computed.
+        """
+        if self.horizon is None:
+            return None
+        first = [t for j, t in self.first_pull.items() if t is not None and self.pulled.get(j, 0.0) > 0.0]
+        return min([self.horizon, *first])
+
+    def _verdict(self) -> str:
+        pulling = {j: self.first_pull.get(j) or 0.0 for j, share in self.pulled.items() if share > 0.0}
+        until = self.trusted_until()
+        if pulling and (until is None or min(pulling.values()) <= until):
+            first = min(pulling.values())
+            return f"{f'trusted up to t = {first:.3g} s' if first else 'not to be trusted'}: {self._links()}"
+        if until is None:
+            return f"how far it can be trusted was not computed{HOW}"
+        if (self.energy_share or 0.0) > POOR:
+            return f"not to be trusted: {100 * (self.energy_share or 0.0):.2g} % of the energy is unaccounted for"
+        if self.stopped and (until >= self.t_end or not self.horizon_curve):
+            return f"trusted up to where the run ended, t = {self.t_end:.4g} s"
+        if until >= self.t_end:
+            return "trusted over the whole run"
+        motion = self.horizon_motion
+        if motion is not None and motion > 2.0 * until:
+            reach = "over the whole run" if motion >= self.t_end else f"up to t = {motion:.3g} s"
+            return f"positions and rates trusted {reach}, all other curves up to t = {until:.3g} s, statistics after it"
+        return f"trusted up to t = {until:.3g} s, after it statistics only"
+
+    def _exceptions(self) -> str:
+        """What is not trusted within that time."""
+        said = [f"the largest forces of {', '.join(self.unread)}"] if self.unread else []
+        if self.singular:
+            times = ", ".join(f"{t:.4g}" for t in self.singular[:3]) + (", ..." if len(self.singular) > 3 else "")
+            said.append(f"the forces at singular positions (t = {times} s)")
+        return f", but not {' and '.join(said)}" if said else ""
+
     def holds(self, size: float = 1.0) -> tuple[str, ...]:
         """What was checked and is well, in sentences; size: of the mechanism [m], which a drift is compared with."""
         said = [] if self._loosely_solved(size) else [f"the equations were solved well: {self._accuracy()}"]
-        if self._reaches_the_end() and not self.stopped:
+        if not self._exceptions() and self._reaches_the_end() and not self.stopped:
             said.append(self._reach())
         if self.pulled and not any(self.pulled.values()):
             said.append(self._links())
@@ -78,6 +132,8 @@ class Trust:
         if any(self.pulled.values()):
             said.append(self._links())
         said += self.coarse()
+        if self._exceptions():
+            said.append(f"not to be trusted: {self._exceptions().removeprefix(', but not ')}")
         if self.nonunique:
             said.append(f"the reactions of {', '.join(self.nonunique)} are not unique, as constraints are redundant")
         return tuple(said)
@@ -172,7 +228,7 @@ class Trust:
     def from_dict(cls, record: Mapping[str, Any]) -> Trust:
         """The inverse of `to_dict`; units as of the fields."""
         intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
-        texts = {key: tuple(record[key]) for key in ("nonunique", "notes", "singular") if key in record}
+        texts = {key: tuple(record[key]) for key in ("nonunique", "notes", "singular", "unread") if key in record}
         return cls(**{**record, **texts, "intervals": intervals})
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from rattle import registry
 from rattle.description.switch_contact import recontact
 from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
+from rattle.results.contact_summary import contact_lines, readable
 from rattle.results.display import table
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Comparison:
     def notes(self) -> dict[str, tuple[str, ...]]:
         """Notes by model: the message of a run that ended early, and the notes of its trust."""
         said = {
-            model: (*([r.message] if r.message else []), *r.trust.notes, *r.trust.coarse())
+            model: (*([r.message] if r.message else []), *contact_lines(r), *r.trust.notes, *r.trust.coarse())
             for model, r in self.results.items()
         }
         return {model: notes for model, notes in said.items() if notes}
@@ -91,15 +92,19 @@ class Comparison:
 HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "energy lost", "trusted up to")
 
 
-# forces of rigid impacts are infinite: the peak is that of the contacts, the impulse is listed with the impacts
+# a rigid contact has impulses, listed with the impacts; its force is that of lasting contact, where that can be read
 
 
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
     found = result.contacts.get(joint)
     peak = max(result.peak(f"{joint}.force")[0], found.peak if found else 0.0)
-    horizon = result.trust.horizon
-    end = result.trust.t_end
-    reach = "-" if horizon is None else "the end" if horizon >= end else f"{horizon:.3g} s"
+    until, end = result.trust.trusted_until(), result.trust.t_end
+    reach = "-" if until is None else "the end" if until >= end else f"{until:.3g} s"
+    pull = max(result.trust.pulled.values(), default=0.0)
+    if pull > 0.0:
+        reach += f" (pulls for {100.0 * pull:.2g} %)"
+    elif result.trust.unread:
+        reach += " (not the peak)"
     if not found or model == LINK:
         touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
     else:
@@ -109,7 +114,9 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         hardest = max((event.impulse for event in mine), default=0.0)
         hits = f"{found.impacts}, to {hardest:.2g} N*s" if found.impacts else "0"
         touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
-    return (model, newton(peak), newton(result.rms(f"{joint}.force")), *touched, reach)
+    shown = readable(result, f"{joint}.force")
+    forces = (newton(peak), newton(result.rms(f"{joint}.force"))) if shown else ("-", "-")
+    return (model, *forces, *touched, reach)
 
 
 def newton(force: float) -> str:

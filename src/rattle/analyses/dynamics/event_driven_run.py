@@ -29,6 +29,8 @@ from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
 from rattle.solvers.step_audit import UNSOUND
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
+NEARLY_LOCKED = 0.2  # share of its response without friction that a sliding contact keeps, below which it is said
+
 
 @final
 class EventDrivenRun(Run):
@@ -108,8 +110,16 @@ class EventDrivenRun(Run):
         return (*said, f"friction locked contacts (Painleve), passed by {number} without collision, {first}")
 
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
-        """Nothing: peaks are located within the steps."""
-        return ()
+        """How near friction has come to locking a contact, where forces grow without bound."""
+        share, when, contact = (float(self.workspace.held[k]) for k in (at.LOCK_SHARE, at.LOCK_AT, at.LOCK_CONTACT))
+        if not 0.0 < share < NEARLY_LOCKED:
+            return ()
+        joint = self.system.joints[self.system.arrays["contact"][int(contact), at.OWNER]]
+        return (
+            f"friction in {joint} comes within {100 * share:.2g} % of locking it (Painleve paradox), at t = {when:.4g}"
+            f" s: its force of lasting contact is {1 / share:.2g} times that without friction there, and beyond that a"
+            " rigid contact has none; an elastic contact tells the force",
+        )
 
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words; contact problems are named."""

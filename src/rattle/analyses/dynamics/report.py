@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from rattle.analyses.travel import out_of_place, places
 from rattle.jit import layout as at
 from rattle.results.build import build_result
 from rattle.results.columns import columns, width
+from rattle.results.contact_summary import readable, rigid_joints
 from rattle.results.event import Breaks, Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -62,7 +64,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *run.remarks(),
     )
     balance = float(np.abs(curve["balance"]).max()) if n else math.nan
-    return build_result(
+    result = build_result(
         system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
         trust=_trust(run, reach, contacts, balance, nonunique, notes, passed), stats=_stats(run), message=run.message,
         settings={"method": run.stepper.name, "rtol": run.rtol, "atol": run.atol, "step": run.step,
@@ -71,6 +73,11 @@ def report(run: Run, reach: Reach | None) -> Result:
         peaks=peak_values(system, run.workspace, reached - run.start.t - sum(one.until - one.since for one in passed)),
         breaks=_breaks(run),
     )  # fmt: skip
+    forces = [joint for joint in result.geometry["joints"] if f"{joint}.force" in result]
+    if n and rigid_joints(result):
+        unread = tuple(joint for joint in forces if not readable(result, f"{joint}.force"))
+        result.trust = replace(result.trust, unread=unread)
+    return result
 
 
 def _breaks(run: Run) -> Breaks | None:

@@ -19,7 +19,7 @@ Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), c
 
 from __future__ import annotations
 
-from rattle.equations.complementarity import OFF
+from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative
 from rattle.equations.unilateral import CHATTER, LOCKED
 from rattle.jit import layout as at
@@ -168,6 +168,24 @@ def try_step(m, t, h, last, rtol, atol, h_max):
 
 
 @compiled
+def note_lock(m, t):
+    """Record how near friction has come to locking a sliding contact, from G of the motion just computed at t [s]."""
+    contact, mode, delassus, held, k = m.contact, m.mode, m.delassus, m.held, 0
+    for n in range(contact.shape[0]):
+        if contact[n, at.IMPACT] != 1 or mode[n] == OFF:
+            continue
+        r = 2 * k
+        k += 1
+        friction = friction_of(m, n)
+        if mode[n] == STICK or friction == 0.0 or held[at.SPARSE] == 1.0 or not delassus[r, r] > 0.0:
+            continue
+        sense = 1.0 if mode[n] == FORWARD else -1.0
+        share = 1.0 + sense * friction * delassus[r, r + 1] / delassus[r, r]
+        if share < held[at.LOCK_SHARE]:
+            held[at.LOCK_SHARE], held[at.LOCK_AT], held[at.LOCK_CONTACT] = share, t, float(n)
+
+
+@compiled
 def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
     """Project the end of the step onto joints and closed contacts; a status, and True as in `try_step`."""
     y_new = m.state_new
@@ -180,6 +198,7 @@ def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
     status = end_stands(m, t, h, t_new, t_end)
     if status != OK:
         return status, False
+    note_lock(m, t_new)
     gauge(m, END, t_new)
     remember_end(m)
     return OK, watched_change(m)
