@@ -426,7 +426,7 @@ def test_a_full_disk_loses_no_table_and_says_what_to_do(tmp_path, full):
     assert found.exit_code == 2
     assert "No space left on device" in found.stderr
     assert "--fallback FOLDER names another place" in found.stderr
-    assert "constraint error" in found.stdout
+    assert "peak force" in found.stdout
 
 
 def test_another_place_is_tried_on_request(tmp_path, full):

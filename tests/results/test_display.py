@@ -167,7 +167,7 @@ def test_a_result_is_a_table_in_a_notebook(run):
     here = cells(shown)
     assert {"O2", "O3", "O4", f"{force:.4g} N", f"{when:.4g} s", f"{run.rms('O3.force'):.4g} N"} <= set(here)
     assert len(here) % 9 == 0  # a joint without play has dashes, not fewer cells
-    assert str(run.trust).splitlines()[0] in html.unescape(shown)
+    assert run.trust.word in html.unescape(shown)
 
 
 @pytest.mark.parametrize("draw", ["curves", "orbit", "path"])

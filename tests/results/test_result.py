@@ -57,7 +57,7 @@ def test_joint_table_has_peak_and_rms_of_the_known_force():
     rms = np.sqrt(STEADY**2 + SWING**2 / 2)  # of STEADY + SWING cos a over whole rounds
     assert f"{STEADY + SWING:.4g} N" in line
     assert f"{rms:.4g} N" in line
-    assert line.split()[-8:-4] == ["67", "%", "0", "1"]  # presses while cos a > -1/2; no contact, one impact
+    assert line.split()[-12:-8] == ["67", "%", "0", "1"]  # presses while cos a > -1/2; no contact, one impact
 
 
 # ---------------------------------------------------------------- trust

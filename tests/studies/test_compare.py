@@ -133,7 +133,7 @@ def test_compare_and_run_contact_on_the_command_line(tmp_path):
     missing = CliRunner().invoke(main, words)
     assert missing.exit_code == 2
     assert "needs a stiffness" in missing.output
-    ideal = CliRunner().invoke(main, ["run", "slider_crank", "--contact", "massless-link", "--t-end", "0.001"])
+    ideal = CliRunner().invoke(main, ["run", "slider_crank", "--contact", "massless-link", "--t-end", "0.001", "--why"])
     assert ideal.exit_code == 0, ideal.output
     assert "pull" in ideal.output
 

@@ -112,9 +112,11 @@ class AnalysedModel(WrittenModel):
             from dataclasses import replace
 
             from rattle.analyses.elastic_bushes import elastic_bushes
+            from rattle.results.contact_summary import unread
 
             elastic, bushes = elastic_bushes(self, found.trust.t_end)
             found.trust = replace(found.trust, elastic=elastic, bushes=bushes)
+            found.trust = replace(found.trust, unread=unread(found))
         found.provenance["document"] = self.to_json()
         return found
 

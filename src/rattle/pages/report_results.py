@@ -12,11 +12,13 @@ from rattle import registry
 from rattle.pages import report_figures as figures
 from rattle.pages.report_html import Section, count, enumerated, figure, listed, paragraph, said, sentence, table
 from rattle.pages.report_study import Study
+from rattle.results.contact_summary import contact_lines, readable, rigid_joints
 from rattle.results.event import Event
 from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
 
 MOST_EVENTS = 15
+NOT_READ = "not to be read"  # in place of a force that says nothing of a real one
 ROUNDING = 1e-9  # moment over force times size below which it is rounding
 MOST_RESTS = 8
 KINDS = {
@@ -49,13 +51,18 @@ def _joints(s: Study, run: Result) -> str:
         if f"{name}.fx" not in run:
             continue
         force, when = run.peak(f"{name}.force")
+        if not readable(run, f"{name}.force"):
+            rows.append([name, NOT_READ, *[""] * 5])
+            continue
         row = [name, said(force, "N"), _at(run, when), said(run.rms(f"{name}.force"), "N")]
         ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else math.nan
         row += [said(ideal, "N"), f"{force / ideal:.3g}"] if 1e-9 * force < ideal else ["", ""]
         moment = run.peak(f"{name}.moment")[0] if f"{name}.moment" in run else 0.0
         rows.append([*row, said(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])
     head = ("joint", "peak force", "at t", "RMS force", "peak without play", "ratio", "peak moment")
-    return table(head, rows, "Joint forces over the whole run; peaks are found within the steps") + _late_note(rows)
+    between = " between impacts" if rigid_joints(run) else ""
+    caption = f"Joint forces over the whole run{between}; peaks are found within the steps"
+    return table(head, rows, caption) + _late_note(rows)
 
 
 def _clutches(s: Study, run: Result) -> str:
@@ -114,7 +121,8 @@ def contact_section(s: Study) -> Section:
         rows.append(
             (
                 name, f"{100 * one.share:.3g} %", "" if link else str(one.contacts), "" if link else str(one.impacts),
-                said(max(hits), impulse) if hits else "", said(one.peak, unit), said(one.rms, unit),
+                said(max(hits), impulse) if hits else "", said(one.peak, unit) if one.readable else NOT_READ,
+                said(one.rms, unit) if one.readable else "",
                 said(one.longest_flight, "s") if one.longest_flight > 0.0 else "",
                 "" if link else said(one.energy_lost, "J"), "" if link else said(one.power_lost, "W"),
             )
@@ -123,7 +131,8 @@ def contact_section(s: Study) -> Section:
         "joint", "pressing", "contacts", "impacts", "hardest impact", "peak normal force", "RMS", "longest flight",
         "energy lost", "mean power lost",
     )  # fmt: skip
-    body = table(head, rows, "Contacts over the whole run; forces between impacts") + figures.orbit_figures(s)
+    body = table(head, rows, "Contacts over the whole run; forces between impacts")
+    body += listed(map(sentence, contact_lines(run))) + figures.orbit_figures(s)
     return Section(title, body, "no joint has play, a stop or a one-sided contact")
 
 
@@ -272,11 +281,14 @@ def _event(s: Study, one: Event) -> tuple[str, ...]:
     if driver is not None and driver.sets_angle:
         speed, impulse = "rad/s", "N*m*s"
 
+    contact = s.run.contacts.get(one.joint) if s.run is not None and one.peak_force else None
+    unread = contact is not None and not contact.readable
+
     def if_any(value: float, unit: str) -> str:
         return said(value, unit) if value else ""
 
     return (
         said(one.t, "s", 5), one.joint, KINDS.get(one.kind, one.kind), if_any(one.normal_speed, speed),
-        if_any(one.duration, "s"), if_any(one.peak_force, force), if_any(one.impulse, impulse),
+        if_any(one.duration, "s"), NOT_READ if unread else if_any(one.peak_force, force), if_any(one.impulse, impulse),
         if_any(one.energy_lost, "J"),
     )  # fmt: skip

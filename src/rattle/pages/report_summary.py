@@ -9,6 +9,7 @@ from rattle import registry
 from rattle.pages import report_results
 from rattle.pages.report_html import Section, count, listed, paragraph, said, sentence
 from rattle.pages.report_study import Study
+from rattle.results.contact_summary import readable
 from rattle.results.display import printed
 from rattle.results.result import Result
 
@@ -29,7 +30,7 @@ def _numbers(s: Study) -> list[tuple[str, str, str]]:
     if run is None or not len(run.t):
         return []
     found = []
-    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run]
+    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run and readable(run, f"{name}.force")]
     if joints:
         name = max(joints, key=lambda one: run.peak(f"{one}.force")[0])
         force, when = run.peak(f"{name}.force")

@@ -14,6 +14,7 @@ from rattle import registry
 from rattle.errors import InputError
 from rattle.pages.thinning import Between, Rows, between, shared_rows
 from rattle.plots.scene import BODIES
+from rattle.results.contact_summary import readable
 from rattle.results.handy_units import units_of_result
 from rattle.results.result import Result
 from rattle.results.trust import HOW, Trust
@@ -135,7 +136,11 @@ def run_of(
         "t": packed(result.t[picked].astype("<f8")),
         "data": packed(_single(data.T)),
         "between": {name: _single_values(result, name, one.rows) for name, one in more.items()},
-        "peaks": {name: [top.y, top.t] for name in result.peaks if not keys and (top := summit(result, name))},
+        "peaks": {
+            name: [top.y, top.t]
+            for name in result.peaks
+            if not keys and readable(result, name) and (top := summit(result, name))
+        },
         "events": [list(event) for event in result.events],
         "trust": trust_of(result.trust),
         "success": result.success,

@@ -13,7 +13,9 @@ from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
 
 ROUNDING = 1e-12  # share of the largest kinetic energy below which a loss is rounding
-TOWERS = 20.0  # ratio of largest and RMS force of a mechanism with rigid contacts, above which it is not shown
+TOWERS = 20.0  # ratio of largest and usual force of a mechanism with rigid contacts, above which it is not shown
+ELASTIC = 2.0  # ratio to the largest force of elastic bushes up to which it is shown all the same
+USUAL, ENOUGH = 0.9, 20  # quantile of the outputs with a force, if there are so many
 SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
 
 
@@ -55,11 +57,31 @@ def readable(result: Curves, name: str) -> bool:
 
     In a mechanism with rigid contacts forces between impacts may rise by orders of magnitude for microseconds: where a
     pin turns in its play with very different masses along and across its path, and where friction nearly locks it.
+    What elastic bushes would bear too is left.
     """
     value = peak(result, name)[0]
     if not math.isfinite(value):
         return False
-    return not rigid_joints(result) or value <= TOWERS * rms_of(result, name)
+    if not rigid_joints(result):
+        return True
+    elastic = max((high for _, high in result.trust.elastic.values()), default=0.0)
+    return value <= max(TOWERS * usual(result, name), ELASTIC * elastic)
+
+
+def usual(result: Curves, name: str) -> float:
+    """A force that is usual while there is one, in its SI unit: at most its RMS, which short towers raise."""
+    pressing = np.abs(result[name])
+    pressing = pressing[np.isfinite(pressing) & (pressing > 0.0)]
+    mean = rms_of(result, name)
+    return min(mean, float(np.quantile(pressing, USUAL))) if len(pressing) >= ENOUGH else mean
+
+
+def unread(result: Curves) -> tuple[str, ...]:
+    """Joints whose largest force is not to be read."""
+    if not len(result.t) or not rigid_joints(result):
+        return ()
+    forces = [joint for joint in result.geometry["joints"] if f"{joint}.force" in result]
+    return tuple(joint for joint in forces if not readable(result, f"{joint}.force"))
 
 
 def rigid_joints(result: Curves) -> tuple[str, ...]:
@@ -254,7 +276,7 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
             said.append(f"lasting contact up to {one.peak:.4g} N")
         else:
             said.append(
-                f"the force of lasting contact rises beyond {TOWERS:g} times its RMS, not to be read as a force"
+                f"the force of lasting contact rises beyond {TOWERS:g} times the usual one, not to be read as a force"
             )
         if joint in result.trust.elastic:
             low, high = result.trust.elastic[joint]

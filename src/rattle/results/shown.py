@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from rattle.results.contact_summary import Curves, joint_rows
+from rattle.results.contact_summary import Curves, contact_lines, joint_rows
 from rattle.results.display import card, grid, marks, printed
 from rattle.results.film_summary import film_rows
 
@@ -16,6 +16,7 @@ def result_card(r: Curves, title: str, stopped: str, example: str) -> str:
     """
     tables = [grid(head, rows) for head, rows in (joint_rows(r), film_rows(r)) if rows]
     said = [marks([("bad", f"stopped: {stopped}")])] if stopped else []
-    said += [f"<p>{escape(printed(line))}</p>" for line in str(r.trust).splitlines()]
+    said += [f"<p>{escape(line)}</p>" for line in contact_lines(r)]
+    said += [f"<p>{escape(printed(line))}</p>" for line in (r.trust.word, *r.trust.why)]
     first = next((f"{joint}.force" for joint in r.geometry["joints"] if f"{joint}.fx" in r), example)
     return card(title, *tables, *said, hint=f'r.plot("{first}"), r.trust')

@@ -29,6 +29,7 @@ from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
 from rattle.solvers.step_audit import UNSOUND
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
+LEAST_SAID = 1e-3  # the same, below which its digits depend on the tolerance
 NEARLY_LOCKED = 0.2  # share of its response without friction that a sliding contact keeps, below which it is said
 
 
@@ -115,10 +116,11 @@ class EventDrivenRun(Run):
         if not 0.0 < share < NEARLY_LOCKED:
             return ()
         joint = self.system.joints[self.system.arrays["contact"][int(contact), at.OWNER]]
+        near = f"{100 * share:.2g} %" if share > LEAST_SAID else f"less than {100 * LEAST_SAID:g} %"
+        grows = f"is {1 / share:.2g} times that without friction" if share > LEAST_SAID else "grows without bound"
         return (
-            f"friction in {joint} comes within {100 * share:.2g} % of locking it (Painleve paradox), at t = {when:.4g}"
-            f" s: its force of lasting contact is {1 / share:.2g} times that without friction there, and beyond that a"
-            " rigid contact has none; an elastic contact tells the force",
+            f"friction in {joint} comes within {near} of locking it (Painleve paradox), at t = {when:.4g} s: its force"
+            f" of lasting contact {grows} there, and beyond that a rigid contact has none; an elastic contact tells it",
         )
 
     def explain(self, status: int) -> str:

@@ -22,7 +22,7 @@ from rattle.analyses.travel import out_of_place, places
 from rattle.jit import layout as at
 from rattle.results.build import build_result
 from rattle.results.columns import columns, width
-from rattle.results.contact_summary import readable, rigid_joints
+from rattle.results.contact_summary import unread
 from rattle.results.event import Breaks, Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -73,10 +73,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         peaks=peak_values(system, run.workspace, reached - run.start.t - sum(one.until - one.since for one in passed)),
         breaks=_breaks(run),
     )  # fmt: skip
-    forces = [joint for joint in result.geometry["joints"] if f"{joint}.force" in result]
-    if n and rigid_joints(result):
-        unread = tuple(joint for joint in forces if not readable(result, f"{joint}.force"))
-        result.trust = replace(result.trust, unread=unread)
+    result.trust = replace(result.trust, unread=unread(result))
     return result
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rattle.pages.scene import scene_of
-from rattle.results.contact_summary import joint_rows
+from rattle.results.contact_summary import contact_lines, joint_rows
 from rattle.results.result import Result
 from rattle.studio.jobs.blocks import Content, content, of_result, table, words
 from rattle.studio.jobs.live import shape_of
@@ -82,4 +82,5 @@ def forces(shelf: Shelf, source: Source) -> Content:
         of_result("Forces between pin and bush where they touch: zero while the pin is free", r, dry),
         *(of_result("What drives it", r, names) for names in by_unit.values()),
         table(head, rows, "Largest values, found within the steps of the run"),
+        *(words(line) for line in contact_lines(r)),
     )

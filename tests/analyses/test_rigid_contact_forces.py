@@ -1,0 +1,174 @@
+"""What rigid contacts show in place of peaks: impulses, forces that can be read, and those of elastic bushes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.analyses.elastic_bushes import _stiff, _stiffness
+from rattle.results.contact_summary import contact_lines, joint_table
+from rattle.results.trust import Trust
+
+C, ROD, ARM_MASS, ARM_INERTIA, ARM_CENTRE, PIN = 0.3e-3, 0.25, 0.6, 0.02, 0.22, 0.07
+WIPER = f"""
+format = 1
+[ground.points]
+M = [0, 0]
+W = [0.28, -0.04]
+[bodies.crank]
+bar = ["M", "A"]
+length = 0.045
+mass = 0.1
+[bodies.rod]
+bar = ["A", "B"]
+length = 0.29
+mass = {ROD}
+[bodies.arm]
+points = {{ W = [0, 0], B = [0, {PIN}], T = [0, 0.5] }}
+center = [0, {ARM_CENTRE}]
+mass = {ARM_MASS}
+inertia = {ARM_INERTIA}
+[joints.M]
+type = "revolute"
+connect = ["ground.M", "crank.M"]
+[joints.A]
+type = "revolute"
+connect = ["crank.A", "rod.A"]
+[joints.B]
+type = "revolute"
+connect = ["rod.B", "arm.B"]
+clearance = {C}
+contact = {{ model = "impact", restitution = 0.3, friction = 0.1, bush_radius = "6 mm" }}
+[joints.W]
+type = "revolute"
+connect = ["ground.W", "arm.W"]
+[drivers.motor]
+joint = "M"
+angle = "2*pi*t"
+[loads.rubber]
+type = "force"
+at = "arm.T"
+force = ["-4*tanh(arm.T.vx/0.01)", "-4*tanh(arm.T.vy/0.01)"]
+[initial]
+arm = {{ angle = "-51.7616 deg" }}
+"""
+
+
+def wiper(mu: float, restitution: float = 0.3) -> rt.Mechanism:
+    changes = {"joints.B.contact.friction": mu, "joints.B.contact.restitution": restitution}
+    return rt.loads(WIPER).set(changes)
+
+
+@pytest.fixture(scope="module")
+def runs() -> dict[float, rt.Result]:
+    return {mu: wiper(mu).simulate(0.06, t_eval=np.linspace(0.0, 0.06, 61), horizon=True) for mu in (0.0, 0.2)}
+
+
+def test_without_friction_the_force_towers_because_a_pin_turns_in_its_play_with_unlike_masses():
+    peak, when = wiper(0.0).simulate(0.03, t_eval=[0.0]).peak("B.normal")
+    assert peak > 20e3  # of a joint that bears some 100 N without play
+    times = np.array([when - 3e-5, when - 1e-5, when, when + 1e-5, when + 3e-5])
+    r = wiper(0.0).simulate(0.03, t_eval=times)
+    # effective masses at B, by hand: along the rod the arm alone moves (the crank is driven, the rod keeps its length),
+    # across it the rod swings about A and the arm hardly takes part
+    along = ARM_INERTIA + ARM_MASS * ARM_CENTRE**2
+    angle = r["arm.angle"]
+    lever = PIN * np.sin(angle + np.pi / 2 - r["rod.angle"])  # of the rod's line about W: B is at angle + 90 degrees
+    reflected = along / lever**2
+    u = np.hypot(r["arm.B.vx"] - r["rod.B.vx"], r["arm.B.vy"] - r["rod.B.vy"])
+    turned = np.arctan2(r["B.ey"], r["B.ex"]) - r["rod.angle"]  # of the normal from the rod's line
+    assert abs(turned[2]) < 0.01
+    # on the circle N = m_n u^2/c; loads and centrifugal accelerations of the links are some 100 N beside it
+    assert r["B.normal"][2] == pytest.approx(reflected[2] * u[2] ** 2 / C, rel=0.02)
+    # and u follows from the energy of a particle with these two masses: u^2 (m_n sin^2 a + m_t cos^2 a) is constant,
+    # in a time so short that loads do no work; m_t = rod/3 beside the arm's 1/(sin^2/m_n ...) part, which is small
+    across = ROD / 3.0
+    energy = u**2 * (reflected * np.sin(turned) ** 2 + across * np.cos(turned) ** 2)
+    assert energy == pytest.approx(np.full(5, energy[2]), rel=0.1)
+
+
+def test_a_force_that_towers_is_not_printed_anywhere(runs):
+    r = runs[0.0]
+    table = joint_table(r)
+    assert "N*s" in table
+    assert r.trust.unread == ("M", "A", "B", "W")
+    assert "but not the largest forces of M, A, B, W" in r.trust.word
+    shown = " ".join([table, *contact_lines(r)])
+    numbers = [float(word) for word in shown.replace("(", " ").split() if word.replace(".", "", 1).isdigit()]
+    assert max(numbers) < 1e4
+    assert not r.contacts["B"].readable
+    hardest = max((one for one in r.events if one.kind == "impact"), key=lambda one: one.impulse)
+    assert (r.contacts["B"].impulse, r.contacts["B"].impulse_at) == (hardest.impulse, hardest.t)
+
+
+def test_a_calm_rigid_contact_keeps_its_force():
+    r = wiper(0.1, 0.6).simulate(0.5, t_eval=[0.0, 0.5])
+    assert r.trust.unread == ()
+    assert "lasting force" in joint_table(r)
+    assert f"{r.peak('B.force')[0]:.4g} N" in joint_table(r)
+
+
+def test_elastic_bushes_bracket_runs_with_stiffnesses_between_them(runs):
+    low, high = runs[0.0].trust.elastic["B"]
+    for stiffness in (2e9, 1e10):
+        bush = {"model": "exact", "restitution": 0.3, "friction": 0.0, "stiffness": stiffness, "exponent": 1.5}
+        m = wiper(0.0).set({"joints.B.contact": {**bush, "bush_radius": 0.006}})
+        assert 0.9 * low < m.simulate(0.06, t_eval=[0.0]).peak("B.normal")[0] < 1.1 * high
+    assert "elastic bushes would show about" in contact_lines(runs[0.0])[0]
+
+
+def test_the_stiffer_bushes_have_the_stiffness_of_hertz():
+    stiff, words = _stiff(wiper(0.1))
+    # sphere in socket, steel on steel: K = 4/(3 (s + s)) sqrt(R_A R_B/(R_A - R_B)), s = (1 - nu^2)/E
+    steel = stiff.model.joints["B"].contact.static.values
+    assert (steel["bush_material"], steel["pin_material"]) == ("steel", "steel")
+    compliance = (1.0 - 0.3**2) / 207e9
+    assert _stiffness(stiff, "B") == pytest.approx(
+        4.0 / (3.0 * 2.0 * compliance) * math.sqrt(0.006 * (0.006 - C) / C), rel=1e-6
+    )
+    assert "steel" in words["B"]
+
+
+def test_assumed_bushes_are_said():
+    m = rt.loads(WIPER).set({"joints.B.contact": {"model": "impact", "restitution": 0.3}})
+    assert "assumed bush radius 3 mm" in _stiff(m)[1]["B"]
+
+
+def test_the_approach_to_a_lock_by_friction_is_said_with_its_time(runs):
+    assert not any("Painleve" in note for note in runs[0.0].trust.notes)
+    assert any("Painleve" in note and "t = " in note for note in runs[0.2].trust.notes)
+
+
+def test_a_link_that_pulls_is_not_trusted_to_the_end():
+    t = Trust(1e-16, t_end=1.0, horizon=1.0, pulled={"B": 0.14}, first_pull={"B": 0.3})
+    assert t.word.startswith("trusted up to t = 0.3 s: B would have to pull for 14 % of the run")
+    assert t.trusted_until() == 0.3
+    at_once = Trust(1e-16, t_end=1.0, horizon=1.0, pulled={"B": 0.14}, first_pull={"B": 0.0})
+    assert at_once.word.startswith("not to be trusted: B would have to pull")
+
+
+@pytest.mark.parametrize(
+    ("trust", "word"),
+    [
+        (Trust(1e-16, t_end=1.0, horizon=1.0), "trusted over the whole run"),
+        (Trust(1e-16, t_end=1.0, horizon=0.31), "trusted up to t = 0.31 s, after it statistics only"),
+        (Trust(1e-16, t_end=1.0), "how far it can be trusted was not computed (horizon=True does)"),
+        (Trust(1e-16, t_end=0.5, horizon=0.5, stopped=True), "trusted up to where the run ended, t = 0.5 s"),
+        (
+            Trust(1e-16, t_end=1.0, horizon=1.0, energy_share=0.02),
+            "not to be trusted: 2 % of the energy is unaccounted for",
+        ),
+        (
+            Trust(1e-16, t_end=1.0, horizon=1.0, singular=(0.667,)),
+            "trusted over the whole run, but not the forces at singular positions (t = 0.667 s)",
+        ),
+        (Trust(1e-16, t_end=1.0, horizon=1.0, pulled={"B": 0.0}, first_pull={"B": None}), "trusted over the whole run"),
+    ],
+)
+def test_trust_is_one_line_and_the_reasons_stand_apart(trust, word):
+    assert trust.word == word
+    assert any("constraint error" in line for line in trust.why)
+    assert "constraint error" not in trust.word
