@@ -8,21 +8,21 @@ the materials that the model states, or of steel, and a hundredth of it, as hous
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol, Self
 
 import numpy as np
 
 from rattle import registry
+from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.peak_values import peak_values
 from rattle.analyses.dynamics.run import How
+from rattle.description.model import Model
 from rattle.description.switch_contact import recontact
+from rattle.equations.system import System
 from rattle.errors import AssemblyError, InputError, ModelError
 from rattle.jit import layout as at
 from rattle.jit.families import call_stiffness
-
-if TYPE_CHECKING:
-    from rattle.analyses.analysed_model import AnalysedModel
 
 SOFTER = 0.01  # stiffness of the softer bushes, in those of Hertz for full solids
 LAW = "exact"
@@ -34,7 +34,20 @@ RTOL = 1e-7  # enough for two digits of a peak
 MOST_STEPS = 100_000  # a run that takes more gives no bracket: a look aside must not take longer than the run itself
 
 
-def elastic_bushes(m: AnalysedModel, t_end: float) -> tuple[dict[str, tuple[float, float]], dict[str, str]]:
+class Loosened(Protocol):
+    """The part of a mechanism that is used here."""
+
+    @property
+    def model(self) -> Model: ...
+    @property
+    def system(self) -> System: ...
+    @property
+    def start(self) -> Assembled: ...
+    def contact_of(self, joint: str) -> Any: ...
+    def set(self, changes: Mapping[str, Any], /) -> Self: ...
+
+
+def elastic_bushes(m: Loosened, t_end: float) -> tuple[dict[str, tuple[float, float]], dict[str, str]]:
     """Largest normal forces [N] up to t_end [s] with softer and with stiffer bushes, and which bushes, by rigid joint.
 
     Empty if there are none, or if one of the runs does not reach its end.
@@ -56,7 +69,7 @@ def elastic_bushes(m: AnalysedModel, t_end: float) -> tuple[dict[str, tuple[floa
     return {name: (min(pair), max(pair)) for name, pair in pairs.items()}, words
 
 
-def _stiff(m: AnalysedModel) -> tuple[AnalysedModel, dict[str, str]]:
+def _stiff(m: Loosened) -> tuple[Loosened, dict[str, str]]:
     """The mechanism with elastic contacts in place of rigid ones, and which bushes they have, in words."""
     changes, words = {}, {}
     for name, joint in m.model.joints.items():
@@ -87,7 +100,7 @@ def _restitution(fields: Mapping[str, float]) -> float:
     return float(fields.get("restitution", 0.0))
 
 
-def _stiffness(m: AnalysedModel, joint: str) -> float:
+def _stiffness(m: Loosened, joint: str) -> float:
     """K of F = K delta^1.5 [N/m^1.5] that is as stiff as the contact of a joint at a depth of DEPTH."""
     contact = m.model.joints[joint].contact
     assert contact is not None, "a joint with play has a contact"
@@ -104,7 +117,7 @@ def _with_stiffness(written: Any, stiffness: float) -> dict[str, Any]:
     return {**kept, "stiffness": stiffness, "exponent": 1.5}
 
 
-def _peaks(m: AnalysedModel, t_end: float, joints: list[str]) -> dict[str, float]:
+def _peaks(m: Loosened, t_end: float, joints: list[str]) -> dict[str, float]:
     """Largest normal force [N] of each joint in a run to t_end [s]; empty if it does not reach its end."""
     system = m.system
     stepper, step = choose_stepper(system, None, None, t_end)
