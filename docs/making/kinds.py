@@ -34,6 +34,7 @@ FAMILIES = {
         "Contacts of clutches",
         "What the `model` of a `clutch` becomes; compliant and viscous ones overrun too.",
     ),
+    "tangent": ("Slip of surfaces", "Along what the `friction` of a cam or flat follower acts."),
     "contact": (
         "Contact models",
         "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance or of its `stop`.",
@@ -67,6 +68,12 @@ VALUES = {  # values of fields in examples, by unit
     "m": "20 mm", "rad": "30 deg", "N": "10 N", "N*m": "2 N*m", "N/m": "2 kN/m", "N*m/rad": "5 N*m/rad",
     "N*s/m": "20 N*s/m", "m/s": "1 mm/s", "Pa": "200 GPa", "": 0.5, "1/m": 1e4, "N/m^exponent": 1e9, "Pa/m": "7 GPa/mm",
 }  # fmt: skip
+
+
+SIZES = {  # of kinds whose lengths have to suit each other
+    "locking-disc": {"radius": "30 mm", "arcs": 4, "axle_distance": "70.71 mm", "rim": "50 mm", "play": "0.1 mm"},
+}
+CONTACT = 'contact = { model = "impact", restitution = 0.5 }'
 
 
 def pages(folder: Path) -> dict[str, str]:
@@ -173,12 +180,13 @@ def _live(field: Any, family: str) -> str:
 # ---------------------------------------------------------------- examples
 def example(catalog: Any, kind: Any) -> str:
     """A few lines of a model file with this kind, read by the program."""
-    families = {"joint": _joint, "driver": _driver, "load": _load}
+    families = {"joint": _whole_joint, "driver": _driver, "load": _load}
     own = {
         "clearance": _clearance,
         "stop": _stop,
         "one-sided": _one_sided,
         "clutch": _clutch,
+        "tangent": _tangent,
         "stepper": _stepper,
         "worn": _worn,
     }
@@ -192,6 +200,16 @@ def example(catalog: Any, kind: Any) -> str:
 def _joint(catalog: Any, kind: Any, name: str = "hinge") -> list[str]:
     ends = '["ground", "link"]' if kind.leaf.bodies else '["ground.O", "link.P"]'
     return [f"[joints.{name}]", f'type = "{kind.name}"', f"connect = {ends}", *_needed(catalog, kind)]
+
+
+def _whole_joint(catalog: Any, kind: Any) -> list[str]:
+    alone = not kind.leaf.rows and catalog.one_sided_of(kind.name) is not None  # nothing but contacts
+    return [*_joint(catalog, kind), *([CONTACT] if alone else [])]
+
+
+def _tangent(catalog: Any, kind: Any) -> list[str]:
+    rough = next(one for one in catalog.kinds("joint").values() if one.leaf.tangent == kind.name)
+    return [*_joint(catalog, rough), "friction = 0.1"]
 
 
 def _driver(catalog: Any, kind: Any) -> list[str]:
@@ -226,7 +244,7 @@ def _stop(catalog: Any, kind: Any) -> list[str]:
 def _one_sided(catalog: Any, kind: Any) -> list[str]:
     joint = _joint(catalog, catalog.kinds("joint")[kind.leaf.joint])
     teeth = ['pressure_angle = "20 deg"', 'backlash = "0.1 mm"'] if kind.name == "flanks" else []
-    return [*joint, *teeth, *(['contact = { model = "impact", restitution = 0.5 }'] if kind.leaf.chosen else [])]
+    return [*joint, *teeth, *([CONTACT] if kind.leaf.chosen else [])]
 
 
 def _worn(catalog: Any, kind: Any) -> list[str]:
@@ -276,7 +294,12 @@ def _contact(catalog: Any, kind: Any) -> list[str]:
 
 def _needed(catalog: Any, kind: Any, live: bool = False) -> list[str]:
     fields = ((key, one) for key, one in kind.fields.items() if one.default is catalog.REQUIRED)
-    return [f"{key} = {_value(key, one, live)}" for key, one in fields]
+    sizes = SIZES.get(kind.name, {})
+    return [f"{key} = {_quoted(sizes[key]) if key in sizes else _value(key, one, live)}" for key, one in fields]
+
+
+def _quoted(number: Any) -> str:
+    return f'"{number}"' if isinstance(number, str) else f"{number:g}"
 
 
 def _value(key: str, field: Any, live: bool) -> str:
@@ -295,7 +318,7 @@ def _value(key: str, field: Any, live: bool) -> str:
     number = {"mu": 0.1, "stiffness": 1e9 if field.unit != "N/m" else "2 kN/m"}.get(key, VALUES.get(field.unit, 1.0))
     if key == "connect":
         return ends["connect"]
-    shown = f'"{number}"' if isinstance(number, str) else f"{number:g}"
+    shown = _quoted(number)
     return f"[{shown}, {shown if field.least else 0}]" if field.shape == "pair" else shown
 
 

@@ -27,7 +27,8 @@ def friction_models() -> dict[str, Mapping[str, Field]]:
 
 def arm_fields(joint: registry.Kind) -> Mapping[str, Field]:
     """What friction needs besides its model in a kind of joint: the radius of its pin, if it turns."""
-    return {} if joint.leaf.motor is not None and joint.leaf.motor.unit == "N" else RADIUS
+    slides = joint.leaf.tangent or (joint.leaf.motor is not None and joint.leaf.motor.unit == "N")
+    return {} if slides else RADIUS
 
 
 def joint_friction(

@@ -238,6 +238,11 @@ class Parts(FieldReader):
         if "friction" in given and "friction" not in found.fields:
             block = next(iter(dimensions.values()), ())
             friction = joint_friction(self, given["friction"], found, block, clearance > 0.0, (*path, "friction"))
+            if contact is not None and contact.acts and not clearance > 0.0:
+                lifts = f"a {found.name} joint with a contact may lift off, and has no friction; leave one of them out"
+                values.wrong((*path, "friction"), lifts, at_key=True)
+            elif why := found.leaf.friction_fault(fields):
+                values.wrong((*path, "friction"), why, at_key=True)
         wear, contact = read_wear(self, given, found, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
             name, found.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear

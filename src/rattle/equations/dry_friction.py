@@ -7,7 +7,7 @@ Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, 
     always                         tau = -T(arm u, N) arm                       (a law of the family "friction")
 
     L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a,
-                 |lambda_1| of a joint with one row
+                 |lambda_1| of a joint with one row,  NU |lambda_1| of a surface, by the column NU of its row w
 
 The reaction lambda depends on tau.  With the responses to unit forces,
 
@@ -110,6 +110,9 @@ def mobility(m, n, o):
 def pressing(m, n, first, second):
     """N [N] of joint n by its two multipliers, and its slopes with respect to them."""
     reach = m.values[m.dry[n, at.DRY_P] + at.DRY_REACH]
+    if m.dry[n, at.DRY_FORM] == at.DRY_SURFACE:
+        size = m.dry_rows[n, at.NU]
+        return size * abs(first), math.copysign(size, first), 0.0
     if m.dry[n, at.DRY_FORM] == at.DRY_PIN:
         size = math.hypot(first, second)
         if size == 0.0:
@@ -277,6 +280,8 @@ def add_dry_friction(m):
         prepare(m)
     for n in range(dry.shape[0]):
         a, b, p = dry[n, at.DRY_A], dry[n, at.DRY_B], dry[n, at.DRY_P]
+        if dry[n, at.DRY_FORM] == at.DRY_SURFACE:  # its row has the parameters of the joint
+            p = m.joint[dry[n, at.DRY_JOINT], at.FIRST_P]
         call_joint(m.joint_table[dry[n, at.DRY_KERNEL]], (m.body, a, b, m.values, p, n, m.dry_rows))
         memory[n, at.DRY_RATE] = along(m, n, m.body, at.VX)
         memory[n, at.DRY_FORCE], memory[n, at.DRY_ADDED] = 0.0, 0.0

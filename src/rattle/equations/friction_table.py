@@ -19,10 +19,15 @@ def friction_table(
     found: list[tuple[int, ...]] = []
     for n, joint in enumerate(model.joints.values()):
         friction, motor = joint.friction, joint.leaf.motor
-        if friction is None or motor is None:
+        if friction is None:
             continue
-        driver = registry.kinds("driver")[motor.driver]
-        place, line = len(values), before_function(joint, driver)
+        kernel, place = len(registry.kinds("joint")), len(values)
+        line: tuple[float, ...] = ()
+        if joint.leaf.tangent:
+            kernel += len(registry.kinds("driver")) + registry.kinds("tangent")[joint.leaf.tangent].tag
+        else:
+            driver = registry.kinds("driver")[motor.driver]
+            kernel, line = kernel + driver.tag, before_function(joint, driver)
         values += [*joint.a.at, *joint.b.at, *line, *[0.0] * (at.DRY_ARM - at.POINTS - len(line))]
         values += [friction.arm, friction.reach]
         law, own = -1, 0
@@ -32,8 +37,8 @@ def friction_table(
             kind = registry.kinds("friction")[friction.law.kind]
             law, own = kind.tag, kind.leaf.states
             values += kind.leaf.pack(friction.law.values)
-        kernel = len(registry.kinds("joint")) + driver.tag
         form = at.DRY_GUIDE if joint.line is not None else at.DRY_PIN
+        form = at.DRY_SURFACE if joint.leaf.tangent else form
         a, b = number[joint.a.body], number[joint.b.body]
         first = joints[n][at.FIRST_ROW]
         second = first + min(1, len(joint.leaf.rows) - 1)

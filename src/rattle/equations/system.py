@@ -117,7 +117,7 @@ class System:
         joint, contact, dry = self.arrays["joint"][:, at.KERNEL].tolist(), self.arrays["contact"], self.arrays["dry"]
         joint += dry[:, at.DRY_KERNEL].tolist()
         tables = {
-            "joint_table": registry.table("joint", "driver", machine=machine, used=[*joint, *also]),
+            "joint_table": registry.table("joint", "driver", "tangent", machine=machine, used=[*joint, *also]),
             "load_table": registry.table("load", machine=machine, used=self.arrays["load"][:, at.KERNEL].tolist()),
         }
         for name, (families, column) in CONTACT_TABLES.items() if len(contact) else ():

@@ -176,6 +176,8 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
     p, values = dry[:, at.DRY_P], workspace.values
     arm = values[p + at.DRY_ARM]
     reach = np.where(dry[:, at.DRY_FORM] == at.DRY_PIN, math.nan, values[p + at.DRY_REACH])
+    held = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0)
+    press = np.where(dry[:, at.DRY_FORM] == at.DRY_SURFACE, workspace.dry_rows[held, at.NU], 1.0)[:, None]
     rate = motion.coordinate @ motion.z
     largest = float(np.linalg.norm(motion.z / motion.scale)) * np.linalg.norm(motion.coordinate * motion.scale, axis=1)
     still = np.flatnonzero(np.abs(rate) <= STILL * largest)
@@ -187,8 +189,10 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
         way, slip = np.sign(rate), np.abs(rate) * arm
         way[still[:MOST_STILL]] = signs
         acting = sense * (slip[:, None] * motion.direction - (way * arm)[:, None] * motion.coordinate)
-        response = np.moveaxis((acting @ motion.inverse.T)[:, motion.rows], 0, 2)
-        one = Rubbing(values[p + at.DRY_MU_STATIC], reach, (others + alone)[motion.rows], response, slip, rounding)
+        response = np.moveaxis((acting @ motion.inverse.T)[:, motion.rows] * press, 0, 2)
+        one = Rubbing(
+            values[p + at.DRY_MU_STATIC], reach, (others + alone)[motion.rows] * press, response, slip, rounding
+        )
         found = limit(one, far)
         more = math.inf if np.isinf(found.x).any() else float(slip @ found.x)
         if best is None or more > abs(best.load - motion.free):

@@ -67,6 +67,7 @@ class JointKind:
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
     rubs: ClassVar[bool] = False  # True: it may have friction by its own reaction, as a pin or (with a line) a guide
+    tangent: ClassVar[str] = ""  # kind of row along which its friction acts; "": that of its coordinate
     no_friction: ClassVar[str] = ""  # why it has none, and what to do, in words
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
@@ -129,6 +130,11 @@ class JointKind:
     @staticmethod
     def fault(fields: Mapping[str, Any]) -> str:
         """What is wrong with values of the fields that are possible one by one, in words; "" if nothing."""
+        return ""
+
+    @staticmethod
+    def friction_fault(fields: Mapping[str, Any]) -> str:
+        """Why it has no friction with these values of the fields, in words; "" if it may have."""
         return ""
 
     @staticmethod

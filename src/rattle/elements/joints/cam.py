@@ -12,6 +12,8 @@ The multiplier is the component of the force along e; the force itself is sqrt(1
 to the curve.  The direction a is between -180 and 180 deg, whatever the number of turns; f of a closed curve has the
 same value at both.
 
+With friction the point slips along the tangent t = (p + (f'/l) e)/sqrt(1 + (f'/l)^2) at t . (d' - w_A x d).
+
 With a roller of radius r, whose centre is the point of B, the curve is the surface of the cam.  D: distance of the
 centre from it, n: normal, u: rate of d as seen from A, see `elements.rolling`
 
@@ -94,6 +96,44 @@ def on_path(body, a, b, p, k, row, rows):
     rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = gx, gy, gy * sbx - gx * sby
 
 
+@kernel("joint")
+def along_curve(body, a, b, p, k, row, rows):
+    """Write the row of the slip t . r of the point along the curve [m/s], with N/|lambda| = |G|."""
+    sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
+    wa, wb = body[a, at.W], body[b, at.W]
+    cos, sin = body[a, at.COS], body[a, at.SIN]
+    _, df, ddf = function_jet(p, k + 4, math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
+    d = math.sqrt(dx * dx + dy * dy)
+    apart = assume(d > 1e-150)
+    inv = 1.0 / d if apart else 0.0
+    ex, ey = dx * inv if apart else 1.0, dy * inv
+    u = df * inv
+    size = math.sqrt(1.0 + u * u)
+    tx, ty = (u * ex - ey) / size, (u * ey + ex) / size
+    along, slip = ex * ddx + ey * ddy, ex * ddy - ey * ddx
+    round_ = slip * inv - wa
+    turning = round_ + wa - (ddf * round_ - u * along) * inv / (size * size)
+    rx, ry = ddx + wa * dy, ddy - wa * dx
+    vx, vy = body[b, at.VX] - body[a, at.VX], body[b, at.VY] - body[a, at.VY]
+    dbx, dby = -wb * sby, wb * sbx
+    dax, day = dbx + vx, dby + vy
+
+    rows[row, at.RES] = 0.0
+    rows[row, at.NU] = size
+    rows[row, at.GAMMA] = turning * (ty * rx - tx * ry) + wb * (tx * dby - ty * dbx) - wa * (tx * day - ty * dax)
+    ax, ay = sax + dx, say + dy
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -tx, -ty, ay * tx - ax * ty
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = tx, ty, sbx * ty - sby * tx
+
+
+@kind("tangent", "along-curve", along_curve)
+class AlongCurve:
+    """Slip of a point along its curve, on which friction acts.
+
+    Source: do Carmo, Differential Geometry of Curves and Surfaces (1976), section 1-5 (tangents of plane curves).
+    """
+
+
 @kind("joint", "cam", cam)
 class Cam(JointKind):
     """A roller of B on a cam of A, or a point on a curve, as a bead on a wire; with `contact` it may lift outwards.
@@ -104,6 +144,8 @@ class Cam(JointKind):
     rows = ("m",)
     places = False
     drawn_as = "cam"
+    rubs = True
+    tangent = "along-curve"
     radius = Field(
         "m", "distance of the curve from the point of A; a from -180 to 180 deg in A's frame", function_of="a",
         least="positive",
@@ -133,6 +175,12 @@ class Cam(JointKind):
                 " Put the centre, the first point of `connect`, inside the curve"
             )
         return RollerPath(fields["radius"], fields["roller"]).fault() if fields["roller"] > 0.0 else ""
+
+    @staticmethod
+    def friction_fault(fields: Mapping[str, Any]) -> str:
+        """A roller does not slide."""
+        why = "a roller rolls, and friction is in its pin: make it a body with a revolute joint that has friction"
+        return why if fields["roller"] > 0.0 else ""
 
     @staticmethod
     def doubt(fields: Mapping[str, Any]) -> str:

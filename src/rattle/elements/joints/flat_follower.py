@@ -8,6 +8,9 @@ h(x): distance of the tangent of the cam with the normal x from its centre
     Phi   = n . d - h(x) = 0                                                                              [m]
     gamma = n . (s_B w_B^2 - s_A w_A^2) - 2 w_B (m . d') + w_B^2 (n . d) + h'' (w_B - w_A)^2              [m/s^2]
 
+With friction the face slips over the cam at m . (v_B + w_B x p_B - v_A - w_A x p_A), p_A = s_A + h n + h' m and p_B the
+same place on B, by N = |lambda|.
+
 They touch at h n + h' m from the centre, where the radius of curvature is h + h''.  Where this is negative there is no
 such cam: its outline has a loop there, over which the face does not reach down to the curve.  The direction x is
 between -180 and 180 deg, whatever the number of turns.
@@ -57,6 +60,40 @@ def flat_follower(body, a, b, p, k, row, rows):
     rows[row, at.BP] = ny * sbx - nx * sby + nx * dy - ny * dx - dh
 
 
+@kernel("joint")
+def along_face(body, a, b, p, k, row, rows):
+    """Write the row of the slip of the face over the cam [m/s], with N = |lambda|; as in the derivation."""
+    sax, say, sbx, sby, dx, dy, _, _ = ends(body, a, b, p, k)
+    nx, ny = direction(body, b, p[k + 4])
+    mx, my = -ny, nx
+    wa, wb = body[a, at.W], body[b, at.W]
+    cos, sin = body[a, at.COS], body[a, at.SIN]
+    h, dh, ddh = function_jet(p, k + 5, math.atan2(cos * ny - sin * nx, cos * nx + sin * ny))
+    reach = nx * dx + ny * dy
+    ax, ay = sax + h * nx + dh * mx, say + h * ny + dh * my
+    bx, by = sbx - dx + reach * nx + dh * mx, sby - dy + reach * ny + dh * my
+    vx, vy = body[b, at.VX] - body[a, at.VX], body[b, at.VY] - body[a, at.VY]
+    off = nx * (vx - wb * by + wa * ay) + ny * (vy + wb * bx - wa * ax)
+    # rates of the arms
+    moves = h * wb + ddh * (wb - wa)
+    dax, day = -wa * say - dh * wa * nx + moves * mx, wa * sax - dh * wa * ny + moves * my
+    dbx, dby = dax - vx, day - vy
+
+    rows[row, at.RES] = 0.0
+    rows[row, at.NU] = 1.0
+    rows[row, at.GAMMA] = wb * off + wb * (mx * dby - my * dbx) - wa * (mx * day - my * dax)
+    rows[row, at.AX], rows[row, at.AY], rows[row, at.AP] = -mx, -my, ay * mx - ax * my
+    rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = mx, my, bx * my - by * mx
+
+
+@kind("tangent", "along-face", along_face)
+class AlongFace:
+    """Slip of a flat follower over its cam, on which friction acts.
+
+    Source: Norton, Cam Design and Manufacturing Handbook (2009), chapter 7.
+    """
+
+
 @kind("joint", "flat-follower", flat_follower)
 class FlatFollower(JointKind):
     """A straight face of B on a convex cam of A, held on both sides; with `contact` it may lift off.
@@ -68,6 +105,8 @@ class FlatFollower(JointKind):
     places = False
     moment = True
     drawn_as = "flat-follower"
+    rubs = True
+    tangent = "along-face"
     axis = Field("rad", "direction in B's frame of the normal of the face, away from the cam", default=0.0)
     support = Field(
         "m", "distance from the centre to the tangent with the normal x, from -180 to 180 deg in A's frame",
