@@ -96,6 +96,15 @@ def test_follower_lifts_off_and_lands_where_the_closed_form_says(shape):
     assert abs(r["energy.balance"]).max() < 1e-8  # of about 1 J, by the tolerances
 
 
+def test_a_start_in_contact_with_a_speed_of_rounding_is_no_impact():
+    m = rt.example("cam_lift_off")  # begins on the base circle, where the speed of the face is 0 but for rounding
+    r = m.simulate(1e-3)
+    assert [event.kind for event in r.events] == ["contact"]
+    assert r["face.normal"][0] > 0.0
+    pin = rt.example("bouncing_pin").set({"initial.pin": {"x": "c", "y": 0, "vx": 1e-9}})  # slow, but on its way
+    assert pin.simulate(1e-6).events[0].kind == "impact"
+
+
 def incline(shape, t):
     """Cosine of the angle of the normal to the way of the follower at the time t [s]."""
     if shape == FLAT:

@@ -41,6 +41,9 @@ MOST_LOOKS = 1_000_000
 FEW_LOOKS = 20_000  # for contacts whose step may be repeated with a shorter length
 
 
+STILL_SHARE = 1e-12  # as that of the rows of contacts; test_a_start_in_contact_with_a_speed_of_rounding_is_no_impact
+
+
 @compiled
 def rounding(m, n):
     """Penetration of contact n that may be rounding [m or rad]: coordinates and angles may be large."""
@@ -54,6 +57,19 @@ def rounding(m, n):
         elif i > 0:
             size += abs(y[3 * i - 3]) + abs(y[3 * i - 2]) + lever[n, end] * abs(y[3 * i - 1])
     return 1e-12 * scale_of(m, n) + 1e-15 * size
+
+
+@compiled
+def rate_rounding(m, n):
+    """Speed of contact n that may be rounding [m/s or rad/s]: a share of the speeds of its bodies (m.body is current)."""
+    contact, lever, body = m.contact, m.lever, m.body
+    size, angular = 0.0, lever[n, at.ANGULAR] > 0.0
+    for end in range(2):
+        i = contact[n, at.A_BODY + end]
+        turn = abs(body[i, at.W])
+        arm = lever[n, end] + lever[n, at.SLOPE]
+        size += turn if angular else abs(body[i, at.VX]) + abs(body[i, at.VY]) + arm * turn
+    return STILL_SHARE * size
 
 
 @compiled

@@ -34,7 +34,7 @@ from rattle.solvers.contacts.contact_events import (
     remember_end,
     start_contacts,
 )
-from rattle.solvers.contacts.gap_search import NONE, may_reach
+from rattle.solvers.contacts.gap_search import NONE, may_reach, rate_rounding
 from rattle.solvers.contacts.pawls import seat_pawls
 from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, scale_of
 from rattle.solvers.dense_output import interpolate, prepare_dense
@@ -95,7 +95,7 @@ def start(m, t):
             continue
         if nearest < 0 or kinematics[n, at.GAP] < kinematics[nearest, at.GAP]:
             nearest = n
-        if kinematics[n, at.DGAP] < 0.0:
+        if kinematics[n, at.DGAP] < -rate_rounding(m, n):
             who = n
             break
     if who < 0:
