@@ -61,7 +61,7 @@ def rounding(m, n):
 
 @compiled
 def rate_rounding(m, n):
-    """Speed of contact n that may be rounding [m/s or rad/s]: a share of the speeds of its bodies (m.body is current)."""
+    """Speed of contact n that may be rounding [m/s or rad/s]: a share of those of its bodies in `m.body`."""
     contact, lever, body = m.contact, m.lever, m.body
     size, angular = 0.0, lever[n, at.ANGULAR] > 0.0
     for end in range(2):
