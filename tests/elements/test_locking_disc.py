@@ -134,6 +134,14 @@ def test_a_wheel_is_turned_by_one_slot_per_turn_and_held_in_between(n, how):
     assert not [note for note in r.trust.notes if "apart" in note]
 
 
+def test_ten_turns_take_few_steps():
+    """Slots that the pin is far from cost no steps: about 60 per turn, with four series of bounces in each two."""
+    r = Geneva(4).model(friction=0.05).simulate(10 * 2 * math.pi / SPEED)
+    assert r["wheel.angle"][0] - r["wheel.angle"][-1] == pytest.approx(5 * math.pi, abs=0.01)
+    assert r.stats["steps"] < 2000
+    assert r.stats["evaluations"] < 60_000
+
+
 @pytest.mark.parametrize("drag", ["0.5", "-0.5", "-0.5*tanh(wheel.omega/0.01)"])
 def test_a_loaded_wheel_is_turned_too(drag):
     drive = Geneva(4)

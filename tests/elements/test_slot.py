@@ -407,6 +407,13 @@ def test_positions_beyond_the_ends_of_a_slot_are_noted_by_every_analysis_of_a_dr
 
 
 @nojit
+def test_check_says_that_a_slot_without_length_is_a_line_without_ends():
+    endless = "ends: slot, a line without ends, which its pin never leaves"
+    assert endless in str(scotch_yoke().check())
+    assert endless not in str(scotch_yoke(with_play(length=0.12)).check())
+
+
+@nojit
 def test_check_names_a_start_beyond_the_ends_of_a_slot():
     def at(x):
         return str(bead(with_play(length=0.4), f"x = {x}, y = 0").check())

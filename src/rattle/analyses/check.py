@@ -41,6 +41,7 @@ class Check:
     clearances: tuple[str, ...]
     one_sided: tuple[str, ...]  # cams, gears, belts that act one way only
     stops: tuple[str, ...]  # ends of coordinates of joints
+    ends: tuple[str, ...]  # of joints along a line, where there is something to say of them
     reach: tuple[str, ...]  # how far each driver can go
     freedoms: tuple[str, ...]  # coordinates that may be chosen freely and determine all others
     laws: tuple[str, ...]  # contact laws of the user that pull or create energy
@@ -84,6 +85,7 @@ class Check:
         lines += [f"play: {one}" for one in self.clearances]
         lines += [f"one-sided: {one}" for one in self.one_sided]
         lines += [f"stop: {one}" for one in self.stops]
+        lines += [f"ends: {one}" for one in self.ends]
         lines += [f"driver: {one}" for one in self.reach]
         lines += [f"law: {one}" for one in self.laws]
         lines += [f"start: {one}" for one in self.start]
@@ -124,6 +126,9 @@ def check(system: System, start: Assembled) -> Check:
         ),
         freedoms=free_coordinates(system, start.t, start.q),
         stops=tuple(stop_lines(model)),
+        ends=tuple(
+            f"{name}, {said}" for name, joint in model.joints.items() if (said := joint.leaf.ends(joint.fields))
+        ),
         reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
         start=(*start.changes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),

@@ -118,6 +118,11 @@ class JointKind:
         return float("inf")
 
     @staticmethod
+    def ends(fields: Mapping[str, float]) -> str:
+        """What a check says about how far B's point may go, in words; "" if nothing."""
+        return ""
+
+    @staticmethod
     def distance(fields: Mapping[str, float]) -> float:
         """Distance of the two points [m] that the joint enforces."""
         return 0.0

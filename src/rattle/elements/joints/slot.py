@@ -75,6 +75,13 @@ class Slot(JointKind):
         return fields["axis"]
 
     @staticmethod
+    def ends(fields: Mapping[str, float]) -> str:
+        """Without length it has none."""
+        return (
+            "" if fields["length"] < math.inf else "a line without ends, which its pin never leaves; length gives ends"
+        )
+
+    @staticmethod
     def travel(fields: Mapping[str, float]) -> float:
         """Half the length [m]: up to the centres of the rounded ends."""
         return 0.5 * fields["length"]
