@@ -17,6 +17,7 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 
 from __future__ import annotations
 
+from rattle.equations.dependent_rows import FIXED, STAYS, is_fixed, terms_of
 from rattle.equations.massless import prepare, take_out_of_response
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
@@ -26,6 +27,7 @@ from rattle.jit.functions import compiled, kernel
 OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`
 EXACT = 1e-12  # share of the largest value below which a value counts as zero
+ROUNDING = 1e-15  # share of what cancels in a row of G that is rounding: rows that differ by less are one
 LOOSE = 1e3  # times that: a does not vanish as it should, because contacts or joints depend on each other
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
 FEW = 6  # contacts up to which G is formed and solved as a full matrix
@@ -64,6 +66,8 @@ def rows_kernel(m, count):
         for d in range(2):
             contact_row(m, active[k], d, w, 2 * k + d)
     coupled = m.dry.shape[0] + m.massless.shape[0]  # responses that `contact_network` does not have
+    for k in range(count):
+        coupled += m.contact[active[k], at.LEVEL]  # nor does it see rows that the joints fix
     held[at.SPARSE] = 1.0 if count > FEW and m.net_first.shape[0] > 0 and coupled == 0 else 0.0
     if held[at.SPARSE] == 0.0:
         fill_delassus(m, count)
@@ -107,6 +111,23 @@ def respond(m, a, b, w, response, multiplier_response, r):
 
 
 @compiled
+def fix_row(m, n, d, r):
+    """Note whether the joints fix row r of W, that of contact n in direction d; a force along it then moves nothing."""
+    contact, w, weight, response = m.contact, m.contact_jacobian, m.weight, m.velocity_response
+    a, b, size = contact[n, at.A_BODY], contact[n, at.B_BODY], 0.0
+    for q in range(3):
+        size += weight[a, q] * w[r, q] * w[r, q] + weight[b, q] * w[r, 3 + q] * w[r, 3 + q]
+    share = STAYS if m.row_fixed[2 * n + d] == 1 else FIXED
+    fixed = m.multiplier_response.shape[1] > 0 and is_fixed(m, response, 0, m.multiplier_response, r, size, share)
+    m.row_fixed[2 * n + d] = 1 if fixed else 0
+    terms = terms_of(m, m.multiplier_response, r, size)
+    m.held[at.NOISE] = max(m.held[at.NOISE], ROUNDING * terms * terms)
+    if fixed:
+        for c in range(response.shape[1]):
+            response[r, c] = 0.0
+
+
+@compiled
 def fill_delassus(m, count):
     """Responses to a unit force along each row of W, and G [1/kg]; W and the factor of S must be up to date."""
     contact, active = m.contact, m.active
@@ -118,6 +139,7 @@ def fill_delassus(m, count):
     )
     if m.massless.shape[0] > 0:
         prepare(m)
+    m.held[at.NOISE] = 0.0
     for k in range(count):
         n = active[k]
         a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
@@ -131,6 +153,7 @@ def fill_delassus(m, count):
                     response[r, c] = 0.0
                 for row in range(multiplier_response.shape[1]):
                     multiplier_response[r, row] = 0.0
+            fix_row(m, n, d, r)
             for s in range(r + 1):
                 value = 0.0
                 if d == 0 or rough:
@@ -263,7 +286,7 @@ def take_solution(m, count, size, rough):
 def eliminate(m, count, rough):
     """`modes_kernel` with G as a full matrix."""
     size, scale = fill_rows(m, count, rough)
-    sign = diagonalise(m.system, m.pivots, size, scale)
+    sign = diagonalise(m.system, m.pivots, size, max(scale, m.held[at.NOISE] / EXACT))
     take_solution(m, count, size, rough)
     return sign
 
@@ -296,7 +319,7 @@ def better_mode(m, k, force, rate):
         if slide[k] != 0 or mu == 0.0:
             return BACKWARD if slide[k] < 0 else FORWARD
         return STICK
-    if pressed < -force:
+    if pressed < -force or side[A, 2 * k] > LOOSE * rate:  # no force can keep it closed
         return OFF
     if mode == STICK and abs(held) > mu * pressed + force:
         return FORWARD if held > 0.0 else BACKWARD

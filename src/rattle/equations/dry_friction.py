@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.dependent_rows import FIXED, STAYS, fixed_value, is_fixed
 from rattle.equations.massless import prepare, take_out_of_response
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
@@ -34,9 +35,9 @@ from rattle.jit.functions import compiled, native
 ROUNDS = 40  # Newton steps after which there is no solution
 CLOSE = 4e-16  # share of tau that ends them
 TILT = 1e-6  # share of N by which the slope of a law is measured
-FIRM = 1e-12  # share of its own mobility below which a coordinate is held by other joints or drivers
+FIRM = 1e-12  # share of its own mobility below which other joints or drivers hold a coordinate, beside massless bodies
 DEPENDENT = 1e-10  # pivot below which a coordinate depends on others, as a share of its diagonal
-REST = 1e-13  # rate [m/s or rad/s] below which a coordinate is at rest, besides rounding of its terms
+REST = 1e-13  # rate (or its derivative) [m, rad, s] below which a coordinate is at rest, besides rounding of its terms
 
 
 @compiled
@@ -92,7 +93,28 @@ def respond(m, n):
             response[n, 3 * b + k] -= weight[b, k] * rows[r, at.BX + k] * value
     if m.massless.shape[0] > 0:
         take_out_of_response(m, response, 3, reaction, n)
-    m.dry_memory[n, at.DRY_HELD] = 1.0 if mobility(m, n, n) <= FIRM * free else 0.0
+    hold(m, n, free)
+
+
+@compiled
+def hold(m, n, free):
+    """Note whether the joints and drivers hold coordinate n, so that its friction moves nothing.
+
+    free: mobility without them.  A coordinate that sticks stays held until positions differ by more than steps err;
+    its rate is that of the joints and drivers, without the error of a step.
+    """
+    memory, response = m.dry_memory, m.dry_response
+    if m.massless.shape[0] > 0:
+        memory[n, at.DRY_HELD] = 1.0 if mobility(m, n, n) <= FIRM * free else 0.0
+        return
+    kept = memory[n, at.DRY_HELD] == 1.0 and memory[n, at.DRY_MODE] == at.DRY_STICKS
+    fixed = is_fixed(m, response, 3, m.dry_reaction, n, free, STAYS if kept else FIXED)
+    memory[n, at.DRY_HELD] = 1.0 if fixed else 0.0
+    if fixed and kept:
+        memory[n, at.DRY_RATE] = fixed_value(m, m.dry_reaction, n, at.NU)
+    if fixed:
+        for c in range(response.shape[1]):
+            response[n, c] = 0.0
 
 
 @compiled

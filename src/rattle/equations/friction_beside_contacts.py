@@ -16,6 +16,8 @@ from rattle.equations.dry_friction import DEPENDENT, eliminate, mobility, resist
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
+BY_FRICTION = 2  # in `row_fixed`: joints that stick hold the row
+
 
 @compiled
 def pull(m, r, n):
@@ -70,7 +72,10 @@ def couple(m, count):
                 if b > 0:
                     value += w[r, 3 + q] * response[s, 3 * b - 3 + q]
             m.delassus[r, s] = value
-        if abs(m.delassus[r, r]) <= DEPENDENT * before:  # joints that stick hold it: what is left is rounding
+        if (
+            before > 0.0 and abs(m.delassus[r, r]) <= DEPENDENT * before
+        ):  # joints that stick hold it: what is left is rounding
+            m.row_fixed[2 * active[r // 2] + r % 2] = BY_FRICTION
             for s in range(2 * count):
                 m.delassus[r, s] = 0.0
 

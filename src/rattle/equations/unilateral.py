@@ -22,8 +22,9 @@ from rattle.equations.complementarity import (
     F,
     friction_of,
 )
-from rattle.equations.dry_friction import complete_dry_friction
-from rattle.equations.friction_beside_contacts import couple, follow
+from rattle.equations.dependent_rows import fixed_value
+from rattle.equations.dry_friction import REST, complete_dry_friction
+from rattle.equations.friction_beside_contacts import BY_FRICTION, couple, follow
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
 from rattle.jit.families import call_problem
@@ -35,6 +36,7 @@ EXPAND, TRACE = (
 )  # places in `problem_table`, after those of complementarity: see solvers.nonsmooth.impact_phases and paths
 # ends of a run that only occur with set-valued contacts
 MOST_ROUNDS = 12  # of contacts and friction of joints by turns
+ROUNDED = 1e-9  # share of its terms below which the acceleration of a row that the joints fix counts as zero
 AGREES = 1e-14  # share of the largest force below which a correction ends them
 NO_SOLUTION, NOT_UNIQUE, LOCKED, CHATTER, NOT_FOUND = range(10, 15)
 
@@ -68,6 +70,30 @@ def reach(m, r, n, values, column):
 
 
 @compiled
+def fixed_side(m, r, n):
+    """b of row r of contact n [m/s^2 or rad/s^2], which joints fix, or they and friction that sticks; 0 if rounding."""
+    kinematics, rows, reaction, memory = m.contact_kinematics, m.rows, m.multiplier_response, m.dry_memory
+    value = kinematics[n, at.GAMMA_N if r % 2 == 0 else at.GAMMA_T]
+    size = abs(value)
+    for row in range(rows.shape[0]):
+        value -= reaction[r, row] * rows[row, at.GAMMA]
+        size += abs(reaction[r, row] * rows[row, at.GAMMA])
+    if m.row_fixed[2 * n + r % 2] == BY_FRICTION:
+        for j in range(memory.shape[0]):
+            value -= m.dry_share[j, r] * m.dry_rows[j, at.GAMMA]
+            size += abs(m.dry_share[j, r] * m.dry_rows[j, at.GAMMA])
+    return value if abs(value) > ROUNDED * size + REST else 0.0
+
+
+@compiled
+def approach(m, k, n):
+    """Rate [m/s or rad/s] of the gap of active contact n in the rows 2 k of W; exact if the joints fix it."""
+    if m.row_fixed[2 * n] == 0:
+        return m.contact_kinematics[n, at.DGAP]
+    return -fixed_value(m, m.multiplier_response, 2 * k, at.NU)
+
+
+@compiled
 def lasting_side(m, count):
     """b of closed contacts: g'' and minus the rate of slip of the motion without contact forces [m/s^2]."""
     kinematics, active, side, acceleration = m.contact_kinematics, m.active, m.side, m.acceleration
@@ -75,6 +101,9 @@ def lasting_side(m, count):
         n = active[k]
         side[B, 2 * k] = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, acceleration, 0)
         side[B, 2 * k + 1] = kinematics[n, at.GAMMA_T] - along(m, 2 * k + 1, n, acceleration, 0)
+        for r in range(2 * k, 2 * k + 2):
+            if m.row_fixed[2 * n + r - 2 * k] != 0:
+                side[B, r] = fixed_side(m, r, n)
 
 
 @compiled
@@ -250,7 +279,7 @@ def closed_contacts(m):
             if memory[n, at.SLIPS] == 1.0:
                 kinematics[n, at.NORMAL] = m.values[contact[n, at.NORMAL_P] + at.MOST_TORQUE]
                 kinematics[n, at.LOSS] = -kinematics[n, at.NORMAL] * kinematics[n, at.DGAP]
-            if mode[n] != OFF:
+            if mode[n] != OFF and memory[n, at.IDLE] == 0.0:
                 active[count], candidate[count] = n, mode[n]
                 count += 1
     if count == 0:
@@ -266,4 +295,4 @@ def closed_contacts(m):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
         kinematics[n, at.LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * kinematics[n, at.SLIP]
         if side[F, 2 * k] == 0.0 and held[at.DETERMINANT] == 0.0:
-            held[at.SHARED] = 1.0 + n
+            memory[n, at.UNSURE] = 1.0

@@ -198,9 +198,12 @@ declare("contact_memory", """
     STEPS_ON [] pressed steps in a row, or free ones with a negative sign
     SLIPS [] 1 for a clutch that slips at its largest torque
     SLIPPED [] the same before the present event
+    IDLE [] 1 for a contact at rest without a force: joints or other contacts hold it, whatever its force
+    UNSURE [] 1 once its force could have been another with the same motion
 """)
 CLOSED, SPEED, SINCE, PEAK, IMPULSE_0, LOSS_0, STEPS_IN, GAP_0, DGAP_0, N_0, GAP_1, DGAP_1, N_1 = range(13)
 BOUNCES_END, ROUNDING, RATE_BEFORE, SLIP_BEFORE, HITS, E_T, RATE_AFTER, SHIFT, STEPS_ON, SLIPS, SLIPPED = range(13, 24)
+IDLE, UNSURE = range(24, 26)
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
 declare("recent", """
     LAST_IMPACT [s] instant of the last impact of a contact
@@ -215,12 +218,12 @@ declare("held", """
     RIDGE [] share by which the diagonal of G is raised
     SCALE [] magnitude of the terms of the last a = G f + b
     WEAKEST [] smallest pivot / its diagonal, sparse solution
-    SHARED [] 1 + a contact whose force may differ without changing the motion
+    NOISE [1/kg] of entries of G
     LOCK_SHARE [] smallest (G_nn +- mu G_nt) / G_nn of a sliding contact so far: it locks if it is <= 0
     LOCK_AT [s] when
     LOCK_CONTACT [] which contact
 """)
-DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, SHARED, LOCK_SHARE, LOCK_AT, LOCK_CONTACT = range(11)
+DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, NOISE, LOCK_SHARE, LOCK_AT, LOCK_CONTACT = range(11)
 declare("stuck", """
     EVENT_AT [s] time of the last event
     EVENTS_THERE [] events at that time so far
@@ -262,6 +265,8 @@ declare("dry_memory", """
     DRY_BEFORE [] its mode before that
     DRY_ADDED [N or N*m] part of tau that accelerations and multipliers contain
     DRY_SINCE [s] instant at which it has begun to slip from rest
+    DRY_UNSURE [] 1 once its force could have been another with the same motion
 """)
 DRY_MODE, DRY_FORCE, DRY_RATE, DRY_HELD, DRY_OVER, DRY_LOCKS, DRY_REST, DRY_BEFORE, DRY_ADDED, DRY_SINCE = range(10)
+DRY_UNSURE = 10
 DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)

@@ -96,7 +96,7 @@ ARRAYS = {
     ),
     "film_force": Array("f1", "5", "N, N*m, W", "of one oil film, scratch"),
     "bin_sums": Array("f1", "8", "N, N*m, W", "sums over the bins of one worn contact, scratch"),
-    "contact_memory": Array("f2", "nc, 24", "", "memory of every contact"),
+    "contact_memory": Array("f2", "nc, 26", "", "memory of every contact"),
     "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),
     "element_rate": Array("f1", "all states", "SI/s", "their rates"),
     # set-valued contacts; two rows (normal, tangential) for each active contact
@@ -105,6 +105,7 @@ ARRAYS = {
     "candidate": Array("i1", "nc", "", "candidate modes of the active contacts"),
     "slide": Array("i1", "nc", "", "sign of their slip if it is prescribed, otherwise 0"),
     "pivots": Array("i1", "2 nc", "", "scratch"),
+    "row_fixed": Array("i1", "2 nc", "", "rows of W that are fixed: 1 by the joints, 2 with friction that sticks"),
     "contact_jacobian": Array("f2", "2 nc, 6", "-, -, m", "W: rates of A, then of B, to normal or tangential velocity"),
     "velocity_response": Array("f2", "2 nc, 3 nb", "", "M^-1 (w - Phi_q^T z): response to a unit force"),
     "multiplier_response": Array("f2", "2 nc, nr", "", "z: multipliers caused by a unit force"),
@@ -157,7 +158,7 @@ ARRAYS = {
     "massless_impulse": Array("f1", "nr or 0", "", "scratch"),
     # dry friction of joints without play, see `equations.dry_friction`
     "dry": Array("i2", "nd, 11", "", "joints without play that have friction"),
-    "dry_memory": Array("f2", "nd, 10", "N, m/s or N*m, rad/s", "their modes and friction forces"),
+    "dry_memory": Array("f2", "nd, 11", "N, m/s or N*m, rad/s", "their modes and friction forces"),
     "dry_rows": Array("f2", "nd, 9", "m or rad", "rows of their free coordinates, as `rows`"),
     "dry_response": Array("f2", "nd, 3 nb + 3", "", "Y: accelerations of all bodies caused by unit forces"),
     "dry_reaction": Array("f2", "nd, nr", "", "Z: multipliers caused by unit forces"),

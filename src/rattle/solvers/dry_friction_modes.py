@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.dependent_rows import fixed_value
 from rattle.equations.dry_friction import REST, along, eliminate, lasting, limit, mobility, rounding
 from rattle.equations.motion import solve_motion
 from rattle.equations.state import take_states
@@ -25,6 +26,8 @@ from rattle.solvers.dense_output import interpolate
 
 PARTS = 16  # pieces of a step that are searched
 KEEP = -2
+ROUNDED = 1e-9  # share of its terms below which the acceleration of a held coordinate is rounding
+SLIGHT = 1e-5  # share of all rates, or of what a step adds, that the error of an event may leave to joints at rest
 AT_ONCE = 1e-12  # share of the time within which two events are one
 MOST_TRIED = 8  # joints at rest up to which all combinations are tried
 
@@ -41,7 +44,10 @@ def solve_at(m, t, y):
 @compiled
 def decided(m, n):
     """True if joint n is at rest and its friction set-valued, so that its mode is open."""
-    return m.dry[n, at.DRY_LAW] < 0 and abs(m.dry_memory[n, at.DRY_RATE]) <= rounding(m, n)
+    rate = m.dry_memory[n, at.DRY_RATE]
+    if m.dry_memory[n, at.DRY_HELD] == 1.0 and m.massless.shape[0] == 0:
+        rate = fixed_value(m, m.dry_reaction, n, at.NU)
+    return m.dry[n, at.DRY_LAW] < 0 and abs(rate) <= rounding(m, n)
 
 
 @compiled
@@ -93,12 +99,20 @@ def violation(m, n, loose):
 
 
 @compiled
+def driven_ahead(m, n):
+    """`sudden` of a coordinate that the joints and drivers hold, from their rows; 0 if it is rounding."""
+    gamma = m.dry_rows[n, at.GAMMA]
+    ahead = fixed_value(m, m.dry_reaction, n, at.GAMMA) - gamma
+    return ahead if abs(ahead) > ROUNDED * abs(gamma) else 0.0
+
+
+@compiled
 def follow_drivers(m):
     """Joints at rest whose coordinate others hold get the sense in which it is accelerated."""
     memory = m.dry_memory
     for n in range(memory.shape[0]):
         if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 1.0:
-            ahead = sudden(m, n)
+            ahead = sudden(m, n) if m.massless.shape[0] > 0 else driven_ahead(m, n)
             memory[n, at.DRY_MODE] = at.DRY_STICKS if abs(ahead) <= REST else math.copysign(1.0, ahead)
 
 
@@ -153,6 +167,34 @@ def try_all(m, t, y, loose):
     return False
 
 
+@compiled
+def come_to_rest(m, t, y):
+    """Bring joints at rest to rest exactly, and find others that are with them; the error of an event moves them on.
+
+    Where that changes the motion itself, as near a dead centre, which only one joint reaches at rest, nothing is done.
+    """
+    memory, trial, nq = m.dry_memory, m.stage, m.change.shape[0]
+    for k in range(y.shape[0]):
+        trial[k] = y[k]
+    for n in range(memory.shape[0]):
+        if memory[n, at.DRY_REST] == 1.0:
+            memory[n, at.DRY_MODE] = at.DRY_STICKS
+    bring_to_rest(m, trial)
+    change, size = 0.0, 0.0
+    for k in range(nq):
+        i, c = 1 + k // 3, k % 3
+        gained = m.clock[at.H] * m.acceleration[i, c]
+        change += (trial[nq + k] - y[nq + k]) ** 2 / m.weight[i, c]
+        size += (y[nq + k] ** 2 + gained * gained) / m.weight[i, c]
+    if not change <= SLIGHT * SLIGHT * size:
+        return
+    for k in range(nq):
+        y[nq + k] = trial[nq + k]
+    solve_at(m, t, y)
+    for n in range(memory.shape[0]):
+        memory[n, at.DRY_REST] = 1.0 if memory[n, at.DRY_REST] == 1.0 or decided(m, n) else 0.0
+
+
 @native("i", "h", "f", "v", "i", "i")
 def decide(m, t, y, who, told):
     """Modes of all joints at (t [s], y), whose rates are brought to rest where they stick; False if there are none.
@@ -166,20 +208,29 @@ def decide(m, t, y, who, told):
     sense = -math.copysign(1.0, memory[who, at.DRY_FORCE]) if breaks else 0.0
     for n in range(memory.shape[0]):
         memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
-        rests = (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, n)
-        memory[n, at.DRY_REST] = 1.0 if rests else 0.0
-        begins = n != who and memory[n, at.DRY_MODE] != at.DRY_AUTO and t - memory[n, at.DRY_SINCE] <= AT_ONCE * abs(t)
-        kept = begins or (who == KEEP and memory[n, at.DRY_MODE] == at.DRY_STICKS)
-        if m.dry[n, at.DRY_LAW] < 0 and not (rests and kept):
+        memory[n, at.DRY_REST] = 1.0 if (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, n) else 0.0
+    come_to_rest(m, t, y)
+    for n in range(memory.shape[0]):
+        rests = memory[n, at.DRY_REST] == 1.0
+        begins = (
+            n != who and memory[n, at.DRY_BEFORE] != at.DRY_AUTO and t - memory[n, at.DRY_SINCE] <= AT_ONCE * abs(t)
+        )
+        kept = begins or (who == KEEP and memory[n, at.DRY_BEFORE] == at.DRY_STICKS)
+        if m.dry[n, at.DRY_LAW] < 0 and rests and kept:
+            memory[n, at.DRY_MODE] = memory[n, at.DRY_BEFORE]
+        elif m.dry[n, at.DRY_LAW] < 0:
             memory[n, at.DRY_MODE] = at.DRY_STICKS if rests else math.copysign(1.0, memory[n, at.DRY_RATE])
-    bring_to_rest(m, y)
     solve_at(m, t, y)
     follow_drivers(m)
     if breaks:
         memory[who, at.DRY_MODE] = sense
     loose = who if breaks or who == KEEP else -1
     found = settle(m, t, y, loose) or try_all(m, t, y, loose)
+    bring_to_rest(m, y)  # those that stick: near a dead centre the others would have to lose all rates
+    solve_at(m, t, y)
     for n in range(memory.shape[0]):
+        if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_MODE] == at.DRY_STICKS and memory[n, at.DRY_HELD] == 1.0:
+            memory[n, at.DRY_UNSURE] = 1.0
         if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_MODE] != at.DRY_STICKS:
             memory[n, at.DRY_SINCE] = t
         memory[n, at.DRY_REST], memory[n, at.DRY_OVER] = 0.0, 0.0

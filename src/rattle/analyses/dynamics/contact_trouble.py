@@ -28,11 +28,11 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
     """
     names = ", ".join(closed_joints(system, workspace)) or "the contacts"
     other = f"method {stepper_of(TIME_STEPPING)}"
-    if status == unilateral.NO_SOLUTION and not rough(system, workspace)[touching(system, workspace)].any():
-        return (
-            f"drivers push {names} on at t = {t:.9g} s where a stop or wall is and nothing can give way: change the"
-            " motion of the drivers or the stop, or give it a compliant contact"
-        )
+    sliding = bool(rough(system, workspace)[touching(system, workspace)].any())
+    if status == unilateral.NO_SOLUTION and not sliding:
+        return no_way(system, workspace, t, names)
+    if status == unilateral.LOCKED and not sliding:
+        return dependent_or_locked(system, t, names)
     if status == unilateral.NO_SOLUTION and workspace.held[at.OUTCOME] == complementarity.JAMMED:
         return (
             f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
@@ -70,6 +70,38 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
     return ""
 
 
+def no_way(system: System, workspace: Workspace, t: float, names: str) -> str:
+    """In words: contacts without friction, whose joints are `names`, leave no motion at t [s]."""
+    level = system.arrays["contact"][touching(system, workspace), at.LEVEL]
+    kinds = ["a clutch"] * bool((level == 1).any()) + ["a stop or wall"] * bool((level == 0).any())
+    remedy = ["give the clutch a max_torque"] * bool((level == 1).any())
+    remedy += ["give the stop or wall a compliant contact"] * bool((level == 0).any())
+    what = " or ".join(kinds) or "a stop or wall"
+    if system.model.drivers:
+        remedy = ["change the motion of the drivers", *remedy]
+        return (
+            f"drivers push {names} on at t = {t:.9g} s where {what} is and nothing can give way: {', or '.join(remedy)}"
+        )
+    rubs = f", and friction of {', '.join(system.dry_joints)} does not let it slow down" * bool(system.dry_joints)
+    return (
+        f"the mechanism moves {names} on at t = {t:.9g} s where {what} is and nothing can give way{rubs}: a dead end"
+        f" that rigid bodies cannot pass; {', or '.join(remedy)}"
+    )
+
+
+def dependent_or_locked(system: System, t: float, names: str) -> str:
+    """In words: the forces of contacts without friction, whose joints are `names`, have no sense at t [s]."""
+    if system.dry_joints:
+        return (
+            f"friction of {', '.join(system.dry_joints)} locks {names} at t = {t:.9g} s: the forces of the joints grow"
+            " without bound; try less friction, or a compliant contact"
+        )
+    return (
+        f"{names} depend on each other at t = {t:.9g} s in a way that rounding decides; try method"
+        f" {stepper_of(TIME_STEPPING)} or a compliant contact"
+    )
+
+
 def closed_joints(system: System, workspace: Workspace) -> list[str]:
     """Names of the joints whose contacts are closed, in quotes."""
     owner = system.arrays["contact"][touching(system, workspace), at.OWNER]
@@ -79,6 +111,8 @@ def closed_joints(system: System, workspace: Workspace) -> list[str]:
 def touching(system: System, workspace: Workspace) -> np.ndarray:
     """(nc,) True for set-valued contacts that are closed, or about to."""
     near = workspace.contact_kinematics[:, at.GAP] < 1e-6 * system.arrays["lever"][:, at.GAP_SIZE]
+    clutch = system.arrays["contact"][:, at.LEVEL] == 1  # has no gap, and may be overrun
+    near &= ~clutch | (workspace.contact_kinematics[:, at.DGAP] < 1e-6)
     return np.asarray(((workspace.mode != complementarity.OFF) | near) & _rigid(system))
 
 
@@ -166,18 +200,30 @@ def firm_joints(system: System, workspace: Workspace, t: float) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def against(names: str) -> str:
-    """The end of a sentence: the joints (names, after a blank, or "") may be in a dead end."""
-    return f"; or the drivers push{names} against a dead end, a position that rigid bodies cannot pass"
+def against(system: System, names: str) -> str:
+    """What else may have stopped a run: the joints (names, after a blank, or "") may be in a dead end."""
+    if system.model.drivers:
+        return f"the drivers push{names} against a dead end, a position that rigid bodies cannot pass"
+    return f"bodies move{names} against a dead end, a position that rigid bodies cannot pass"
 
 
 def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:
-    """Note on contacts that depend on each other and can share a force in several ways, if a run has met such ones."""
-    shared = int(workspace.held[at.SHARED])
-    if not shared:
-        return ()
-    joint = system.joints[system.arrays["contact"][shared - 1, at.OWNER]]
-    return (
-        f"contacts that depend on each other can share a force at joint '{joint}' in several ways: the values"
-        " listed are one of them, with the same motion as all others",
+    """Notes on contacts whose forces the motion does not determine, if a run has met such ones."""
+    unsure = workspace.contact_memory[:, at.UNSURE] == 1.0
+    contact = system.arrays["contact"]
+    clutches, others = (
+        ", ".join(f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in contact[unsure & level, at.OWNER]))
+        for level in (contact[:, at.LEVEL] == 1, contact[:, at.LEVEL] == 0)
     )
+    notes = []
+    if clutches:
+        notes.append(
+            f"the torque of {clutches} is not unique at times, as joints or other clutches and contacts keep its bodies"
+            " from turning against each other: the values listed are one of them, with the same motion as all others"
+        )
+    if others:
+        notes.append(
+            f"contacts that depend on each other can share a force at joint {others} in several ways: the values"
+            " listed are one of them, with the same motion as all others"
+        )
+    return tuple(notes)

@@ -137,7 +137,7 @@ class EventDrivenRun(Run):
         if status not in (UNSOUND, unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL):
             return ""
         names = ", ".join(firm_joints(self.system, self.workspace, float(self.clock[at.T])))
-        return against(f" {names}") if names else ""
+        return against(self.system, f" {names}") if names else ""
 
     def chatter(self, t: float) -> str:
         """Message on contacts that change without end at t [s], with the last one."""

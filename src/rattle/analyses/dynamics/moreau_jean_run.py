@@ -88,4 +88,4 @@ class MoreauJeanRun(Run):
 
     def suspect(self, status: int) -> str:
         """A dead end, in which bodies sink into each other."""
-        return against("") if status == ESCAPED else ""
+        return against(self.system, "") if status == ESCAPED else ""

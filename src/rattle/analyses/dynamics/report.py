@@ -61,6 +61,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *out_of_place(system, run.t_eval[:n], places(system, run.raw[:n])),
         *grip_notes(system, run.t_eval[:n], places(system, run.raw[:n]), data, names),
         *_series_notes(run),
+        *_unsure_friction(run),
         *run.remarks(),
     )
     balance = float(np.abs(curve["balance"]).max()) if n else math.nan
@@ -103,6 +104,15 @@ def _friction_note(joints: tuple[str, ...]) -> tuple[str, ...]:
         return ()
     said = f"{', '.join(joints)}: friction by a reaction that is not unique, so neither is the motion"
     return (f"{said}; replace a joint by one that holds less",)
+
+
+def _unsure_friction(run: Run) -> tuple[str, ...]:
+    """Note on friction of joints that were held at rest by others, so that the motion does not tell what it holds."""
+    unsure = run.workspace.dry_memory[:, at.DRY_UNSURE] == 1.0
+    names = ", ".join(name for name, one in zip(run.system.dry_joints, unsure, strict=True) if one)
+    if not names:
+        return ()
+    return (f"{names}: friction in a joint that the others keep from moving is not unique; 0 is listed meanwhile",)
 
 
 def _series_notes(run: Run) -> tuple[str, ...]:

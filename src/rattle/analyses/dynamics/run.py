@@ -112,7 +112,7 @@ class Run(ABC):
 
     @abstractmethod
     def suspect(self, status: int) -> str:
-        """What else may have stopped the run, as the end of a sentence; "" if nothing."""
+        """What else may have stopped the run, in words; "" if nothing."""
 
     # ---------------------------------------------------------------- what all runs share
     def prepare(self) -> Workspace:
@@ -227,8 +227,10 @@ class Run(ABC):
 
     def trouble(self, status: int) -> str:
         """Why the run cannot go on, in words."""
-        what = why_unsound(self) if status == UNSOUND else self.explain(status)
-        return what + self.suspect(status)
+        if status == UNSOUND:
+            return why_unsound(self)
+        what = self.explain(status)  # before `suspect`, which changes the workspace
+        return "; or ".join(text for text in (what, self.suspect(status)) if text)
 
     def chunk(self) -> int:
         """Steps to take before the next check of progress and of Ctrl-C: not more than the user still allows."""

@@ -52,6 +52,9 @@ class Running(Protocol):
     rtol: float
     most_steps: int | None
 
+    def suspect(self, status: int) -> str:
+        """What else may have stopped the run, in words."""
+
 
 # ---------------------------------------------------------------- measures
 def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
@@ -188,7 +191,10 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
 
 
 def why_unsound(run: Running) -> str:
-    """Why a run ended at the last instant that can be trusted, in words."""
+    """Why a run ended at the last instant that can be trusted, in words.
+
+    That steps are too long is said only where nothing else is known or suspected.
+    """
     system, seen = run.system, run.workspace.audit
     t, ahead = float(run.clock[at.T]), float(run.clock[at.TROUBLE])
     what = []
@@ -200,10 +206,13 @@ def why_unsound(run: Running) -> str:
         what.append(f"'{row.owner}' would open by {opened:.2g} {measure}")
     if not seen[at.UNREST] <= seen[at.UNREST_LIMIT]:
         what.append(f"the energy error would be {100 * seen[at.UNREST]:.2g} % of the largest energy")
-    return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {_cause(run, t, ahead)}"
+    cause = _cause(run, t, ahead) or run.suspect(step_audit.UNSOUND)
+    too_long = f"the steps are too long for this motion at rtol = {run.rtol:g}; choose a smaller rtol or limit the step"
+    return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {cause or too_long}"
 
 
 def _cause(run: Running, t: float, ahead: float) -> str:
+    """What has stopped a run at t [s], in a step to `ahead` [s], in words; "" if that is not known."""
     system, workspace = run.system, run.workspace
     nq = 3 * system.body_count
     q, v = workspace.state[:nq].copy(), workspace.state[nq : 2 * nq].copy()
@@ -223,10 +232,7 @@ def _cause(run: Running, t: float, ahead: float) -> str:
     if not run.stepper.leaf.adaptive:
         return f"the step of {ahead - t:.3g} s is far too long for this motion; choose a shorter step"
     record(workspace, t, workspace.state, np.zeros(width(system)))
-    lost = describe_rank_loss(system, workspace, NEARLY)
-    if lost:
-        return lost
-    return f"the steps are too long for this motion at rtol = {run.rtol:g}; choose a smaller rtol or limit the step"
+    return describe_rank_loss(system, workspace, NEARLY)
 
 
 def jump(system: System, start: float, end: float) -> str:

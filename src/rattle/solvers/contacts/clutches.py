@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.complementarity import OFF, F
+from rattle.equations.complementarity import OFF, B, F
 from rattle.equations.state import IMPULSE, LOSS, account_at
 from rattle.equations.unilateral import push_all
 from rattle.jit import layout as at
@@ -19,6 +19,7 @@ STILL = 1e-12  # share of the rates of its bodies below which the rate of a clut
 LEAST = 1e-14  # rate of a clutch that counts as zero in any case [rad/s]
 NOISE = 1e-11  # share of the largest torque below which one is rounding: more than the contact problem leaves
 OVER = 1e-12  # share by which a torque may exceed the largest one by rounding
+TURNS = 1e-6  # share of the rates of its bodies from which on an idle clutch turns: dense output of a step errs less
 
 
 @compiled
@@ -41,10 +42,12 @@ def watched(m, n):
 
 @compiled
 def rate_left(m, n):
-    """Rate of clutch n [rad/s] in the direction of its mode: not negative while it overruns, or slips."""
-    return (
-        -m.contact_kinematics[n, at.DGAP] if m.contact_memory[n, at.SLIPS] == 1.0 else m.contact_kinematics[n, at.DGAP]
-    )
+    """Rate of clutch n [rad/s] in the direction of its mode: not negative while it overruns, slips or is idle."""
+    rate = m.contact_kinematics[n, at.DGAP]
+    if m.contact_memory[n, at.IDLE] == 1.0:
+        a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+        return rate + TURNS * (abs(m.body[a, at.W]) + abs(m.body[b, at.W]) + TURNS)
+    return -rate if m.contact_memory[n, at.SLIPS] == 1.0 else rate
 
 
 @compiled
@@ -75,6 +78,7 @@ def settle_slips(m, slips):
     """
     contact, memory = m.contact, m.contact_memory
     for n in range(contact.shape[0]):
+        memory[n, at.IDLE] = 0.0
         if contact[n, at.IMPACT] == 1 and not takes_impulses(m, n):
             memory[n, at.SLIPPED] = memory[n, at.SLIPS]
             memory[n, at.SLIPS] = 1.0 if n == slips or gets_ahead(m, n) else 0.0
@@ -102,6 +106,36 @@ def overloaded(m, count):
     for k in range(count):
         n = active[k]
         if contact[n, at.LEVEL] == 1 and side[F, 2 * k] > (1.0 + OVER) * most_torque(m, n):
+            memory[n, at.SLIPS] = 1.0
+            found = True
+    return found
+
+
+@compiled
+def pushed_on(m, count):
+    """Let the first active clutch slip that the joints drive on, or that must give way if all is to; True if there is.
+
+    Its row in b approaches.  It needs a largest torque.
+    """
+    contact, memory, active, side = m.contact, m.contact_memory, m.active, m.side
+    worst, who = 0.0, -1
+    for k in range(count):
+        n = active[k]
+        if contact[n, at.LEVEL] == 1 and most_torque(m, n) < math.inf and side[B, 2 * k] < worst:
+            worst, who = side[B, 2 * k], n
+    if who >= 0:
+        memory[who, at.SLIPS] = 1.0
+    return who >= 0
+
+
+@compiled
+def driven_on(m, count):
+    """Let active clutches slip whose rows the joints fix and drive on; True if there are any."""
+    contact, memory, active, side, found = m.contact, m.contact_memory, m.active, m.side, False
+    for k in range(count):
+        n = active[k]
+        limited = contact[n, at.LEVEL] == 1 and most_torque(m, n) < math.inf
+        if limited and m.row_fixed[2 * n] != 0 and side[B, 2 * k] < 0.0:
             memory[n, at.SLIPS] = 1.0
             found = True
     return found

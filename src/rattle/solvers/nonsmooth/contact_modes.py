@@ -22,6 +22,7 @@ from rattle.equations.unilateral import (
     NOT_UNIQUE,
     add_forces,
     along,
+    approach,
     contact_rows,
     count_solutions,
     ending,
@@ -35,10 +36,18 @@ from rattle.equations.unilateral import (
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.clutches import note_slip, overloaded, settle_slips, undecided_is_free
+from rattle.solvers.contacts.clutches import (
+    driven_on,
+    note_slip,
+    overloaded,
+    pushed_on,
+    settle_slips,
+    undecided_is_free,
+)
 from rattle.solvers.contacts.event_rows import note, note_end
 from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
+from rattle.solvers.nonsmooth.idle_contacts import held_by_closed, let_idle
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN, DROP, MEETS = range(7)  # what an event is; MEETS: a compliant contact changes
@@ -84,7 +93,7 @@ def choose_closed(m, apart, kind, attempt, pulling):
     for k in range(count):
         n = active[k]
         kept = mode[n] != OFF and kind != HIT
-        if kept or at_rest(m, 2 * k, n, along(m, 2 * k, n, body, at.VX), memory[n, at.ROUNDING]):
+        if kept or at_rest(m, 2 * k, n, approach(m, k, n), memory[n, at.ROUNDING]):
             active[closed] = n
             u = along(m, 2 * k + 1, n, body, at.VX)
             slide[closed] = 0
@@ -122,6 +131,9 @@ def part(m, count, apart, attempt):
             size = turning(m, n) + largest_acceleration(m, n) + reach(m, 2 * count, n, acceleration, 0)
             if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
                 return False
+            m.candidate[count] = OFF
+            if opening < 1e-9 * size and held_by_closed(m, count + 1, count):
+                return False
     return True
 
 
@@ -147,6 +159,8 @@ def update_modes(m, t, y, apart, kind):
         motion_without(m, t, y)
         closed = choose_closed(m, apart, kind, attempt, pulling)
         lasting_side(m, closed)
+        if driven_on(m, closed):
+            continue
         solved = solve_contacts(m, closed)
         if solved and overloaded(m, closed):
             continue
@@ -155,6 +169,8 @@ def update_modes(m, t, y, apart, kind):
                 return CREEPS
             status = OK
             if not solved and not solve_by_trying(m, closed):
+                if pushed_on(m, closed):
+                    continue
                 status = ending(m)
             elif is_rough(m, closed) and count_solutions(m, closed) > 1:
                 status = NOT_UNIQUE
@@ -166,6 +182,7 @@ def update_modes(m, t, y, apart, kind):
         if attempt == KEPT or (solved and part(m, closed, apart, attempt)):
             break
         attempt += 1
+    let_idle(m, closed)
     change_modes(m, t, y, closed)
     return OK
 

@@ -26,6 +26,7 @@ from rattle.equations.unilateral import (
     TRACE,
     add_forces,
     along,
+    approach,
     contact_rows,
     count_solutions,
     ending,
@@ -89,32 +90,55 @@ def collide(m, t, y, who):
 
 
 @compiled
-def rates_before(m, count, law):
-    """b of an impact [m/s] from the rates before it in `contact_kinematics`, times 1 + e under Newton's law."""
+def rates_before(m, count, law, first, end):
+    """b of an impact [m/s] from the rates before it in `contact_kinematics`, times 1 + e under Newton's law.
+
+    Active contacts from `first` up to before `end` may not bounce: their e is zero.
+    """
     contact, kinematics, memory, values = m.contact, m.contact_kinematics, m.contact_memory, m.values
     active, candidate, slide, side, bounce = m.active, m.candidate, m.slide, m.side, m.bounce
     for k in range(count):
         n, p = active[k], contact[active[k], at.NORMAL_P]
         memory[n, at.ROUNDING] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
-        hits = kinematics[n, at.DGAP] < -STILL * memory[n, at.ROUNDING]
-        bounce[E, 2 * n] = values[p + at.RESTITUTION] if memory[n, at.BOUNCES_END] == 0.0 else 0.0
-        bounce[BEFORE, 2 * n] = kinematics[n, at.DGAP] if hits else 0.0
-        e, e_t = (bounce[E, 2 * n], values[p + at.TANGENTIAL_RESTITUTION]) if law == NEWTON and hits else (0.0, 0.0)
-        side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * kinematics[n, at.DGAP], -(1.0 + e_t) * kinematics[n, at.SLIP]
+        rate = approach(m, k, n)
+        hits = rate < -STILL * memory[n, at.ROUNDING]
+        bounces = memory[n, at.BOUNCES_END] == 0.0 and not first <= k < end
+        bounce[E, 2 * n] = values[p + at.RESTITUTION] if bounces else 0.0
+        bounce[BEFORE, 2 * n] = rate if hits else 0.0
+        e, e_t = (
+            (bounce[E, 2 * n], values[p + at.TANGENTIAL_RESTITUTION])
+            if law == NEWTON and hits and not first <= k < end
+            else (0.0, 0.0)
+        )
+        side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * rate, -(1.0 + e_t) * kinematics[n, at.SLIP]
         slide[k] = 0
         candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
+
+
+@compiled
+def clip_restitution(m, count):
+    """Solve an impact without the rebounds that other contacts forbid, as a backstop does; False if it has no solution.
+
+    Newton's law asks for g'+ = -e g'- whatever the others allow.  One contact after the other is tried without rebound,
+    then ever more of them together.
+    """
+    for k in range(2 * count):
+        rates_before(m, count, NEWTON, k if k < count else 0, k % count + 1)
+        if solve_contacts(m, count):
+            return True
+    return False
 
 
 @compiled
 def percussions(m, count):
     """Impulses [N s] of the active contacts by their restitution law; returns a status as `collide` does."""
     law = law_of(m, m.active[0])
-    rates_before(m, count, law)
+    rates_before(m, count, law, 0, 0)
     if law == ENERGETIC:
         if call_problem(m.problem_table[TRACE], (m, count)) > 0:
             return OK
-        rates_before(m, count, law)
-    if not solve_contacts(m, count):
+        rates_before(m, count, law, 0, 0)
+    if not solve_contacts(m, count) and not (law == NEWTON and clip_restitution(m, count)):
         return ending(m)
     if is_rough(m, count) and count_solutions(m, count) > 1:
         return NOT_UNIQUE

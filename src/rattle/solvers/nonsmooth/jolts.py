@@ -21,6 +21,7 @@ from rattle.equations.state import WORK, energies_at
 from rattle.equations.unilateral import (
     NOT_UNIQUE,
     add_forces,
+    approach,
     contact_rows,
     count_solutions,
     ending,
@@ -111,7 +112,7 @@ def with_contacts(m, t, y, old, percussion):
         n = active[k]
         memory[n, at.BOUNCES_END], memory[n, at.STEPS_ON] = 0.0, 0.0
         memory[n, at.ROUNDING] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
-        side[B, 2 * k], side[B, 2 * k + 1] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP]
+        side[B, 2 * k], side[B, 2 * k + 1] = approach(m, k, n), -kinematics[n, at.SLIP]
         slide[k] = 0
         candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
     if not solve_contacts(m, count):

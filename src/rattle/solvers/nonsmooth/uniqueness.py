@@ -144,7 +144,7 @@ def try_combinations(m, count, most, slack):
         elif found == 1:
             for k in range(count):
                 if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
-                    m.held[at.SHARED] = 1.0 + active[k]
+                    m.contact_memory[active[k], at.UNSURE] = 1.0
         if found >= most:
             break
     if found > 0:

@@ -1,0 +1,167 @@
+"""Clutches, friction and stops whose coordinates the joints, or each other, keep from moving; dead centres."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from linkages import fourbar_text
+from random_mechanisms import FAMILIES, mechanism
+
+A, B, C, D = 0.1, 0.3, 0.25, 0.28
+SLIPS = '[joints.c]\ntype = "clutch"\nconnect = ["ground", "rocker"]\nmax_torque = 3\nsense = {}\n'
+
+
+def dead_centres() -> list[float]:
+    """The largest and least angle of the rocker, with crank and coupler in line."""
+    return [math.pi - math.acos((C * C + D * D - (B + s * A) ** 2) / (2 * C * D)) for s in (-1, 1)]
+
+
+def crank_rocker(sense: int, driven: bool) -> rt.Mechanism:
+    far = math.hypot(D - A * math.cos(1.0), A * math.sin(1.0))
+    coupler = math.atan2(-A * math.sin(1.0), D - A * math.cos(1.0)) + math.acos(
+        (B * B + far**2 - C * C) / (2 * B * far)
+    )
+    at = A * math.cos(1.0) + B * math.cos(coupler), A * math.sin(1.0) + B * math.sin(coupler)
+    rocker = math.atan2(at[1], at[0] - D)
+    omega = "" if driven else ", omega = 10"
+    start = f"crank = {{ x = 0, y = 0, angle = 1.0{omega} }}\ncoupler = {{ angle = {coupler!r} }}\n"
+    start += f"rocker = {{ angle = {rocker!r} }}\n"
+    text = fourbar_text('joint = "A"\nangle = "1 + 10*t"', A, B, C, D, start, joints=SLIPS.format(sense))
+    text = text.replace("gravity = [0, -9.81]", "gravity = [0, 0]")
+    text = text if driven else text.replace('[drivers.motor]\njoint = "A"\nangle = "1 + 10*t"\n', "")
+    text = text.replace(f'bar = ["A", "B"]\nlength = {A}', "points = { A = [0, 0], B = [0.1, 0] }\ninertia = 2")
+    return rt.loads(text)
+
+
+def test_a_clutch_that_slips_on_a_rocker_passes_its_dead_centres():
+    """Driven, its row moves nothing at all; two turns cost twice the torque times the swing."""
+    for sense in (1, -1):
+        run = crank_rocker(sense, True).simulate(0.4 * math.pi, rtol=1e-9)
+        high, low = dead_centres()
+        assert run.success
+        assert abs(run["energy.dissipated"][-1] - 2 * 3 * (high - low)) < 1e-6
+
+
+def test_a_clutch_that_slips_on_a_free_linkage_passes_its_dead_centres():
+    """Where the rocker rests its clutch can move nothing, in every sense: the mechanism goes on."""
+    for sense in (1, -1):
+        run = crank_rocker(sense, False).simulate(1.2, rtol=1e-9)
+        assert run.success
+        assert abs(run["energy.balance"]).max() < 1e-7 * run["energy.kinetic"].max()
+
+
+def braced(seed: int, more: str, pin: str = "") -> str:
+    """A pendulum of two bars that a rod braces, so that they cannot turn against each other."""
+    rng = np.random.default_rng(seed)
+    length, omega, place = float(rng.uniform(0.3, 1)), float(rng.uniform(-3, 3)), float(rng.uniform(0.2, 0.8))
+    return f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.a]
+bar = ["P", "Q"]
+length = 1
+mass = 1
+points = {{ S = [{place - 0.5!r}, 0] }}
+[bodies.b]
+bar = ["Q", "R"]
+length = {length!r}
+mass = 2
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "a.P"]
+[joints.Q]
+type = "revolute"
+connect = ["a.Q", "b.Q"]
+{pin}
+[joints.brace]
+type = "rod"
+connect = ["a.S", "b.R"]
+length = {length + 0.1!r}
+{more}
+[initial]
+a = {{ angle = 0, omega = {omega!r} }}
+"""
+
+
+@pytest.mark.parametrize("what", ["clutch", "pin"])
+def test_what_acts_across_a_pin_that_cannot_turn_changes_no_motion(what):
+    """A clutch there, or friction, is a matter of the reactions: no events, no loss, a torque that is not unique."""
+    clutch = '[joints.c]\ntype = "clutch"\nconnect = ["a", "b"]\n'
+    rubs = 'friction = { model = "coulomb", mu = 0.2, pin_radius = "10 mm" }'
+    run_of = 0
+    for seed in range(10):
+        try:
+            plain = rt.loads(braced(seed, "")).simulate(1.0, t_eval=[0, 1.0])
+        except rt.AssemblyError:
+            continue
+        run = rt.loads(braced(seed, clutch if what == "clutch" else "", rubs if what == "pin" else "")).simulate(
+            1.0, t_eval=[0, 1.0]
+        )
+        assert run.success
+        assert abs(run["a.angle"][-1] - plain["a.angle"][-1]) < 1e-6
+        assert not run.events
+        assert run["energy.dissipated"][-1] == 0.0
+        assert any("not unique" in note for note in run.trust.notes)
+        run_of += 1
+    assert run_of >= 5
+
+
+WHEEL = """
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.w]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[joints.pin]
+type = "revolute"
+connect = ["ground.O", "w.C"]
+"""
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+def test_a_backstop_lets_no_wheel_bounce_from_its_stop(law):
+    stop = f'stop = {{ max = 1, contact = {{ model = "impact", restitution = 0.5, restitution_law = "{law}" }} }}\n'
+    clutch = '[joints.c]\ntype = "clutch"\nconnect = ["ground", "w"]\n[initial]\nw = { omega = 2 }\n'
+    run = rt.loads(WHEEL + stop + clutch).simulate(1.0)
+    assert run.success
+    assert abs(run["w.angle"][-1] - 1.0) < 1e-12
+    assert run["w.omega"][-1] == 0.0
+    assert abs(run["energy.dissipated"][-1] - 2.0) < 1e-12
+
+
+@pytest.mark.parametrize("second", [1, -1])
+def test_two_clutches_side_by_side_hold_as_one_and_are_named(second):
+    """In the same sense they are one backstop, in opposite senses the wheel is locked."""
+    clutches = "".join(
+        f'[joints.c{k}]\ntype = "clutch"\nconnect = ["ground", "w"]\nsense = {s}\n' for k, s in enumerate((1, second))
+    )
+    run = rt.loads(f'{WHEEL}{clutches}[loads.l]\ntype = "torque"\nbody = "w"\ntorque = "-4*cos(3*t)"\n').simulate(2.0)
+    assert run.success
+    if second == -1:
+        assert abs(run["w.angle"]).max() < 1e-12
+    else:  # free from cos = 0 on
+        t = 2.0 - math.pi / 6
+        assert abs(run["w.angle"][-1] - 4 / 9 * (3 * t - math.sin(3 * t))) < 1e-8
+    assert any("torque of" in note and "not unique" in note for note in run.trust.notes)
+
+
+def test_words_name_what_is_in_the_model():
+    """A mechanism without drivers is not pushed by drivers, and one without friction is not locked by it."""
+    for family in FAMILIES:
+        for seed in range(12):
+            written = mechanism(seed, family)
+            try:
+                message = rt.loads(written).simulate(1.0, t_eval=[0, 1.0], most_steps=20_000).message
+            except (rt.ModelError, rt.AssemblyError):
+                continue
+            assert ("drivers push" not in message) or ("[drivers." in written)
+            assert ("friction" not in message) or ("friction =" in written)
+            assert "without end" not in message
