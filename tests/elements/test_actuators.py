@@ -117,3 +117,13 @@ def test_loads_given_by_instants_and_values_follow_straight_lines_between_them()
     np.testing.assert_allclose(r["rotor.omega"], np.array([0.25, 1.0, 1.5]) / 0.5, atol=1e-12)
     np.testing.assert_allclose([r["rotor_pin.fx"][1], r["rotor_pin.fy"][1]], [-2, -1], atol=1e-12)
     assert rt.loads(m.to_toml()).model.loads["M"].kind == "torque"  # a table is part of the file
+
+
+def test_a_spring_whose_ends_coincide_has_no_force_and_an_actuator_no_rate():
+    """At no length there is no direction: F = k l + c l' begins at its limit 0, and the motion is that of free fall."""
+    m = rt.Mechanism("hung", gravity=[0, -9.81]).ground(O=[0, 0]).body("b", points={"P": [0, 0]}, mass=1, inertia=1)
+    m.load("s", "spring", connect=["ground.O", "b.P"], stiffness=100, damping=2)
+    m.load("a", "actuator", connect=["ground.O", "b.P"], force="-3*a.rate")
+    r = m.simulate(0.01)
+    assert [r[name][0] for name in ("s.force", "s.rate", "s.length", "s.power", "a.rate", "a.force")] == [0.0] * 6
+    assert r["b.y"][-1] == pytest.approx(-0.5 * 9.81 * 1e-4, rel=0.02)
