@@ -51,6 +51,7 @@ KEPT = (
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
 HARD = 8  # guesses from which it is tried hard to close, until one does
+LOOKED = 6  # closings that are looked at more closely, at most
 NUDGE = 1e-5  # of differences, as a share of the mechanism's size
 DETERMINED = 1e-6  # share of a nudge by which a pin may move in its bush that joints and given values place
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
@@ -403,7 +404,7 @@ def _nearest(
     """
     best = closings[0]
     later = sorted(range(1, len(closings)), key=lambda n: closings[n][0])
-    for n in later:
+    for n in later[:LOOKED]:
         if closings[n][0] > WORTH * best[0]:
             break
         q = keep_positions(system, workspace, t, closings[n][1], given)

@@ -50,6 +50,8 @@ class Guesses:
             yield place_positions(system, {**rough, **closed}, self.offsets, self.functions)
             return
         yield place_positions(system, angles, self.offsets, self.functions)
+        if system.row_count > LARGE:
+            return
         loops = VectorLoops(system, self.functions)
         for q in loops:
             self.settled, self.discrete = not free or not loops.complete, loops.complete

@@ -31,8 +31,10 @@ from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations.system import System
 
 MOST_JOINTS = 60  # up to which all short loops are looked for, not only independent ones
-MOST_CLOSINGS = 64  # of one choice of given values that are exact; more only where six loops or more have two each
-MOST_NODES = 1000  # parts of loops that are solved for them
+MOST_CLOSINGS = 64  # of all choices of given values that count as exact; LEAST of each
+LEAST_CLOSINGS = 4
+MOST_TURNS = 16  # choices of given values
+MOST_NODES = 250  # parts of loops that are solved for one of them
 TINY = 1e-12  # share of the mechanism's size that spans nothing
 GROUND = "ground"
 ROD = "rod "  # before the name of a rod, which turns by itself
@@ -66,6 +68,7 @@ class Node(NamedTuple):
     """A closing in the making; of two of them the one that changes given values less goes first."""
 
     change: float  # of given angles [rad^2], and of lengths that do not reach, in sizes of the mechanism squared
+    open: int  # loops that are left: of nodes alike the deepest goes first
     away: float  # angles from where they are looked for [rad^2]
     number: int
     found: Found
@@ -104,9 +107,10 @@ class VectorLoops:
         if not self._loops and not self._wishes:
             return
         seen: list[np.ndarray] = []
-        for turn in range(max(1, len(self._wishes))):
+        turns = min(max(1, len(self._wishes)), MOST_TURNS)
+        for turn in range(turns):
             wishes = (*self._wishes[turn:], *self._wishes[:turn])
-            for found in itertools.islice(self._closings(wishes), MOST_CLOSINGS):
+            for found in itertools.islice(self._closings(wishes), max(LEAST_CLOSINGS, MOST_CLOSINGS // turns)):
                 q = self._placed(found)
                 if all(np.abs(q - other).max() > 1e-9 * self.system.size for other in seen):
                     seen.append(q)
@@ -161,7 +165,7 @@ class VectorLoops:
     def _closings(self, wishes: tuple[str | Loop, ...]) -> Iterator[Found]:
         """Angles and slides with which all loops close; wishes: given values in the order in which they count."""
         number = itertools.count()
-        heap = [Node(0.0, 0.0, next(number), self._known, tuple(self._loops), wishes)]
+        heap = [Node(0.0, len(self._loops), 0.0, next(number), self._known, tuple(self._loops), wishes)]
         for _ in range(MOST_NODES):
             if not heap:
                 return
@@ -178,7 +182,8 @@ class VectorLoops:
                     heapq.heappush(
                         heap,
                         Node(
-                            round(node.change + change + short, 14), node.away + away, next(number), found, others,
+                            round(node.change + change + short, 14),
+                            len(others), node.away + away, next(number), found, others,
                             node.wishes,
                         ),
                     )  # fmt: skip
