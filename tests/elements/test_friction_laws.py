@@ -102,9 +102,12 @@ def test_friction_stays_within_coulombs_cone(name, u, N, z):
 
 
 @pytest.mark.parametrize("name", sorted(LAWS))
-def test_there_is_no_friction_out_of_contact(name):
-    assert friction(name, 1.0, 0.0, 1e-3) == (0.0, 0.0)
-    assert friction(name, 1.0, -1.0, 1e-3) == (0.0, 0.0)
+def test_friction_is_continuous_where_damping_brings_the_normal_force_to_zero(name):
+    for u in (-1.0, 1e-3, 0.5):
+        for z in (-1e-3, 0.0, 1e-3):
+            at_zero = friction(name, u, 0.0, z)
+            assert friction(name, u, -1.0, z) == at_zero
+            assert friction(name, u, 1e-16, z) == pytest.approx(at_zero, rel=1e-6, abs=1e-7)
 
 
 def slide(name, u, N, x, steps=2000, **given):

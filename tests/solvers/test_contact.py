@@ -1,6 +1,7 @@
 """Compliant contact: published and independent numbers, balances, limits, and contacts that are hard to find."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from rattle import registry
 from rattle.elements.contact_laws.normal import returned
 
 SLIDER_CRANK = "slider_crank_play"
+DATA = Path(__file__).parents[1] / "data"
 A = 19419.360511  # acceleration of the ideal slider at the outer dead centre [m/s^2], independent reference
 
 
@@ -444,3 +446,38 @@ def test_largest_force_of_a_contact_converges_with_the_tolerance(law):
             r = m.simulate(2e-4 / (v * math.cos(phi)) + 1e-3 * v**-0.2, rtol=rtol, atol=1e-3 * rtol)
             peaks.append(contacts_of(r, "O")[0].peak_force)
         assert peaks[:3] == [pytest.approx(peaks[3], rel=100.0 * rtol) for rtol in (1e-8, 1e-10, 1e-12)]
+
+
+# ---------------------------------------------------------------- friction where damping brings the force to zero
+@pytest.mark.parametrize("law", ["viscous", "stribeck", "dahl", "lugre"])
+def test_clipped_forces_and_their_friction_do_not_stall_a_run(law):
+    # strong damping: as pins part their normal force is zero while they still touch
+    rng = np.random.default_rng(3)
+    extra = {
+        "viscous": "viscosity = 30",
+        "stribeck": "mu = 0.1, v1 = 0.02, viscosity = 30",
+        "dahl": "mu = 0.2",
+        "lugre": "mu = 0.2",
+    }
+    friction = f'{{ model = "{law}", {extra[law]} }}'
+    for normal in ("kelvin-voigt", "hunt-crossley"):
+        for _ in range(4):
+            turn, vx, vy = rng.uniform(-300, 300), rng.uniform(-1, 1), rng.uniform(0.2, 1)
+            m = isolated_pair(friction, normal).set({"joints.P.contact.restitution": 0.05})
+            m = m.set({"initial.arm.omega": turn, "initial.arm.vx": vx, "initial.bush.vy": vy})
+            r = m.simulate(0.02, rtol=1e-8, most_steps=20000)
+            assert r.success, r.message
+            contacts = len(contacts_of(r, "P"))
+            assert r.stats["steps"] < 1000 + 500 * contacts
+            assert r.trust.energy_share < 1e-5
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+def test_a_damped_pin_with_viscous_friction_beside_rigid_ones_takes_steps_like_other_pins(rtol):
+    m = rt.load(DATA / "rigid_and_damped_pins.toml")
+    steps = {}
+    for viscosity in (0.0, 1.0, 3.0):
+        r = m.set({"joints.p3.contact.friction.viscosity": viscosity}).simulate(0.03, rtol=rtol, most_steps=5000)
+        assert r.success, r.message
+        steps[viscosity] = r.stats["steps"]
+    assert max(steps[1.0], steps[3.0]) < 3 * steps[0.0]

@@ -2,7 +2,8 @@
 
 The kernel is  f(u, N, z, p, k, dz) -> T:  slip u [m/s], normal force N [N], states z[0], z[1], ... of the law, `states`
 in number; their rates are written to dz.  T [N] opposes the slip: the power taken from the motion is T u [W].
-p[k:] are the fields in their order (`pack`).  T = 0 and dz = 0 for N <= 0; z is 0 at the start of a contact.
+p[k:] are the fields in their order (`pack`); z is 0 at the start of a contact.  The kernel is called in contact only,
+where a damped normal force may be clipped at zero: T and dz are continuous there, and N <= 0 counts as zero.
 
 Without states T u >= 0 at every instant.  With one (dahl, lugre: bristles) T u may be negative while
 bristles spring back, but never by more than the energy they store, **for every N(t)**: T u - dS/dt >= 0 with
@@ -60,26 +61,22 @@ def threlfall(u, N, z, p, k, dz):
 @kernel("friction")
 def viscous(u, N, z, p, k, dz):
     """Friction force [N] of `Viscous`."""
-    if N <= 0.0:
-        return 0.0
     return p[k] * u
 
 
 @kernel("friction")
 def stribeck(u, N, z, p, k, dz):
     """Friction force [N] of `Stribeck`."""
-    if N <= 0.0:
-        return 0.0
     mu = p[k] + (p[k + 1] - p[k]) * math.exp(-((abs(u) / p[k + 2]) ** p[k + 3]))
-    return mu * N * math.tanh(u / p[k + 4]) + p[k + 5] * u
+    return mu * max(N, 0.0) * math.tanh(u / p[k + 4]) + p[k + 5] * u
 
 
 @kernel("friction")
 def dahl(u, N, z, p, k, dz):
     """Friction force [N] of `Dahl`, and the rate of its state [m N^(1/2)/s]."""
     dz[0] = 0.0
-    mu, sigma, alpha = p[k], p[k + 1], p[k + 2]
-    if N <= 0.0 or mu <= 0.0:
+    mu, sigma, alpha, N = p[k], p[k + 1], p[k + 2], max(N, 0.0)
+    if mu <= 0.0:
         return 0.0
     root = math.sqrt(N)
     held = math.copysign(sigma * z[0] / mu, u * z[0])  # along the slip; equals root when sliding
@@ -98,8 +95,9 @@ def lugre(u, N, z, p, k, dz):
     """Friction force [N] of `LuGre`, and the rate of its state [m N^(1/2)/s]."""
     dz[0] = 0.0
     mu, mu_static, sigma, damping, viscosity = p[k], p[k + 1], p[k + 3], p[k + 4], p[k + 5]
-    if N <= 0.0 or mu <= 0.0:
+    if mu <= 0.0:
         return 0.0
+    N = max(N, 0.0)
     root = math.sqrt(N)
     g = mu + (mu_static - mu) * math.exp(-((u / p[k + 2]) ** 2))
     dz[0] = root * u - sigma * abs(u) * z[0] / g
@@ -170,7 +168,7 @@ class Threlfall(Friction):
 
 @kind("friction", "viscous", viscous)
 class Viscous(Friction):
-    """T = c u during contact, independent of N.
+    """T = c u during contact, independent of N: also where damping has brought N to zero.
 
     Creep at rest: F/c under a load F.
     Source: definition.

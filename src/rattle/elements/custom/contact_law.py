@@ -32,6 +32,7 @@ from rattle.language.units import dimension_of
 from rattle.registry import Field
 
 Law = Callable[..., Any]
+LIGHT = 1e-30  # normal force [N] with which a law of friction is asked where damping has brought it to zero
 TAKEN = {
     "normal": (
         "model", "friction", "stiffness", "exponent", "bush_radius", "bush_material", "pin_material", "geometry",
@@ -146,10 +147,8 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Calla
     def with_many(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         for n in range(states):
             dz[n] = 0.0
-        if N <= 0.0:
-            return 0.0
         try:
-            force, rates = law(u, N, own(z, 0), pack(*part(p, k)))
+            force, rates = law(u, max(N, LIGHT), own(z, 0), pack(*part(p, k)))
             for n in range(states):
                 dz[n] = rates[n]
             return float(force)
@@ -158,20 +157,16 @@ def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Calla
 
     def with_one(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         dz[0] = 0.0
-        if N <= 0.0:
-            return 0.0
         try:
-            force, rate = law(u, N, z[0], pack(*part(p, k)))
+            force, rate = law(u, max(N, LIGHT), z[0], pack(*part(p, k)))
             dz[0] = rate
             return float(force)
         except Exception:
             return math.nan
 
     def without(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
-        if N <= 0.0:
-            return 0.0
         try:
-            return float(law(u, N, pack(*part(p, k))))
+            return float(law(u, max(N, LIGHT), pack(*part(p, k))))
         except Exception:
             return math.nan
 
