@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +14,7 @@ from rattle.equations.complementarity import BACKWARD, FORWARD, STICK
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import jams
 
+DATA = Path(__file__).parents[1] / "data"
 BORE, ARM, COUPLER = 0.01, 0.1, 0.3
 
 
@@ -168,3 +170,12 @@ def test_end_that_friction_does_not_lock_slips_when_it_breaks_away():
     assert abs(gap) < 2e-6  # the spring itself
     end = run["rod.x"][-1] + COS * math.cos(run["rod.angle"][-1]) + SIN * math.sin(run["rod.angle"][-1])
     assert end == pytest.approx(slip, rel=0.02)  # the springs let go a little late
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-10])
+def test_steps_that_collapse_before_a_jam_end_the_run_with_its_name(rtol):
+    # the normal force grows as one over the time that is left, so that steps shrink and never get there
+    run = rt.load(DATA / "pins_that_jam.toml").simulate(0.03, rtol=rtol, t_eval=[0.0, 0.03])
+    assert not run.success
+    assert "the normal force grows without bound" in run.message
+    assert run.stats["steps"] < 20_000

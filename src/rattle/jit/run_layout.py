@@ -17,8 +17,9 @@ declare("clock", """
     CHANGE_AT [] share of the step at which a contact starts or ends
     H_STABLE [s] longest step at which the method is stable
     SHORTENED [] 1 if the last step was repeated because it was longer
+    COLLAPSED [] steps in a row that were far too short to get anywhere
 """)
-T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT, H_STABLE, SHORTENED = range(10)
+T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT, H_STABLE, SHORTENED, COLLAPSED = range(11)
 declare("tally", """
     STEPS [] steps taken
     REJECTED [] steps repeated with a shorter length

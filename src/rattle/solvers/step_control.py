@@ -25,6 +25,8 @@ SHORT = 1e-9  # share of the remaining time down to which a step that fails the 
 COUNTS = 1e-2  # of the tolerances, from which differences between stages show that a step is not stable
 STABLE_SHARE = 0.9  # of the longest stable step, the next one
 REGROWTH = 1.005  # growth of the longest stable step from one step to the next
+COLLAPSED = 1e-12  # share of the run below which a step gets nowhere
+MOST_COLLAPSED = 1000  # such steps in a row, repeated ones included, after which a run stops: a contact takes far fewer
 TOO_LARGE = 1e130  # of a derivative in SI units
 
 
@@ -43,7 +45,8 @@ def next_step(m, t_end):
     last = t + (1.000001 if m.landing[at.LANDS] == 0.0 else 1.0) * h >= t_end
     if last:
         h = t_end - t
-    if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t:
+    clock[at.COLLAPSED] = clock[at.COLLAPSED] + 1.0 if h < COLLAPSED * t_end and not last else 0.0
+    if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t or clock[at.COLLAPSED] > MOST_COLLAPSED:
         return 0.0, last
     return h, last
 

@@ -35,6 +35,7 @@ NEARLY = 2e-2  # share of the largest singular value below which a run that ende
 LOOSE = 1e-6  # rtol above which short contacts may be missed
 SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is not credible; a few hundred are usual
 CREEPING = 200_000  # steps in which a run must advance by more than
+STALLED, HARDLY = 20_000, 1e-6  # the same where it has nearly stopped
 LEAST_GONE = 1e-4  # this share of its time, unless the user limits the number of steps
 FAR = 1e6  # distance from the origin, in sizes, at which too few digits are left for the motion
 
@@ -178,9 +179,10 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
     if run.most_steps is not None:
         done = f"ended at t = {t:.6g} s after {steps} steps, the limit given by most_steps"
         return (done if steps >= run.most_steps else ""), mark
-    if steps - mark[0] < CREEPING:
-        return "", mark
     gone, ahead = t - mark[1], run.t_end - run.start.t
+    stalled = steps - mark[0] >= STALLED and gone <= HARDLY * ahead
+    if steps - mark[0] < CREEPING and not stalled:
+        return ("", mark) if steps - mark[0] < STALLED or gone <= LEAST_GONE * ahead else ("", (steps, t))
     if gone > LEAST_GONE * ahead:
         return "", (steps, t)
     more = (run.t_end - t) / max(gone, 1e-300) * (steps - mark[0])
