@@ -9,6 +9,7 @@ import pytest
 
 import rattle as rt
 from rattle.analyses.elastic_bushes import _stiff, _stiffness
+from rattle.cli.requirements import judge
 from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.trust import Trust
 
@@ -102,6 +103,15 @@ def test_a_force_that_towers_is_not_printed_anywhere(runs):
     assert not r.contacts["B"].readable
     hardest = max((one for one in r.events if one.kind == "impact"), key=lambda one: one.impulse)
     assert (r.contacts["B"].impulse, r.contacts["B"].impulse_at) == (hardest.impulse, hardest.t)
+
+
+def test_a_force_that_towers_keeps_no_requirement(runs):
+    run = next(iter(runs.values()))
+    (towering, calm) = judge(run, ["max(B.force) < 1e15", "range(arm.angle) < 360 deg"])
+    assert not towering.kept
+    assert "cannot be judged" in towering.said
+    assert math.isnan(towering.record["value"])
+    assert calm.kept
 
 
 def test_a_calm_rigid_contact_keeps_its_force():
