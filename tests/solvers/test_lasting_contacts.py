@@ -1,6 +1,7 @@
 """Lasting rigid contacts let go when their force says, however short that is against a step."""
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -203,3 +204,11 @@ def test_looks_beyond_those_that_are_kept_leave_no_stretch_of_a_step_unseen(fine
         assert right - left <= 1 / 128 or left >= fine_up_to
         seen = right
     assert seen == 1.0
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11])
+def test_a_slip_that_nearly_ends_as_it_reverses_does_not_change_modes_without_end(rtol):
+    m = rt.load(Path(__file__).parents[1] / "data" / "pins_that_reverse.toml")
+    for end in (0.0019, 0.003, 0.01):
+        run = m.simulate(end, rtol=rtol, t_eval=[0.0, end])
+        assert run.success, run.message

@@ -55,3 +55,15 @@ def test_share_of_the_energy_error_is_that_of_the_energy_exchanged():
     assert off > 1e-6 * exchanged
     # the error is looked at after every step, not only at outputs, and compared with the tolerance besides
     assert 0.3 * off / exchanged < run.trust.energy_share < 10.0 * off / exchanged
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+@pytest.mark.parametrize("side", [1e-6, 1e-9, 1e-12])
+def test_a_block_that_is_nearly_a_point_loses_what_a_point_loses(law, side):
+    # all its corners are within 1e-6 of a wide clearance of each other; it falls 10 mm, turning, and bounces
+    for angle in (-0.1286, 0.0):
+        run = rocking(1.0, law, side, side, y=-0.99, angle=angle, omega=3.0).simulate(0.05, t_eval=[0.0, 0.05])
+        assert run.success, run.message
+        first = next(e.t for e in run.events if e.kind == "impact")
+        lost = sum(e.energy_lost for e in run.events if e.kind == "impact" and e.t < 1.001 * first)
+        assert lost == pytest.approx(G * 0.01 * (1.0 - 0.1**2), rel=2.0 * side / 0.01 + 1e-8)
