@@ -165,3 +165,53 @@ def test_words_name_what_is_in_the_model():
             assert ("drivers push" not in message) or ("[drivers." in written)
             assert ("friction" not in message) or ("friction =" in written)
             assert "without end" not in message
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.5, 0.8])
+def test_a_guide_that_rubs_takes_its_share_of_an_impact(mu):
+    """A bar on a block strikes a stop; the guide's impulse is known from the momentum of both, by hand."""
+    friction = f"friction = {mu}\n" if mu else ""
+    text = f"""
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.block]
+points = {{ C = [0, 0] }}
+mass = 2
+inertia = 1
+[bodies.bar]
+bar = ["C", "E"]
+length = 1
+mass = 1
+[joints.g]
+type = "prismatic"
+connect = ["ground.O", "block.C"]
+{friction}
+[joints.h]
+type = "revolute"
+connect = ["block.C", "bar.C"]
+stop = {{ min = -0.5, contact = {{ model = "impact", restitution = 0 }} }}
+[initial]
+block = {{ x = 0, y = 0, vx = 0 }}
+bar = {{ angle = -0.499999, omega = -5 }}
+"""
+    run = rt.loads(text).simulate(0.02, t_eval=[0, 1e-6, 0.02], rtol=1e-10)
+    along, across = 2.5 * math.sin(0.5), 2.5 * math.cos(0.5)
+    assert run["block.vx"][1] == pytest.approx(-max(along - mu * across, 0.0) / 3, abs=1e-5)
+    assert abs(run["energy.balance"]).max() < 1e-9
+
+
+def test_impacts_with_friction_in_joints_keep_the_energy_balance():
+    """Stops, clutches and friction at random: what an impact takes is what contacts, stops and joints have lost."""
+    impacts = 0
+    for seed in range(40):
+        text = mechanism(seed, "mixed")
+        if "stop =" not in text or "friction =" not in text or "drivers" in text:
+            continue
+        try:
+            run = rt.loads(text).simulate(0.5, t_eval=[0, 0.5], most_steps=20_000)
+        except (rt.ModelError, rt.AssemblyError):
+            continue
+        impacts += sum(event.kind == "impact" for event in run.events)
+        assert abs(run["energy.balance"]).max() < 1e-6 * max(1.0, run["energy.kinetic"].max())
+    assert impacts > 0

@@ -292,11 +292,8 @@ def complete_dry_friction(m):
 
 
 @native("void", "h")
-def add_dry_friction(m):
-    """Add the response to the friction of all joints to accelerations and multipliers.
-
-    Needs S factored and the motion without this friction.
-    """
+def prepare_rows(m):
+    """Rows and rates of the free coordinates of all joints with friction, and responses along them; S is factored."""
     dry, memory = m.dry, m.dry_memory
     if m.massless.shape[0] > 0:
         prepare(m)
@@ -308,6 +305,15 @@ def add_dry_friction(m):
         memory[n, at.DRY_RATE] = along(m, n, m.body, at.VX)
         memory[n, at.DRY_FORCE], memory[n, at.DRY_ADDED] = 0.0, 0.0
         respond(m, n)
+
+
+@native("void", "h")
+def add_dry_friction(m):
+    """Add the response to the friction of all joints to accelerations and multipliers.
+
+    Needs S factored and the motion without this friction.
+    """
+    prepare_rows(m)
     complete_dry_friction(m)
 
 

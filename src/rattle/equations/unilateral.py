@@ -114,7 +114,7 @@ def contact_rows(m, count):
 
 @compiled
 def lasting_rows(m, count):
-    """`contact_rows` for forces that last, which friction of joints follows; it takes no part in impulses."""
+    """`contact_rows` for forces that last, which friction of joints follows."""
     contact_rows(m, count)
     if m.dry.shape[0] > 0:
         couple(m, count)

@@ -266,7 +266,10 @@ declare("dry_memory", """
     DRY_ADDED [N or N*m] part of tau that accelerations and multipliers contain
     DRY_SINCE [s] instant at which it has begun to slip from rest
     DRY_UNSURE [] 1 once its force could have been another with the same motion
+    IMPACT_MODE [] mode in an impact, see `rubbing_impacts`
+    IMPACT_ALONE [N*s or N*m*s] part of its impulse that those of contacts do not cause
+    IMPACT_FRICTION [N*s or N*m*s] its impulse
 """)
 DRY_MODE, DRY_FORCE, DRY_RATE, DRY_HELD, DRY_OVER, DRY_LOCKS, DRY_REST, DRY_BEFORE, DRY_ADDED, DRY_SINCE = range(10)
-DRY_UNSURE = 10
+DRY_UNSURE, IMPACT_MODE, IMPACT_ALONE, IMPACT_FRICTION = range(10, 14)
 DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)

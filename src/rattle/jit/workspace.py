@@ -158,11 +158,12 @@ ARRAYS = {
     "massless_impulse": Array("f1", "nr or 0", "", "scratch"),
     # dry friction of joints without play, see `equations.dry_friction`
     "dry": Array("i2", "nd, 11", "", "joints without play that have friction"),
-    "dry_memory": Array("f2", "nd, 11", "N, m/s or N*m, rad/s", "their modes and friction forces"),
+    "dry_memory": Array("f2", "nd, 14", "N, m/s or N*m, rad/s", "their modes and friction forces"),
     "dry_rows": Array("f2", "nd, 9", "m or rad", "rows of their free coordinates, as `rows`"),
     "dry_response": Array("f2", "nd, 3 nb + 3", "", "Y: accelerations of all bodies caused by unit forces"),
     "dry_reaction": Array("f2", "nd, nr", "", "Z: multipliers caused by unit forces"),
     "dry_share": Array("f2", "nd, 2 nc", "", "tau per unit force of a row of the active contacts"),
+    "impact_reaction": Array("f1", "nr", "N*s or N*m*s", "impulses of the joints in an impact with their friction"),
     "dry_system": Array("f2", "nd, nd + 1", "", "scratch"),
     # time integration
     "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),

@@ -8,7 +8,7 @@ switches of expressions (`state_switches`):
 
 There all joints at rest are decided together: all stick, then the one that is farthest beyond its limit slips against
 its tau, until none is; one whose acceleration contradicts its sense sticks again.  If that does not settle, all
-combinations are tried, those with most sticking joints first.  Friction takes no part in impulses.
+combinations are tried, those with most sticking joints first.  For impacts see `nonsmooth.rubbing_impacts`.
 """
 
 from __future__ import annotations

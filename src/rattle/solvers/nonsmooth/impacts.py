@@ -47,6 +47,19 @@ from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
+from rattle.solvers.nonsmooth.rubbing_impacts import (
+    AGREES,
+    MOST_ROUNDS,
+    add_rubbing,
+    begin_rubbing,
+    book_rubbing,
+    change_rubbing,
+    combinations_of_rubbing,
+    rate_alone,
+    rub,
+    take_rubbing,
+    take_rubbing_modes,
+)
 from rattle.solvers.ports import add_port_work
 
 NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
@@ -74,11 +87,17 @@ def collide(m, t, y, who):
         before[c] = v[c]
     for _ in range(2 * count + 1):
         contact_rows(m, count)
+        if m.dry.shape[0] > 0:
+            begin_rubbing(m)
         status = percussions(m, count)
+        if status == OK and m.dry.shape[0] > 0:
+            status = rubbing_percussions(m, count)
         if status != OK:
             return status
         press_down(m, count)
         shift(m, count, v, -1.0)
+        if m.dry.shape[0] > 0:
+            add_rubbing(m, v)
         if not low_bounce(m, t, y, count):
             break
         for c in range(nq):
@@ -86,7 +105,41 @@ def collide(m, t, y, who):
         motion_without(m, t, y)
     # rows and kinematics are those of the rates before the impact again, to compute its impulses and losses
     count_impulses(m, t, y, count, before)
+    if m.dry.shape[0] > 0:
+        book_rubbing(m, count, y, before)
     return OK
+
+
+@compiled
+def rub_in_modes(m, count):
+    """`percussions` with the friction of joints in their present modes; a status."""
+    for turn in range(MOST_ROUNDS):
+        contact_rows(m, count)
+        rub(m, count)
+        status = percussions(m, count)
+        if status != OK:
+            return status
+        if take_rubbing(m, count) <= AGREES and turn > 0:
+            break
+    return OK
+
+
+@compiled
+def rubbing_percussions(m, count):
+    """`percussions` with the friction of joints, from those without it; a status."""
+    take_rubbing(m, count)
+    for _ in range(4 * m.dry.shape[0] + 4):
+        status = rub_in_modes(m, count)
+        if status != OK or not change_rubbing(m, count):
+            break
+        status = NOT_FOUND
+    if status == OK:
+        return OK
+    for code in range(combinations_of_rubbing(m)):
+        take_rubbing_modes(m, code)
+        if rub_in_modes(m, count) == OK and not change_rubbing(m, count):
+            return OK
+    return status
 
 
 @compiled
@@ -111,6 +164,12 @@ def rates_before(m, count, law, first, end):
             else (0.0, 0.0)
         )
         side[B, 2 * k], side[B, 2 * k + 1] = (1.0 + e) * rate, -(1.0 + e_t) * kinematics[n, at.SLIP]
+        if m.dry.shape[0] > 0:
+            for r in range(2 * k, 2 * k + 2):
+                alone, size = rate_alone(m, r, n), abs(side[B, r])
+                side[B, r] -= alone
+                if abs(side[B, r]) <= STILL * (size + abs(alone)):
+                    side[B, r] = 0.0
         slide[k] = 0
         candidate[k] = STICK if friction_of(m, n) > 0.0 else FORWARD
 
