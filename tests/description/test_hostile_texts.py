@@ -140,7 +140,6 @@ def test_a_few_mutants_of_all_examples_are_answered():
     assert not escapes, told(escapes)
 
 
-@pytest.mark.long
 def test_thousands_of_mutants_of_all_examples_are_answered():
     escapes = run_of_mutants(MANY, SEED + 1)
     assert not escapes, told(escapes)
