@@ -192,7 +192,7 @@ def test_equilibrium_does_not_mind_states_that_only_record():
         ("i", {"rate": "foo"}, "states.i.rate: unknown name 'foo' in 'foo'"),
         ("i", {"rate": "1", "start": "t"}, "states.i.start: 't' changes during the run; only parameters are allowed"),
         ("i", {"rate": "1", "start": "inf"}, "states.i.start"),
-        ("i", {"rate": "rotor.omega", "start": "2 m"}, "states.i.rate: 'rotor.omega' is"),
+        ("i", {"rate": "5 N", "start": "2 m"}, "states.i.rate: '5 N' is"),
         ("rotor", {"rate": "1"}, "the name 'rotor' is already used in [bodies]"),
         ("size", {"rate": "1"}, "states.size: 'size' is already a parameter"),
         ("t", {"rate": "1"}, "'t' is a reserved word"),

@@ -219,7 +219,7 @@ def test_the_report_says_what_follows_from_the_polygon():
     m = rt.Mechanism().ground(O=[0, 0]).plate("leaf", [[1, 1], [1.4, 1], [1.4, 1.06], [1, 1.06]], mass="2 kg")
     said = str(m.revolute("O", "ground.O", "leaf.O").set({"bodies.leaf.points.O": [1, 1]}).check())
     inertia = 2 * (0.4**2 + 0.06**2) / 12
-    assert f"plate: leaf 2 kg, {inertia:.4g} kg*m^2 about its mass centre, which is [0.2 m, 30 mm] from its" in said
+    assert f"plate: leaf 2 kg, {inertia:.4g} kg*m^2 about its mass centre, which is [200 mm, 30 mm] from its" in said
 
 
 # ---------------------------------------------------------------- what can be wrong

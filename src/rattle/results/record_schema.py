@@ -31,12 +31,14 @@ class JointForm(TypedDict):
     points: tuple[Pair, Pair]
     clearance: float
     contact: str
+    rigid: NotRequired[bool]
     fields: NotRequired[dict[str, float | list[float]]]
     sense: NotRequired[float]
     coordinate: NotRequired[str]
     axis: NotRequired[float]
     travel: NotRequired[float]
     outline: NotRequired[list[Pair]]
+    borne_outline: NotRequired[list[Pair]]
     stop: NotRequired[tuple[float | None, float | None]]
     oil: NotRequired[Oil]
     bush_radius: NotRequired[float]
