@@ -96,7 +96,7 @@ def test_tolerances_in_ten_minutes(tmp_path, monkeypatch):
     for language, text in BLOCK.findall(DOCS["tolerances.md"]):
         if language == "sh":
             done = CliRunner().invoke(main, ["-q", *shlex.split(text)[1:]])
-            assert done.exit_code == 0, done.output
+            assert done.exit_code == ("NOT KEPT" in done.output), done.output  # a limit that too few keep
             said = done.output
         for line in text.splitlines() if language == "text" else ():
             assert shows(said, line, 1e-3), f"{line}\n{said}"

@@ -236,6 +236,17 @@ def test_a_change_that_cannot_be_says_where_and_what_to_do(change, words):
     assert words in str(caught.value)
 
 
+def test_a_limit_is_not_missed_by_rounding():
+    m = rt.loads(
+        "format = 1\nground.points.O = [0, 0]\n[parameters]\na = { value = 0.175, min = 0.14, max = 0.21 }\n"
+        '[bodies.b]\nmass = 1\ninertia = 1\npoints = { P = ["a", 0] }\n'
+    )
+    assert 0.8 * 0.175 < 0.14  # by one digit of its last place
+    assert m.set(a=0.8 * 0.175).parameters["a"] == pytest.approx(0.14)
+    with pytest.raises(rt.ModelError, match="not between"):
+        m.set(a=0.1399)
+
+
 def test_a_study_over_an_entry_says_how_to_make_it_a_parameter():
     m = rt.loads(TEXT)
     with pytest.raises(KeyError, match=r'm.set\({"parameters.NAME": VALUE, "bodies.arm.mass": "NAME"}\)'):

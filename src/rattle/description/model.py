@@ -297,6 +297,16 @@ class ValueTable:
     weights: tuple[float, ...]  # of each value [-], not negative, not all zero
 
 
+LIMIT_ROUNDING = 1e-12  # share of a limit by which a value may pass it: 0.8*0.175 is not below 0.14
+
+
+def within_limits(value: Any, minimum: float | None, maximum: float | None) -> Any:
+    """Whether a value, or each of an array, is between two limits, either of which may be missing, but for rounding."""
+    least = -math.inf if minimum is None else minimum - LIMIT_ROUNDING * abs(minimum)
+    most = math.inf if maximum is None else maximum + LIMIT_ROUNDING * abs(maximum)
+    return (value >= least) & (value <= most)
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A named number [SI]; min and max are the range of sliders, tol and dist serve tolerance studies."""

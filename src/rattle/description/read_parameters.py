@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from rattle.description.dependence import describe_cycle, in_order
-from rattle.description.model import Parameter, ValueTable
+from rattle.description.model import Parameter, ValueTable, within_limits
 from rattle.description.read_values import Path, TooManyProblems, Values, expected, said
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
@@ -231,7 +231,7 @@ def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dime
 
 def _beyond(value: float, low: float | None, high: float | None, given: Mapping[str, Any]) -> str:
     """What is said of a value [SI] that is not between its limits, "" if it is."""
-    if (low is None or value >= low) and (high is None or value <= high):
+    if within_limits(value, low, high):
         return ""
     bare = f" (a number without a unit is SI: {_unit_of(given['min'])} here)" if _unit_missing(given) else ""
     if high is None:

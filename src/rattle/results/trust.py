@@ -68,7 +68,8 @@ class Trust:
     @property
     def why(self) -> tuple[str, ...]:
         """The reasons of `word`, in sentences: what agrees, how well the equations were solved, and all remarks."""
-        return (self._reach(), self._accuracy(), *(one for one in (self._pulling(), *self._remarks()) if one))
+        reasons = (self._pulling(), *self._remarks())
+        return (self._reach(), self._accuracy(), *(reason for reason in reasons if reason and reason not in self.word))
 
     def trusted_until(self) -> float | None:
         """Last instant up to which curves can be trusted [s]: of the horizon, and before any link pulls.

@@ -12,6 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.straight_line.recorded_model import require_parameters
+from rattle.description.model import within_limits
 from rattle.errors import InputError, ModelError, Problem, WrongType, suggest
 from rattle.language.syntax import Number, names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
@@ -246,6 +247,6 @@ def _require_order(m: Mechanism, name: str, low: float, high: float) -> None:
             f"vary: the present value {one.value:g}{unit} of '{name}' is outside its bounds {low:g} to {high:g}{unit};"
             f" widen them or start from another design with set({name}=...)"
         )
-    if (one.minimum is not None and low < one.minimum) or (one.maximum is not None and high > one.maximum):
+    if not all(within_limits(bound, one.minimum, one.maximum) for bound in (low, high)):
         limits = " to ".join("-" if limit is None else f"{limit:g}" for limit in (one.minimum, one.maximum))
         raise InputError(f"vary: the model allows '{name}' from {limits}{unit}; the bounds go beyond")

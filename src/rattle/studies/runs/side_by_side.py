@@ -15,6 +15,7 @@ from rattle.analyses.straight_line.lane_model import Asked, lane_model, needs_sh
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.starts import Starts
+from rattle.description.model import within_limits
 from rattle.errors import TraceError
 from rattle.language import arrays
 from rattle.language.syntax import names
@@ -91,8 +92,7 @@ class SideBySide:
         known = {**dependent, **dict(zip(self.task.names, values, strict=True))}
         for name, one in self.task.mechanism.model.parameters.items():
             if name in known:
-                found |= known[name] < (-np.inf if one.minimum is None else one.minimum)
-                found |= known[name] > (np.inf if one.maximum is None else one.maximum)
+                found |= ~np.asarray(within_limits(np.asarray(known[name]), one.minimum, one.maximum))
         return found
 
     def _output(
