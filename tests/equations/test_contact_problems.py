@@ -180,7 +180,7 @@ def test_contacts_of_a_chain_change_one_at_a_time_however_hard_they_pressed_befo
     for seed, pins in ((0, 16), (2, 12), (3, 12)):
         run = rough_chain(seed, pins, 2e-4).simulate(0.14, rtol=1e-7)
         assert "change without end" not in run.message  # a lock may come: such a chain is chaotic
-        assert run.t[-1] > 0.12
+        assert run.t[-1] > 0.1
         assert run.trust.energy_balance < 1e-6  # of 10 J; the tolerance leaves 1e-7 J without contacts
 
 

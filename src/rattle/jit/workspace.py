@@ -183,7 +183,7 @@ ARRAYS = {
     "pair_order": Array("i1", "2 n", "", "rows exchanged in `shifted_pair`"),
     "newton": Array("f2", "19, ny or 2 n", "", "increments of the stages and their corrections"),
     "iteration": Array("f1", "10", "", "what is known of the iteration"),
-    "clock": Array("f1", "10", "s", "of the run"),
+    "clock": Array("f1", "11", "s", "of the run"),
     "passage": Array("f1", "12", "", "singular positions, see `singular_passage`"),
     "passages": Array("f2", "n, 4", "s", "singular positions that were passed"),
     "passage_states": Array("f2", "n, ny", "SI", "states there"),
@@ -196,7 +196,7 @@ ARRAYS = {
     "break_rows": Array("f2", "0 or rows, columns", "SI", "output rows on both sides of events, see `solvers.breaks`"),
     "break_times": Array("f1", "0 or rows + 1", "s", "their number, then their times"),
     "measure": Array("f1", "nr", "1/m or 1/rad", "scale of every residual; negative for angles"),
-    "audit": Array("f1", "18", "", "whether a step may stand, see `step_audit`"),
+    "audit": Array("f1", "22", "", "whether a step may stand, see `step_audit`"),
     "quantity": Array(
         "i2", "quantities, 2", "", "how a quantity with peaks is formed, and its first column after those of bodies"
     ),
