@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
 
-DEGREES = 180 / math.pi
 ZERO = 1e-12  # share of the largest value of the same unit below which a number is rounding
 
 
@@ -54,12 +53,6 @@ def span_times(m: Mechanism, t_end: float | None, points: int) -> np.ndarray:
     return np.linspace(0.0, end, points)
 
 
-def _shown(value: float, unit: str) -> tuple[float, str]:
-    """A value and its unit for display: angles in degrees, everything else in SI."""
-    changed = {"rad": "deg", "rad/s": "deg/s"}
-    return (value * DEGREES, changed[unit]) if unit in changed else (value, unit)
-
-
 def _ranges(result: Result, names: list[str]) -> str:
     """Table of the least and greatest value of curves and their times, interpolated where a curve is smooth.
 
@@ -68,6 +61,7 @@ def _ranges(result: Result, names: list[str]) -> str:
     import numpy as np
 
     from rattle.results.contact_summary import extreme
+    from rattle.results.display import quantity, scale
 
     wide = max([len(name) for name in names] + [8]) + 2
     lines = [f"{'':{wide}s}{'least':>14s} at t{'greatest':>22s} at t"]
@@ -82,8 +76,10 @@ def _ranges(result: Result, names: list[str]) -> str:
             continue
         (most, late), (least, early) = extreme(result.t, curve), extreme(result.t, -curve)
         floor = ZERO * max(largest[unit], 1.0 if unit == "rad" else 0.0)
-        (low, shown), (high, _) = _shown(zeroed(-least, floor), unit), _shown(zeroed(most, floor), unit)
-        lines.append(f"{name:{wide}s}{low:12.5g} {shown:6s}{early:8.4g} s{high:12.5g} {shown:6s}{late:8.4g} s")
+        factor, shown = scale(unit, largest[unit])
+        low, high = factor * zeroed(-least, floor), factor * zeroed(most, floor)
+        first, last = quantity(early, "s"), quantity(late, "s")
+        lines.append(f"{name:{wide}s}{low:12.5g} {shown:6s}{first:>10s}{high:12.5g} {shown:6s}{last:>10s}")
     return "\n".join(lines)
 
 

@@ -146,10 +146,14 @@ def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None])
 
 def _stribeck(frame: DataFrame) -> list[str]:
     """The Stribeck curve, a line for each speed."""
-    lines = ["speed [rad/s]  friction  dry share  least film"]
+    from rattle.results.chosen_units import Shown, column_unit
+    from rattle.results.display import quantity
+
+    rate = column_unit("rad/s")
+    lines = [f"{f'speed [{rate.unit}]':>13s}  friction  dry share  least film"]
     for row in frame.iloc[::SPARSE].itertuples():
-        share, film = f"{100 * row.dry:.3g} %", f"{1e6 * row.film_thickness:.4g} um"
-        lines.append(f"{row.speed:13.4g}  {row.friction:8.4g}  {share:>9}  {film:>10}")
+        share, film = f"{100 * row.dry:.3g} %", quantity(row.film_thickness, "m", usual=Shown(1e6, "um"))
+        lines.append(f"{rate.factor * row.speed:13.4g}  {row.friction:8.4g}  {share:>9}  {film:>10}")
     return lines
 
 
@@ -182,19 +186,24 @@ def _number(value: float) -> str:
 
 def _position(made: Film, found: JournalPosition) -> list[str]:
     """Where the load comes to rest."""
+    from rattle.results.chosen_units import Shown, chosen
+    from rattle.results.display import quantity
     from rattle.studies.film.journal import threshold
+
+    turned = quantity(found.attitude, "rad", 6) if chosen("rad") else f"{math.degrees(found.attitude):.3f} deg"
+    film = quantity(found.film_thickness, "m", usual=Shown(1e6, "um"))
 
     mass, whirl = threshold(found.stiffness, found.damping)
     limit = "whirls with no mass at this speed" if mass == math.inf else f"whirls from {mass:.4g} kg on"
     lines = [
-        f"load {found.load:.5g} N at {found.speed:.5g} rad/s",
+        f"load {quantity(found.load, 'N', 5)} at {quantity(found.speed, 'rad/s', 5, Shown(1.0, 'rad/s'))}",
         f"  Sommerfeld number  {found.sommerfeld:.5g}",
         f"  eccentricity       {found.eccentricity:.5f} of the clearance",
-        f"  attitude           {math.degrees(found.attitude):.3f} deg",
-        f"  least film         {1e6 * found.film_thickness:.4g} um",
-        f"  peak pressure      {1e-6 * found.pressure:.4g} MPa",
-        f"  friction           {found.friction:.4g} (coefficient), {found.loss:.4g} W",
-        f"  leakage            {1e6 * found.leakage:.4g} cm^3/s",
+        f"  attitude           {turned}",
+        f"  least film         {film}",
+        f"  peak pressure      {quantity(found.pressure, 'Pa', usual=Shown(1e-6, 'MPa'))}",
+        f"  friction           {found.friction:.4g} (coefficient), {quantity(found.loss, 'W')}",
+        f"  leakage            {quantity(found.leakage, 'm^3/s', usual=Shown(1e6, 'cm^3/s'))}",
         f"  stiffness [N/m]    {_matrix(found.stiffness)}",
         f"  damping [N*s/m]    {_matrix(found.damping)}",
         f"  stability          {limit}"

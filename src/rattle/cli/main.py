@@ -6,6 +6,7 @@ import importlib
 import logging
 import os
 import sys
+from functools import partial
 from typing import Any
 
 import click
@@ -90,6 +91,15 @@ ELSEWHERE = {
 }
 
 
+UNITS = (
+    "Units of the numbers printed, drawn and written as CSV, such as mm,deg,N; si: all in SI. Others stay as they are;"
+    " JSON is in SI."
+)
+# commands that print or write quantities
+WITH_UNITS = (
+    "check", "run", "compare", "poincare", "kinematics", "inverse-dynamics", "equilibrium", "modes", "accuracy",
+    "sensitivity", "ensemble", "sweep", "tolerance", "optimise", "plot", "power", "film", "orbit", "wear", "export",
+)  # fmt: skip
 QUIET = "No progress bar and no log messages, only results."
 VERSION = "Show the version, and what compiles kernels."
 
@@ -108,6 +118,9 @@ class Lazy(click.Group):
         if not any("--quiet" in one.opts for one in command.params):
             quiet = click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quieten, help=QUIET)
             command.params.append(quiet)
+            if name in WITH_UNITS:
+                units = click.Option(["--units"], metavar="UNITS", expose_value=False, callback=_set_units, help=UNITS)
+                command.params.append(units)
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
@@ -171,6 +184,16 @@ def _quieten(ctx: click.Context, param: click.Parameter, quiet: bool) -> None:
         ctx.ensure_object(dict)["quiet"] = True
         for handler in logging.getLogger("rattle").handlers:
             handler.setLevel(logging.ERROR)
+
+
+def _set_units(ctx: click.Context, param: click.Parameter, units: str | None) -> None:
+    """Units for all that this command writes."""
+    if units is None:
+        return
+    from rattle.results.chosen_units import choose, read_units
+
+    before = choose(read_units(units))
+    ctx.call_on_close(partial(choose, before))
 
 
 def _show_version(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
     from rattle.analyses.statics.modes import Modes
     from rattle.mechanism import Mechanism
 
-DEGREES = 180 / math.pi
 MOST_LINES = 20  # equilibria that are listed one by one
 MOST_BODIES = 5  # whose angles stand in such a line
 ZERO = 1e-12  # share of the size (1 rad for angles) below which a number is rounding
@@ -46,23 +44,28 @@ def _held(m: Mechanism, one: Equilibrium) -> str:
 
 
 def _angles(one: Equilibrium) -> str:
-    """Angles of the first bodies [deg], by which equilibria can be told apart."""
+    """Angles of the first bodies, by which equilibria can be told apart."""
+    from rattle.results.display import scale
+
     bodies = list(one.table.geometry["bodies"])
-    shown = ", ".join(f"{body} {zeroed(one[f'{body}.angle'], ZERO) * DEGREES:.4g}" for body in bodies[:MOST_BODIES])
-    return f"at {shown}{', ...' if len(bodies) > MOST_BODIES else ''} deg"
+    factor, unit = scale("rad", 1.0)
+    shown = ", ".join(f"{body} {zeroed(one[f'{body}.angle'], ZERO) * factor:.4g}" for body in bodies[:MOST_BODIES])
+    return f"at {shown}{', ...' if len(bodies) > MOST_BODIES else ''} {unit}"
 
 
 def _position(m: Mechanism, one: Equilibrium) -> str:
     """Where the bodies are in the first equilibrium, and the efforts of the drivers that hold it."""
+    from rattle.results.display import quantity
+
     lines = ["equilibrium 1:"]
     floor = ZERO * m.system.size
     for body in m.model.bodies:
         x, y = (zeroed(one[f"{body}.{key}"], floor) for key in "xy")
         angle = zeroed(one[f"{body}.angle"], ZERO)
-        lines.append(f"  {body}: x {x:.6g} m, y {y:.6g} m, angle {angle * DEGREES:.6g} deg")
+        lines.append(f"  {body}: x {quantity(x, 'm', 6)}, y {quantity(y, 'm', 6)}, angle {quantity(angle, 'rad', 6)}")
     for driver in m.model.drivers:
         name = next(n for n in one.names if n.startswith(f"{driver}.") and not n.endswith(".power"))
-        lines.append(f"  {name}: {one[name]:.6g} {one.unit(name)}")
+        lines.append(f"  {name}: {quantity(one[name], one.unit(name), 6)}")
     if one.nonunique:
         lines.append(f"  reactions not unique (redundant constraints) at {', '.join(one.nonunique)}")
     return "\n".join(lines)

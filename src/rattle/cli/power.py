@@ -10,11 +10,13 @@ import click
 from rattle.cli.options import read_result, run_laws, time
 from rattle.cli.output import check_files, check_pictures, say_written
 from rattle.errors import InputError
+from rattle.studies.power.in_units import in_units, with_units
 
 if TYPE_CHECKING:
     from rattle.studies.power.power import Power
 
 SEEN = 1e-9  # share of the largest energy below which one is rounding
+WORDS = ("element", "kind", "body")
 PORTS = ("element", "body", "E_in", "E_out", "net", "recirculated", "peak", "mean")
 ELEMENTS = ("element", "kind", "supplied", "lost", "stored")
 
@@ -72,29 +74,34 @@ def _write(frame: Any, path: str) -> None:
     from rattle.atomic_file import atomic
 
     with atomic(path) as file:
-        frame.to_csv(file, index=False, lineterminator="\n")
+        with_units(frame).to_csv(file, index=False, lineterminator="\n")
 
 
 def _instant(p: Power, t: float) -> str:
     """The powers of all ports at an instant."""
-    return f"power into bodies [W] at t = {t:.6g} s\n{_lines(p.at(t), ('element', 'kind', 'body', 'power'))}"
+    from rattle.results.display import quantity
+
+    frame, (_, power) = in_units(p.at(t))
+    return f"power into bodies [{power}] at t = {quantity(t, 's', 6)}\n{_lines(frame, (*WORDS, 'power'))}"
 
 
 def _cycle(p: Power) -> str:
     """Energies of the cycle: of all ports, then of elements that give, lose or store any."""
-    ports, elements = p.table, p.elements
+    from rattle.results.display import quantity
+
+    (ports, (energy, power)), (elements, _) = in_units(p.table), in_units(p.elements)
     largest = float(max((ports["E_in"] + ports["E_out"]).max() if len(ports) else 0.0, 1e-300))
     least = SEEN * largest
     numbers = elements[["supplied", "lost", "stored"]]
     active = elements[(numbers.abs() > least).any(axis=1)]
     said = [
-        f"energy [J] and power [W] into bodies, t = {p.t0:.6g} to {p.t1:.6g} s",
+        f"energy [{energy}] and power [{power}] into bodies, t = {quantity(p.t0, 's', 6)} to {quantity(p.t1, 's', 6)}",
         _lines(ports[ports["E_in"] + ports["E_out"] > least], PORTS, least),
         "",
-        "elements [J]",
+        f"elements [{energy}]",
         _lines(active, ELEMENTS, least),
         "",
-        f"largest imbalance of a body: {p.residual:.2g} W",
+        f"largest imbalance of a body: {quantity(p.residual, 'W', 2)}",
     ]
     return "\n".join(said)
 
@@ -103,7 +110,7 @@ def _lines(frame: Any, columns: tuple[str, ...], least: float = 0.0) -> str:
     """Columns of a table as text; numbers below `least` are rounding."""
     rows = [[_cell(value, least) for value in row] for row in frame[list(columns)].itertuples(index=False)]
     widths = [max(len(row[k]) for row in [list(columns), *rows]) for k in range(len(columns))]
-    words = [k for k, name in enumerate(columns) if name in ("element", "kind", "body")]
+    words = [k for k, name in enumerate(columns) if name in WORDS]
 
     def line(row: list[str]) -> str:
         return "  ".join(

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from rattle.errors import InputError
+from rattle.results.display import quantity
 from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
 
@@ -248,13 +249,13 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         if f"{joint}.fx" not in result or not len(result.t):
             continue
         (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
-        largest = (f"{force:.4g} N", f"{when:.4g} s") if readable(result, f"{joint}.force") else ("-", "-")
-        row: tuple[str, ...] = (joint, *largest, f"{mean:.4g} N" if largest[0] != "-" else "-")
+        largest = (quantity(force, "N"), quantity(when, "s")) if readable(result, f"{joint}.force") else ("-", "-")
+        row: tuple[str, ...] = (joint, *largest, quantity(mean, "N") if largest[0] != "-" else "-")
         if one := loose.get(joint):
             row += (f"{100 * one.share:.0f} %", str(one.contacts), str(one.impacts))
             part = " dry" if f"{joint}.film_thickness" in result else ""  # what its oil loses stands in the oil's table
-            row += (f"{one.energy_lost:.4g} J{part}", f"{one.power_lost:.4g} W{part}")
-            row += (f"{one.impulse:.3g} N*s", f"{one.impulse_at:.4g} s") if one.impacts else ()
+            row += (quantity(one.energy_lost, "J") + part, quantity(one.power_lost, "W") + part)
+            row += (quantity(one.impulse, "N*s", 3), quantity(one.impulse_at, "s")) if one.impacts else ()
         rows.append(row + ("-",) * (len(head) - len(row)))
     return head, rows
 
@@ -271,9 +272,13 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
         one = contacts(result).get(joint)
         if one is None:
             continue
-        said = [f"largest impulse {one.impulse:.3g} N*s (t = {one.impulse_at:.4g} s)"] if one.impacts else []
+        said = (
+            [f"largest impulse {quantity(one.impulse, 'N*s', 3)} (t = {quantity(one.impulse_at, 's')})"]
+            if one.impacts
+            else []
+        )
         if one.readable:
-            said.append(f"lasting contact up to {one.peak:.4g} N")
+            said.append(f"lasting contact up to {quantity(one.peak, 'N')}")
         else:
             said.append(
                 f"the force of lasting contact rises beyond {TOWERS:g} times the usual one, not to be read as a force"

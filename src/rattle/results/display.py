@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rattle.description.model import Model, Parameter
-from rattle.results.handy_units import SMALL, Shown, handy_unit
+from rattle.results.chosen_units import Shown, chosen
+from rattle.results.handy_units import SMALL, handy_unit
 
 ROUNDING = 1e-12  # an angle below it is zero [rad]
 _KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xml", ".mp4": "video/mp4"}
@@ -47,8 +48,10 @@ STYLE = f"<style>{''.join(f'.rattle-card {part}{{{rule}}}' for part, rule in _ST
 def scale(unit: str, size: float) -> Shown:
     """Factor from the SI unit, and the unit in which tables show a quantity of this size [SI].
 
-    Angles and their rates are in degrees, lengths below 0.2 m in mm, all else as it is.
+    As the user asks for; otherwise angles and their rates are in degrees, lengths below 0.2 m in mm, all else as it is.
     """
+    if asked := chosen(unit):
+        return asked
     if unit == "m":
         return Shown(1e3, "mm") if 0.0 < size < SMALL else Shown(1.0, unit)
     return handy_unit(unit, size) if unit.startswith("rad") else Shown(1.0, unit)
@@ -62,13 +65,16 @@ def readable(value: float, unit: str) -> tuple[float, str]:
     return factor * value, shown
 
 
-def quantity(value: float, unit: str, digits: int = 4) -> str:
-    """A value [SI] as text with its unit, angles in degrees and short lengths in mm."""
+def quantity(value: float, unit: str, digits: int = 4, usual: Shown | None = None) -> str:
+    """A value [SI] as text with its unit, angles in degrees and short lengths in mm.
+
+    usual: the unit unless the user asks for another one.
+    """
     if unit == "m" and abs(value) < 1e-15:
         value = 0.0
     if unit == "rad" and abs(value) < ROUNDING:
         value = 0.0
-    factor, shown = scale(unit, abs(value))
+    factor, shown = chosen(unit) or usual or scale(unit, abs(value))
     return f"{factor * value:.{digits}g} {shown}".rstrip()
 
 

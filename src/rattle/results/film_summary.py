@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.results.chosen_units import Shown, chosen
 from rattle.results.contact_summary import Curves, extreme
+from rattle.results.display import quantity
 
 HEAD = (
     "oil in joint",
@@ -90,16 +92,20 @@ def film_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heading and one row per joint with oil, with units."""
     rows: list[tuple[str, ...]] = []
     for name, one in films(result).items():
-        angle = "-" if math.isnan(one.at_angle) else f"{math.degrees(one.at_angle):.1f} deg"
+        angle = "-" if math.isnan(one.at_angle) else _angle(one.at_angle)
         rows.append(
             (
-                name, f"{1e6 * one.least_film:.4g} um", f"{one.at_t:.4g} s", angle,
-                f"{1e-6 * one.peak_pressure:.4g} MPa",
-                f"{one.mean_power:.4g} W", f"{one.peak_power:.4g} W", f"{100 * one.mixed:.0f} %",
-                f"{1e6 * one.leakage:.4g} cm^3/s", f"{one.heating:.3g} K",
+                name, quantity(one.least_film, "m", usual=Shown(1e6, "um")), quantity(one.at_t, "s"), angle,
+                quantity(one.peak_pressure, "Pa", usual=Shown(1e-6, "MPa")),
+                quantity(one.mean_power, "W"), quantity(one.peak_power, "W"), f"{100 * one.mixed:.0f} %",
+                quantity(one.leakage, "m^3/s", usual=Shown(1e6, "cm^3/s")), f"{one.heating:.3g} K",
             )
         )  # fmt: skip
     return HEAD, rows
+
+
+def _angle(radians: float) -> str:
+    return f"{math.degrees(radians):.1f} deg" if chosen("rad") is None else quantity(radians, "rad")
 
 
 def film_table(result: Curves) -> str:

@@ -21,17 +21,11 @@ from rattle.language.units import (
     parse_quantity,
     unit_of_quantity,
 )
+from rattle.results.chosen_units import Shown, chosen
 
 DEGREES = 180.0 / math.pi
 SMALL = 0.2  # a length below it is written in mm, in drawings, curves and tables [m]
 LEAST, MOST = 0.1, 1e5  # numbers that are handy in the unit of the model file
-
-
-class Shown(NamedTuple):
-    """A unit: factor from the SI unit, and its name."""
-
-    factor: float
-    unit: str
 
 
 class Written(NamedTuple):
@@ -66,8 +60,11 @@ ENERGIES = ("J", "Wh")  # of the same dimension as a moment
 def handy_unit(unit: str, size: float, written: Units | None = None) -> Shown:
     """Factor from the SI unit, and the unit in which a quantity of this size [SI] is shown.
 
-    written: quantities of the model file, see `written_units`: the one nearest in size lends its unit.
+    written: quantities of the model file, see `written_units`: the one nearest in size lends its unit.  A unit that the
+    user asks for comes before all others.
     """
+    if asked := chosen(unit):
+        return asked
     near = min((written or {}).get(unit, ()), key=lambda one: _distance(one.size, size), default=None)
     if near is not None and (size == 0.0 or LEAST <= near.factor * size < MOST):
         return Shown(near.factor, near.unit)

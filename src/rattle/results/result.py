@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from rattle.atomic_file import atomic
 from rattle.errors import InputError, WrongType
 from rattle.results import archive, contact_summary, film_summary
+from rattle.results.chosen_units import SI, column_unit
 from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture
 from rattle.results.event import Breaks, Event, Peak
@@ -226,14 +227,22 @@ class Result:
         return power(self, t0, t1)
 
     # ------------------------------------------------------------ to other programs
-    def to_dataframe(self) -> Any:
-        """pandas.DataFrame of all names, index t [s], SI units in `.attrs["units"]`.  Raises MissingPackage."""
+    def to_dataframe(self, *, units: str | Iterable[str] | None = None) -> Any:
+        """pandas.DataFrame of all names, index t, with its units in `.attrs["units"]`.
+
+        units: such as "mm,deg"; what they leave open is in SI, as everything is without them.
+        Raises MissingPackage, InputError for unknown units.
+        """
         from rattle.results.archive import package
 
         pandas = package("pandas", "to_dataframe")
-        index = pandas.Index(self.t, name="t")
-        frame = pandas.DataFrame({name: self[name] for name in self.names}, index=index)
-        frame.attrs["units"] = dict(self._units)
+        shown = {name: column_unit(self._units[name], units or SI) for name in self.names}
+        time = column_unit("s", units or SI)
+        index = pandas.Index(time.factor * self.t, name="t")
+        frame = pandas.DataFrame({name: one.factor * self[name] for name, one in shown.items()}, index=index)
+        frame.attrs["units"] = (
+            {"t": time.unit} | {name: one.unit for name, one in shown.items()} if units else dict(self._units)
+        )
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
@@ -251,17 +260,22 @@ class Result:
         dataset: xarray.Dataset = package("xarray", "to_xarray").Dataset(curves, {"t": ("t", self.t, {"units": "s"})})
         return dataset
 
-    def to_csv(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
+    def to_csv(
+        self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None,
+        units: str | Iterable[str] | None = None,
+    ) -> Path:  # fmt: skip
         """Write all names as CSV, with a header such as `coupler.x [m]`; numbers in full precision.
 
+        units: such as "mm,deg"; what they leave open is in SI, as everything is without them.
         fallback, return value: as for `save`.  Raises InputError for a suffix of another format, OSError.
         """
         require_table(path)
-        units = [self._units[name] for name in self.names]
-        header = ["t [s]"] + [
-            f"{name} [{unit}]" if unit else name for name, unit in zip(self.names, units, strict=True)
+        time, shown = column_unit("s", units), [column_unit(self._units[name], units) for name in self.names]
+        header = [f"t [{time.unit}]"] + [
+            f"{name} [{one.unit}]" if one.unit else name for name, one in zip(self.names, shown, strict=True)
         ]
-        table = np.column_stack([self.t, *(self[name] for name in self.names)])
+        curves = (one.factor * self[name] for name, one in zip(self.names, shown, strict=True))
+        table = np.column_stack([time.factor * self.t, *curves])
 
         def write(place: Path) -> None:
             with atomic(place) as file, file.open("w", newline="", encoding="utf-8") as out:

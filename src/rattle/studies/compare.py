@@ -12,8 +12,9 @@ import numpy as np
 from rattle import registry
 from rattle.description.switch_contact import recontact
 from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
+from rattle.results.chosen_units import Shown
 from rattle.results.contact_summary import contact_lines, readable
-from rattle.results.display import table
+from rattle.results.display import quantity, table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -99,7 +100,7 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
     found = result.contacts.get(joint)
     peak = max(result.peak(f"{joint}.force")[0], found.peak if found else 0.0)
     until, end = result.trust.trusted_until(), result.trust.t_end
-    reach = "-" if until is None else "the end" if until >= end else f"{until:.3g} s"
+    reach = "-" if until is None else "the end" if until >= end else quantity(until, "s", 3)
     pull = max(result.trust.pulled.values(), default=0.0)
     if pull > 0.0:
         reach += f" (pulls for {100.0 * pull:.2g} %)"
@@ -109,10 +110,10 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
     else:
         oil = result.films.get(joint)  # its mean power has the dry friction beside it
-        lost = f"{oil.mean_power * float(result.t[-1] - result.t[0]) if oil else found.energy_lost:.3g} J"
+        lost = quantity(oil.mean_power * float(result.t[-1] - result.t[0]) if oil else found.energy_lost, "J", 3)
         mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
         hardest = max((event.impulse for event in mine), default=0.0)
-        hits = f"{found.impacts}, to {hardest:.2g} N*s" if found.impacts else "0"
+        hits = f"{found.impacts}, to {quantity(hardest, 'N*s', 2)}" if found.impacts else "0"
         touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
     shown = readable(result, f"{joint}.force")
     forces = (newton(peak), newton(result.rms(f"{joint}.force"))) if shown else ("-", "-")
@@ -121,7 +122,7 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
 
 def newton(force: float) -> str:
     """A force [N] as text, in N or kN."""
-    return f"{force:.4g} N" if force < 1e4 else f"{force / 1e3:.4g} kN"
+    return quantity(force, "N", usual=Shown(1.0, "N") if force < 1e4 else Shown(1e-3, "kN"))
 
 
 def compare(

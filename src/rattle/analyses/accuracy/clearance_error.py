@@ -35,12 +35,14 @@ from rattle.description.model import Joint
 from rattle.equations.system import System
 from rattle.errors import InputError, ModelError, Problem
 from rattle.jit import functions
+from rattle.results.chosen_units import Shown, chosen
 from rattle.results.display import quantity, table
 from rattle.solvers.positions import position_sweep as swept
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MILLIMETRES = Shown(1e3, "mm")
 RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # quantities that are zero or undefined at rest
 
 
@@ -87,14 +89,16 @@ class Accuracy:
 
     def __str__(self) -> str:
         k = int(np.argmax(self.worst))
-        factor, unit = {"rad": (180 / math.pi, "deg"), "m": (1e3, "mm")}.get(self.unit, (1.0, self.unit))
+        usual = {"rad": Shown(180 / math.pi, "deg"), "m": MILLIMETRES}.get(self.unit, Shown(1.0, self.unit))
+        factor, unit = chosen(self.unit) or usual
 
         def said(value: float) -> str:
             return f"+-{factor * value:.4g} {unit}".rstrip()
 
+        end, when = quantity(self.t[-1], "s"), quantity(self.t[k], "s")
         lines = [
-            f"{self.of} with every pin anywhere in its clearance, {len(self.t)} positions to t = {self.t[-1]:.4g} s:",
-            f"worst case      {said(self.worst[k])} at t = {self.t[k]:.4g} s, {said(self.worst.mean())} on average",
+            f"{self.of} with every pin anywhere in its clearance, {len(self.t)} positions to t = {end}:",
+            f"worst case      {said(self.worst[k])} at t = {when}, {said(self.worst.mean())} on average",
             f"root sum square {said(self.rss[k])} there",
         ]
         if not np.isnan(self.low).all():
@@ -103,12 +107,13 @@ class Accuracy:
         if not np.isnan(self.loaded).all():
             n = int(np.nanargmax(np.abs(self.loaded)))
             rule = "" if math.isnan(self.rule[n]) else f" (rule sum r|R|/|load|: {factor * self.rule[n]:.4g} {unit})"
-            at = f"in equilibrium at t = {self.t[n]:.4g} s"
+            at = f"in equilibrium at t = {quantity(self.t[n], 's')}"
             lines.append(f"under the loads {factor * self.loaded[n]:+.4g} {unit} at most, {at}{rule}")
         wide = max(len(name) for name in self.joints)
         for name, share in sorted(self.share.items(), key=lambda item: -item[1]):
             mine = said(self.contributions[k, self.joints.index(name)])
-            lines.append(f"  {name:{wide}s}  {self.clearances[name] * 1e3:8.4g} mm  {mine}  {100 * share:3.0f} %")
+            play = quantity(self.clearances[name], "m", usual=MILLIMETRES)
+            lines.append(f"  {name:{wide}s}  {play:>11s}  {mine}  {100 * share:3.0f} %")
         first = self.tighten
         equal = [name for name in self.joints if self.share[name] > 0.99 * self.share[first] and name != first]
         also = f" (or {' or '.join(equal)}: equal share)" if equal else ""
@@ -125,7 +130,7 @@ class Accuracy:
         rows = [
             (
                 name,
-                f"{self.clearances[name] * 1e3:.4g} mm",
+                quantity(self.clearances[name], "m", usual=MILLIMETRES),
                 f"+-{quantity(self.contributions[k, self.joints.index(name)], self.unit)}",
                 f"{100 * share:.0f} %",
             )

@@ -8,6 +8,7 @@ import numpy as np
 
 from rattle.equations.system import System
 from rattle.errors import InputError
+from rattle.results.chosen_units import chosen
 from rattle.results.display import quantity
 from rattle.results.handy_units import DEGREES, SMALL
 from rattle.results.result import Result
@@ -43,6 +44,10 @@ class Effect(NamedTuple):
     def slope(self) -> str:
         """The largest derivative as text, angles in degrees, by mm where the parameter's change is short."""
         value, unit, by = float(self.derivative[self.largest]), self.unit, self.by
+        asked, asked_by = chosen(unit), chosen(by)
+        if asked or asked_by:
+            (factor, unit), (factor_by, by) = asked or (1.0, unit), asked_by or (1.0, by)
+            return f"{value * factor / factor_by:.4g} {quotient(unit, by)}".rstrip()
         if unit in ("rad", "rad/s", "rad/s^2"):
             value, unit = DEGREES * value, unit.replace("rad", "deg")
         if by == "m" and self.change < SMALL:

@@ -16,6 +16,7 @@ import numpy as np
 
 from rattle.analyses.arguments import MOST_EFFORT
 from rattle.errors import InputError
+from rattle.results.chosen_units import Shown
 from rattle.results.display import card, quantity, table
 from rattle.results.film_columns import DRY
 from rattle.results.result import Result
@@ -159,11 +160,11 @@ class Equilibrium:
     def _pin(self, name: str, normal: float) -> str:
         """How a pin is held, in words: pressed with `normal` [N], or by a film of oil."""
         if not self._floats(name):
-            return f"{name} presses with {normal:.4g} N"
-        dry = f" and presses with {normal:.4g} N" if normal > 0.0 else ""
+            return f"{name} presses with {quantity(normal, 'N')}"
+        dry = f" and presses with {quantity(normal, 'N')}" if normal > 0.0 else ""
         if self[f"{name}.film_thickness"] <= 0.0:
             return f"{name} is carried by oil between asperities (e/c {self[f'{name}.eccentricity']:.4f}){dry}"
-        floats = f"{name} floats on {1e6 * self[f'{name}.film_thickness']:.4g} um of oil"
+        floats = f"{name} floats on {quantity(self[f'{name}.film_thickness'], 'm', usual=Shown(1e6, 'um'))} of oil"
         return f"{floats} (e/c {self[f'{name}.eccentricity']:.4f}){dry}"
 
 

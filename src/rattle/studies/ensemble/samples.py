@@ -14,6 +14,7 @@ import numpy as np
 from rattle.atomic_file import atomic
 from rattle.errors import InputError, suggest
 from rattle.results.archive import package
+from rattle.results.chosen_units import column_unit
 from rattle.results.result import UnknownName, require_table
 from rattle.studies.ensemble.pieces import OK, STATUS, WAITING, column_name
 from rattle.studies.ensemble.plans import Plan
@@ -133,16 +134,21 @@ class Samples(ABC):
         return pandas.DataFrame(columns, index=pandas.Index(numbers, name="sample"))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a row per sample that was run: number, parameters and outputs [SI] in full precision, status, message.
+        """Write a row per sample that was run: number, parameters, outputs, status, message, numbers in full precision.
 
-        Raises ValueError for a suffix of another format, OSError; the file is written completely or not at all.
+        In SI units, unless `--units` asks for others.  Raises ValueError for a suffix of another format, OSError; the file is written completely or not at all.
         """
         require_table(path)
         names = [*self.parameters, *self.outputs]
-        columns, status, messages = [self[name] for name in names], self.status, self.messages
+        shown = [column_unit(self.unit(name)) for name in names]
+        columns = [one.factor * np.asarray(self[name]) for name, one in zip(names, shown, strict=True)]
+        status, messages = self.status, self.messages
         with atomic(path) as file, file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out, lineterminator="\n")
-            titles = [column_name(name) + (f" [{unit}]" if (unit := self.unit(name)) else "") for name in names]
+            titles = [
+                column_name(name) + (f" [{one.unit}]" if one.unit else "")
+                for name, one in zip(names, shown, strict=True)
+            ]
             writer.writerow(["sample", *titles, "status", "message"])
             for n in np.flatnonzero(self.store.status() != WAITING).tolist():
                 writer.writerow([n, *(column[n] for column in columns), status[n], messages.get(n, "")])

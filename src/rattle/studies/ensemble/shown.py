@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rattle.results.chosen_units import chosen
 from rattle.results.display import readable
 from rattle.results.handy_units import SMALL
 
@@ -13,8 +14,10 @@ FEWEST, MOST = 5, 10  # digits
 
 
 def scale_of(values: Sequence[float], unit: str) -> tuple[float, str]:
-    """Factor from SI, and the unit in which these values [SI] are shown: angles in deg, short lengths in mm."""
+    """Factor from SI, and the unit in which these values [SI] are shown: as asked for, or deg, mm."""
     sizes = [abs(x) for x in values if math.isfinite(x) and x]
+    if asked := chosen(unit):
+        return asked
     if unit == "m" and sizes and min(sizes) < SMALL and max(sizes) < LONGEST:
         return 1e3, "mm"
     return readable(1.0, unit)

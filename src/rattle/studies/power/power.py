@@ -22,6 +22,7 @@ from rattle.results.display import quantity, table
 from rattle.results.result import Result, require_table
 from rattle.studies.poincare import driver_period
 from rattle.studies.power.cycle import Cycle, cycle
+from rattle.studies.power.in_units import with_units
 from rattle.studies.power.ports import Ports
 from rattle.studies.power.steps import rows_at, settings_of
 
@@ -143,10 +144,13 @@ class Power:
         return self._ports.flow(rows).ports
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
-        """Write `table` as CSV, in SI units.  Raises InputError for a suffix of another format, OSError."""
+        """Write `table` as CSV, in SI units; if `--units` asks for others, the header names them.
+
+        Raises InputError for a suffix of another format, OSError.
+        """
         require_table(path)
         with atomic(Path(path)) as file:
-            self.table.to_csv(file, index=False, lineterminator="\n")
+            with_units(self.table).to_csv(file, index=False, lineterminator="\n")
         return Path(path)
 
     def plot(self) -> Figure:

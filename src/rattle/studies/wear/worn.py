@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from rattle.errors import suggest
 from rattle.mechanism import Mechanism
 from rattle.results.archive import package
-from rattle.results.display import table
+from rattle.results.chosen_units import Shown, chosen
+from rattle.results.display import quantity, table
 from rattle.results.result import UnknownName
 from rattle.studies.wear.cycle import Sliding, State
 from rattle.studies.wear.pins import Depths, Pin, as_documents
@@ -213,10 +214,10 @@ class Worn:
         for pin in self._pins:
             for side, one in zip(SIDES, self.profile(pin.joint), strict=True):
                 if one.deepest > 0.0:
-                    where = math.degrees(float(one.angle[one.depth.argmax()]))
+                    where = _angle(float(one.angle[one.depth.argmax()]))
                     lines.append(
-                        f"  {pin.joint:12s} {side:5s} {1e9 * one.volume:10.4g} mm^3   deepest {_length(one.deepest)}"
-                        f" ({one.deepest / pin.clearance:.3g} clearances) at {where:.1f} deg"
+                        f"  {pin.joint:12s} {side:5s} {_volume(one.volume):>15s}   deepest {_length(one.deepest)}"
+                        f" ({one.deepest / pin.clearance:.3g} clearances) at {where}"
                     )
         joint, side = self.limiting
         lines.append(f"life is limited by the {side} of {joint}")
@@ -226,9 +227,9 @@ class Worn:
         rows = []
         for pin in self._pins:
             for side, one in zip(SIDES, self.profile(pin.joint), strict=True):
-                where = f"{math.degrees(float(one.angle[one.depth.argmax()])):.1f} deg"
+                where = _angle(float(one.angle[one.depth.argmax()]))
                 deep = (_length(one.deepest), f"{one.deepest / pin.clearance:.3g}", where)
-                volume = f"{1e9 * one.volume:.4g} mm^3"
+                volume = _volume(one.volume)
                 rows.append((pin.joint, side, volume, *(deep if one.deepest > 0.0 else ("-", "-", "-"))))
         head = ("joint", "side", "volume worn", "deepest", "in clearances", "at")
         title, *rest = str(self).splitlines()
@@ -248,4 +249,12 @@ class Worn:
 
 
 def _length(metres: float) -> str:
-    return f"{1e6 * metres:.4g} um" if metres < 1e-3 else f"{1e3 * metres:.4g} mm"
+    return quantity(metres, "m", usual=Shown(1e6, "um") if metres < 1e-3 else Shown(1e3, "mm"))
+
+
+def _volume(cubic_metres: float) -> str:
+    return quantity(cubic_metres, "m^3", usual=Shown(1e9, "mm^3"))
+
+
+def _angle(radians: float) -> str:
+    return f"{math.degrees(radians):.1f} deg" if chosen("rad") is None else quantity(radians, "rad")

@@ -1,0 +1,26 @@
+"""Tables of energies and powers in the units that the user asks for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rattle.results.chosen_units import column_unit
+
+ENERGIES = ("E_in", "E_out", "net", "recirculated", "supplied", "lost", "stored")
+POWERS = ("peak", "mean", "power")
+
+
+def in_units(frame: Any) -> tuple[Any, tuple[str, str]]:
+    """A table in the units that the user asks for, else in J and W; the units of energy and power."""
+    energy, power = column_unit("J"), column_unit("W")
+    factors = dict.fromkeys(ENERGIES, energy.factor) | dict.fromkeys(POWERS, power.factor)
+    changed = {name: frame[name] * factors[name] for name in frame.columns if name in factors}
+    return frame.assign(**changed), (energy.unit, power.unit)
+
+
+def with_units(frame: Any) -> Any:
+    """The same for a file: columns that are not in J and W have their unit in their name."""
+    changed, (energy, power) = in_units(frame)
+    units = dict.fromkeys(ENERGIES, energy if energy != "J" else "")
+    units |= dict.fromkeys(POWERS, power if power != "W" else "")
+    return changed.rename(columns={name: f"{name} [{unit}]" for name, unit in units.items() if unit})
