@@ -71,7 +71,7 @@ class AnalysedModel(WrittenModel):
 
         system, start = self.system, self.start
         with computable(self._file):
-            return check(system, start)
+            return check(system, start, {name: self.written_unit(name) for name in self.model.parameters})
 
     def simulate(
         self, t_end: Seconds | None = None, *, t_eval: Sequence[Seconds] | np.ndarray | None = None,

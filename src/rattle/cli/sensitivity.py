@@ -84,7 +84,7 @@ def sensitivity(
         click.echo(to_json(_record(result)))
     elif len(result.t):
         click.echo(_table(result))
-        click.echo(str(result.trust))
+        click.echo("\n".join([result.trust.word, *result.trust.notes]))
     kept = output is None or _write(result, output, fallback, as_json)
     finish(ctx, result, kept)
 

@@ -120,6 +120,11 @@ def chosen(unit: str) -> Shown | None:
     return choice.unit_for(unit) if choice is not None else None
 
 
+def any_chosen() -> bool:
+    """True where the user asks for units."""
+    return _CHOSEN.get() is not None
+
+
 def column_unit(unit: str, units: str | Iterable[str] | None = None) -> Shown:
     """What replaces an SI unit in a column of a file: SI unless asked otherwise, here or by `--units`."""
     choice = _CHOSEN.get() if units is None else read_units(units)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rattle.description.model import Model, Parameter
-from rattle.results.chosen_units import Shown, chosen
+from rattle.results.chosen_units import ANGLES, Shown, chosen
 from rattle.results.handy_units import SMALL, handy_unit
 
 ROUNDING = 1e-12  # an angle below it is zero [rad]
@@ -81,6 +81,8 @@ def quantity(value: float, unit: str, digits: int = 4, usual: Shown | None = Non
 def in_written_unit(parameter: Parameter, written: tuple[float, str], digits: int = 6) -> str:
     """The value of a parameter as text, in the unit in which the model file writes it: its size [SI] and name."""
     size, unit = written
+    if (asked := chosen(parameter.unit or ("rad" if unit in ANGLES else ""))) and unit:
+        return f"{asked.factor * parameter.value:.{digits}g} {asked.unit}"
     return f"{parameter.value / size:.{digits}g} {unit}" if unit else quantity(parameter.value, parameter.unit, digits)
 
 

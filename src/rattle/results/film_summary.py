@@ -114,8 +114,11 @@ def film_table(result: Curves) -> str:
     if not rows:
         return ""
     wide = max([len(HEAD[0]), *(len(row[0]) for row in rows)]) + 2
+    widths = [
+        max(width, *(len(row[k + 1]) + 2 for row in rows)) for k, width in enumerate(WIDTHS)
+    ]  # long numbers, in units that a user asked for
     lines = [
-        f"{name:{wide}s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(cells, WIDTHS, strict=True))
+        f"{name:{wide}s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(cells, widths, strict=True))
         for name, *cells in (head, *rows)
     ]
     return "\n".join([*lines, "(least film within the steps; pressure, friction, leakage at the outputs)"])

@@ -146,12 +146,12 @@ class Equilibrium:
         sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
         pins = "".join(f", {self._pin(name, abs(n))}" for name, n in self.normals.items() if name not in self.pulled)
         for name in self.resting:
-            force = f"{abs(self[f'{name}.stop']):.4g} {self.unit(f'{name}.stop')}"
+            force = quantity(abs(self[f"{name}.stop"]), self.unit(f"{name}.stop"))
             pins += f", {name} rests on its stop with {force}" if name not in self.pulled else ""
         if self.neutral:
             kind += f" (free to move in {self.neutral} degree{'s' if self.neutral > 1 else ''} of freedom)"
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
-        return f"{kind}{hold}{sides}{pins}; balanced to {self.residual:.1g} N, closed to {self.gap:.1g} m"
+        return f"{kind}{hold}{sides}{pins}"
 
     def _floats(self, name: str) -> bool:
         """True if a film carries at least a part of the force in a joint."""

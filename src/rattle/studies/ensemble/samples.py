@@ -136,7 +136,8 @@ class Samples(ABC):
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row per sample that was run: number, parameters, outputs, status, message, numbers in full precision.
 
-        In SI units, unless `--units` asks for others.  Raises ValueError for a suffix of another format, OSError; the file is written completely or not at all.
+        In SI units, unless `--units` asks for others.
+        Raises ValueError for a suffix of another format, OSError; the file is written completely or not at all.
         """
         require_table(path)
         names = [*self.parameters, *self.outputs]

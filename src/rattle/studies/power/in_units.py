@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rattle.results.chosen_units import column_unit
+from rattle.results.chosen_units import any_chosen, column_unit
 
 ENERGIES = ("E_in", "E_out", "net", "recirculated", "supplied", "lost", "stored")
 POWERS = ("peak", "mean", "power")
@@ -19,8 +19,9 @@ def in_units(frame: Any) -> tuple[Any, tuple[str, str]]:
 
 
 def with_units(frame: Any) -> Any:
-    """The same for a file: columns that are not in J and W have their unit in their name."""
+    """The same for a file: where the user asks for units, they stand in the names of the columns."""
+    if not any_chosen():
+        return frame
     changed, (energy, power) = in_units(frame)
-    units = dict.fromkeys(ENERGIES, energy if energy != "J" else "")
-    units |= dict.fromkeys(POWERS, power if power != "W" else "")
-    return changed.rename(columns={name: f"{name} [{unit}]" for name, unit in units.items() if unit})
+    units = dict.fromkeys(ENERGIES, energy) | dict.fromkeys(POWERS, power)
+    return changed.rename(columns={name: f"{name} [{unit}]" for name, unit in units.items()})
