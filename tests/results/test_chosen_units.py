@@ -33,7 +33,7 @@ def columns(path):
 
 @pytest.mark.nojit
 @pytest.mark.parametrize(
-    "asked, unit, factor, name",
+    ("asked", "unit", "factor", "name"),
     [
         ("mm", "m", 1e3, "mm"),
         ("mm", "m/s^2", 1e3, "mm/s^2"),
@@ -56,7 +56,7 @@ def test_a_unit_stands_for_its_kind_and_for_what_is_derived_from_it(asked, unit,
 
 @pytest.mark.nojit
 @pytest.mark.parametrize(
-    "asked, unit", [("mm,deg,N", "N*m"), ("N*mm", "J"), ("J", "N*m"), ("mm", "rad"), ("ms", "1/s")]
+    ("asked", "unit"), [("mm,deg,N", "N*m"), ("N*mm", "J"), ("J", "N*m"), ("mm", "rad"), ("ms", "1/s")]
 )
 def test_other_kinds_are_left_alone(asked, unit):
     assert read_units(asked).unit_for(unit) is None
@@ -64,7 +64,7 @@ def test_other_kinds_are_left_alone(asked, unit):
 
 @pytest.mark.nojit
 @pytest.mark.parametrize(
-    "asked, words",
+    ("asked", "words"),
     [
         ("mm,cm", "mm and cm are units of the same kind"),
         ("deg,mrad", "same kind"),

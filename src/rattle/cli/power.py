@@ -94,8 +94,9 @@ def _cycle(p: Power) -> str:
     least = SEEN * largest
     numbers = elements[["supplied", "lost", "stored"]]
     active = elements[(numbers.abs() > least).any(axis=1)]
+    start = quantity(p.t0, "s", 6).split()[0]
     said = [
-        f"energy [{energy}] and power [{power}] into bodies, t = {quantity(p.t0, 's', 6)} to {quantity(p.t1, 's', 6)}",
+        f"energy [{energy}] and power [{power}] into bodies, t = {start} to {quantity(p.t1, 's', 6)}",
         _lines(ports[ports["E_in"] + ports["E_out"] > least], PORTS, least),
         "",
         f"elements [{energy}]",

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
-from rattle.results.handy_units import Shown, Units, handy_unit, units_of_result
+from rattle.results.chosen_units import Shown
+from rattle.results.handy_units import Units, handy_unit, units_of_result
 from rattle.results.within_steps import bursts, largest, summit
 
 if TYPE_CHECKING:

@@ -297,10 +297,12 @@ def joint_table(result: Curves) -> str:
     """The rows of `joint_rows` as text in columns."""
     head, rows = joint_rows(result)
     wide = max([10, *(len(joint) for joint in result.geometry["joints"])]) + 2
+    longest = max(len(row) for row in (head, *rows)) - 1
     widths = [
-        max([width, *(len(row[k + 1]) + 2 for row in rows)]) for k, width in enumerate(WIDTHS[: len(head) - 1])
+        max([width, *(len(row[k + 1]) + 2 for row in rows if len(row) > k + 1)])
+        for k, width in enumerate(WIDTHS[:longest])
     ]  # long numbers, in units that a user asked for
     return "\n".join(
-        f"{name:{wide}s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(cells, widths, strict=True))
+        f"{name:{wide}s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(cells, widths, strict=False))
         for name, *cells in (head, *rows)
     )
