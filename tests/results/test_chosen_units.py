@@ -132,3 +132,8 @@ def test_an_unknown_unit_is_refused_before_the_run():
     done = run("run", "slider_crank", "--units", "parsec")
     assert done.exit_code == 2
     assert "unknown unit 'parsec'" in done.output
+
+
+def test_a_joint_that_bears_nothing_but_rounding_shows_no_force():
+    row = next(line for line in run("run", "ratchet", "--no-horizon").output.splitlines() if line.startswith("guide "))
+    assert row.split() == ["guide", "0", "N", "-", "0", "N"]

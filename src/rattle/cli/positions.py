@@ -55,14 +55,17 @@ def _angles(one: Equilibrium) -> str:
 
 def _position(m: Mechanism, one: Equilibrium) -> str:
     """Where the bodies are in the first equilibrium, and the efforts of the drivers that hold it."""
-    from rattle.results.display import quantity
+    from rattle.results.display import quantity, scale
 
     lines = ["equilibrium 1:"]
     floor = ZERO * m.system.size
+    factor, unit = scale("m", max((abs(one[f"{body}.{key}"]) for body in m.model.bodies for key in "xy"), default=0.0))
     for body in m.model.bodies:
         x, y = (zeroed(one[f"{body}.{key}"], floor) for key in "xy")
         angle = zeroed(one[f"{body}.angle"], ZERO)
-        lines.append(f"  {body}: x {quantity(x, 'm', 6)}, y {quantity(y, 'm', 6)}, angle {quantity(angle, 'rad', 6)}")
+        lines.append(
+            f"  {body}: x {factor * x:.6g} {unit}, y {factor * y:.6g} {unit}, angle {quantity(angle, 'rad', 6)}"
+        )
     for driver in m.model.drivers:
         name = next(n for n in one.names if n.startswith(f"{driver}.") and not n.endswith(".power"))
         lines.append(f"  {name}: {quantity(one[name], one.unit(name), 6)}")

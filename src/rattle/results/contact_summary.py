@@ -9,11 +9,11 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from rattle.errors import InputError
-from rattle.results.display import quantity
+from rattle.results.display import quantity, scale
 from rattle.results.event import Event, Peak
 from rattle.results.trust import Trust
 
-ROUNDING = 1e-12  # share of the largest kinetic energy below which a loss is rounding
+ROUNDING = 1e-12  # share of the largest kinetic energy, or force, below which a loss, or a force, is rounding
 TOWERS = 20.0  # ratio of largest and usual force of a mechanism with rigid contacts, above which it is not shown
 ELASTIC = 2.0  # ratio to the largest force of elastic bushes up to which it is shown all the same
 USUAL, ENOUGH = 0.9, 20  # quantile of the outputs with a force, if there are so many
@@ -245,12 +245,19 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         head += ("pressing", "contacts", "impacts", "energy lost", "mean power")
         head += ("largest impulse", "at t") if rigid else ()
     rows = []
-    for joint in result.geometry["joints"]:
-        if f"{joint}.fx" not in result or not len(result.t):
-            continue
-        (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
-        largest = (quantity(force, "N"), quantity(when, "s")) if readable(result, f"{joint}.force") else ("-", "-")
-        row: tuple[str, ...] = (joint, *largest, quantity(mean, "N") if largest[0] != "-" else "-")
+    loaded = [name for name in result.geometry["joints"] if f"{name}.fx" in result and len(result.t)]
+    readables = [name for name in loaded if readable(result, f"{name}.force")]
+    rounding = ROUNDING * max((rms_of(result, f"{name}.force") for name in readables), default=0.0)
+    for joint in loaded:
+        row: tuple[str, ...] = (joint, "-", "-", "-")
+        if joint in readables:
+            (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
+            bears = force > rounding
+            row = (
+                (joint, quantity(force, "N"), quantity(when, "s"), quantity(mean, "N"))
+                if bears
+                else (joint, quantity(0.0, "N"), "-", quantity(0.0, "N"))
+            )
         if one := loose.get(joint):
             row += (f"{100 * one.share:.0f} %", str(one.contacts), str(one.impacts))
             part = " dry" if f"{joint}.film_thickness" in result else ""  # what its oil loses stands in the oil's table
@@ -285,7 +292,9 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
             )
         if joint in result.trust.elastic:
             low, high = result.trust.elastic[joint]
-            said.append(f"elastic bushes would show about {_two(low)} to {_two(high)} N ({result.trust.bushes[joint]})")
+            factor, unit = scale("N", high)
+            ends = dict.fromkeys((_two(factor * low), _two(factor * high)))
+            said.append(f"elastic bushes would show about {' to '.join(ends)} {unit} ({result.trust.bushes[joint]})")
         lines.append(f"{joint}: {'; '.join(said)}")
     return tuple(lines)
 
