@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rattle.results.chosen_units import Shown
 from rattle.results.display import lines, quantity
 from rattle.results.reductions import EQUAL
 from rattle.studies.optimise.question import Question
@@ -217,7 +218,7 @@ class Optimum:
         """A value of a parameter in the unit that the model file uses for it."""
         one = self.question.mechanism.model.parameters[name]
         scale, unit = self.question.mechanism.written_unit(name)
-        return f"{value / scale:.6g} {unit}".rstrip() if unit else quantity(value, one.unit, 6)
+        return quantity(value, one.unit, 6, Shown(1.0 / scale, unit) if unit else None)
 
     def __repr__(self) -> str:
         return f"<rattle.Optimum: {self.question.objective.text[:60]} = {self._number(self.value)}>"
