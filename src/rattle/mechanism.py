@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
 from rattle.analyses.analysed_model import AnalysedModel
@@ -234,7 +234,7 @@ class Mechanism(AnalysedModel):
     def wear(
         self, cycles: float | None = None, jump: float | str | None = None, cycle: Seconds | None = None,
         stop: Mapping[str, float] | None = None, out: str | os.PathLike[str] | None = None, *,
-        rtol: float | None = None, progress: bool = False,
+        rtol: float | None = None, progress: bool | Callable[[float, float], None] = False,
     ) -> Worn:  # fmt: skip
         """Wear of pins and bushes over many cycles: `w = m.wear(cycles=1e6); print(w); w.plot()`.
 

@@ -23,7 +23,7 @@ def run(*words):
 @pytest.mark.machine
 def test_the_report_and_its_numbers_are_those_of_the_python_interface(tmp_path):
     picture = tmp_path / "t.svg"
-    seen = run(*WORDS, "--limit", "0.1 mm", "--plot", str(picture))
+    seen = run(*WORDS, "--limit", "0.1 mm", "--require", "80 %", "--plot", str(picture))
     assert seen.exit_code == 0, seen.output
     t = rt.example("path_generator").ideal().tolerance(OF, ["a", "b", "d", "r"], analysis="kinematics", n=64, t_end=0.4)
     assert str(t).splitlines()[2] in seen.stdout
