@@ -13,8 +13,8 @@ from reference.set_valued import answers
 BATCH = 20
 
 
-def accelerations(result, count):
-    return np.array([float(result[f"b{k}.{key}"][0]) for k in range(count) for key in ("ax", "ay", "alpha")])
+def accelerations(result, count, instant=0):
+    return np.array([float(result[f"b{k}.{key}"][instant]) for k in range(count) for key in ("ax", "ay", "alpha")])
 
 
 @pytest.mark.parametrize("first", range(0, 200, BATCH))
@@ -29,9 +29,9 @@ def test_accelerations_reactions_and_motion_are_those_of_the_reference(first):
         for name, rows in given.joints.items():
             if len(rows) < 2 or not unique[rows].all() or f"{name}.fx" not in r:
                 continue
-            if (name_of := given.text.split(f"[joints.{name}]")[1]).lstrip().startswith('type = "revolute"'):
+            if given.text.split(f"[joints.{name}]")[1].lstrip().startswith('type = "revolute"'):
                 force = [float(r[f"{name}.{key}"][0]) for key in ("fx", "fy")]
-                assert force == pytest.approx(-multiplier[rows], abs=1e-7 * size), (seed, name, name_of[:20])
+                assert force == pytest.approx(-multiplier[rows], abs=1e-7 * size), (seed, name)
         named = set(r.trust.nonunique)
         assert named == {name for name, rows in given.joints.items() if not unique[rows].all()}, seed
         if r.success:
@@ -48,9 +48,9 @@ def test_friction_and_clutches_are_in_modes_that_trying_all_of_them_gives(pins, 
         possible = answers(given.mechanism, given.q, given.v, 0.0, given.pins, given.clutches)
         if not possible:
             continue  # the reference decides nothing either
-        r = rt.loads(given.text).simulate(1e-7, t_eval=[0.0, 1e-7])
+        r = rt.loads(given.text).simulate(1e-9, t_eval=[0.0, 1e-9])
         assert r.success, (seed, r.message, [one.modes for one in possible])
-        seen = accelerations(r, len(given.mechanism.bodies))
+        seen = accelerations(r, len(given.mechanism.bodies), -1)  # modes of a start may change at once
         size = 1.0 + max(np.abs(one.acceleration).max() for one in possible)
         nearest = min(np.abs(seen - one.acceleration).max() for one in possible)
         assert nearest <= 1e-6 * size, (seed, [one.modes for one in possible])

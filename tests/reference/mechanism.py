@@ -101,17 +101,18 @@ class Mechanism:
     def load(self, q, v, t) -> np.ndarray:
         return np.sum([force(q, v, t) for force in self.forces], axis=0) if self.forces else np.zeros(len(q))
 
-    def accelerations(self, q, v, t, extra=None):
-        """Accelerations (3 nb,), multipliers (n,) of least norm, and which of them are unique (n,); extra: forces."""
+    def accelerations(self, q, v, t, rank=None):
+        """Accelerations (3 nb,), multipliers (n,) of least norm, and which of them are unique (n,)."""
         _, jacobian, _, gamma = self.constraints(q, v, t)
-        return solve(self.mass(), jacobian, gamma, self.load(q, v, t) + (0.0 if extra is None else extra))
+        return solve(self.mass(), jacobian, gamma, self.load(q, v, t), rank)
 
     def run(self, q, v, t_end, rtol=1e-11):
-        """State (6 nb,) at the end, from t = 0."""
+        """State (6 nb,) at the end, from t = 0; redundant rows stay so, whatever drift makes of them."""
         size = len(q)
+        rank = rank_of(self.mass(), self.constraints(q, v, 0.0)[1])
 
         def rate(t, y):
-            return np.concatenate([y[size:], self.accelerations(y[:size], y[size:], t)[0]])
+            return np.concatenate([y[size:], self.accelerations(y[:size], y[size:], t, rank)[0]])
 
         done = solve_ivp(rate, (0.0, t_end), np.concatenate([q, v]), method="DOP853", rtol=rtol, atol=1e-13)
         assert done.success
@@ -126,14 +127,20 @@ def jet_value(x) -> float:
     return x.value if isinstance(x, Jet) else float(x)
 
 
-def solve(mass, jacobian, gamma, load):
+def rank_of(mass, jacobian) -> int:
+    """How many independent rows a Jacobian has."""
+    s = np.linalg.svd(jacobian / np.sqrt(mass), compute_uv=False) if len(jacobian) else np.zeros(0)
+    return int((s > RANK * s[0]).sum()) if len(s) else 0
+
+
+def solve(mass, jacobian, gamma, load, rank=None):
     """Accelerations, multipliers of least norm and which are unique, for any rank of the Jacobian."""
     if not len(jacobian):
         return load / mass, np.zeros(0), np.zeros(0, bool)
     root = 1.0 / np.sqrt(mass)
     scaled = jacobian * root  # of accelerations times the roots of the masses
     u, s, vt = np.linalg.svd(scaled)
-    rank = int((s > RANK * s[0]).sum()) if len(s) and s[0] > 0 else 0
+    rank = int((s > RANK * s[0]).sum()) if rank is None else rank
     own, free = vt[:rank], vt[rank:]
     fixed = own.T @ ((u[:, :rank].T @ gamma) / s[:rank])
     pulled = root * load
