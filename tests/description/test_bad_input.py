@@ -408,3 +408,11 @@ def test_nothing_in_a_file_reads_another_file(tmp_path, caplog):
     with caplog.at_level(logging.DEBUG), pytest.raises(ModelError):
         rt.loads(changed('length = "l1"', f"length = \"open('{secret}')\""))
     assert model_file.LARGEST < 50_000_000
+
+
+def test_a_signal_without_its_owner_is_taken_for_that_of_the_table_in_which_it_stands():
+    text = TEXT
+    text += (
+        '\n[loads.ram]\ntype = "actuator"\nconnect = ["ground.O1", "coupler.O2"]\nforce = "20 kN - 2000 N/m*length"\n'
+    )
+    assert "did you mean 'ram.length'?" in str(refusal(text))

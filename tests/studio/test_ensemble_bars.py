@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 pytest.importorskip("panel")
+from rattle.studies.ensemble.first_order import FirstOrder
+from rattle.studies.ensemble.statistics import Bounded
 from rattle.studio.jobs import ensemble
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
@@ -45,3 +47,12 @@ def test_without_one_every_value_has_its_bar_and_nothing_is_said():
     assert found["edges"][[0, -1]] == pytest.approx([values.min(), values.max()])
     assert ensemble._outside(forces(np.nan), "max(A.force)") == ""
     assert ensemble._outside(Forces(values=np.full(5, 2.0)), "max(A.force)") == ""
+
+
+def test_shares_of_the_parameters_are_a_table_with_the_largest_first():
+    shares = (Bounded(0.02, 0.01, 0.03), Bounded(0.97, 0.95, 0.98))
+    found = FirstOrder(("c", "r"), shares, Bounded(0.99, 0.98, 1.0), False, 3, 64)
+    block = ensemble._shares(SimpleNamespace(contributions=lambda output: found), "max(A.force)")
+    assert block["rows"] == [["r", "97.0 % (95.0 to 98.0)"], ["c", "2.0 % (1.0 to 3.0)"]]
+    assert block["caption"].startswith("together 99.0 %")
+    assert "Bounded" not in str(block)

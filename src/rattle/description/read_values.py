@@ -244,6 +244,8 @@ class Values:
                 self.wrong(path, f"'{one}' changes during the run; only {only} are allowed here", column=column)
             elif one not in self.broken:
                 hint = suggest(one, [*self.constants, *self.local, *(self.live if live else ())])
+                if live and (own := ".".join([*map(str, path[1:2]), one])) in self.live:
+                    hint = f"; did you mean '{own}'?"
                 if unit and text.strip() == one and "did you mean" not in hint:
                     hint = f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
                 if one in UNITS and "did you mean" not in hint:

@@ -63,7 +63,10 @@ def kernel_scene(m: Mechanism, t_end: float | None, why: str) -> dict[str, Any]:
 
 def _still(m: Mechanism) -> str:
     """What stands where widgets are not shown: the drawing."""
-    words = "<p>The moving view needs a notebook that shows widgets; this is the start.</p>"
+    words = (
+        "<p>This is the start. It moves where widgets are shown: run <code>pip install anywidget</code> in "
+        "the environment of JupyterLab (it may be another than that of the kernel), then start JupyterLab again.</p>"
+    )
     return card(m.name or "mechanism", drawing(m), words)
 
 

@@ -63,11 +63,12 @@ def _values(ax: Axes, shown: Sequence[Bounds], first: Sequence[Bounds] | None) -
     far = max([100.0 * np.nanmax([one[0], one[2], 0.0]) for one in shown], default=0.0)
     ax.set_xlim(0.0, max(1.06 * far, 1.0))
     for n, one in enumerate(shown):
-        text = _bounded(one) if first is None else f"{_bounded(first[n])}; {_bounded(one)}"
+        text = bounded(one) if first is None else f"{bounded(first[n])}; {bounded(one)}"
         ax.annotate(text, (1.0, n), (6, 0), ("axes fraction", "data"), "offset points", va="center", fontsize=9)
 
 
-def _bounded(one: Bounds) -> str:
+def bounded(one: Bounds) -> str:
+    """A share [-] in %, with its bounds where they are known; "-" for nan."""
     value, low, high = (100.0 * x for x in one)
     if not np.isfinite(value):
         return "-"
@@ -86,13 +87,13 @@ def plot_contributions(e: Ensemble, output: str, found: FirstOrder, ax: Axes | N
     ax.set_xlabel(f"share of the {what} that each causes alone [%], 95 % bounds")
     ax.set_title(output, loc="left", fontsize=11, pad=28, parse_math=False)
     few = "; ranks, because a few outliers carry its variance" if found.ranks else ""
-    note(ax, f"{_together(found)}\n{told_samples(e)}{few}", "left")
+    note(ax, f"{together(found)}\n{told_samples(e)}{few}", "left")
     return drawn(ax, given)
 
 
-def _together(found: FirstOrder) -> str:
+def together(found: FirstOrder) -> str:
     """What all shares explain, and what the rest is."""
-    said = f"together {_bounded(found.explained)}"
+    said = f"together {bounded(found.explained)}"
     if found.explained.high < ALL:
         said += f"; the rest: interactions, and what polynomials of degree {found.degree} cannot follow"
     return said

@@ -10,6 +10,7 @@ from rattle.errors import InputError
 from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
 from rattle.plots.curves import QUANTITY, axis_label
+from rattle.plots.shares import bounded, together
 from rattle.results.display import quantity
 from rattle.results.handy_units import handy_unit
 from rattle.studies.ensemble.ensemble import Ensemble
@@ -129,7 +130,10 @@ def _shares(e: Ensemble, output: str) -> Block | None:
         found = e.contributions(output)
     except ValueError as error:
         return words(f"Which tolerance matters: {error}")
-    return words(str(found))
+    order = sorted(range(len(found.names)), key=lambda k: -found.indices[k].value)
+    rows = [(found.names[k], bounded(found.indices[k])) for k in order]
+    what = "variance of its ranks" if found.ranks else "variance"
+    return table(("parameter", f"share of the {what} (95 % bounds)"), rows, together(found))
 
 
 def sample(shelf: Shelf, source: Source, number: int) -> dict[str, Any]:
