@@ -52,7 +52,7 @@ from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN, DROP, MEETS = range(7)  # what an event is; MEETS: a compliant contact changes
 TOGETHER, ALONE, KEPT = range(3)  # a contact opens: with all that are about to, by itself, or not after all
-CREEP = 1e-7  # share of the largest slip at one instant below which the direction of a slip is not resolved
+CREEP = 1e-6  # share of the largest slip at one instant below which the direction of a slip is not resolved
 AHEAD = 1e-6  # share by which the required friction force exceeds the limit shortly after a breakaway
 CREEPS = 30  # see regroup
 SLIGHT = 1e-7  # share of its largest force below which a contact opens together with another one
@@ -71,6 +71,13 @@ def goes_along(m, n, apart):
 def leaves(m, n, apart, attempt):
     """True if contact n is left out of an attempt."""
     return (n == apart and attempt != KEPT) or (attempt == TOGETHER and goes_along(m, n, apart))
+
+
+@compiled
+def against(m, n, sense):
+    """True if a slip of contact n in a sense (1, -1, or 0: none) is not that of its mode, the latter being one."""
+    mode = m.mode[n]
+    return friction_of(m, n) > 0.0 and ((mode == FORWARD and sense < 0) or (mode == BACKWARD and sense > 0))
 
 
 @compiled
@@ -100,6 +107,8 @@ def choose_closed(m, apart, kind, attempt, pulling):
             still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
             if not still and not at_rest(m, 2 * k + 1, n, u, memory[n, at.ROUNDING]):
                 slide[closed] = 1 if u > 0.0 else -1
+            if kept and against(m, n, slide[closed]):  # a reversal would have been an event: this slip is an error
+                slide[closed] = 0
             if n == apart and kind == BREAK_AWAY:
                 slide[closed] = 1 if pulling > 0.0 else -1
             elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it was at its friction limit before

@@ -78,6 +78,7 @@ def handle_event(m, t, y, who, what):
             return status
         turn_clutches(m, t, y)
         who = who if what == HIT else -1  # it is at its wall, even if another contact holds it off by rounding
+        what = HIT
     else:
         nq, mode = m.change.shape[0], m.mode
         old = mode[who] if what == TURN else OFF

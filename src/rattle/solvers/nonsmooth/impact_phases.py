@@ -34,6 +34,7 @@ NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the cont
 PRESSED, RATES, FLOOR, SHARE, KEPT = range(2, 7)
 LARGEST_SHARE = 4.0
 SWEEPS = 400  # of relaxation, before modes are read from it
+MOST_EXPANDED = 4  # contacts up to which all modes of expansion are tried where relaxation fails
 
 
 @compiled
@@ -105,14 +106,21 @@ def eliminate(m, size):
 
 @compiled
 def polish(m, count):
-    """Solve the equations of the modes that relaxation has reached, in `candidate`; False if they are not consistent.
+    """Solve the equations of the modes that relaxation has reached; False if they are not consistent.
 
     OFF: N at its lower bound, and sliding or sticking according to T.
     """
-    side, g, bounce, system = m.side, m.delassus, m.bounce, m.system
-    active = m.active
+    side, bounce = m.side, m.bounce
     for r in range(2 * count):
         bounce[KEPT, r] = side[F, r]
+    return solve_kept(m, count)
+
+
+@compiled
+def solve_kept(m, count):
+    """Solve the equations of the modes of the impulses in `kept`; False if they are not consistent."""
+    side, g, bounce, system = m.side, m.delassus, m.bounce, m.system
+    active = m.active
     size = 0
     for r in range(2 * count):
         if not is_free(m, r):
@@ -139,6 +147,7 @@ def polish(m, count):
     for k in range(count):
         mu, n, t = friction_of(m, active[k]), 2 * k, 2 * k + 1
         sticks, sense = is_free(m, t), 1.0 if bounce[KEPT, t] > 0.0 else -1.0
+        side[F, n] = bounce[FLOOR, n]
         if is_free(m, n):
             side[F, n] = system[column, size] / system[column, column]
             column += 1
@@ -203,7 +212,31 @@ def expansion(m, count, scale):
         for r in range(2 * count):
             side[F, r] = bounce[KEPT, r]
         rates_of(m, count)
-    return fits(m, count, 1e-9)
+    return fits(m, count, 1e-9) or (count <= MOST_EXPANDED and try_expansions(m, count))
+
+
+@compiled
+def keep_modes(m, count, code):
+    """Combination `code` of modes of expansion into `kept`: N at its least or above it, T free or at either limit."""
+    bounce, active = m.bounce, m.active
+    for k in range(count):
+        above, along = code % 2, code // 2 % 3
+        code //= 6
+        bounce[KEPT, 2 * k] = bounce[FLOOR, 2 * k] + above * (1.0 + bounce[PRESSED, 2 * k])
+        bounce[KEPT, 2 * k + 1] = (along - 1.0) * friction_of(m, active[k]) * bounce[KEPT, 2 * k]
+
+
+@compiled
+def try_expansions(m, count):
+    """Try all modes of expansion: friction that is strong keeps relaxation from converging. True if one fits."""
+    combinations = 1
+    for _ in range(count):
+        combinations *= 6
+    for code in range(combinations):
+        keep_modes(m, count, code)
+        if solve_kept(m, count) and fits(m, count, 1e-9):
+            return True
+    return False
 
 
 @compiled

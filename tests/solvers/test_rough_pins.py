@@ -1,0 +1,62 @@
+"""Loose pins whose slips stop and reverse: runs go on, or end where all modes of their contacts tell that they must."""
+
+import dataclasses
+
+import pytest
+
+import rattle as rt
+from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
+from rattle.jit import layout as at
+from rough_pins import RoughPins, all_solutions, least_share
+
+END = 0.05
+STRAY = 1e-4  # share by which friction is varied where a run ends as a contact leaves sticking
+
+
+@pytest.fixture
+def ends(monkeypatch):
+    """Times [s] and states at the ends of runs that stopped: at the start of their last step, and at its event."""
+    seen, explain = [], EventDrivenRun.explain
+
+    def keep(run, status):
+        m = run.workspace
+        seen.append((float(run.clock[at.T]), m.state.copy(), m.state_new.copy()))
+        return explain(run, status)
+
+    monkeypatch.setattr(EventDrivenRun, "explain", keep)
+    return seen
+
+
+def problems(pins, end):
+    """The problems at the end of a run, the last first, and those with a little more and less friction."""
+    t, before, last = end
+    size = 3 * len(pins.mass)
+    found = [pins.problem(t, y[:size], y[size : 2 * size]) for y in (last, before)]
+    return found + [dataclasses.replace(found[0], mu=found[0].mu * share) for share in (1.0 - STRAY, 1.0 + STRAY)]
+
+
+def confirmed(message, cases):
+    cases = [case for case in cases if len(case.mu)]
+    if "several solutions" in message:
+        return any(len(all_solutions(case)) > 1 for case in cases)
+    if "has no solution" in message:
+        return not any(solution.lasts for solution in all_solutions(cases[0]))
+    return "friction locks" in message and least_share(cases[0]) < 1e-6
+
+
+@pytest.mark.parametrize("first", [0, 50, 100, 150, 200])
+def test_a_run_ends_only_where_all_modes_tried_have_no_solution_or_several_or_friction_locks(ends, first):
+    turns = 0
+    for seed in range(first, first + 50):
+        pins = RoughPins(seed)
+        run = rt.loads(pins.text()).simulate(END, rtol=10.0 ** -(6 + seed % 5), t_eval=[0.0, END])
+        turns += sum(event.kind in ("stick", "slip") for event in run.events)
+        assert run.success or confirmed(run.message, problems(pins, ends[-1])), f"{seed}: {run.message}"
+    assert turns > 500
+
+
+@pytest.mark.parametrize("seed", [104, 166, 171, 334])
+def test_pins_that_rub_hard_expand_by_poissons_law(seed):
+    # modes of expansion that relaxation does not reach
+    run = rt.loads(RoughPins(seed).text()).simulate(0.1, rtol=10.0 ** -(6 + seed % 5), t_eval=[0.0, 0.1])
+    assert run.success, run.message
