@@ -62,6 +62,18 @@ def test_freewheel_locks_and_lets_go_where_its_torque_and_its_rate_are_zero():
 
 
 @nojit
+def test_a_clutch_may_name_its_bodies_by_points():
+    """It acts on their rotations alone: where the points are means nothing."""
+    by_body = flywheels().simulate(0.3, t_eval=[0, 0.3])
+    tables = {"way": 'connect = ["r0.C", "r1.C"]\nmodel = "ideal"'}
+    by_point = rt.loads(rotors([1, 2], tables, [(0, "10*sin(2*pi*t)"), (1, "-0.5*r1.omega")])).simulate(
+        0.3, t_eval=[0, 0.3]
+    )
+    for name in ("r1.angle", "way.torque", "energy.kinetic"):
+        assert list(by_point[name]) == list(by_body[name])
+
+
+@nojit
 def test_other_sense_is_the_mirror_image():
     one, two = flywheels().simulate(0.6, **FINE), flywheels("sense = -1", "-10*sin(2*pi*t)").simulate(0.6, **FINE)
     for name in ("r0.omega", "r1.angle", "way.torque"):
@@ -386,7 +398,7 @@ def test_given_motion_against_the_sense_of_a_clutch_is_noted():
     [
         ('connect = ["r0", "r0"]', "joints.way.connect", "both ends are on 'r0'"),
         ('connect = ["ground", "ground"]', "joints.way.connect", "both ends are on 'ground'"),
-        ('connect = ["r0.C", "r1"]', "joints.way.connect[0]", "expected a body, got the point 'r0.C'"),
+        ('connect = ["r0.D", "r1"]', "joints.way.connect[0]", "no point 'D' on body 'r0'"),
         ('connect = ["r0", "r7"]', "joints.way.connect[1]", "no body 'r7'"),
         ("", "joints.way", 'needs connect = ["body", "body"]'),
         ('connect = ["r0", "r1"]\nmodel = "oily"', "joints.way.model", "expected one of ideal, viscous"),

@@ -172,7 +172,7 @@ class Parts(FieldReader):
     def connect(
         self, given: Mapping[str, Any], path: Path, alone: bool = False, bodies: bool = False
     ) -> tuple[Point, Point]:
-        """The two ends of a joint or load; alone: also bodies without a point, bodies: only such ones."""
+        """The two ends of a joint or load; alone: also bodies without a point, bodies: whose points mean nothing."""
         form = '["body", "body"]' if bodies else '["body.point", "body.point"]'
         if "connect" not in given:
             self.values.wrong(path, f"needs connect = {form}")
@@ -183,9 +183,8 @@ class Parts(FieldReader):
             self.values.wrong(here, f"expected {form}, got {said(both)}")
             return NOWHERE, NOWHERE
         a, b = (self.point(one, (*here, k), alone) for k, one in enumerate(both))
-        for k, end in enumerate((a, b)) if bodies else ():
-            if end.name:
-                self.values.wrong((*here, k), f"expected a body, got the point {said(both[k])}")
+        if bodies:
+            a, b = (Point(end.body, "", (0.0, 0.0)) for end in (a, b))
         if a.body and a.body == b.body:
             self.values.wrong(here, f"both ends are on '{a.body}'; expected two different bodies")
         return a, b
