@@ -60,3 +60,16 @@ def test_pins_that_rub_hard_expand_by_poissons_law(seed):
     # modes of expansion that relaxation does not reach
     run = rt.loads(RoughPins(seed).text()).simulate(0.1, rtol=10.0 ** -(6 + seed % 5), t_eval=[0.0, 0.1])
     assert run.success, run.message
+
+
+@pytest.mark.parametrize("seed", [39, 213])
+def test_a_jam_in_which_a_run_starts_is_passed_like_one_on_its_way(ends, seed):
+    pins, rtol = RoughPins(seed), 10.0 ** -(6 + seed % 5)
+    assert "has no solution" in rt.loads(pins.text()).simulate(0.1, rtol=rtol, t_eval=[0.0, 0.1]).message
+    jammed, _, y = ends[-1]
+    size = pins.place[1:].size
+    pins.place[1:], pins.rate[1:] = y[:size].reshape(-1, 3), y[size : 2 * size].reshape(-1, 3)
+    text = pins.text().replace("restitution_law =", 'jam = "impact", restitution_law =')
+    run = rt.loads(text.replace('*t)"', f'*(t + {jammed!r}))"')).simulate(1e-3, rtol=rtol, t_eval=[0.0, 1e-3])
+    assert run.success, run.message
+    assert any("without collision, the first at t = 0 s" in note for note in run.trust.notes)
