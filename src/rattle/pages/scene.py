@@ -139,7 +139,7 @@ def run_of(
         "peaks": {
             name: [top.y, top.t]
             for name in result.peaks
-            if not keys and readable(result, name) and (top := summit(result, name))
+            if not keys and name in result and readable(result, name) and (top := summit(result, name))
         },
         "events": [list(event) for event in result.events],
         "trust": trust_of(result.trust),
