@@ -159,7 +159,7 @@ def _path(ax: Any, result: Any, point: str) -> None:
 def _curve(ax: Any, result: Any, name: str) -> None:
     plot = module_with("robust_limits", "tidy")
     values = result[name]
-    factor, unit = module_with("handy_unit", "Shown").handy_unit(result.unit(name), float(np.abs(values[np.isfinite(values)]).max()))
+    factor, unit = module_with("handy_unit").handy_unit(result.unit(name), float(np.abs(values[np.isfinite(values)]).max()))
     span, time = (1e3, "ms") if result.t[-1] < 0.1 else (1.0, "s")
     plot.tidy(ax).plot(span * result.t, factor * values, color=plot.BLUE, linewidth=1)
     ax.set(xlabel=f"t [{time}]", title=f"{name} [{unit}]" if unit else name)
@@ -169,7 +169,7 @@ def _curve(ax: Any, result: Any, name: str) -> None:
 
 def _band(ax: Any, found: Any) -> None:
     plot = module_with("robust_limits", "tidy")
-    factor, unit = module_with("handy_unit", "Shown").handy_unit(found.unit, float(found.worst.max()))
+    factor, unit = module_with("handy_unit").handy_unit(found.unit, float(found.worst.max()))
     plot.tidy(ax).plot(found.t, factor * found.worst, color=plot.BLUE, linewidth=1, label="worst, first order")
     if np.isfinite(found.high).any():
         half = factor * (found.high - found.low) / 2
