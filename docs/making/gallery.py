@@ -159,7 +159,9 @@ def _path(ax: Any, result: Any, point: str) -> None:
 def _curve(ax: Any, result: Any, name: str) -> None:
     plot = module_with("robust_limits", "tidy")
     values = result[name]
-    factor, unit = module_with("handy_unit").handy_unit(result.unit(name), float(np.abs(values[np.isfinite(values)]).max()))
+    factor, unit = module_with("handy_unit").handy_unit(
+        result.unit(name), float(np.abs(values[np.isfinite(values)]).max())
+    )
     span, time = (1e3, "ms") if result.t[-1] < 0.1 else (1.0, "s")
     plot.tidy(ax).plot(span * result.t, factor * values, color=plot.BLUE, linewidth=1)
     ax.set(xlabel=f"t [{time}]", title=f"{name} [{unit}]" if unit else name)
