@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import rattle as rt
 from rattle.errors import ModelError
+from rattle.results.contact_summary import contact_lines
 
 nojit = pytest.mark.nojit
 FINE = {"rtol": 1e-11, "atol": 1e-13}
@@ -211,6 +212,15 @@ def test_networks_of_clutches_follow_the_only_possible_modes(seed):
 
 
 @nojit
+def test_a_run_says_how_often_a_clutch_locks_and_what_it_bears():
+    r = rt.example("ratchet").simulate()
+    locks = sum(event.kind == "lock" and event.joint == "drive" for event in r.events)
+    assert locks > 1
+    (line,) = [line for line in contact_lines(r) if line.startswith("drive: ")]
+    assert f"locks {locks} times" in line
+    assert f"largest torque {r.peak('drive.torque')[0]:.4g} N*m" in line
+
+
 def test_body_at_rest_without_load_does_not_make_clutches_change_without_end():
     ties = {"c0": 'connect = ["r0", "r1"]', "c1": 'connect = ["ground", "r0"]', "c2": 'connect = ["r1", "ground"]'}
     r = rt.loads(rotors([1, 1], ties, [(1, "sin(3*t)")])).simulate(2.0, rtol=1e-9)

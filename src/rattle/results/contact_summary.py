@@ -296,6 +296,24 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
             ends = dict.fromkeys((_two(factor * low), _two(factor * high)))
             said.append(f"elastic bushes would show about {' to '.join(ends)} {unit} ({result.trust.bushes[joint]})")
         lines.append(f"{joint}: {'; '.join(said)}")
+    return (*lines, *clutch_lines(result))
+
+
+def clutch_lines(result: Curves) -> tuple[str, ...]:
+    """How often each clutch locks, slips and lets go, and its largest torque."""
+    lines = []
+    for joint in result.geometry["joints"] if len(result.t) else ():
+        if f"{joint}.locked" not in result:
+            continue
+        kinds = [event.kind for event in result.events if event.joint == joint]
+        often = [
+            f"{words} {count} time{'s' if count > 1 else ''}"
+            for words, kind in (("locks", "lock"), ("slips", "slip"), ("frees", "free"))
+            if (count := kinds.count(kind))
+        ]
+        torque, instant = peak(result, f"{joint}.torque")
+        most = f"largest torque {quantity(torque, 'N*m')} (t = {quantity(instant, 's')})" if torque else "no torque"
+        lines.append(f"{joint}: {', '.join([*often, most])}")
     return tuple(lines)
 
 
