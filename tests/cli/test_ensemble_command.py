@@ -1,6 +1,7 @@
 """`rattle ensemble` and `rattle sweep`: their tables, files and refusals."""
 
 import json
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -130,7 +131,11 @@ def test_a_limit_of_another_unit_is_refused_before_anything_runs(monkeypatch):
         (("ensemble", "fourbar", "--of", "biggest(x)"), "biggest"),
         (("ensemble", *SHORT, "--csv", "e.xlsx"), ".csv"),
         (("ensemble", *SHORT, "--plot", "e.doc"), "picture"),
-        (("ensemble", *SHORT, "--scheduler", "tcp://127.0.0.1:1", "-n", "4"), "127.0.0.1:1"),
+        pytest.param(
+            ("ensemble", *SHORT, "--scheduler", "tcp://127.0.0.1:1", "-n", "4"),
+            "127.0.0.1:1",
+            marks=pytest.mark.skipif(find_spec("distributed") is None, reason="distributed is not installed"),
+        ),  # fmt: skip
     ],
 )
 def test_bad_words_are_refused_with_a_hint(words, message, monkeypatch):

@@ -274,7 +274,7 @@ def test_a_parameter_has_a_label_and_a_description():
     m.revolute("O", "ground.O", "arm.O")
     one = rt.loads(m.to_toml()).model.parameters["l"]
     assert (one.label, one.description, one.title) == ("length of the arm", "from pin to tip", "length of the arm (l)")
-    assert "parameter: length of the arm (l) 0.3 m: from pin to tip" in str(m.check())
+    assert "parameter: length of the arm (l) 300 mm: from pin to tip" in str(m.check())
     for wrong, said in ((3, "3 is no text"), (61 * "x", "61 characters are too long for a label, 60 at most")):
         other = rt.Mechanism("wrong").parameter("l", 1, label=wrong)
         with pytest.raises(rt.ModelError, match=said):

@@ -18,8 +18,8 @@ from rattle.jit.functions import KernelFunction, compiled
 def all_compiled():
     found = {}
     for module in pkgutil.walk_packages(rattle.__path__, "rattle."):
-        if module.name == "rattle.__main__":
-            continue
+        if module.name == "rattle.__main__" or module.name.startswith("rattle.studio."):
+            continue  # nothing there is compiled, and its packages may be missing
         for one in vars(importlib.import_module(module.name)).values():
             if type(one) is KernelFunction:
                 found[one.__module__, one.__name__] = one
