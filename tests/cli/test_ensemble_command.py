@@ -135,7 +135,7 @@ def test_a_limit_of_another_unit_is_refused_before_anything_runs(monkeypatch):
             ("ensemble", *SHORT, "--scheduler", "tcp://127.0.0.1:1", "-n", "4"),
             "127.0.0.1:1",
             marks=pytest.mark.skipif(find_spec("distributed") is None, reason="distributed is not installed"),
-        ),  # fmt: skip
+        ),
     ],
 )
 def test_bad_words_are_refused_with_a_hint(words, message, monkeypatch):
