@@ -1,4 +1,4 @@
-"""Public methods answer an argument of a wrong type in words: what is wanted, and what was given.
+"""Public methods answer an argument of a wrong type in words: what is expected, and what was given.
 
 Nothing is checked before a call.  If it ends in an error that is none of ours, its arguments are compared with the
 types that the method declares: the first one that does not fit is to blame; if all fit, the error stays what it is.
