@@ -85,9 +85,15 @@ def test_all_pins_at_once_can_be_made_loose_with_rough_angles(name, law):
     require_near(m, changed(m, {joint: fields for joint, fields in loose.items() if fields}))
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("degrees", [0.0, 3.0])
-@pytest.mark.parametrize("name", sorted(set(rt.examples()) - {"woodpecker"}))  # its rough angles are inside the pole
+# rough angles of these put a pin where no joint holds it: into the pole, or through the flank of an open slot
+PLACED_BY_CONTACT = {"woodpecker", "geneva"}
+ROUGHLY = [
+    pytest.param(name, 3.0, marks=[pytest.mark.long] if name == "squeezer" else [])  # 25 s of searches
+    for name in sorted(set(rt.examples()) - PLACED_BY_CONTACT)
+]
+
+
+@pytest.mark.parametrize(("name", "degrees"), [*((name, 0.0) for name in sorted(rt.examples())), *ROUGHLY])
 def test_every_joint_of_the_examples_can_be_made_loose_with_every_contact(name, degrees):
     m = roughly(rt.example(name), degrees)
     for joint in m.model.joints.values():
