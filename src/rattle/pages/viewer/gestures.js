@@ -6,7 +6,7 @@ const FAR = 5; // pixels from which on a press is a drag
 // factor, event) -> taken, hover(x, y), leave()}; all optional.  Returns a function that ends it.
 export function gestures(element, on) {
   const down = new Map(); // pointers by id: {x, y}
-  let moved = false, last = 0;
+  let moved = false, last = -Infinity; // when the last tap was: a page is young at its first one
   const place = (event) => {
     const box = element.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
@@ -45,7 +45,7 @@ export function gestures(element, on) {
     if (moved) return event.type === "pointerup" ? on.end?.(at.x, at.y) : on.end?.(null, null);
     if (event.type !== "pointerup") return;
     const twice = event.timeStamp - last < 350;
-    last = twice ? 0 : event.timeStamp;
+    last = twice ? -Infinity : event.timeStamp;
     if (twice && on.double) on.double(at.x, at.y);
     else on.tap?.(at.x, at.y);
   };
