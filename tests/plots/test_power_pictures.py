@@ -75,3 +75,56 @@ def test_arrows_point_where_power_goes():
         along = way / np.hypot(*way)
         assert any(one @ along > 0.999 * np.hypot(*one) for one in ways)
         assert not any(one @ along < -0.999 * np.hypot(*one) for one in ways)
+
+
+def told(p):
+    """The texts of the sheet by their first word; a node has one line for each of its words."""
+    (ax,) = p.plot().axes
+    texts = [one.get_text().replace("\n", "  ") for one in ax.texts]
+    return {text.split("  ")[0]: text.split("  ")[1:] for text in texts}
+
+
+def test_an_ideal_cycle_tells_what_goes_back_and_forth():
+    """What the motor gives, and takes again, is the integral of its power where this is positive."""
+    r = rt.example("slider_crank").simulate(t_eval=np.linspace(0.0, 0.024, 8001))
+    p, power = r.power(), np.maximum(r["motor.power"], 0.0)
+    last = r.t >= p.t0 - 1e-12
+    energy = np.trapezoid(power[last], r.t[last])
+    texts = told(p)
+    assert texts["motor"] == texts["A"] == [f"⇄ {energy:.3g} J"]
+    assert not any(" 0 J" in f" {text}" for words in texts.values() for text in words)
+    recirculated = p.elements.set_index("element").recirculated
+    assert [recirculated["motor"], recirculated["A"]] == pytest.approx([energy] * 2, rel=1e-4)
+    assert recirculated["O"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_motor_that_has_given_almost_as_much_as_it_took_stands_on_the_left():
+    p = rt.example("crank_rocker_play").simulate().power()  # its start is not quite its end
+    assert -1e-3 < p.table.set_index("element").net["motor"] / p.recirculated.max() < 0.0
+    assert "motor" in [node.name for node in graph_of(p)[0] if node.side == "source"]
+
+
+def test_a_spring_on_the_way_tells_what_it_lends():
+    """Twice in a turn it is at rest: before and behind its free length of 0.1 m, up to 70 and 30 mm away."""
+    spring = {"type": "spring", "connect": ["ground.O", "slider"], "stiffness": 2000, "free_length": 0.1}
+    p = rt.example("slider_crank").set({"loads.s": spring}).simulate().power()
+    assert told(p)["s"] == ["⇄ 5.8 J"]  # 2000/2*(0.07**2 + 0.03**2)
+    assert p.elements.set_index("element").recirculated["s"] == pytest.approx(5.8, rel=1e-6)
+
+
+def test_friction_tells_its_loss_beside_what_goes_back_and_forth():
+    p = rt.example("slider_crank").set({"joints.guide.friction": 0.1}).simulate().power()
+    lost = p.elements.set_index("element").lost["guide"]
+    texts = told(p)
+    assert texts["guide"] == [f"{lost:.3g} J"]
+    assert texts["motor"][0] == texts["B"][0] == f"{lost:.3g} J"
+    assert texts["motor"][1].startswith("⇄ ")
+
+
+def test_energies_stand_apart_in_crowded_sheets(powers):
+    figure = powers["excavator"].plot()
+    (ax,) = figure.axes
+    figure.canvas.draw()
+    boxes = [one.get_window_extent() for one in ax.texts if "  " in one.get_text()]
+    assert len(boxes) > 5
+    assert not any(one.overlaps(other) for k, one in enumerate(boxes) for other in boxes[:k])

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 SEEN = 1e-9  # share of the largest energy below which one is rounding
 WORDS = ("element", "kind", "body")
 PORTS = ("element", "body", "E_in", "E_out", "net", "recirculated", "peak", "mean")
-ELEMENTS = ("element", "kind", "supplied", "lost", "stored")
+ENERGIES = ("supplied", "lost", "stored", "recirculated")
+ELEMENTS = ("element", "kind", *ENERGIES)
 
 
 @click.command()
@@ -92,7 +93,7 @@ def _cycle(p: Power) -> str:
     (ports, (energy, power)), (elements, _) = in_units(p.table), in_units(p.elements)
     largest = float(max((ports["E_in"] + ports["E_out"]).max() if len(ports) else 0.0, 1e-300))
     least = SEEN * largest
-    numbers = elements[["supplied", "lost", "stored"]]
+    numbers = elements[list(ENERGIES)]
     active = elements[(numbers.abs() > least).any(axis=1)]
     start = quantity(p.t0, "s", 6).split()[0]
     said = [

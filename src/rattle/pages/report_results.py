@@ -210,16 +210,15 @@ def power_section(s: Study) -> Section:
         return Section("Power", "", s.reasons.get("power", ""))
     power, rows, left = s.power, [], 0.0
     one = power.cycle
-    for name, kind, supplied, lost, stored in power.balance():
+    for name, kind, *energies in power.balance():
+        supplied, lost, stored, _ = energies
         left += supplied - lost - stored
-        sizes = [
-            said(value, "J") if abs(value) > 1e-9 * float(one.into.max()) else "" for value in (supplied, lost, stored)
-        ]
+        sizes = [said(value, "J") if abs(value) > 1e-9 * float(one.into.max()) else "" for value in energies]
         if any(sizes):
             rows.append((name, "driver" if name in s.m.model.drivers else kind.replace("-", " "), *sizes))
-    head = ("element", "type", "supplied from outside", "lost", "stored")
+    head = ("element", "type", "supplied from outside", "lost", "stored", "goes back and forth")
     if abs(left) > 1e-6 * float(one.into.max()):
-        rows.append(("all bodies", "kinetic energy", "", "", said(left, "J")))
+        rows.append(("all bodies", "kinetic energy", "", "", said(left, "J"), ""))
     span = f"Energies from t = {said(power.t0, 's')} to {said(power.t1, 's')}"
     caption = (
         "Where the energy goes: from what drives on the left, through the bodies, to losses and loads on the right."

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 LEAST = 2e-3  # share of the largest link below which one is left out
 NOISE = 1e-6  # share of the largest energy below which a net one counts as zero
+# share of what goes back and forth below which a net energy is too thin to see and counts as zero: a motor that has
+# given as much as it has taken stands on the left  (test_an_ideal_cycle_tells_what_goes_back_and_forth)
+UNSEEN = 1e-3
 HALF = 0.04  # width of a node, as a share of the distance of columns
 GAP = 0.11  # between nodes of a column, as a share of the height of the sheet
 
@@ -102,9 +105,11 @@ def graph_of(p: Power) -> tuple[list[Node], list[Link]]:
     bodies = list(dict.fromkeys(names["body"]))
     graph = _Graph(bodies)
     ports: dict[str, list[tuple[int, float, float]]] = {}
+    gains = np.zeros(len(bodies))
     for k, (element, body) in enumerate(zip(names["element"], names["body"], strict=True)):
         net, back = float(cycle.into[k] - cycle.out[k]), float(min(cycle.into[k], cycle.out[k]))
-        ports.setdefault(element, []).append((bodies.index(body), net, back))
+        gains[bodies.index(body)] += net
+        ports.setdefault(element, []).append((bodies.index(body), net if abs(net) > UNSEEN * back else 0.0, back))
     nothing = NOISE * float(max((cycle.into + cycle.out).max(initial=0.0), 1e-300))
     for element, ends in ports.items():
         if len(ends) == 2 and element in p.between:
@@ -113,8 +118,7 @@ def graph_of(p: Power) -> tuple[list[Node], list[Link]]:
         for at, net, back in ends:
             gives = net > nothing or (net > -nothing and element in p.driven)
             (graph.from_outside if gives else graph.to_outside)(at, element, net, back)
-    for at, name in enumerate(bodies):
-        gained = sum(net for ends in ports.values() for one, net, _ in ends if one == at)
+    for at, (name, gained) in enumerate(zip(bodies, gains.tolist(), strict=True)):
         if gained >= 0.0:
             graph.to_outside(at, f"{name}, kinetic", gained, 0.0, "kept")
         else:
@@ -139,7 +143,8 @@ def _through(graph: _Graph, name: str, a: tuple[int, float, float], b: tuple[int
 # ---------------------------------------------------------------- places
 def lay_out(nodes: Sequence[Node], links: Sequence[Link]) -> Sheet:
     """Places on the sheet: bodies in columns by their distance from what gives energy."""
-    nodes, links, column = _cut(nodes, links, _columns(nodes, links))
+    column = _columns(nodes, links)
+    nodes, links, column = _cut(nodes, [_onward(link, column) for link in links], column)
     last = int(column.max(initial=0))
     size = np.array([link.net + link.back for link in links])
     through = np.zeros((2, len(nodes)))
@@ -165,6 +170,12 @@ def lay_out(nodes: Sequence[Node], links: Sequence[Link]) -> Sheet:
     low, high = float((y - 0.5 * heights).min(initial=0.0)), float((y + 0.5 * heights).max(initial=0.0))
     lines = max((len(one) for one in order.values()), default=1)
     return Sheet(nodes, links, x, y, heights, ends, scale, last + 1, lines, low, high)
+
+
+def _onward(link: Link, column: NDArray[np.int64]) -> Link:
+    """A link that only goes back and forth leads from left to right, as those that lead somewhere."""
+    turned = link.net == 0.0 and column[link.start] > column[link.end]
+    return link._replace(start=link.end, end=link.start) if turned else link
 
 
 def _cut(

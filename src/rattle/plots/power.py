@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from rattle.plots.bulk import short
 from rattle.plots.curves import BLACK, BLUE, CURVES, GREY, MORE, ORANGE, axis_label, figure_of, new_axes, tidy, title_of
-from rattle.plots.flows import HALF, NOISE, Link, Node, Sheet, graph_of, lay_out
+from rattle.plots.flows import HALF, UNSEEN, Link, Node, Sheet, graph_of, lay_out
 from rattle.plots.scene import BODIES
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,13 +23,15 @@ Array = NDArray[np.float64]
 INSTANTS = 401  # of curves
 SHADES = {"source": BLUE, "sink": ORANGE, "kept": GREY}
 BACK = "#D5D5D5"  # what comes back within the cycle
-SIZES = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"), (1e-3, "mJ"), (1e-6, "\N{MICRO SIGN}J"))
+TO_AND_FRO = "\N{RIGHTWARDS ARROW OVER LEFTWARDS ARROW}"  # before an energy that goes back and forth
+LINE = 13.0  # height that a name on a band takes [points]
 
 
 def plot_cycle(p: Power) -> Figure:
     """Where energy goes from t0 to t1: sources on the left, bodies, then losses, loads and what is stored.
 
-    The width of a coloured band is the net energy [J], that of the grey one beside it what goes back and forth.
+    The width of a coloured band is the net energy [J], that of the grey one beside it what goes back and forth; both
+    stand there as numbers.
     """
     nodes, links = graph_of(p)
     if not links:
@@ -36,17 +39,18 @@ def plot_cycle(p: Power) -> Figure:
         ax.text(0.5, 0.5, "no energy is exchanged in this time", ha="center", va="center", color=GREY)
         return _finished(ax, p)
     sheet = lay_out(nodes, links)
-    (ax,) = new_axes(max(7.5, 1.8 * sheet.columns + 1.8), float(np.clip(1.1 * sheet.lines + 1.2, 3.2, 10.0)))
-    largest = max(link.net + link.back for link in links)
-    size, unit = next((one for one in SIZES if largest >= one[0]), SIZES[-1])
+    high = float(np.clip(1.1 * sheet.lines + 1.2, 3.2, 10.0))
+    (ax,) = new_axes(max(7.5, 1.8 * sheet.columns + 1.8), high)
+    point = (sheet.high - sheet.low) / (72.0 * (high - 0.6))  # height on the sheet, about
     for link, ends in zip(sheet.links, sheet.ends, strict=True):
         _band(ax, link, ends, sheet)
     for k, node in enumerate(sheet.nodes):
         if node.side != "way":
-            _node(ax, node, k, sheet, size, unit)
+            _node(ax, node, k, sheet)
+    told: list[tuple[float, float]] = []
     for link, ends in zip(sheet.links, sheet.ends, strict=True):
         if link.name:
-            _tell(ax, link, ends, sheet, size, unit)
+            told.append(_tell(ax, link, ends, sheet.scale, point, told))
     ax.set(xlim=(-0.75, sheet.columns - 1 + 0.95), ylim=(sheet.low - 0.04, sheet.high + 0.04))
     return _finished(ax, p)
 
@@ -54,7 +58,9 @@ def plot_cycle(p: Power) -> Figure:
 def _finished(ax: Axes, p: Power) -> Figure:
     ax.set_axis_off()
     title_of(ax, p.result)
-    said = f"energy from t = {p.t0:.4g} to {p.t1:.4g} s; grey: goes back and forth, colour: what is left of it"
+    said = (
+        f"energy from t = {p.t0:.4g} to {p.t1:.4g} s; grey and {TO_AND_FRO}: goes back and forth, colour: what is left"
+    )
     ax.text(0.0, -0.02, said, transform=ax.transAxes, fontsize=8, color=GREY, va="top")
     return figure_of(ax)
 
@@ -78,13 +84,16 @@ def _band(ax: Axes, link: Link, ends: Array, sheet: Sheet) -> None:
         outline = _ribbon(x0, x1, y0 + shift, y1 + shift, width)
         ax.add_patch(Polygon(outline, facecolor=colour, alpha=0.55 if colour != BACK else 0.9, linewidth=0, zorder=1))
     if sheet.nodes[link.end].side != "way" and sheet.scale * link.net > 0.03:  # its direction
-        x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1) + 0.5 * (whole - sheet.scale * link.net)
+        x, y = (
+            x0 + 0.2 * (x1 - x0),
+            y0 + 0.104 * (y1 - y0) + 0.5 * (whole - sheet.scale * link.net),
+        )  # as _ribbon at 0.2
         marker = ">" if x1 > x0 else "<"
         ax.plot([x], [y], marker, color="white", markersize=4, zorder=2)
 
 
-def _node(ax: Axes, node: Node, k: int, sheet: Sheet, size: float, unit: str) -> None:
-    """Draw a node with its name; sources and sinks with their energy."""
+def _node(ax: Axes, node: Node, k: int, sheet: Sheet) -> None:
+    """Draw a node with its name; sources and sinks with their energies."""
     from matplotlib.patches import Rectangle
 
     x, y, height = sheet.x[k], sheet.y[k], max(sheet.heights[k], 0.004)
@@ -97,28 +106,44 @@ def _node(ax: Axes, node: Node, k: int, sheet: Sheet, size: float, unit: str) ->
         )  # fmt: skip
         return
     left = node.side == "source"
-    said = f"{node.name}\n{_told(node.net, node.back, size)} {unit}"
+    said = "\n".join([node.name, *_told(node.net, node.back)])
     ax.annotate(
         said, (x + (-0.06 if left else 0.06), y), ha="right" if left else "left", va="center", fontsize=9, color=BLACK,
         parse_math=False,
     )  # fmt: skip
 
 
-def _tell(ax: Axes, link: Link, ends: Array, sheet: Sheet, size: float, unit: str) -> None:
-    """The name of a joint on its band, with its net energy."""
+def _tell(
+    ax: Axes, link: Link, ends: Array, scale: float, point: float, told: list[tuple[float, float]]
+) -> tuple[float, float]:
+    """The name of a joint with its energies, on its band or below a thin one, where no other one stands; its place.
+
+    point: height of a point on the sheet; told: places of others.
+    """
     from matplotlib.patheffects import withStroke
 
-    (x0, y0), (x1, y1) = ends
+    x, middle = ends.mean(axis=0)
+    half = 0.5 * scale * (link.net + link.back)
+    aside = np.array([0.0, -1.0, 1.0]) * LINE * point
+    places = middle + aside if 2.0 * half > LINE * point else middle - half - 0.6 * LINE * point + aside
+    free = [y for y in places if all(abs(x - one) > 0.9 or abs(y - other) >= LINE * point for one, other in told)]
+    y = float((free or places)[0])
     ax.text(
-        0.5 * (x0 + x1), 0.5 * (y0 + y1) - 0.5 * sheet.scale * (link.net + link.back) - 0.008,
-        f"{link.name}  {_told(link.net, link.back, size)} {unit}", ha="center", va="top", fontsize=8, color=BLACK,
-        zorder=5, path_effects=[withStroke(linewidth=2, foreground="white")], parse_math=False,
+        x, y, "  ".join([link.name, *_told(link.net, link.back)]), ha="center", va="center", fontsize=8, color=BLACK,
+        zorder=5, path_effects=[withStroke(linewidth=2, foreground="white", alpha=0.6)], parse_math=False,
     )  # fmt: skip
+    return float(x), y
 
 
-def _told(net: float, back: float, size: float) -> str:
-    """A net energy, without what is rounding beside what goes back and forth."""
-    return short(net / size) if net > NOISE * (net + back) else "0"
+def _told(net: float, back: float) -> list[str]:
+    """A net energy and what goes back and forth, without what is too thin to see beside the other."""
+    said = [_energy(net)] if net > UNSEEN * back else []
+    return [*said, f"{TO_AND_FRO} {_energy(back)}"] if back > UNSEEN * net else said
+
+
+def _energy(value: float) -> str:
+    factor, unit = handy_unit("J", value)
+    return f"{short(factor * value)} {unit}"
 
 
 def plot_powers(p: Power) -> Figure:

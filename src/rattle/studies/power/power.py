@@ -79,7 +79,8 @@ class Power:
             (name, kind, *(quantity(one, "J") if abs(one) > NOISE * largest else "" for one in sizes))
             for name, kind, *sizes in self.balance()
         ]
-        head, title = ("element", "kind", "supplied", "lost", "stored"), f"Energies from {self.t0:g} to {self.t1:g} s"
+        head = ("element", "kind", "supplied", "lost", "stored", "back and forth")
+        title = f"Energies from {self.t0:g} to {self.t1:g} s"
         said = f"powers of every body balanced to {self.residual:.1g} W"
         return table(head, [row for row in rows if any(row[2:])], title, [said], hint="p.plot(), p.table")
 
@@ -112,7 +113,7 @@ class Power:
 
     @cached_property
     def elements(self) -> DataFrame:
-        """pandas.DataFrame of all elements: element, kind, supplied from outside, lost, stored [J].
+        """pandas.DataFrame of all elements: element, kind, supplied from outside, lost, stored, recirculated [J].
 
         Raises MissingPackage.
         """
@@ -123,6 +124,7 @@ class Power:
             "supplied": one.supplied,
             "lost": one.lost,
             "stored": one.stored,
+            "recirculated": self.recirculated,
         }
         return _frame(columns)
 
@@ -176,11 +178,23 @@ class Power:
             "body": [ports.bodies[port.body - 1] for port in ports.list],
         }
 
-    def balance(self) -> list[tuple[str, str, float, float, float]]:
-        """Name and kind of every element, and what it supplied from outside, lost and stored from t0 to t1 [J]."""
-        one, every = self.cycle, self._ports.elements
-        sums = zip(one.supplied.tolist(), one.lost.tolist(), one.stored.tolist(), strict=True)
-        return [(element.name, element.kind, *sizes) for element, sizes in zip(every, sums, strict=True)]
+    @property
+    def recirculated(self) -> Array:
+        """(elements,) energy that goes into a body and comes back from it between t0 and t1 [J].
+
+        Of an element between two bodies that move it is the smaller of both: that goes through it.
+        """
+        ports = self._ports
+        back = np.minimum(self.cycle.into, self.cycle.out)
+        total = np.bincount(ports.of_element, back, minlength=len(ports.elements))
+        least = np.full(len(ports.elements), np.inf)
+        np.minimum.at(least, ports.of_element, back)
+        return np.where([all(one.bodies) for one in ports.elements], least, total)
+
+    def balance(self) -> list[tuple[str, str, float, float, float, float]]:
+        """Name and kind of every element, and what it supplied, lost, stored, and gave and took back [J]."""
+        sums = np.column_stack([self.cycle.supplied, self.cycle.lost, self.cycle.stored, self.recirculated]).tolist()
+        return [(one.name, one.kind, *sizes) for one, sizes in zip(self._ports.elements, sums, strict=True)]
 
     @property
     def driven(self) -> dict[str, str]:

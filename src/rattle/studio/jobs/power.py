@@ -37,12 +37,15 @@ def power(shelf: Shelf, source: Source) -> Content:
             energy(one.into[k]),
             energy(one.out[k]),
             energy(net[k]),
+            energy(min(one.into[k], one.out[k])),
             quantity(zeroed(one.peak[k], weak), "W"),
             quantity(zeroed(net[k], nothing) / (one.t1 - one.t0), "W"),
         )
         for k in np.argsort(-(one.into + one.out))
     ]
-    head = ("element", "kind", "body", "into the body", "out of it", "net", "largest power", "mean power")
+    head = (
+        "element", "kind", "body", "into the body", "out of it", "net", "back and forth", "largest power", "mean power",
+    )  # fmt: skip
     return content(
         f"from t = {p.t0:.4g} s to {p.t1:.4g} s; powers of each body balance to {p.residual:.1g} W",
         drawing(plot_cycle(p)),
