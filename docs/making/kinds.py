@@ -34,7 +34,7 @@ FAMILIES = {
         "Contacts of clutches",
         "What the `model` of a `clutch` becomes; compliant and viscous ones overrun too.",
     ),
-    "tangent": ("Slip of surfaces", "Along what the `friction` of a cam or flat follower acts."),
+    "tangent": ("Slip of surfaces", "Along what the `friction` of a cam, a flat follower or teeth acts."),
     "contact": (
         "Contact models",
         "`contact = NAME` or `contact = { model = NAME, ... }` of a joint with clearance or of its `stop`.",
@@ -209,7 +209,8 @@ def _whole_joint(catalog: Any, kind: Any) -> list[str]:
 
 def _tangent(catalog: Any, kind: Any) -> list[str]:
     rough = next(one for one in catalog.kinds("joint").values() if one.leaf.tangent == kind.name)
-    return [*_joint(catalog, rough), "friction = 0.1"]
+    sizes = "".join(f', {key} = "2 mm"' for key, one in rough.leaf.rubs_with.items() if one.default is catalog.REQUIRED)
+    return [*_joint(catalog, rough), f"friction = {{ mu = 0.1{sizes} }}" if sizes else "friction = 0.1"]
 
 
 def _driver(catalog: Any, kind: Any) -> list[str]:

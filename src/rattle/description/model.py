@@ -138,7 +138,7 @@ class Stop:
 class JointFriction:
     """Friction in a joint without play, by its own reaction."""
 
-    arm: float  # radius of the pin [m]; 1 where the joint slides
+    arm: float  # moment by mu and the reaction, as the radius of a pin [m]; 1 where the joint slides
     reach: float = 0.0  # 1 / half length of the block [1/m]; 0: the moment of the joint does not press
     mu: float = 0.0
     mu_static: float = 0.0
@@ -238,6 +238,13 @@ class Joint:
         """True if the joint has a stop of its angle, which exerts a moment."""
         kind = registry.stop_of(self.kind)
         return self.stop is not None and kind is not None and bool(kind.leaf.angular)
+
+    @property
+    def friction_unit(self) -> str:
+        """Unit of its own friction: of the row along which it acts, or of the effort of a motor."""
+        leaf = self.leaf
+        found: str = registry.kinds("tangent")[leaf.tangent].leaf.unit if leaf.tangent else leaf.motor.unit
+        return found
 
     @property
     def is_hinge(self) -> bool:

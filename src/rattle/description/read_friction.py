@@ -17,7 +17,6 @@ COULOMB = {
     "mu": Field("", "coefficient of friction", least="not negative"),
     "mu_static": Field("", "coefficient at rest; default: mu", lambda read: read["mu"], least="not negative"),
 }
-RADIUS = {"pin_radius": Field("m", "radius of the pin, on which friction acts", least="positive")}
 
 
 def friction_models() -> dict[str, Mapping[str, Field]]:
@@ -25,18 +24,19 @@ def friction_models() -> dict[str, Mapping[str, Field]]:
     return {SET_VALUED: COULOMB, **{name: one.fields for name, one in registry.kinds("friction").items()}}
 
 
-def arm_fields(joint: registry.Kind) -> Mapping[str, Field]:
-    """What friction needs besides its model in a kind of joint: the radius of its pin, if it turns."""
-    slides = joint.leaf.tangent or (joint.leaf.motor is not None and joint.leaf.motor.unit == "N")
-    return {} if slides else RADIUS
-
-
 def joint_friction(
-    reader: FieldReader, written: Any, joint: registry.Kind, block: Sequence[float], loose: bool, path: Path
+    reader: FieldReader,
+    written: Any,
+    joint: registry.Kind,
+    of_joint: Mapping[str, Any] | None,
+    block: Sequence[float],
+    loose: bool,
+    path: Path,
 ) -> JointFriction | None:
     """Friction of one joint by its own reaction; None after a problem.
 
-    block: length of its block [m], then others, if given; loose: it has clearance.
+    of_joint: its fields, None after a problem with them; block: length of its block [m], then others, if given;
+    loose: it has clearance.
     """
     values = reader.values
     if not joint.leaf.rubs:
@@ -54,17 +54,19 @@ def joint_friction(
     if not isinstance(model, str) or model not in known:
         values.wrong((*path, "model"), f"unknown friction {said(model)}{suggest(str(model), known)}")
         return None
-    radius, fields = arm_fields(joint), known[model]
+    sizes, fields = joint.leaf.rubs_with, known[model]
     whole = isinstance(written, Mapping)
-    values.keys(table, ["model", *fields, *radius], path)
-    if radius and "pin_radius" not in table:
-        values.wrong(path, "needs pin_radius in m: the moment is mu times the reaction times the radius of the pin")
-        return None
-    arm = reader.field(RADIUS["pin_radius"], "pin_radius", table, {}, path) if radius else 1.0
+    values.keys(table, ["model", *fields, *sizes], path)
+    own = {key: reader.field(one, key, table, {}, path) for key, one in sizes.items()}
     read: dict[str, Any] = {}
     for key, one in fields.items():
         read[key] = reader.field(one, key, table, read, path if whole or key in table else path[:-1])
-    if len(values.problems) > before:
+    if len(values.problems) > before or of_joint is None:
+        return None
+    try:
+        arm = joint.leaf.friction_arm(of_joint, own)
+    except ValueError as error:
+        values.wrong(path, str(error))
         return None
     reach = 2.0 / block[0] if block and block[0] > 0.0 else 0.0
     if model == SET_VALUED:

@@ -233,10 +233,12 @@ class Parts(FieldReader):
             elif contact is not None and not contact.closed and play is not None:
                 inside = ", ".join(wanted)
                 values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
-        friction = None
+        friction, sound = None, len(values.problems) == before
         if "friction" in given and "friction" not in found.fields:
             block = next(iter(dimensions.values()), ())
-            friction = joint_friction(self, given["friction"], found, block, clearance > 0.0, (*path, "friction"))
+            friction = joint_friction(
+                self, given["friction"], found, fields if sound else None, block, clearance > 0.0, (*path, "friction")
+            )
             if contact is not None and contact.acts and not clearance > 0.0:
                 lifts = f"a {found.name} joint with a contact may lift off, and has no friction; leave one of them out"
                 values.wrong((*path, "friction"), lifts, at_key=True)

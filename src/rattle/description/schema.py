@@ -13,7 +13,7 @@ from collections.abc import Collection, Mapping
 from rattle import registry
 from rattle.description import schema_pieces as of
 from rattle.description.read_contact import ALONG, contact_models, stop_models
-from rattle.description.read_friction import arm_fields, friction_models
+from rattle.description.read_friction import friction_models
 from rattle.description.read_parameters import DISTRIBUTIONS, LONGEST_LABEL, TABLE
 from rattle.description.read_parts import moved_joints
 from rattle.description.read_tables import KINDS
@@ -223,14 +223,16 @@ def _own_friction(joint: Kind) -> dict[str, Schema]:
     """Friction of a joint without play, if it may have any."""
     if not joint.leaf.rubs:
         return {}
-    more = {key: of.field(one) for key, one in arm_fields(joint).items()}
+    more = {key: of.field(one) for key, one in joint.leaf.rubs_with.items()}
+    needed = [key for key, one in joint.leaf.rubs_with.items() if one.default is REQUIRED]
     tables = [
         of.table(
-            {"model": {"const": name}, **{key: of.field(one) for key, one in fields.items()}, **more}, ("model", *more)
+            {"model": {"const": name}, **{key: of.field(one) for key, one in fields.items()}, **more},
+            ("model", *needed),
         )
         for name, fields in friction_models().items()
     ]
-    number = [] if more else [of.number("", "coefficient of friction", "not negative")]
+    number = [] if needed else [of.number("", "coefficient of friction", "not negative")]
     return {"friction": {"anyOf": [*number, *tables], "description": "friction without play, by its own reaction"}}
 
 

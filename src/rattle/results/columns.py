@@ -140,7 +140,7 @@ def columns(
             if passes_moment(joint):
                 add(f"{name}.moment", "N*m", c + at.MOMENT)
             if joint.friction is not None:
-                add(f"{name}.friction", "N" if joint.leaf.tangent else joint.leaf.motor.unit, c + at.JOINT_TANGENT)
+                add(f"{name}.friction", joint.friction_unit, c + at.JOINT_TANGENT)
             if joint.stop is not None:
                 add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
             if joint.one_sided is not None and joint.one_sided.records:

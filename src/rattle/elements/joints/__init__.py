@@ -11,6 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from rattle.elements.contact_geometry import OwnContact
+from rattle.registry import Field
 
 
 class Motor(NamedTuple):
@@ -67,7 +68,8 @@ class JointKind:
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
     rubs: ClassVar[bool] = False  # True: it may have friction by its own reaction, as a pin or (with a line) a guide
-    tangent: ClassVar[str] = ""  # kind of row along which its friction acts; "": that of its coordinate
+    tangent: ClassVar[str] = ""  # kind of row along which its friction acts, by one reaction; "": its coordinate's
+    rubs_with: ClassVar[Mapping[str, Field]] = {}  # what its friction needs besides its model
     no_friction: ClassVar[str] = ""  # why it has none, and what to do, in words
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
@@ -141,6 +143,14 @@ class JointKind:
     def friction_fault(fields: Mapping[str, Any]) -> str:
         """Why it has no friction with these values of the fields, in words; "" if it may have."""
         return ""
+
+    @staticmethod
+    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+        """Moment of its friction by mu and its reaction [m], 1 where it slides; own: what `rubs_with` names.
+
+        Raises ValueError, in words, for values that do not fit the fields.
+        """
+        return 1.0
 
     @staticmethod
     def passing(fields: Mapping[str, Any]) -> str:

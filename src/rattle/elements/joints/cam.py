@@ -133,6 +133,8 @@ class AlongCurve:
     Source: do Carmo, Differential Geometry of Curves and Surfaces (1976), section 1-5 (tangents of plane curves).
     """
 
+    unit = "N"
+
 
 @kind("joint", "cam", cam)
 class Cam(JointKind):

@@ -93,6 +93,8 @@ class AlongFace:
     Source: Norton, Cam Design and Manufacturing Handbook (2009), chapter 7.
     """
 
+    unit = "N"
+
 
 @kind("joint", "flat-follower", flat_follower)
 class FlatFollower(JointKind):

@@ -18,7 +18,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rattle.elements.joints import Fit, JointKind
+from rattle.elements.joints import Fit, JointKind, mesh
 from rattle.elements.profile import degrees
 from rattle.elements.wrapped import write_turning
 from rattle.jit import layout as at
@@ -26,7 +26,6 @@ from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
 
-STEEPEST = math.radians(45.0)  # pressure angle
 PLAY = 0.5  # of the smaller radius, or of the distance in a ring: more backlash than any teeth have
 SLACK = 0.2  # of the smaller radius by which centres may be farther or nearer: teeth of 10 would be out of mesh
 
@@ -51,10 +50,9 @@ class Gear(JointKind):
     """
 
     rows = ("m",)
-    no_friction = (
-        "the teeth slide to both sides of the pitch point, by their number and shape, which pitch circles do not tell:"
-        " put their mean loss into a torque, or as friction into the bearings"
-    )
+    rubs = True
+    rubs_with = mesh.TEETH
+    tangent = "turning"
     places = False
     moment = True
     from_start = 1
@@ -78,13 +76,20 @@ class Gear(JointKind):
         return Fit(ra - rb if ring else ra + rb, None, words, slack=slack)
 
     @staticmethod
+    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+        """That of the teeth [m]."""
+        (ra, rb), size = fields["radii"], (own["module"], own["pressure_angle"])
+        first = mesh.ring(ra, *size) if fields["internal"] else mesh.wheel(ra, *size)
+        return mesh.arm(first, mesh.wheel(rb, *size), own)
+
+    @staticmethod
     def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         """Teeth with flanks are contacts with a pressure angle."""
         angle, contact = fields["pressure_angle"], "contact" in given
-        if "pressure_angle" in given and not 0.0 < angle <= STEEPEST:
+        if "pressure_angle" in given and not 0.0 < angle <= mesh.STEEPEST:
             yield (
                 "pressure_angle",
-                f"{degrees(angle)} is outside of 0 to {degrees(STEEPEST)}; teeth have 20 deg, for example",
+                f"{degrees(angle)} is outside of 0 to {degrees(mesh.STEEPEST)}; teeth have 20 deg, for example",
             )
         if contact and "pressure_angle" not in given:
             yield "contact", 'needs pressure_angle, the direction in which the flanks push, as "20 deg"'

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.elements.joints import Fit, JointKind
+from rattle.elements.joints import Fit, JointKind, mesh
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import position_row
@@ -38,16 +38,21 @@ class Rack(JointKind):
     """
 
     rows = ("m",)
-    no_friction = (
-        "the teeth slide to both sides of the pitch point, by their number and shape, which pitch circles do not tell:"
-        " put their mean loss into a torque, or as friction into the bearings"
-    )
+    rubs = True
+    rubs_with = mesh.TEETH
+    tangent = "turning"
     places = False
     moment = True
     from_start = 1
     drawn_as = "rack"
     axis = Field("rad", "direction of the pitch line in A's frame", default=0.0)
     radius = Field("m", "pitch radius of the pinion on B", least="positive")
+
+    @staticmethod
+    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+        """That of the teeth [m]."""
+        size = (own["module"], own["pressure_angle"])
+        return mesh.arm(mesh.straight(*size), mesh.wheel(fields["radius"], *size), own)
 
     @staticmethod
     def fit(fields: Mapping[str, Any]) -> Fit:

@@ -7,11 +7,14 @@ gamma = s_B w_B^2 - s_A w_A^2                   [m/s^2]
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from rattle.elements.joints import JointKind, Motor
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
-from rattle.registry import kind
+from rattle.registry import Field, kind
 
 
 @kernel("joint")
@@ -48,4 +51,12 @@ class Revolute(JointKind):
     coordinate = "angle"
     massless = "rod"
     rubs = True
+    rubs_with = {
+        "pin_radius": Field("m", "radius of the pin: mu times the reaction times it is the moment", least="positive")
+    }
     drawn_as = "pin"
+
+    @staticmethod
+    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+        """The radius of the pin [m]."""
+        return own["pin_radius"]
