@@ -19,9 +19,9 @@ from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
 from rattle.trace.recording import Recorder
 
-RANDOM = np.random.default_rng(5)
-X = np.cumsum(RANDOM.uniform(0.2, 1.0, 8))
-Y = RANDOM.normal(size=8)
+KNOTS = np.random.default_rng(5)
+X = np.cumsum(KNOTS.uniform(0.2, 1.0, 8))
+Y = KNOTS.normal(size=8)
 CLOSED = np.append(Y[:-1], Y[0])
 PERIOD = X[-1] - X[0]
 
@@ -133,9 +133,11 @@ def test_at_a_kink_the_derivative_is_that_ahead():
 @pytest.mark.parametrize("case", CASES)
 def test_intervals_enclose_value_and_rate(case):
     tables, truth = made(case)
-    low = RANDOM.uniform(X[0], X[-1], 300)
-    high = np.minimum(low + 10.0 ** RANDOM.uniform(-6, 0.5, 300), X[-1])
-    one = np.ones(300)
+    random = np.random.default_rng(6)
+    ends = np.repeat(X[-1], 20)  # of intervals that reach the end of the table, and from its start
+    low = np.concatenate([random.uniform(X[0], X[-1], 300), ends - 1e-5, np.repeat(X[0], 20)])
+    high = np.minimum(low + 10.0 ** random.uniform(-6, 0.5, 340), X[-1])
+    one = np.ones(340)
     found = table_span(np.array(tables.numbers), 0, Span(low, high, 2.0 * one, 2.0 * one), None)
     for share in np.linspace(0.0, 1.0, 9):
         x = low + share * (high - low)

@@ -28,6 +28,8 @@ def table_span(const: Array, k: int, x: Span, side: Array | None) -> Span:
     segments = whole_numbers(z, side)
     known = np.isfinite(segments.low) & np.isfinite(segments.high)
     first, last = (np.where(known, one, 0.0).astype(np.int64) for one in (segments.low, segments.high))
+    if period == 0.0:  # nothing lies beyond the last knot, and an interval that ends there is in one segment
+        first, last = (np.clip(one, 0, len(c) - 1) for one in (first, last))
     bounds = _everywhere(knots, c)
     low, high, least, most = (np.full_like(x.low, one) for one in bounds)
     near = last - first <= 1  # beyond, the bounds of the whole table do
