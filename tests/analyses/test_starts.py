@@ -1,6 +1,7 @@
 """The start is the one asked for; what cannot be kept is said, with who does not let it be."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -222,3 +223,30 @@ def test_an_angle_of_many_turns_without_a_unit_is_asked_about(written):
 def test_angles_with_a_unit_or_within_one_turn_are_not_asked_about(written):
     m = rt.loads(PENDULUM.replace("ANGLE", written))
     assert "rad; write" not in " ".join(m.start.notes)
+
+
+# ---------------------------------------------------------------- play that is closed, or a massless link
+@pytest.mark.parametrize("name", sorted(rt.examples()))
+def test_no_example_hears_of_its_start_however_its_play_is_taken(name):
+    """What play leaves open moves by the play and takes the rates of the ideal mechanism: nobody wonders at that."""
+    m = rt.example(name)
+    for contact in ("", "ideal", "massless-link"):
+        with suppress(rt.ModelError, rt.AssemblyError):  # no joint with play, or none that it suits
+            notes = (m.with_contact(contact) if contact else m).start.notes
+            assert not [note for note in notes if "asked for" in note]
+
+
+@pytest.mark.parametrize("contact", ["ideal", "massless-link"])
+def test_a_place_within_the_play_is_expected_and_one_beyond_it_is_said(contact):
+    m = rt.example("slider_crank_play").set({"joints.B.contact": contact})
+    assert not m.set({"initial.slider.x": "170.9 mm"}).start.notes
+    (note,) = m.set({"initial.slider.x": "176 mm"}).start.notes
+    assert note.startswith("asked for slider.x = 0.176 m, got 0.17")
+
+
+def test_rates_that_play_leaves_free_but_that_do_not_go_together_are_said():
+    """One loose pin leaves coupler and rocker one freedom: with the crank driven they turn alike here, not as given."""
+    m = rt.example("fourbar").with_contact("ideal", "O4")
+    (note,) = m.set({"initial.coupler.omega": 1, "initial.rocker.omega": 3}).start.notes
+    assert note.startswith("asked for coupler.omega = 1 rad/s, got 2 rad/s; asked for rocker.omega = 3 rad/s, got 2")
+    assert not m.ideal().start.notes  # nothing is free: all rates follow from the driver's

@@ -111,6 +111,14 @@ def test_every_model_starts_from_the_same_motion(comparison):
         assert np.abs(r["slider.x"] - ideal["slider.x"])[r.t < 1e-4].max() < 6e-4
 
 
+def test_a_start_that_nobody_expects_is_said_once_and_one_that_all_expect_never():
+    asked = {"initial.crank.angle": "40 deg"}  # the motor begins at 0
+    found = rt.example("slider_crank_play").set(asked).compare(t_end=1e-4)
+    assert str(found).count("asked for ") == 1
+    assert "ideal: asked for crank.angle = 40 deg, got 0 deg: the driver 'motor' holds it" in str(found)
+    assert "asked for" not in str(rt.example("fourbar").compare(t_end=1e-4))
+
+
 def test_page_has_no_text_over_another_in_its_table_and_titles(comparison):
     figure = comparison.figure()
     figure.canvas.draw()

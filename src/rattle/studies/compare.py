@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -161,6 +161,7 @@ def compare(
     }
     results: dict[str, Result] = {}
     skipped: dict[str, str] = {}
+    changed: list[str] = []  # what became of given start values, in the first model in which that matters
     models[COMPLIANT] = lambda: compliant
     if any(m.model.joints[name].play.holds_oil for name in loose):
         models[OILED] = lambda: _oiled(m, compliant, loose, assumed)
@@ -169,6 +170,7 @@ def compare(
             loosened = make()
             method = usual_stepper(contacts_of(loosened.system))
             results[model] = loosened.simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
+            changed += _say_once(results[model], loosened, changed)
             if results[model].cut_short:
                 skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
                 break
@@ -185,6 +187,14 @@ def compare(
     shown = curve or _motion(m, first)
     _ = first.unit(shown)  # raises UnknownName
     return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
+
+
+def _say_once(result: Result, model: Mechanism, before: list[str]) -> list[str]:
+    """What became of the start values of a model; left out of its result if the same was said of another one."""
+    changed = [note for note in model.start.notes if note not in model.model.remarks]
+    if before:
+        result.trust = replace(result.trust, notes=tuple(note for note in result.trust.notes if note not in changed))
+    return changed
 
 
 def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> str:

@@ -1,7 +1,9 @@
 """What became of the values that were given for the start, in words.
 
-An angle of a loop is a guess that selects a closing, and it does its work however rough it is; a value that contradicts
-a driver, a place or a rate is not.  `check` names every change, results only those that matter, in one line.
+An angle of a loop is a guess that selects a closing, and it does its work however rough it is; so is a position that
+nearly fits the loops.  Where play is closed, or a massless link, what it leaves open is no longer free: such a value
+moves by the play, and such a rate follows.  A value that contradicts a driver, a place or a rate is another thing.
+`check` names every change, results only those that matter, in one line.
 """
 
 from __future__ import annotations
@@ -29,6 +31,8 @@ SEEN = 1e-6  # least change that is reported [rad, mechanism sizes, share of the
 SHAKE = 1e-3  # displacement along the joints' freedoms [rad, mechanism sizes]
 GUESS = math.radians(60)  # up to which an angle that selects a closing is a rough guess
 ROUGH = math.radians(10)  # the same of an angle that could have been kept if others had not been given
+NEAR = 0.01  # mechanism sizes up to which a position that a driver gives through loops is a rough guess
+ACROSS = 2.0  # plays, all together, by which a body may move where pins go from one side of their bushes to the other
 AT_ODDS, HELD = "the given values contradict each other", "the joints hold it"
 UNREACHED = "the joints do not let it get there"
 
@@ -39,6 +43,13 @@ class Change(NamedTuple):
     text: str
     why: str
     matters: bool
+
+
+class Played(NamedTuple):
+    """Coordinates (3 nb,) that would be free without the rows of joints with play."""
+
+    moved: np.ndarray  # all of them
+    held: np.ndarray  # those that are not free with these rows
 
 
 class StartNotes(NamedTuple):
@@ -77,6 +88,7 @@ def _one_line(changes: list[Change]) -> list[str]:
 def _changes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarray) -> list[Change]:
     speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
     free = functools.cache(lambda: _freedom(shut, t, q, v))  # costly, and rarely needed
+    played = functools.cache(lambda: _freed_by_play(system, t, q, v))
     alone = int((~np.isnan(given_values(system, 0))).sum()) == 1
     changes = []
     for turn, now in enumerate((q, v)):
@@ -94,18 +106,47 @@ def _changes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarra
             why = _holder(shut, free(), k)
             if why == AT_ODDS and alone and turn == 0:
                 why = UNREACHED
-            limit = (ROUGH if why in (AT_ODDS, UNREACHED) else GUESS) if _selects(system, t, name, key) else 0.0
+            if turn == 1:
+                limit = math.inf if played().held[k] else 0.0
+            elif key == "angle":
+                guess = ROUGH if why in (AT_ODDS, UNREACHED) else GUESS
+                limit = guess if _selects(system, t, name) else 0.0
+            else:
+                near = NEAR * system.size if _through_loops(shut, free(), k) else 0.0
+                limit = max(near, ACROSS * _play(system) if played().moved[k] else 0.0)
             text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {found} {UNITS[key]}"
             changes.append(Change(text, why, abs(got - given) > limit))
     return changes
 
 
-def _selects(system: System, t: float, body: str, key: str) -> bool:
-    """True of an angle that neither joints nor drivers tie to the ground: a loop may close with several values."""
-    if key != "angle":
-        return False
+def _selects(system: System, t: float, body: str) -> bool:
+    """True if neither joints nor drivers tie the angle of a body to the ground: a loop may close with several."""
     groups = groups_at(system, t)
     return groups[body][0] != groups[GROUND][0]
+
+
+def _through_loops(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: int) -> bool:
+    """True if the joints leave coordinate k free and drivers of other bodies hold it."""
+    under_all, under_joints, _ = free
+    return bool(under_joints[k] and not under_all[k]) and not _own_drivers(system, system.bodies[k // 3])
+
+
+def _play(system: System) -> float:
+    """All clearances together [m]."""
+    return sum(joint.clearance for joint in system.model.joints.values())
+
+
+def _freed_by_play(system: System, t: float, q: np.ndarray, v: np.ndarray) -> Played:
+    """What play leaves free, if it is closed or a massless link."""
+    loose = {name for name, joint in system.model.joints.items() if joint.clearance > 0.0}
+    owned = np.array([row.owner in loose for row in system.rows], dtype=bool)
+    if not owned.any():
+        return Played(np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=bool))
+    workspace = system.workspace()
+    open_by(workspace, t, q, v)
+    rows = dense_rows(system, workspace)
+    moved = _free(rows[~owned])
+    return Played(moved, moved & ~_free(rows))
 
 
 def _adrift(system: System, t: float, q: np.ndarray) -> list[str]:
@@ -161,11 +202,7 @@ def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: 
     if not under_joints[k]:
         return HELD
     body = system.bodies[k // 3]
-    own = []
-    for name, driver in system.model.drivers.items():
-        a, b, _ = driven_ends(system.model, driver)
-        if body in (a.body, b.body):
-            own.append(name)
+    own = _own_drivers(system, body)
     if len(own) == 1:
         return f"the driver '{own[0]}' holds it"
     owners = _holding(system, rows, k)
@@ -175,6 +212,12 @@ def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: 
     through = f" through joint{'s' if len(joints) > 1 else ''} {', '.join(joints[:MOST_NAMED])}{more}" if joints else ""
     several = len(drivers) > 1
     return f"the driver{'s' if several else ''} {', '.join(drivers)} hold{'' if several else 's'} it{through}"
+
+
+def _own_drivers(system: System, body: str) -> list[str]:
+    """Names of the drivers of a body, or of a joint of it."""
+    ends = {name: driven_ends(system.model, driver)[:2] for name, driver in system.model.drivers.items()}
+    return [name for name, points in ends.items() if body in [point.body for point in points]]
 
 
 def _holding(system: System, rows: np.ndarray, k: int) -> set[str]:
