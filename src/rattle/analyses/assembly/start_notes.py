@@ -46,7 +46,7 @@ class Change(NamedTuple):
 
 
 class Played(NamedTuple):
-    """Coordinates (3 nb,) that would be free without the rows of joints with play."""
+    """Coordinates (3 nb,) that would be free without the rows of closed joints and links in place of contacts."""
 
     moved: np.ndarray  # all of them
     held: np.ndarray  # those that are not free with these rows
@@ -138,7 +138,7 @@ def _play(system: System) -> float:
 
 def _freed_by_play(system: System, t: float, q: np.ndarray, v: np.ndarray) -> Played:
     """What play leaves free, if it is closed or a massless link."""
-    loose = {name for name, joint in system.model.joints.items() if joint.clearance > 0.0}
+    loose = {name for name, joint in system.model.joints.items() if joint.contact is not None}
     owned = np.array([row.owner in loose for row in system.rows], dtype=bool)
     if not owned.any():
         return Played(np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=bool))
