@@ -25,6 +25,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rattle.elements.profile import degrees
+from rattle.errors import InputError
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row
@@ -64,14 +65,14 @@ def straight(module: float, alpha: float) -> Reach:
 
 
 def arm(a: Reach, b: Reach, own: Mapping[str, float]) -> float:
-    """e/cos(alpha) [m].  Raises ValueError if teeth of this size would lose contact."""
+    """e/cos(alpha) [m].  Raises InputError if teeth of this size would lose contact."""
     alpha = own["pressure_angle"]
     if alpha > STEEPEST:
-        raise ValueError(f"pressure_angle: {degrees(alpha)} is more than teeth have, {degrees(STEEPEST)}")
+        raise InputError(f"pressure_angle: {degrees(alpha)} is more than teeth have, {degrees(STEEPEST)}")
     pitch = math.pi * own["module"] * math.cos(alpha)
     first, last = min(a.own, b.other), min(b.own, a.other)
     if first + last < pitch:
-        raise ValueError(
+        raise InputError(
             f"module: {own['module']:.6g} m is too large for these pitch radii: before a pair of teeth meets, the one"
             " before it has parted; the module is the pitch diameter over the number of teeth"
         )
