@@ -65,6 +65,8 @@ def rows_kernel(m, count):
     for k in range(count):
         for d in range(2):
             contact_row(m, active[k], d, w, 2 * k + d)
+            for n in range(m.dry.shape[0]):
+                m.dry_share[n, 2 * k + d] = 0.0
     coupled = m.dry.shape[0] + m.massless.shape[0]  # responses that `contact_network` does not have
     for k in range(count):
         coupled += m.contact[active[k], at.LEVEL]  # nor does it see rows that the joints fix

@@ -70,15 +70,38 @@ def reach(m, r, n, values, column):
 
 
 @compiled
+def held_along_slips(m, r):
+    """True if friction of joints that slip takes part in the response to row r, beside what holds the row."""
+    memory = m.dry_memory
+    for j in range(memory.shape[0]):
+        slips = memory[j, at.DRY_MODE] != at.DRY_STICKS or m.dry[j, at.DRY_LAW] >= 0
+        if slips and m.dry_share[j, r] != 0.0:
+            return True
+    return False
+
+
+@compiled
 def fixed_side(m, r, n):
-    """b of row r of contact n [m/s^2 or rad/s^2], which joints fix, or they and friction that sticks; 0 if rounding."""
+    """b of row r of contact n [m/s^2 or rad/s^2], which joints fix, or they and friction that sticks; 0 if rounding.
+
+    The reactions z of the row alone give it; those in `multiplier_response` contain the friction of joints that follows
+    a force along the row.  Beside friction that slips they are none of the kinematics: the motion itself is taken.
+    """
     kinematics, rows, reaction, memory = m.contact_kinematics, m.rows, m.multiplier_response, m.dry_memory
     value = kinematics[n, at.GAMMA_N if r % 2 == 0 else at.GAMMA_T]
     size = abs(value)
+    by_friction = m.row_fixed[2 * n + r % 2] == BY_FRICTION
+    if by_friction and held_along_slips(m, r):
+        value -= along(m, r, n, m.acceleration, 0)
+        size += reach(m, r, n, m.acceleration, 0)
+        return value if abs(value) > ROUNDED * size + REST else 0.0
     for row in range(rows.shape[0]):
-        value -= reaction[r, row] * rows[row, at.GAMMA]
-        size += abs(reaction[r, row] * rows[row, at.GAMMA])
-    if m.row_fixed[2 * n + r % 2] == BY_FRICTION:
+        z = reaction[r, row]
+        for j in range(memory.shape[0]):
+            z += 0.0 if by_friction else m.dry_share[j, r] * m.dry_reaction[j, row]
+        value -= z * rows[row, at.GAMMA]
+        size += abs(z * rows[row, at.GAMMA])
+    if by_friction:
         for j in range(memory.shape[0]):
             value -= m.dry_share[j, r] * m.dry_rows[j, at.GAMMA]
             size += abs(m.dry_share[j, r] * m.dry_rows[j, at.GAMMA])
