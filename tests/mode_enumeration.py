@@ -27,20 +27,21 @@ from rattle.solvers.dry_friction_modes import solve_at
 from rattle.solvers.nonsmooth.contact_projection import motion_without
 
 TOUCHES = 1e-7  # gap of a stop that counts as closed [rad]: an event leaves 1e-12
-RESTS = 1e-7  # rate of a row that counts as none [rad/s]
+RESTS = 1e-5  # rate of a row that counts as none [rad/s]: events err by the tolerance of the run
 VIOLATED = 1e-6  # least s that proves [rad/s, rad/s^2]: the programme itself errs by 1e-9
 STARTS = 20  # of the search for forces that agree with their reactions; the pairs of roots of two pins need a few
 AGREES = 1e-7  # share by which forces and accelerations may miss: the search errs by 1e-10
-DEPENDENT = 1e-9  # singular value, of the largest one, or entry of a row of unit size, that counts as zero
+DEPENDENT = 1e-9  # singular value, of the largest one, that counts as zero
+MOST = 1e5  # times those that the joints ask for: an event at a dead centre, off by 1e-8, leaves only larger motions
 
 
-def stopped(text: str, duration: float):
+def stopped(text: str, duration: float, rtol: float = 1e-8):
     """The run of a model file after its last step, its message in `message`."""
     functions.start()
     mechanism = rt.loads(text)
     system = mechanism.system
     stepper, step = choose_stepper(system, None, None, duration)
-    how = How(stepper, 1e-8, 1e-10, step)
+    how = How(stepper, rtol, 1e-2 * rtol, step)
     run = new_run(system, mechanism.start, np.array([0, duration]), duration, how)
     run.go()
     return run
@@ -56,14 +57,15 @@ def joint_rows(w) -> np.ndarray:
 
 
 def least_violation(joints: np.ndarray, right: np.ndarray, rows: np.ndarray, least: np.ndarray) -> float:
-    """Least s with rows x >= least - s for all x with joints x = right."""
+    """Least s with rows x >= least - s for all x, within bounds, with joints x = right."""
     _, sizes, directions = np.linalg.svd(joints)
     rank = int((sizes > DEPENDENT * sizes[0]).sum())
     fixed, free = np.linalg.lstsq(joints, right, rcond=1e-11)[0], directions[rank:].T
     ways = rows @ free
     ways[np.abs(ways) < DEPENDENT] = 0.0
     count = ways.shape[1]
-    bounds = [(None, None)] * count + [(0, None)]
+    most = MOST * (1.0 + np.abs(fixed).max() + np.abs(least).max())
+    bounds = [(-most, most)] * count + [(0, None)]
     left = np.c_[-ways, -np.ones(len(rows))]
     found = linprog(np.r_[np.zeros(count), 1.0], A_ub=left, b_ub=rows @ fixed - least, bounds=bounds)
     return float(found.x[-1]) if found.status == 0 else 0.0

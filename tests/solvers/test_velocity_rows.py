@@ -218,17 +218,22 @@ def test_impacts_with_friction_in_joints_keep_the_energy_balance():
     assert impacts > 0
 
 
-UNDECIDED = {("mixed", 29)}  # a clutch that slips and friction at one coordinate alternate: the run says "not found"
+HARD = {  # rows that friction which slips, rounding, or a dead centre at a coarse tolerance make hard to decide
+    "friction": [],
+    "clutches": [1, 23, 112, 120, 124, 144],
+    "stops": [108, 110],
+    "mixed": [29, 70, 129, 145],
+}
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8])
 @pytest.mark.parametrize("family", FAMILIES)
-def test_a_random_mechanism_stops_only_where_no_motion_is_possible(family):
+def test_a_random_mechanism_stops_only_where_no_motion_is_possible(family, rtol):
     """Every stop is proven, by a linear programme or by trying all modes of friction, and no run that goes on is."""
-    for seed in range(60):
+    for seed in [*range(60 if rtol == 1e-8 else 15), *HARD[family]]:
         try:
-            run = stopped(mechanism(seed, family), 1.0)
+            run = stopped(mechanism(seed, family), 1.0, rtol)
         except (rt.ModelError, rt.AssemblyError):
             continue
         proof = no_friction_agrees if "friction locks" in run.message else one_sided_rows_contradict
-        if (family, seed) not in UNDECIDED:
-            assert proof(run) == bool(run.message), f"{family} {seed}: {run.message}"
+        assert proof(run) == bool(run.message), f"{family} {seed} at {rtol}: {run.message}"

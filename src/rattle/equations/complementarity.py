@@ -17,6 +17,8 @@ Non-Smooth Mechanical Systems (2004), chapter 5.
 
 from __future__ import annotations
 
+import math
+
 from rattle.equations.dependent_rows import FIXED, STAYS, is_fixed, terms_of
 from rattle.equations.massless import prepare, take_out_of_response
 from rattle.equations.schur import solve
@@ -28,6 +30,7 @@ OFF, STICK, FORWARD, BACKWARD = range(4)
 B, F, A, OTHER = range(4)  # rows of `side`
 EXACT = 1e-12  # share of the largest value below which a value counts as zero
 ROUNDING = 1e-15  # share of what cancels in a row of G that is rounding: rows that differ by less are one
+OF_TERMS = 1e-13  # share of the terms of b that is rounding: they have been solved for, with some loss
 LOOSE = 1e3  # times that: a does not vanish as it should, because contacts or joints depend on each other
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
 FEW = 6  # contacts up to which G is formed and solved as a full matrix
@@ -62,6 +65,7 @@ def rows_kernel(m, count):
     `contact_kinematics` and the factor of S must be up to date.
     """
     active, w, held = m.active, m.contact_jacobian, m.held
+    held[at.FLOOR] = 0.0
     for k in range(count):
         for d in range(2):
             contact_row(m, active[k], d, w, 2 * k + d)
@@ -306,7 +310,18 @@ def resolution(m, count):
                 rate = max(rate, abs(delassus[r, s] * side[F, s]))
     for r in range(2 * count):
         force = max(force, abs(side[F, r]))
-    return EXACT * force, EXACT * rate
+    return EXACT * force, max(EXACT * rate, m.held[at.FLOOR])
+
+
+@compiled
+def set_floor(m, size):
+    """Note below which magnitude a is rounding; size: that of the motion without f, as a root of its energy.
+
+    By Schwarz's inequality a row w has no more than |w| sqrt(v M v) of rates, and |w| sqrt(Q M^-1 Q) of accelerations;
+    what the joints cancel of |w| is known from G.
+    """
+    if m.held[at.SPARSE] == 0.0:
+        m.held[at.FLOOR] = OF_TERMS * math.sqrt(m.held[at.NOISE] / ROUNDING) * size
 
 
 @compiled

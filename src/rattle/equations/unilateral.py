@@ -6,6 +6,8 @@ do not compile them again.
 
 from __future__ import annotations
 
+import math
+
 from rattle.equations.complementarity import (
     COUNT,
     IMPOSSIBLE,
@@ -21,6 +23,7 @@ from rattle.equations.complementarity import (
     B,
     F,
     friction_of,
+    set_floor,
 )
 from rattle.equations.dependent_rows import fixed_value
 from rattle.equations.dry_friction import REST, complete_dry_friction
@@ -127,6 +130,27 @@ def lasting_side(m, count):
         for r in range(2 * k, 2 * k + 2):
             if m.row_fixed[2 * n + r - 2 * k] != 0:
                 side[B, r] = fixed_side(m, r, n)
+
+
+@compiled
+def floor_of_accelerations(m):
+    """Note which accelerations of the present contact problem are rounding, by the forces that act."""
+    force, weight, total = m.force, m.weight, 0.0
+    for i in range(1, force.shape[0]):
+        for q in range(3):
+            total += weight[i, q] * force[i, q] * force[i, q]
+    set_floor(m, math.sqrt(total))
+
+
+@compiled
+def floor_of_rates(m):
+    """Note which rates of the present contact problem are rounding, by those of all bodies."""
+    body, weight, total = m.body, m.weight, 0.0
+    for i in range(1, body.shape[0]):
+        for q in range(3):
+            if weight[i, q] > 0.0:
+                total += body[i, at.VX + q] * body[i, at.VX + q] / weight[i, q]
+    set_floor(m, math.sqrt(total))
 
 
 @compiled

@@ -120,7 +120,7 @@ ARRAYS = {
     "bounce": Array("f2", "7, 2 nc", "", "see `impact_path` and `impact_phases`"),
     "looks": Array("f2", "looks, 4 nc + 2", "", "samples of the indicators in a step, see `event_search`"),
     "glances": Array("f2", "9, 4 nc + 2", "", "the same at the stages of a step, see `glances`"),
-    "held": Array("f1", "11", "", "what is known of the contact problem at hand"),
+    "held": Array("f1", "12", "", "what is known of the contact problem at hand"),
     "net_place": Array("i1", "nr + 2 nc", "", "rows of joints and contacts together: order, see `contact_network`"),
     "net_first": Array("i1", "nr + 2 nc + 1", "", "see `place` to `pairs`"),
     "net_below": Array("i1", "entries of L", "", ""),

@@ -44,7 +44,7 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
         "looks": np.zeros((event_search.LOOKS_KEPT, glances.KINDS * nc + 2)),
-        "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]),
+        "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
         **(
             {"closed_contacts_table": functions.entries([unilateral.closed_contacts]), "glances": glances.table(nc)}

@@ -26,6 +26,7 @@ from rattle.equations.unilateral import (
     contact_rows,
     count_solutions,
     ending,
+    floor_of_accelerations,
     is_rough,
     lasting_rows,
     lasting_side,
@@ -168,6 +169,7 @@ def update_modes(m, t, y, apart, kind):
         motion_without(m, t, y)
         closed = choose_closed(m, apart, kind, attempt, pulling)
         lasting_side(m, closed)
+        floor_of_accelerations(m)
         if driven_on(m, closed):
             continue
         solved = solve_contacts(m, closed)

@@ -30,6 +30,7 @@ from rattle.equations.unilateral import (
     contact_rows,
     count_solutions,
     ending,
+    floor_of_rates,
     is_rough,
     lasting_side,
     shift,
@@ -150,6 +151,7 @@ def rates_before(m, count, law, first, end):
     """
     contact, kinematics, memory, values = m.contact, m.contact_kinematics, m.contact_memory, m.values
     active, candidate, slide, side, bounce = m.active, m.candidate, m.slide, m.side, m.bounce
+    floor_of_rates(m)
     for k in range(count):
         n, p = active[k], contact[active[k], at.NORMAL_P]
         memory[n, at.ROUNDING] = max(velocity_scale(m, 2 * k, n), velocity_scale(m, 2 * k + 1, n))
