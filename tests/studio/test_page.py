@@ -26,10 +26,11 @@ def visit(open_page, studio):
     (studio.folder / "m.toml").write_text(PENDULUM)
     asked = []
 
-    def opened(served=studio, **options):
+    def opened(served=studio, first_time=False, **options):
         page = open_page("about:blank", **options)
         page.on("request", lambda one: asked.append(one.url))
-        page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
+        if not first_time:
+            page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
         page.goto(served.new_address())
         page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
         return page
@@ -272,6 +273,84 @@ def test_nothing_is_cut_off_and_the_trust_is_always_there(visit, size, scheme):
         shows(page.locator("button.trust"))
     ground = page.evaluate(f"() => getComputedStyle(({ROOT})().querySelector('.desk')).backgroundColor")
     assert (sum(map(int, ground[4:-1].split(","))) < 200) == (scheme == "dark")
+
+
+def box_of(page, selector):
+    """Left, top, right and bottom of an element."""
+    box = page.locator(selector).bounding_box()
+    return box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"]
+
+
+# texts of the page that are smaller than 12 px on the glass
+SMALL_TEXTS = """() => {
+  const small = [];
+  const look = (root) => {
+    for (const el of root.querySelectorAll("*")) {
+      if (el.shadowRoot) look(el.shadowRoot);
+      const words = [...el.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+      if (!words || el.matches("style, script, title") || !el.getClientRects().length) continue;
+      const size = parseFloat(getComputedStyle(el).fontSize) * (el.getScreenCTM?.().a ?? 1) * visualViewport.scale;
+      if (size < 11.95) small.push(`${el.tagName} ${size} ${el.textContent}`);
+    }
+  };
+  look(document);
+  return small;
+}"""
+HANDS = {"upright": (390, 844), "sideways": (844, 390)}
+
+
+@pytest.mark.parametrize("held", HANDS)
+def test_on_a_phone_all_is_as_wide_as_the_screen_and_readable(visit, held):
+    width, height = HANDS[held]
+    page = visit(
+        viewport={"width": width, "height": height}, is_mobile=True, has_touch=True, first_time=True
+    )  # nothing is in the way of a finger even then
+    for tab in ("Forces", "Text", "Motion"):
+        page.get_by_role("tab", name=tab).tap()
+        page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=60000)
+        frames(page)
+        keep_picture(page, f"studio-{held}-{tab}")
+        assert page.evaluate("[innerWidth, document.documentElement.scrollWidth, visualViewport.scale]") == [
+            width,
+            width,
+            1,
+        ]
+        for part in (".top", ".desk > main", ".status", f"#panel-{tab.lower()}"):
+            left, top, right, bottom = box_of(page, part)
+            assert left >= 0, (tab, part)
+            assert top >= 0, (tab, part)
+            assert right <= width, (tab, part)
+            assert bottom <= height, (tab, part)
+        assert page.evaluate(SMALL_TEXTS) == []
+    knobs, main = box_of(page, "aside.knobs"), box_of(page, ".desk > main")
+    assert knobs[1] >= main[3] if held == "upright" else knobs[0] >= main[2]
+    assert (knobs[2], main[0]) == (width, 0)
+    page.locator("#knob-l").tap(position={"x": 60, "y": 10})
+    page.wait_for_function("window.rattle.parameters.l < 0.9", timeout=60000)
+    page.get_by_role("button", name="Save as").tap()
+    page.get_by_label("File name").fill("")
+    page.get_by_role("button", name="Close").tap()
+    page.locator("button.trust").tap()
+    shows(page.locator("button.trust[aria-expanded=true]"))
+
+
+def test_first_hints_cover_nothing_and_are_shown_until_they_were_read(visit):
+    page = visit(first_time=True)
+    hints = page.get_by_role("region", name="First hints")
+    shows(hints)
+    for tab in ("Text", "Motion"):
+        page.get_by_role("tab", name=tab).click()
+        foot, strip = box_of(page, ".hints")[3], box_of(page, ".strip")
+        assert foot <= strip[1]
+        assert strip[3] <= box_of(page, f"#panel-{tab.lower()}")[1]
+    page.get_by_role("button", name="Got it").click()
+    shows(hints, "detached")
+    page.reload()
+    page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+    assert hints.count() == 0
+    page.keyboard.press("?")
+    page.get_by_role("button", name="Show the first hints again").click()
+    shows(hints)
 
 
 # where the foot of the highest bar of a histogram is on the page; null until it is drawn

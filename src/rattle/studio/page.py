@@ -22,6 +22,10 @@ from rattle.studio.tabs import TABS
 silence(EMPTY_LAYOUT, True)  # a tab is empty until it is opened
 
 HERE = Path(__file__).parent / "page"
+HEAD = """{% block postamble %}
+    <meta name="viewport" content="width=device-width, initial-scale=1">
+{% endblock %}
+"""  # into the page of Panel: without it a phone lays the page out for 980 px and shrinks it
 aside = ThreadPoolExecutor(8, "studio")  # reads texts and files for all sessions: no page waits for another
 
 
@@ -60,6 +64,7 @@ class Studio(JSComponent):
             sizing_mode="stretch_both", margin=0, **sheets, **params,
         )  # fmt: skip
         self._document = pn.state.curdoc
+        self._document.template = HEAD
         self._sheets = sheets
         self._content: dict[str, Message] = {}
         self._dark = False

@@ -244,7 +244,7 @@ def _histogram(block: Content, look: Look, pick: Pick) -> Any:
                 y=(1.2 if nominal else 1.02 + 0.09 * (k % 2)) * top,
                 text=f" {mark['label']}",
                 text_color=colour,
-                text_font_size="11px",
+                text_font_size="12px",
             )
         )
     return _pane(plot)

@@ -118,17 +118,14 @@ export class Dialogs {
   }
 }
 
-// A card with first hints, until it is closed once.
-export function hints(parent) {
-  if (kept("hints") === "seen") return;
-  const done = () => { kept("hints", "seen"); card.remove(); };
+// A strip with first hints, above what the tabs show, until it is closed once.
+export function hints(above) {
+  if (kept("hints") === "seen" || above.previousElementSibling?.matches(".hints")) return;
+  const done = () => { kept("hints", "seen"); card.remove(); dispatchEvent(new Event("resize")); };
   const card = h("section", { class: "hints", "aria-label": "First hints" },
-    h("h2", {}, "Turn something"),
-    h("ol", {},
-      h("li", {}, h("b", {}, "Drag a knob"), " on the left: the mechanism and its curves follow. A number such as 5 mm can be typed too."),
-      h("li", {}, h("b", {}, "Open a tab"), " above: forces, equilibria, tolerances, power. Each is computed when it is opened."),
-      h("li", {}, h("b", {}, "Look below"), " at how far the result can be trusted. It is always there."),
-      h("li", {}, h("b", {}, "Text"), " is the model itself; knobs write into it, and Ctrl Z undoes.")),
-    h("div", { class: "buttons" }, h("button", { class: "main", onclick: done }, "Good")));
-  parent.append(card);
+    h("p", {}, h("b", {}, "Turn a knob"), ": the mechanism and its curves follow. ", h("b", {}, "Each tab"), " is computed when it is opened. ",
+      h("b", {}, "The last line"), " says how far the result can be trusted."),
+    h("button", { class: "quiet", onclick: done }, "Got it"));
+  above.before(card);
+  dispatchEvent(new Event("resize"));
 }

@@ -53,8 +53,8 @@ class Page {
     this.theme = new Theme(this.el, (dark, choice) => { this.show.dark(dark, choice); this.model.send_msg({ do: "dark", dark }); });
     this.theme.button = this.header.theme;
     this.theme.apply();
-    this.dialogs.onhints = () => hints(this.main);
-    hints(this.main);
+    this.dialogs.onhints = () => hints(this.strip.el);
+    hints(this.strip.el);
     this.choose("motion");
     listen(this);
     this.model.on("msg:custom", (message) => this.hear(message.kind ? message : message.data));
@@ -86,7 +86,7 @@ class Page {
   }
 
   choose(name) {
-    this.shown = name;
+    this.shown = this.el.dataset.shown = name;
     this.strip.select(name);
     for (const [one, panel] of this.panels) panel.hidden = one !== name;
     if (name === "text") this.editor.follow();
