@@ -65,7 +65,7 @@ def rows_kernel(m, count):
     `contact_kinematics` and the factor of S must be up to date.
     """
     active, w, held = m.active, m.contact_jacobian, m.held
-    held[at.FLOOR] = 0.0
+    held[at.FAINT] = 0.0
     for k in range(count):
         for d in range(2):
             contact_row(m, active[k], d, w, 2 * k + d)
@@ -310,7 +310,7 @@ def resolution(m, count):
                 rate = max(rate, abs(delassus[r, s] * side[F, s]))
     for r in range(2 * count):
         force = max(force, abs(side[F, r]))
-    return EXACT * force, max(EXACT * rate, m.held[at.FLOOR])
+    return EXACT * force, max(EXACT * rate, m.held[at.FAINT])
 
 
 @compiled
@@ -321,7 +321,7 @@ def set_floor(m, size):
     what the joints cancel of |w| is known from G.
     """
     if m.held[at.SPARSE] == 0.0:
-        m.held[at.FLOOR] = OF_TERMS * math.sqrt(m.held[at.NOISE] / ROUNDING) * size
+        m.held[at.FAINT] = OF_TERMS * math.sqrt(m.held[at.NOISE] / ROUNDING) * size
 
 
 @compiled

@@ -222,9 +222,9 @@ declare("held", """
     LOCK_SHARE [] smallest (G_nn +- mu G_nt) / G_nn of a sliding contact so far: it locks if it is <= 0
     LOCK_AT [s] when
     LOCK_CONTACT [] which contact
-    FLOOR [SI] magnitude below which a is rounding, whatever f
+    FAINT [SI] magnitude below which a is rounding, whatever f
 """)
-DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, NOISE, LOCK_SHARE, LOCK_AT, LOCK_CONTACT, FLOOR = range(12)
+DETERMINANT, SIZE, SPARSE, OUTCOME, RIDGE, SCALE, WEAKEST, NOISE, LOCK_SHARE, LOCK_AT, LOCK_CONTACT, FAINT = range(12)
 declare("stuck", """
     EVENT_AT [s] time of the last event
     EVENTS_THERE [] events at that time so far
