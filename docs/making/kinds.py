@@ -208,7 +208,7 @@ def _whole_joint(catalog: Any, kind: Any) -> list[str]:
 
 
 def _tangent(catalog: Any, kind: Any) -> list[str]:
-    rough = next(one for one in catalog.kinds("joint").values() if one.leaf.tangent == kind.name)
+    rough = next(one for one in catalog.kinds("joint").values() if kind.name in one.leaf.tangents)
     sizes = "".join(f', {key} = "2 mm"' for key, one in rough.leaf.rubs_with.items() if one.default is catalog.REQUIRED)
     return [*_joint(catalog, rough), f"friction = {{ mu = 0.1{sizes} }}" if sizes else "friction = 0.1"]
 

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.nojit
 
 def touching(kind, rng):
     """Path of two bodies on which a joint of this kind stays closed, and its parameters."""
-    joint = next(one for one in registry.kinds("joint").values() if one.leaf.tangent == kind.name)
+    joint = next(one for one in registry.kinds("joint").values() if kind.name in one.leaf.tangents)
     fields = dict(zip(joint.fields, field_values(joint, rng), strict=True))
     fields |= {"roller": 0.0} if "roller" in fields else {}
     points = list(rng.uniform(-1, 1, 4))

@@ -493,9 +493,9 @@ def test_friction_in_a_slot_holds_a_pin_between_two_pulls_and_by_itself_beyond_i
 @pytest.mark.parametrize(
     ("joint", "words"),
     [
-        ('"rod"\nlength = 0.1', "make it a body with two revolute joints"),
-        ('"gear"\nradii = [0.1, 0.1]', "pitch circles do not tell"),
-        ('"rack"\nradius = 0.1', "pitch circles do not tell"),
+        ('"rod"\nlength = 0.1', "needs pin_radius"),
+        ('"gear"\nradii = [0.1, 0.1]', "needs module"),
+        ('"rack"\nradius = 0.1', "needs module"),
         ('"fixed"', "expected .*prismatic.*slot"),
     ],
 )

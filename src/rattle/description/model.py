@@ -243,7 +243,7 @@ class Joint:
     def friction_unit(self) -> str:
         """Unit of its own friction: of the row along which it acts, or of the effort of a motor."""
         leaf = self.leaf
-        found: str = registry.kinds("tangent")[leaf.tangent].leaf.unit if leaf.tangent else leaf.motor.unit
+        found: str = registry.kinds("tangent")[leaf.tangents[0]].leaf.unit if leaf.tangents else leaf.motor.unit
         return found
 
     @property

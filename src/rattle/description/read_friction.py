@@ -41,8 +41,7 @@ def joint_friction(
     values = reader.values
     if not joint.leaf.rubs:
         where = " or ".join(name for name, one in registry.kinds("joint").items() if one.leaf.rubs)
-        why = joint.leaf.no_friction or f"expected {where}"
-        values.wrong(path, f"a {joint.name} joint has no friction of its own; {why}", at_key=True)
+        values.wrong(path, f"a {joint.name} joint has no friction of its own; expected {where}", at_key=True)
         return None
     if loose:
         said_ = "a joint with clearance has friction in its contact; write friction there, or leave the clearance out"

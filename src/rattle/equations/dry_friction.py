@@ -7,7 +7,8 @@ Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, 
     always                         tau = -T(arm u, N) arm                       (a law of the family "friction")
 
     L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a,
-                 |lambda_1| of a joint with one row,  NU |lambda_1| of a surface, by the column NU of its row w
+                 |lambda_1| of a joint with one row,  NU |lambda_1| of a surface, by the column NU of its row w,
+                 hypot(lambda_1, NU (tau - tau')) of a rod, NU = 1/L, tau' of its other pin
 
 The reaction lambda depends on tau.  With the responses to unit forces,
 
@@ -129,13 +130,41 @@ def mobility(m, n, o):
 
 
 @compiled
+def bearing(m, n, multiplier, column):
+    """What joint n bears: its multipliers, or force along a rod and across it by the frictions in `column`."""
+    q = m.dry[n, at.DRY_SECOND]
+    if m.dry[n, at.DRY_FORM] == at.DRY_ROD:
+        across = m.dry_rows[n, at.NU] * (m.dry_memory[n, column] - m.dry_memory[q, column])
+        return multiplier[m.dry[n, at.DRY_ROW]], across
+    return multiplier[m.dry[n, at.DRY_ROW]], multiplier[q]
+
+
+@compiled
+def borne(m, n, o):
+    """What joint n bears per unit friction of joint o, as `bearing`."""
+    q = m.dry[n, at.DRY_SECOND]
+    if m.dry[n, at.DRY_FORM] == at.DRY_ROD:
+        across = m.dry_rows[n, at.NU] if o == n else (-m.dry_rows[n, at.NU] if o == q else 0.0)
+        return m.dry_reaction[o, m.dry[n, at.DRY_ROW]], across
+    return m.dry_reaction[o, m.dry[n, at.DRY_ROW]], m.dry_reaction[o, q]
+
+
+@compiled
+def borne_from(m, n, reaction, r):
+    """What joint n bears per unit of the force that changes multipliers by reaction[r], as `bearing`."""
+    q = 0 if m.dry[n, at.DRY_FORM] == at.DRY_ROD else m.dry[n, at.DRY_SECOND]
+    second = 0.0 if m.dry[n, at.DRY_FORM] == at.DRY_ROD else reaction[r, q]
+    return reaction[r, m.dry[n, at.DRY_ROW]], second
+
+
+@compiled
 def pressing(m, n, first, second):
-    """N [N] of joint n by its two multipliers, and its slopes with respect to them."""
+    """N [N] of joint n by what it bears, and its slopes with respect to that."""
     reach = m.values[m.dry[n, at.DRY_P] + at.DRY_REACH]
     if m.dry[n, at.DRY_FORM] == at.DRY_SURFACE:
         size = m.dry_rows[n, at.NU]
         return size * abs(first), math.copysign(size, first), 0.0
-    if m.dry[n, at.DRY_FORM] == at.DRY_PIN:
+    if m.dry[n, at.DRY_FORM] == at.DRY_PIN or m.dry[n, at.DRY_FORM] == at.DRY_ROD:
         size = math.hypot(first, second)
         if size == 0.0:
             return 0.0, 0.0, 0.0
@@ -160,7 +189,7 @@ def resistance(m, n, N):
 
 @compiled
 def resisting(m, n, first, second):
-    """`resistance` by the two multipliers of joint n, and its slopes with respect to them."""
+    """`resistance` by what joint n bears, and its slopes with respect to that."""
     N, slope, slope2 = pressing(m, n, first, second)
     size = resistance(m, n, N)
     grows = (resistance(m, n, N * (1.0 + TILT)) - size) / (TILT * N) if N > 0.0 else 0.0
@@ -181,7 +210,7 @@ def sense_of(m, n):
 @compiled
 def set_up(m):
     """Residual and Jacobian of the equations of all tau at the present estimate, into `dry_system`."""
-    memory, system, multiplier, reaction = m.dry_memory, m.dry_system, m.multiplier, m.dry_reaction
+    memory, system, multiplier = m.dry_memory, m.dry_system, m.multiplier
     count = memory.shape[0]
     for n in range(count):
         tau = memory[n, at.DRY_FORCE]
@@ -198,16 +227,18 @@ def set_up(m):
                 value += system[n, o] * (memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED])
             system[n, count] = value
             continue
-        r, q, sign = m.dry[n, at.DRY_ROW], m.dry[n, at.DRY_SECOND], sense_of(m, n)
-        first, second = multiplier[r], multiplier[q]
+        sign = sense_of(m, n)
+        first, second = bearing(m, n, multiplier, at.DRY_ADDED)
         for o in range(count):
             more = memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED]
-            first += reaction[o, r] * more
-            second += reaction[o, q] * more
+            by_first, by_second = borne(m, n, o)
+            first += by_first * more
+            second += by_second * more
         size, slope, slope2 = resisting(m, n, first, second)
         system[n, count] = tau - sign * size
         for o in range(count):
-            system[n, o] -= sign * (slope * reaction[o, r] + slope2 * reaction[o, q])
+            by_first, by_second = borne(m, n, o)
+            system[n, o] -= sign * (slope * by_first + slope2 * by_second)
 
 
 @compiled
@@ -299,7 +330,7 @@ def prepare_rows(m):
         prepare(m)
     for n in range(dry.shape[0]):
         a, b, p = dry[n, at.DRY_A], dry[n, at.DRY_B], dry[n, at.DRY_P]
-        if dry[n, at.DRY_FORM] == at.DRY_SURFACE:  # its row has the parameters of the joint
+        if dry[n, at.DRY_FORM] >= at.DRY_SURFACE:  # its row has the parameters of the joint
             p = m.joint[dry[n, at.DRY_JOINT], at.FIRST_P]
         call_joint(m.joint_table[dry[n, at.DRY_KERNEL]], (m.body, a, b, m.values, p, n, m.dry_rows))
         memory[n, at.DRY_RATE] = along(m, n, m.body, at.VX)
@@ -324,7 +355,8 @@ def end_dry_friction(m):
     for n in range(dry.shape[0]):
         m.power[at.LOSS_RATE] -= memory[n, at.DRY_FORCE] * memory[n, at.DRY_RATE]
         if dry[n, at.DRY_LAW] >= 0:
-            N, _, _ = pressing(m, n, multiplier[dry[n, at.DRY_ROW]], multiplier[dry[n, at.DRY_SECOND]])
+            first, second = bearing(m, n, multiplier, at.DRY_FORCE)
+            N, _, _ = pressing(m, n, first, second)
             resistance(m, n, N)
         if lasting(m, n) < 0.0:
             memory[n, at.DRY_OVER] = 1.0
@@ -333,8 +365,9 @@ def end_dry_friction(m):
 @compiled
 def limit(m, n):
     """The largest |tau| at which joint n sticks, by the present multipliers."""
-    p, first, second = m.dry[n, at.DRY_P], m.dry[n, at.DRY_ROW], m.dry[n, at.DRY_SECOND]
-    N, _, _ = pressing(m, n, m.multiplier[first], m.multiplier[second])
+    p = m.dry[n, at.DRY_P]
+    first, second = bearing(m, n, m.multiplier, at.DRY_FORCE)
+    N, _, _ = pressing(m, n, first, second)
     return m.values[p + at.DRY_MU_STATIC] * m.values[p + at.DRY_ARM] * N
 
 

@@ -12,7 +12,16 @@ It is exact where joints stick; where they slip, L is not linear and the solutio
 from __future__ import annotations
 
 from rattle.equations.complementarity import friction_of
-from rattle.equations.dry_friction import DEPENDENT, eliminate, mobility, resisting, sense_of, set_up
+from rattle.equations.dry_friction import (
+    DEPENDENT,
+    bearing,
+    borne_from,
+    eliminate,
+    mobility,
+    resisting,
+    sense_of,
+    set_up,
+)  # fmt: skip
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
@@ -22,7 +31,7 @@ BY_FRICTION = 2  # in `row_fixed`: joints that stick hold the row
 @compiled
 def pull(m, r, n):
     """Right-hand side of dtau of joint n for a unit force in row r of the active contacts."""
-    dry, line, memory, multiplier = m.dry, m.dry_rows, m.dry_memory, m.multiplier
+    dry, line, memory = m.dry, m.dry_rows, m.dry_memory
     if memory[n, at.DRY_MODE] == at.DRY_STICKS and dry[n, at.DRY_LAW] < 0:
         if memory[n, at.DRY_HELD] == 1.0:
             return 0.0
@@ -34,10 +43,10 @@ def pull(m, r, n):
             if b > 0:
                 total += line[n, at.BX + k] * m.velocity_response[r, 3 * b - 3 + k]
         return total / mobility(m, n, n)
-    first, second = dry[n, at.DRY_ROW], dry[n, at.DRY_SECOND]
-    _, slope, slope2 = resisting(m, n, multiplier[first], multiplier[second])
-    change = slope * m.multiplier_response[r, first] + slope2 * m.multiplier_response[r, second]
-    return -sense_of(m, n) * change
+    first, second = bearing(m, n, m.multiplier, at.DRY_FORCE)
+    _, slope, slope2 = resisting(m, n, first, second)
+    by_first, by_second = borne_from(m, n, m.multiplier_response, r)
+    return -sense_of(m, n) * (slope * by_first + slope2 * by_second)
 
 
 @native("void", "h", "i")

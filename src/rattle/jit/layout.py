@@ -243,14 +243,16 @@ declare("dry", """
     DRY_KERNEL [] kernel of the row of its free coordinate
     DRY_P [] first parameter of that row in `values`
     DRY_ROW [] first row of the joint
-    DRY_FORM [] DRY_PIN, DRY_GUIDE or DRY_SURFACE: how the normal force follows from its multipliers
+    DRY_FORM [] DRY_PIN, DRY_GUIDE, DRY_SURFACE or DRY_ROD: how the normal force follows from its multipliers
     DRY_LAW [] kernel of its friction law; -1: set-valued
     DRY_STATE [] first state of that law among those of all elements
     DRY_STATES [] number of states of that law
-    DRY_SECOND [] second row of the joint; the first again, where there is one only
+    DRY_SECOND [] second row of the joint; the first again, where there is one only; of DRY_ROD: entry of its other pin
+    DRY_COLUMN [] column of an output row of the joint, for tau
 """)
 DRY_JOINT, DRY_A, DRY_B, DRY_KERNEL, DRY_P, DRY_ROW, DRY_FORM, DRY_LAW, DRY_STATE, DRY_STATES, DRY_SECOND = range(11)
-DRY_PIN, DRY_GUIDE, DRY_SURFACE = 0, 1, 2
+DRY_COLUMN = 11
+DRY_PIN, DRY_GUIDE, DRY_SURFACE, DRY_ROD = 0, 1, 2, 3
 # parameters after those of the row (two points, a direction or zero, a function that is zero): arm [m or 1], 1/a [1/m];
 # then mu and mu_static, or those of the law
 DRY_ARM, DRY_REACH, DRY_MU, DRY_MU_STATIC = range(8, 12)

@@ -76,8 +76,7 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         sided = joint.one_sided
         if passes_moment(joint):
             found.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
-        if joint.friction is not None:
-            found.append((f"{name}.friction", at.OF_SIZE, c + at.JOINT_TANGENT))
+        found += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in frictions(joint)]
         if joint.stop is not None:
             found.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
         if joint.contact is None or (sided is not None and sided.records):
@@ -93,6 +92,15 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         elif kind.name != joint.kind:
             found.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
     return found
+
+
+def frictions(joint: Joint) -> tuple[tuple[str, int], ...]:
+    """What the friction of a joint without play is called, and where it stands: one, or those of the pins of a rod."""
+    if joint.friction is None:
+        return ()
+    if len(joint.leaf.tangents) < 2:
+        return (("friction", at.JOINT_TANGENT),)
+    return (("friction_a", at.JOINT_TANGENT), ("friction_b", at.JOINT_NORMAL))
 
 
 def passes_moment(joint: Joint) -> bool:
@@ -139,8 +147,8 @@ def columns(
             add(f"{name}.fy", "N", c + at.FY)
             if passes_moment(joint):
                 add(f"{name}.moment", "N*m", c + at.MOMENT)
-            if joint.friction is not None:
-                add(f"{name}.friction", joint.friction_unit, c + at.JOINT_TANGENT)
+            for key, column in frictions(joint):
+                add(f"{name}.{key}", joint.friction_unit, c + column)
             if joint.stop is not None:
                 add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
             if joint.one_sided is not None and joint.one_sided.records:

@@ -98,7 +98,7 @@ def write_friction(m, row, first):
         row[c + at.FX] += fx
         row[c + at.FY] += fy
         row[c + at.MOMENT] += line[n, at.BP] * tau - sbx * fy + sby * fx
-        row[c + at.JOINT_TANGENT] = tau
+        row[c + dry[n, at.DRY_COLUMN]] = tau
 
 
 @compiled

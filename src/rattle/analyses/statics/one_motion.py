@@ -49,6 +49,7 @@ class Motion(NamedTuple):
     inverse: np.ndarray  # (rows, 3 nb) multipliers by the forces that they balance
     coordinate: np.ndarray  # (n, 3 nb) rows w of the joints with friction
     rows: np.ndarray  # (n, 2) multipliers of each by which it rubs; the only one twice
+    across: np.ndarray  # (n, n) what pins of rods bear across the rod, by the friction of all [1/m]; 0 of others
 
     @property
     def free(self) -> float:
@@ -124,9 +125,11 @@ def one_motion(system: System, workspace: Workspace, sought: Sought | None) -> M
     inverse[kept] = pinv / length[:, None] * scale
     force = workspace.force[1:].ravel() - (0.0 if sought.row >= 0 else sought.value * sought.direction)
     held = [n for n in range(len(system.dry_joints)) if system.arrays["dry"][n, at.DRY_LAW] < 0]
+    dry = system.arrays["dry"][held]
+    second = np.where(dry[:, at.DRY_FORM] == at.DRY_ROD, dry[:, at.DRY_ROW], dry[:, at.DRY_SECOND])
     return Motion(
         scale, z / worth, force, sought.direction, inverse, _coordinates(system, workspace)[held],
-        system.arrays["dry"][held][:, [at.DRY_ROW, at.DRY_SECOND]],
+        np.column_stack([dry[:, at.DRY_ROW], second]), _across(system, workspace)[np.ix_(held, held)],
     )  # fmt: skip
 
 
@@ -157,6 +160,15 @@ def _freedom(system: System, sought: Sought | None, dof: int) -> str:
     return f"joints and drivers leave no degree of freedom, so that every value of '{sought.name}' is held{more}"
 
 
+def _across(system: System, workspace: Workspace) -> np.ndarray:
+    """(n, n) what all joints with friction bear across rods by their own friction [1/m]."""
+    dry = system.arrays["dry"]
+    found = np.zeros((len(dry), len(dry)))
+    for n in np.flatnonzero(dry[:, at.DRY_FORM] == at.DRY_ROD):
+        found[n, n], found[n, dry[n, at.DRY_SECOND]] = workspace.dry_rows[n, at.NU], -workspace.dry_rows[n, at.NU]
+    return found
+
+
 def _coordinates(system: System, workspace: Workspace) -> np.ndarray:
     """(joints, 3 nb) rows w of the free coordinates of all joints with friction, from the workspace."""
     found = np.zeros((len(system.dry_joints), system.body_count + 1, 3))
@@ -175,13 +187,15 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
     dry = dry[dry[:, at.DRY_LAW] < 0]
     p, values = dry[:, at.DRY_P], workspace.values
     arm = values[p + at.DRY_ARM]
-    reach = np.where(dry[:, at.DRY_FORM] == at.DRY_PIN, math.nan, values[p + at.DRY_REACH])
+    rods = dry[:, at.DRY_FORM] == at.DRY_ROD
+    reach = np.where(rods | (dry[:, at.DRY_FORM] == at.DRY_PIN), math.nan, values[p + at.DRY_REACH])
     held = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0)
     press = np.where(dry[:, at.DRY_FORM] == at.DRY_SURFACE, workspace.dry_rows[held, at.NU], 1.0)[:, None]
     rate = motion.coordinate @ motion.z
     largest = float(np.linalg.norm(motion.z / motion.scale)) * np.linalg.norm(motion.coordinate * motion.scale, axis=1)
     still = np.flatnonzero(np.abs(rate) <= STILL * largest)
     rate[still] = 0.0
+    beside = np.stack([np.ones(len(rods)), ~rods], axis=1)  # across a rod there is nothing but friction
     others, alone = motion.inverse @ motion.force, motion.free * (motion.inverse @ motion.direction)
     rounding = NOTHING * float(np.abs(others).max(initial=0.0) + np.abs(alone).max(initial=0.0))
     best: Impending | None = None
@@ -189,10 +203,10 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
         way, slip = np.sign(rate), np.abs(rate) * arm
         way[still[:MOST_STILL]] = signs
         acting = sense * (slip[:, None] * motion.direction - (way * arm)[:, None] * motion.coordinate)
-        response = np.moveaxis((acting @ motion.inverse.T)[:, motion.rows] * press, 0, 2)
-        one = Rubbing(
-            values[p + at.DRY_MU_STATIC], reach, (others + alone)[motion.rows] * press, response, slip, rounding
-        )
+        response = np.moveaxis((acting @ motion.inverse.T)[:, motion.rows] * press * beside, 0, 2)
+        response[:, 1] -= sense * motion.across * (way * arm)
+        bare = (others + alone)[motion.rows] * press * beside
+        one = Rubbing(values[p + at.DRY_MU_STATIC], reach, bare, response, slip, rounding)
         found = limit(one, far)
         more = math.inf if np.isinf(found.x).any() else float(slip @ found.x)
         if best is None or more > abs(best.load - motion.free):

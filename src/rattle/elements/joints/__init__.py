@@ -68,9 +68,8 @@ class JointKind:
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
     rubs: ClassVar[bool] = False  # True: it may have friction by its own reaction, as a pin or (with a line) a guide
-    tangent: ClassVar[str] = ""  # kind of row along which its friction acts, by one reaction; "": its coordinate's
+    tangents: ClassVar[tuple[str, ...]] = ()  # kinds of rows along which its friction acts; none: its coordinate's
     rubs_with: ClassVar[Mapping[str, Field]] = {}  # what its friction needs besides its model
-    no_friction: ClassVar[str] = ""  # why it has none, and what to do, in words
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
 

@@ -147,7 +147,7 @@ class Cam(JointKind):
     places = False
     drawn_as = "cam"
     rubs = True
-    tangent = "along-curve"
+    tangents = ("along-curve",)
     radius = Field(
         "m", "distance of the curve from the point of A; a from -180 to 180 deg in A's frame", function_of="a",
         least="positive",

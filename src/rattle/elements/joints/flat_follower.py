@@ -108,7 +108,7 @@ class FlatFollower(JointKind):
     moment = True
     drawn_as = "flat-follower"
     rubs = True
-    tangent = "along-face"
+    tangents = ("along-face",)
     axis = Field("rad", "direction in B's frame of the normal of the face, away from the cam", default=0.0)
     support = Field(
         "m", "distance from the centre to the tangent with the normal x, from -180 to 180 deg in A's frame",

@@ -52,7 +52,7 @@ class Gear(JointKind):
     rows = ("m",)
     rubs = True
     rubs_with = mesh.TEETH
-    tangent = "turning"
+    tangents = ("turning",)
     places = False
     moment = True
     from_start = 1

@@ -40,7 +40,7 @@ class Rack(JointKind):
     rows = ("m",)
     rubs = True
     rubs_with = mesh.TEETH
-    tangent = "turning"
+    tangents = ("turning",)
     places = False
     moment = True
     from_start = 1

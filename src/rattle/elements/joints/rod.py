@@ -5,14 +5,24 @@
     gamma = -(|d'|^2 - (n . d')^2) / |d| + n . (s_B w_B^2 - s_A w_A^2)                   [m/s^2]
 
 A pin that stays in contact with its bush is such a rod, L = radial clearance (the paper, section 1).
+
+With friction in its pins, of radius R, the moments tau_A and tau_B against its turning about them, psi' - w_A and
+w_B - psi', psi the direction of d, need a shear: without mass, the forces S along the rod and (tau_A - tau_B)/L across
+it balance both moments.  What presses on both pins is
+
+    N = hypot(S, (tau_A - tau_B)/L),      |tau| <= mu R N
+
+These are the equations of a body without mass between two revolute joints.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from rattle.elements.joints import JointKind
+from rattle.elements.wrapped import write_turning
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -42,6 +52,40 @@ def rod(body, a, b, p, k, row, rows):
     rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = nx, ny, ny * sbx - nx * sby
 
 
+@kernel("joint")
+def turning_on_a(body, a, b, p, k, row, rows):
+    """Write the row of psi' - w_A [rad/s], with 1/L."""
+    write_turning(body, a, b, p, k, -1.0, 0.0, 0.0, row, rows)
+    rows[row, at.NU] = 1.0 / p[k + 4]
+
+
+@kernel("joint")
+def turning_under_b(body, a, b, p, k, row, rows):
+    """Write the row of w_B - psi' [rad/s], with 1/L."""
+    write_turning(body, a, b, p, k, 0.0, 1.0, 0.0, row, rows)
+    rows[row, at.NU] = 1.0 / p[k + 4]
+
+
+@kind("tangent", "pin-on-a", turning_on_a)
+class PinOnA:
+    """Turning of a rod about its pin on A.
+
+    Source: Meriam, Kraige, Engineering Mechanics: Statics, section 6/6 (journal bearings).
+    """
+
+    unit = "N*m"
+
+
+@kind("tangent", "pin-on-b", turning_under_b)
+class PinOnB:
+    """Turning of B on the pin of a rod.
+
+    Source: Meriam, Kraige, Engineering Mechanics: Statics, section 6/6 (journal bearings).
+    """
+
+    unit = "N*m"
+
+
 @kind("joint", "rod", rod)
 class Rod(JointKind):
     """A massless rigid link of given length between two points.
@@ -50,12 +94,18 @@ class Rod(JointKind):
     """
 
     rows = ("m",)
-    no_friction = (
-        "a rod without mass cannot pass on the moments that friction in its pins needs: make it a body with two"
-        " revolute joints, which have friction"
-    )
+    rubs = True
+    rubs_with = {
+        "pin_radius": Field("m", "radius of both pins: mu times the force times it is the moment", least="positive")
+    }
+    tangents = ("pin-on-a", "pin-on-b")
     drawn_as = "rod"
     length = Field("m", "length of the rod", least="positive")
+
+    @staticmethod
+    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+        """The radius of the pins [m]."""
+        return own["pin_radius"]
 
     @staticmethod
     def distance(fields: Mapping[str, float]) -> float:

@@ -18,7 +18,17 @@ from __future__ import annotations
 import math
 
 from rattle.equations.complementarity import F, friction_of
-from rattle.equations.dry_friction import DEPENDENT, eliminate, mobility, prepare_rows, pressing, rounding
+from rattle.equations.dry_friction import (
+    DEPENDENT,
+    bearing,
+    borne,
+    borne_from,
+    eliminate,
+    mobility,
+    prepare_rows,
+    pressing,
+    rounding,
+)  # fmt: skip
 from rattle.equations.state import DISSIPATED, WORK, energies_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
@@ -67,7 +77,7 @@ def begin_rubbing(m):
 @compiled
 def fill_system(m):
     """The matrix of the equations of all P for the present modes and directions of `impact_reaction`."""
-    memory, system, reaction, percussion = m.dry_memory, m.dry_system, m.dry_reaction, m.impact_reaction
+    memory, system = m.dry_memory, m.dry_system
     count = memory.shape[0]
     for n in range(count):
         mode = memory[n, at.IMPACT_MODE]
@@ -78,16 +88,17 @@ def fill_system(m):
             for o in range(count):
                 system[n, o] = mobility(m, n, o) / mobility(m, n, n)
         elif mode != NONE:
-            r, q = m.dry[n, at.DRY_ROW], m.dry[n, at.DRY_SECOND]
-            _, slope, slope2 = pressing(m, n, percussion[r], percussion[q])
+            first, second = bearing(m, n, m.impact_reaction, at.IMPACT_FRICTION)
+            _, slope, slope2 = pressing(m, n, first, second)
             for o in range(count):
-                system[n, o] += mode * grip(m, n) * (slope * reaction[o, r] + slope2 * reaction[o, q])
+                by_first, by_second = borne(m, n, o)
+                system[n, o] += mode * grip(m, n) * (slope * by_first + slope2 * by_second)
 
 
 @compiled
 def solve_shares(m, r):
     """P of all joints per unit impulse in row r of the active contacts into `dry_share`; r = -1: C, without them."""
-    memory, system, percussion, reaction = m.dry_memory, m.dry_system, m.impact_reaction, m.multiplier_response
+    memory, system = m.dry_memory, m.dry_system
     count = memory.shape[0]
     fill_system(m)
     for n in range(count):
@@ -95,9 +106,10 @@ def solve_shares(m, r):
         if mode == at.DRY_STICKS:
             system[n, count] = (row_response(m, n, r) if r >= 0 else -memory[n, at.DRY_RATE]) / mobility(m, n, n)
         elif mode != NONE and r >= 0:
-            i, j = m.dry[n, at.DRY_ROW], m.dry[n, at.DRY_SECOND]
-            _, slope, slope2 = pressing(m, n, percussion[i], percussion[j])
-            system[n, count] = mode * grip(m, n) * (slope * reaction[r, i] + slope2 * reaction[r, j])
+            first, second = bearing(m, n, m.impact_reaction, at.IMPACT_FRICTION)
+            _, slope, slope2 = pressing(m, n, first, second)
+            by_first, by_second = borne_from(m, n, m.multiplier_response, r)
+            system[n, count] = mode * grip(m, n) * (slope * by_first + slope2 * by_second)
     eliminate(system, count)
     for n in range(count):
         if r >= 0:
@@ -196,9 +208,8 @@ def change_rubbing(m, count):
         if mode == NONE or memory[n, at.DRY_HELD] == 1.0:
             continue
         if mode == at.DRY_STICKS:
-            N, _, _ = pressing(
-                m, n, m.impact_reaction[m.dry[n, at.DRY_ROW]], m.impact_reaction[m.dry[n, at.DRY_SECOND]]
-            )
+            first, second = bearing(m, n, m.impact_reaction, at.IMPACT_FRICTION)
+            N, _, _ = pressing(m, n, first, second)
             most = grip(m, n) * N
             beyond = (abs(impulse) - most) / (abs(impulse) + most) if abs(impulse) > 0.0 else 0.0
             turned = -math.copysign(1.0, impulse)
