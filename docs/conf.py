@@ -19,7 +19,7 @@ project_copyright = author
 version = release = rattle.__version__
 
 extensions = ["sphinx.ext.autodoc", "myst_parser", "sphinx_design"]
-exclude_patterns = ["generated", "making"]
+exclude_patterns = ["generated/*.md", "generated/beside", "making"]  # generated/gallery holds pages of their own
 smartquotes = False  # they would turn --ideal into a dash
 html_theme = "pydata_sphinx_theme"
 html_title = "rattle"
@@ -40,7 +40,7 @@ html_theme_options = {
     "pygments_light_style": "default",
     "pygments_dark_style": "monokai",
 }
-html_sidebars = {"index": [], "first-ten-minutes": [], "gallery": []}
+html_sidebars = {"index": [], "first-ten-minutes": [], "gallery": [], "generated/gallery/*": []}
 
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 3

@@ -1,8 +1,10 @@
-"""All shipped examples: a picture to scale, a curve, one number, the commands of the header."""
+"""All shipped examples: a card of each, and a page with a picture, a curve, one number, the commands of the header."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +59,7 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
 }
 CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
 INSTANT = {
+    "chain": 0.4,
     "door_closer": 0.2,
     "geneva": 0.09,
     "scissor_lift": 0.4,
@@ -73,26 +76,100 @@ ORBITS = {"bouncing_pin": "O"}  # a single pin in its bush: its path shows more 
 WIDE, HIGH, DOTS = 8.6, 2.9, 100  # inches, inches, dots per inch
 
 
+GROOVED = {"belt", "cam", "flat-follower", "gear", "locking-disc", "rack", "ring", "roller", "slot"}
+SUBJECTS: dict[str, Callable[[Any, str], bool]] = {  # by what the model and the commands of its header have
+    "play": lambda model, _: any(_is_loose(one) for one in model.joints.values()),
+    "impact": lambda model, _: bool(_contacts(model) & {"impact", "stop"}),
+    "oil": lambda model, _: "lubricated" in _contacts(model),
+    "friction": lambda model, _: any(_rubs(one) for one in model.joints.values()),
+    "gears, cams, slots": lambda model, _: any(one.kind in GROOVED for one in model.joints.values()),
+    "clutches, stops": lambda model, _: any(one.stop or one.kind == "clutch" for one in model.joints.values()),
+    "springs, motors": lambda model, _: any(
+        "spring" in one.kind or one.kind in ("actuator", "motor") for one in model.loads.values()
+    ),
+    "equilibrium": lambda _, commands: "rattle equilibrium" in commands,
+    "accuracy": lambda _, commands: "rattle accuracy" in commands or "rattle tolerance" in commands,
+    "ideal joints": lambda model, _: not _contacts(model) - {"ideal"},
+}
+
+
 def pages(folder: Path) -> dict[str, str]:
-    """The gallery; its pictures are drawn into `folder`/pictures."""
-    (folder / "pictures").mkdir(exist_ok=True)
-    parts = [part for name in rt.examples() for part in _example(folder, name)]
-    return {"gallery": "\n\n".join(parts) + "\n"}
+    """The gallery and a page per example; their pictures are drawn into `folder`/pictures."""
+    for name in ("pictures", "gallery"):
+        (folder / name).mkdir(exist_ok=True)
+    examples = {f"gallery/{name}": _example(folder, name) for name in rt.examples()}
+    return {"gallery": _cards(folder), **examples}
 
 
-def _example(folder: Path, name: str) -> list[str]:
+def _is_loose(joint: Any) -> bool:
+    """True if a pin, a block or a tooth can move a little against what holds it."""
+    held = joint.contact is None or joint.contact.model == "ideal"
+    return not held and (bool(joint.clearance) or joint.kind == "gear")
+
+
+def _rubs(joint: Any) -> bool:
+    """True if there is friction in a joint or its contact."""
+    contact = joint.contact
+    return bool(joint.friction or (contact and (contact.friction or contact.fields.get("friction"))))
+
+
+def _contacts(model: Any) -> set[str]:
+    """Names of the contact models in a mechanism, and "stop"."""
+    joints = model.joints.values()
+    return {one.contact.model for one in joints if one.contact} | {"stop" for one in joints if one.stop}
+
+
+def subjects(name: str) -> list[str]:
+    """What an example is about."""
+    model, commands = rt.example(name).model, "\n".join(header(name).commands)
+    return [subject for subject, has in SUBJECTS.items() if has(model, commands)]
+
+
+def _cards(folder: Path) -> str:
+    """A card per example, with its drawing; `_static/gallery.js` adds a search."""
+    drawings = folder / "beside" / "drawings"
+    drawings.mkdir(parents=True, exist_ok=True)
+    cards = []
+    for name in rt.examples():
+        (drawings / f"{name}.svg").write_text(_drawing(name), encoding="utf-8")
+        cards.append(
+            f'<a class="example" href="generated/gallery/{name}.html" data-subjects="{";".join(subjects(name))}">'
+            f'<img src="drawings/{name}.svg" alt="" loading="lazy" width="230" height="144">'
+            f"<b>{escape(rt.example(name).name)}</b><code>{name}</code><span>{escape(in_short(name))}</span></a>"
+        )
+    lines = [f'<div class="examples" data-subjects="{";".join(SUBJECTS)}">', *cards, "</div>"]
+    return "\n".join(["```{raw} html", *lines, '<script src="_static/gallery.js" defer></script>', "```", ""])
+
+
+def in_short(name: str) -> str:
+    """What an example is, in one sentence; without its name where it begins with it."""
+    sentence = re.split(r"(?<=[.;])\s", header(name).intro.replace("`", ""), maxsplit=1)[0]
+    words = sentence.partition(": ")[2] or sentence
+    words = words[:1].upper() + words[1:].rstrip(".;")
+    return words if words.endswith("?") else f"{words}."
+
+
+def _drawing(name: str) -> str:
+    result = run(name).result
+    k = int(INSTANT.get(name, 0.0) * (len(result.t) - 1))
+    return module_with("thumbnail", "PIN").thumbnail(result, k, PATHS.get(name, ""), name)
+
+
+def _example(folder: Path, name: str) -> str:
     said = header(name)
     _draw(folder / "pictures" / f"{name}.png", name)
     shortened = f" The picture shows the first {SHORTER[name]}." if name in SHORTER else ""
-    return [
-        f"## {paragraph(rt.example(name).name)}",
+    parts = [
+        f"# {paragraph(rt.example(name).name)}",
         f"`{name}`: {paragraph(said.intro)}",
-        f"![{name}: the mechanism to scale and a curve](generated/pictures/{name}.png)",
+        f"![{name}: the mechanism to scale and a curve](../pictures/{name}.png)",
         f"*{paragraph(_number(name))}.*{shortened} Look at {paragraph(said.look)}",
-        live.opened(name),
+        live.opened(name, "../../"),
         shell(said.commands),
         f"Source: {paragraph(said.source)}",
+        "[All examples](../../gallery.md)",
     ]
+    return "\n\n".join(parts).replace("](theory.md", "](../../theory.md") + "\n"
 
 
 def curve_of(name: str) -> str:

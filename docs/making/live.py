@@ -28,8 +28,8 @@ def pages(folder: Path) -> dict[str, str]:
     return {}
 
 
-def opened(name: str) -> str:
-    """The page of an example in a frame that is loaded when it is opened, as HTML in Markdown."""
-    frame = f'<iframe src="live/{name}.html" title="{escape(name)} in motion" loading="lazy"></iframe>'
-    alone = f'<a href="live/{name}.html">in a window of its own</a>'
+def opened(name: str, up: str = "") -> str:
+    """The page of an example in a frame that is loaded when it is opened, as HTML in Markdown; up: way to the root."""
+    frame = f'<iframe src="{up}live/{name}.html" title="{escape(name)} in motion" loading="lazy"></iframe>'
+    alone = f'<a href="{up}live/{name}.html">in a window of its own</a>'
     return f'```{{raw}} html\n<details class="live"><summary>See it move</summary>{frame}<p>{alone}</p></details>\n```'

@@ -105,14 +105,30 @@ def extent(stage: Scene) -> tuple[Array, Array]:
 
     It is no smaller than a bush: the path of a pin in its clearance alone is no picture of a mechanism.
     """
+    low, high = _reached(stage)
+    bush = _largest_bush(stage)
+    if float(max(high - low)) < bush:
+        middle = 0.5 * (low + high)
+        low, high = middle - 0.5 * bush, middle + 0.5 * bush
+    return low, high
+
+
+def is_a_pin_alone(stage: Scene) -> bool:
+    """True if there is nothing to see but a pin in its bush."""
+    low, high = _reached(stage)
+    return float(max(high - low)) < _largest_bush(stage)
+
+
+def _reached(stage: Scene) -> tuple[Array, Array]:
+    """Lower left and upper right corner (2,) [m] of the box of all points and parts at every frame."""
     paths = [stage.path(body, p) for body in stage.bodies for p in _reach(stage, body)]
     for part, how in parts(stage.result.geometry):
         paths += [stage.path(body, p) for body, p in how.reach(part.form)]
     everything = np.vstack(paths)
     everything = everything[np.isfinite(everything).all(axis=1)]
-    low, high = everything.min(axis=0), everything.max(axis=0)
-    bush = 2.0 * max((form.get("bush_radius", 0.0) for form in stage.result.geometry["joints"].values()), default=0.0)
-    if float(max(high - low)) < bush:
-        middle = 0.5 * (low + high)
-        low, high = middle - 0.5 * bush, middle + 0.5 * bush
-    return low, high
+    return everything.min(axis=0), everything.max(axis=0)
+
+
+def _largest_bush(stage: Scene) -> float:
+    """Diameter [m] of the largest bush; 0 without any."""
+    return 2.0 * max((form.get("bush_radius", 0.0) for form in stage.result.geometry["joints"].values()), default=0.0)

@@ -1,0 +1,80 @@
+"""Small drawings of mechanisms, to be known again in a list of many."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rattle.plots.curves import BLUE, BORE, GREY, new_figure
+from rattle.plots.figure import TEXT
+from rattle.plots.orbit import clearance_joints, pin_path
+from rattle.plots.scene import Scene
+from rattle.plots.sketch import draw_mechanism, extent, is_a_pin_alone
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from rattle.results.result import Result
+
+ROOM = 0.06  # around a drawing, as a share of its size
+SIZE = 3.2, 2.0  # [inch]
+PIN = 0.7  # radius of a pin that is drawn alone, over that of its bush: its play is magnified
+
+
+def thumbnail(result: Result, k: int = 0, path: str = "", salt: str = "") -> str:
+    """The mechanism at instant k of a result as a small SVG drawing; of a pin alone its orbit, magnified.
+
+    path: "BODY.POINT" whose path is drawn too.  salt: what makes the names in the drawing its own in a page of many.
+    """
+    from matplotlib import rc_context
+
+    out = io.StringIO()
+    with rc_context({**TEXT, "svg.hashsalt": salt}):
+        figure = new_figure(*SIZE)
+        figure.set_layout_engine("none")
+        ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        ax.axis("off")
+        if is_a_pin_alone(Scene(result, np.array([k]), 1.0)):
+            _draw_pin(ax, result, k)
+        else:
+            _draw(ax, result, k, path)
+        figure.savefig(out, format="svg", metadata={"Date": None}, transparent=True)
+    text = out.getvalue()
+    return text[text.index("<svg") :]
+
+
+def _show(ax: Axes, low: np.ndarray, high: np.ndarray) -> None:
+    """Show the box low, high (2,) [m] in the middle."""
+    size = np.array(SIZE)
+    middle, half = 0.5 * (low + high), 0.5 * float(max((high - low) / size))
+    low, high = middle - half * size, middle + half * size
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+
+
+def _draw(ax: Axes, result: Result, k: int, path: str) -> None:
+    scene = Scene(result, np.array([k]), 1.0)
+    low, high = extent(scene)
+    if path:
+        x, y = result[f"{path}.x"], result[f"{path}.y"]
+        ax.plot(x, y, color=GREY, linewidth=1)
+        low, high = np.minimum(low, (x.min(), y.min())), np.maximum(high, (x.max(), y.max()))
+    size = float(max(high - low)) or 1.0
+    draw_mechanism(ax, scene._replace(size=size), names=False)
+    _show(ax, low - ROOM * size, high + ROOM * size)
+
+
+def _draw_pin(ax: Axes, result: Result, k: int) -> None:
+    """Pin and bush, with the path of the pin's centre where it is known."""
+    from matplotlib.patches import Circle
+
+    centre = 0.0, 0.0
+    ax.add_patch(Circle((0, 0), 1.0, facecolor=BORE, edgecolor=GREY, linewidth=2))
+    for joint, form in clearance_joints(result).items():
+        x, y, _ = pin_path(result, joint)
+        x, y = ((1.0 - PIN) / form["clearance"] * each for each in (x, y))
+        centre = float(x[k]), float(y[k])
+        ax.plot(x, y, color="white", linewidth=1, zorder=3)
+    ax.add_patch(Circle(centre, PIN, facecolor=BLUE, alpha=0.8, zorder=2))
+    _show(ax, np.full(2, -1.0 - ROOM), np.full(2, 1.0 + ROOM))
