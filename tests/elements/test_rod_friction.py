@@ -134,3 +134,55 @@ def test_a_rod_holds_between_the_tangents_of_its_friction_circles():
         force = push / way[0] * way  # of the rod on the slider, which its guide keeps level
         moments.append(float(middle[0] * force[1] - middle[1] * force[0]))
     assert (held.low, held.high) == pytest.approx(tuple(sorted(moments)), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_linkages_with_rods_move_as_with_bodies_without_mass(seed):
+    rng = np.random.default_rng(seed)
+    length, mu, pin, amplitude = rng.uniform([0.2, 0.05, 0.002, -3.0], [0.4, 0.5, 0.03, 3.0])
+    first, second, way = rng.uniform(-3.0, 3.0, 3).tolist()
+    x, y = 0.15 * np.array([math.cos(first), math.sin(first)]) + length * np.array([math.cos(way), math.sin(way)])
+    axle = [float(x - 0.15 * math.cos(second)), float(y - 0.15 * math.sin(second))]
+    friction = f"{{ mu = {mu}, mu_static = {1.2 * mu}, pin_radius = {pin} }}"
+    text = f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+G = {axle}
+[bodies.crank]
+points = {{ O = [0, 0], P = [0.15, 0] }}
+center = [0.1, 0]
+mass = 1
+inertia = 0.01
+[bodies.slider]
+points = {{ O = [0, 0], C = [0.15, 0] }}
+center = [0.05, 0.03]
+mass = 2
+inertia = 0.01
+[joints.left]
+type = "revolute"
+connect = ["ground.O", "crank.O"]
+[joints.right]
+type = "revolute"
+connect = ["ground.G", "slider.O"]
+[loads.turn]
+type = "torque"
+body = "crank"
+torque = "{amplitude}*cos({rng.uniform(1.0, 10.0)}*t)"
+LINK
+[initial]
+crank = {{ angle = {first}, omega = {rng.uniform(-5.0, 5.0)} }}
+slider = {{ angle = {second} }}
+"""
+    mine, other = (
+        rt.loads(
+            text.replace("LINK", link).replace("length = 0.3", f"length = {length}")
+            .replace("FRICTION", friction).replace("MASS", "0")
+            + (f"link = {{ angle = {way} }}\n" if link == BODY else "")
+        ).simulate(0.5, rtol=1e-9, t_eval=np.linspace(0.0, 0.5, 26))
+        for link in (ROD, BODY)
+    )  # fmt: skip
+    assert mine.success
+    assert mine["crank.angle"] == pytest.approx(other["crank.angle"], abs=1e-5)
+    assert mine["energy.dissipated"] == pytest.approx(other["energy.dissipated"], abs=1e-5)

@@ -100,8 +100,13 @@ class System:
 
     @property
     def dry_joints(self) -> list[str]:
-        """Names of the joints without play that have friction."""
+        """Names of the joints of the entries of `dry`; a rod has two."""
         return [self.joints[n] for n in self.arrays["dry"][:, at.DRY_JOINT].tolist()]
+
+    @property
+    def rough_joints(self) -> tuple[str, ...]:
+        """Names of the joints without play that have friction."""
+        return tuple(dict.fromkeys(self.dry_joints))
 
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
         """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""

@@ -279,8 +279,8 @@ class Recording:
     """
 
     def __init__(self, system: System, recorder: Recorder) -> None:
-        if system.dry_joints:
-            joints = ", ".join(system.dry_joints)
+        if system.rough_joints:
+            joints = ", ".join(system.rough_joints)
             raise TraceError(f"dry friction sticks and slips, which straight-line code cannot follow (joints {joints})")
         if len(system.arrays["contact"]):
             owners = system.arrays["contact"][:, layout.OWNER]

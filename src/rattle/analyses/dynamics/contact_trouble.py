@@ -82,7 +82,7 @@ def no_way(system: System, workspace: Workspace, t: float, names: str) -> str:
         return (
             f"drivers push {names} on at t = {t:.9g} s where {what} is and nothing can give way: {', or '.join(remedy)}"
         )
-    rubs = f", and friction of {', '.join(system.dry_joints)} does not let it slow down" * bool(system.dry_joints)
+    rubs = f", and friction of {', '.join(system.rough_joints)} does not let it slow down" * bool(system.rough_joints)
     return (
         f"the mechanism moves {names} on at t = {t:.9g} s where {what} is and nothing can give way{rubs}: a dead end"
         f" that rigid bodies cannot pass; {', or '.join(remedy)}"
@@ -91,10 +91,10 @@ def no_way(system: System, workspace: Workspace, t: float, names: str) -> str:
 
 def dependent_or_locked(system: System, t: float, names: str) -> str:
     """In words: the forces of contacts without friction, whose joints are `names`, have no sense at t [s]."""
-    if system.dry_joints:
+    if system.rough_joints:
         return (
-            f"friction of {', '.join(system.dry_joints)} locks {names} at t = {t:.9g} s: the forces of the joints grow"
-            " without bound; try less friction, or a compliant contact"
+            f"friction of {', '.join(system.rough_joints)} locks {names} at t = {t:.9g} s: the forces of the joints"
+            " grow without bound; try less friction, or a compliant contact"
         )
     return (
         f"{names} depend on each other at t = {t:.9g} s in a way that rounding decides; try method"

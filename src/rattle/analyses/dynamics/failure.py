@@ -132,7 +132,7 @@ def _sliding(system: System, workspace: Workspace) -> str:
     see(workspace, t, workspace.state)
     if not len(workspace.switch):
         return (
-            f"cannot go on at t = {t:.6g} s: friction in {', '.join(system.dry_joints)} sticks and slips to and fro"
+            f"cannot go on at t = {t:.6g} s: friction in {', '.join(system.rough_joints)} sticks and slips to and fro"
             " without end; give it a regularised model such as coulomb-smooth"
         )
     sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]

@@ -100,7 +100,7 @@ def require_friction_known(system: System, stepper: Kind) -> None:
             f"method {stepper.name} knows friction in contacts only, not in joints without play; use method"
             f" {usual_stepper(SET_VALUED)}"
         )
-        raise ModelError([Problem(("joints", name, "friction"), said) for name in system.dry_joints])
+        raise ModelError([Problem(("joints", name, "friction"), said) for name in system.rough_joints])
 
 
 def require_implicit(system: System, stepper: Kind) -> None:
