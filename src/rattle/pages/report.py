@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import itertools
 import logging
 import os
 import platform
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".html", ".pdf")
 PAPERS = ("A4", "Letter")
+# sections of small pictures, tables and lists
+LEFT_OUT, MADE = "Not in this report", "How this report was made"
+SMALL = (report_results.MOTION, report_results.FORCES, LEFT_OUT, MADE)
 _log = logging.getLogger("rattle")
 
 
@@ -79,9 +83,9 @@ def page_of(s: Study, title: str = "", author: str = "", command: str = "") -> s
     extra = {"without play": "Motion without play", "quasi-static": "Slow motion", "modes": "Natural frequencies"}
     why += [f"{words}: {sentence(s.reasons[what])}" for what, words in extra.items() if what in s.reasons]
     if why:
-        present.append(Section("Not in this report", listed(why)))
+        present.append(Section(LEFT_OUT, listed(why)))
     present += [_making(s, command), _appendix(s)]
-    body = _head(s, name, author, day) + _contents(present) + "".join(map(_section, present))
+    body = _head(s, name, author, day) + _contents(present) + _flow(present)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -124,6 +128,13 @@ def _contents(sections: Sequence[Section]) -> str:
     return f'<nav aria-label="Contents"><ol>{items}</ol></nav>'
 
 
+def _flow(sections: Sequence[Section]) -> str:
+    """All sections; neighbours with small contents together, so that paper has them in two columns."""
+    groups = itertools.groupby(sections, lambda one: one.title in SMALL)
+    texts = ((small, "".join(map(_section, of))) for small, of in groups)
+    return "".join(f'<div class="small">{text}</div>\n' if small else text for small, text in texts)
+
+
 def _section(one: Section) -> str:
     return f'<section id="{one.anchor}"><h2>{escape(one.title)}</h2>{one.body}</section>\n'
 
@@ -140,23 +151,25 @@ def _check(s: Study) -> Section:
     if s.check is None:
         return Section("Checks before the run", "", s.reasons.get("check", ""))
     words = {"free": "free coordinates", "loop": "closed loop", "play": "radial play", "driver": "range of the driver"}
-    rows = []
+    rows: dict[str, list[str]] = {}
     for line in str(s.check).splitlines()[1:]:
         what, colon, found = line.partition(": ")
-        rows.append((words.get(what, what), found) if colon else ("assembly", line))
+        if what != "parameter":  # these have a table of their own
+            rows.setdefault(words.get(what, what) if colon else "assembly", []).append(found if colon else line)
     left = "it moves as it is driven" if s.check.mobility == 0 else "free to move under the loads"
     lead = f"Degrees of freedom beside the drivers: {s.check.mobility} ({left})."
-    return Section("Checks before the run", paragraph(lead) + table(("what", "found"), rows))
+    return Section(
+        "Checks before the run",
+        paragraph(lead) + table(("what", "found"), [(what, "; ".join(found)) for what, found in rows.items()]),
+    )
 
 
 # ---------------------------------------------------------------- how it was made
 def _making(s: Study, command: str) -> Section:
     run = s.run
-    rows = [("program", f"rattle {__version__}"), ("language", f"Python {platform.python_version()}")]
-    rows.append(
-        ("packages", ", ".join(f"{one} {_version(one)}" for one in ("numpy", "scipy", "llvmlite", "matplotlib")))
-    )
-    rows.append(("platform", f"{platform.system()} on {platform.machine()}"))
+    language = f"Python {platform.python_version()} for {platform.system()} on {platform.machine()}"
+    packages = ", ".join(f"{one} {_version(one)}" for one in ("numpy", "scipy", "llvmlite", "matplotlib"))
+    rows = [("program", f"rattle {__version__}, {language}"), ("packages", packages)]
     if run is not None:
         facts, stats = run.provenance, run.stats
         words = {"rtol": "relative tolerance", "atol": "absolute tolerance", "step": "step [s]"}
@@ -165,9 +178,8 @@ def _making(s: Study, command: str) -> Section:
         count = f"{stats.get('steps')}, {stats.get('rejected')} more repeated"
         rows.append(("steps", f"{count}, in {float(stats.get('wall_time', 0.0)):.2g} s of computing"))
     again = command or 'the model text below, saved as "model.toml", with: rattle report model.toml -o report.html'
-    return Section(
-        "How this report was made", table(("what", "which"), rows) + f"<p>Made by</p><pre>{escape(again)}</pre>"
-    )
+    command_of_it = f"<div class='making'><p>Made by</p><pre>{escape(again)}</pre></div>"
+    return Section(MADE, table(("what", "which"), rows) + command_of_it)
 
 
 def _version(package: str) -> str:
@@ -181,7 +193,12 @@ def _version(package: str) -> str:
 
 def _appendix(s: Study) -> Section:
     lead = paragraph("The complete model as text, with all changes: from it everything above can be computed again.")
-    return Section("Appendix: model file", f'{lead}<pre class="file">{escape(s.m.to_toml())}</pre>')
+    text = s.m.to_toml()
+    top = "".join(itertools.takewhile(lambda line: line.startswith("#") or not line.strip(), text.splitlines(True)))
+    rest = escape(text[len(top) :])
+    return Section(
+        "Appendix: model file", f'{lead}<pre class="file"><span class="top">{escape(top)}</span>{rest}</pre>'
+    )
 
 
 def _print_lines(name: str, maker: str) -> str:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rattle import registry
-from rattle.pages.report_html import enumerated, figure, said, side_by_side
+from rattle.pages.report_html import enumerated, figure, gallery, said
 from rattle.pages.report_study import TURNS, Study, motion_of
 from rattle.plots import curves as style
+from rattle.plots.diagram import Sheet, plot_model
 from rattle.plots.figure import Page
 from rattle.plots.orbit import clearance_joints
+from rattle.plots.power import Spacing, plot_cycle
+from rattle.plots.statics import draw_band, draw_deviation
 from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.within_steps import largest
 
@@ -19,30 +23,34 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.results.result import Result
+    from rattle.studies.power.power import Power
 
-WIDE, HIGH = 7.6, 1.75  # of a panel [inches]
+FLOW = Spacing(1.25, 0.75, 0.52, 7.2)  # of the flow of energy
+SHEET = Sheet(6.0, 2.5, 1.2)  # of the drawing
+HALF = 3.55  # width of most pictures: two stand side by side [inches]
+HIGH = 0.98  # of a panel for one curve
+HIGHER = 1.5  # of a panel for several curves
+AXIS = 0.35  # of the time axis
+TALLEST, FLATTEST = 2.4, 1.1  # of a path
+AIR = 1.12  # of the axes of a path over its length
+SLIM = 0.12  # least length of a side of these axes, as a share of the other
 MOST = 6  # panels, orbits or curves of one kind
+FEW = 3  # panels of one picture of forces
 PLAY, IDEAL = "as modelled", "without play"
 RATES = {"angle": ("omega", "alpha"), "x": ("vx", "ax"), "y": ("vy", "ay")}
 
 
-def panels(s: Study, names: list[str], *, labels: dict[str, str] | None = None) -> Figure:
+def panels(s: Study, names: Sequence[str]) -> Figure:
     """Curves over time, each in a panel of its own with its unit; dashed, the same without play."""
     run = s.run
     assert run is not None, "a report draws curves of a run"
-    axes = style.new_axes(WIDE, HIGH * len(names) + 0.45, rows=len(names))
+    axes = style.new_axes(HALF, HIGH * len(names) + AXIS, rows=len(names))
     for ax, name in zip(axes, names, strict=True):
         _panel(ax, run, s.ideal, name)
-        ax.set_title((labels or {}).get(name, name), loc="left", fontsize=9, pad=3, parse_math=False)
-        style.shade_after_horizon(ax, run)
-        ax.margins(x=0.0)
-    made = style.figure_of(axes[0])
-    if s.ideal is not None:
-        handles, words = axes[0].get_legend_handles_labels()
-        made.legend(handles, words, loc="outside upper right", frameon=False, fontsize=8, ncols=2)
-    axes[-1].set_xlabel("time [s]")
-    return made
+        _over_time(ax, run)
+    return _with_time(axes)
 
 
 def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
@@ -54,9 +62,57 @@ def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
         ax.plot(
             ideal.t, factor * values[1], color=style.BLACK, linewidth=1.1, linestyle=(0, (4, 2)), label=IDEAL
         )  # fmt: skip
-    ax.set_ylabel(style.axis_label(style.QUANTITY.get(run.unit(name), ""), unit) or "no unit", fontsize=8.5)
-    ax.tick_params(labelsize=8)
+    ax.set_title(style.axis_label(name, unit), loc="left", fontsize=8, pad=3, parse_math=False)
     style.robust_limits(ax, [factor * one for one in values], side="right")
+
+
+def together(run: Result, names: Sequence[str], robust: bool = False) -> Figure:
+    """Curves over time in one panel for each unit, their names above it; robust: rare spikes are cut off."""
+    units: dict[str, list[str]] = {}
+    for name in names:
+        units.setdefault(run.unit(name), []).append(name)
+    axes = style.new_axes(HALF, HIGHER * len(units) + AXIS, rows=len(units))
+    for ax, (unit, curves) in zip(axes, units.items(), strict=True):
+        size = max(largest(run, name) for name in curves)
+        factor, shown = handy_unit(unit, size, units_of_result(run.provenance))
+        tops = []
+        for colour, name in zip(style.CURVES, curves, strict=False):
+            ax.plot(run.t, factor * run[name], color=colour, linewidth=0.9, label=name)
+            tops += [factor * run[name], factor * style.mark_largest(ax, run, name, colour, factor)]
+        ax.set_ylabel(style.axis_label(style.QUANTITY.get(unit, ""), shown) or "no unit", fontsize=8)
+        cut = robust and style.robust_limits(ax, tops, side="right")
+        _names_above(ax, LINE_OF_NOTE if cut else 0.0)
+        _over_time(ax, run)
+    return _with_time(axes)
+
+
+LINE_OF_NOTE = 0.1  # height of a note above a panel, as a share of it
+
+
+def _names_above(ax: Axes, higher: float = 0.0) -> None:
+    """The names of the curves in lines above their panel."""
+    handles, names = ax.get_legend_handles_labels()
+    across = int(np.clip(52 // (max(map(len, names)) + 4), 1, 4))
+    legend = ax.legend(
+        handles, names, loc="lower left", bbox_to_anchor=(0.0, 1.0 + higher), ncols=across, fontsize=7.5,
+        frameon=False, borderaxespad=0.2, handlelength=1.2, columnspacing=1.0,
+    )  # fmt: skip
+    for text in legend.get_texts():
+        text.set_parse_math(False)
+
+
+def _over_time(ax: Axes, run: Result) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    style.shade_after_horizon(ax, run)
+    ax.margins(x=0.0)
+    ax.tick_params(labelsize=7.5)
+    ax.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+
+
+def _with_time(axes: Sequence[Axes]) -> Figure:
+    axes[-1].set_xlabel("time [s]", fontsize=8)
+    return style.figure_of(axes[0])
 
 
 # ---------------------------------------------------------------- which curves
@@ -68,21 +124,20 @@ def motion_figures(s: Study) -> list[str]:
     body, _, key = s.output.rpartition(".")
     names = [s.output, *(f"{body}.{rate}" for rate in RATES[key])]
     words = {"angle": "angle", "x": "position of the mass centre along x", "y": "position of the mass centre along y"}
-    dashed = f"{_dashed(s)}{_shaded(run)}"
-    found = [figure(panels(s, names), f"Motion of {body}: {words[key]}, speed and acceleration{dashed}.")]
+    found = [figure(panels(s, names), f"Motion of {body}: {words[key]}, speed and acceleration{_marks(s)}.")]
     others = [motion_of(run, one) for one in model.bodies if one != body and one not in s.driven]
     others = [name for name in others if np.ptp(run[name]) > (TURNS if name.endswith(".angle") else 0.0)]
     if others:
         some = f" (the first {MOST} of {len(others)})" if len(others) > MOST else ""
-        found.append(figure(untitled(run.plot(*others[:MOST])), f"Motion of the other bodies{some}."))
+        found.append(figure(together(run, others[:MOST]), f"Motion of the other bodies{some}{_shaded(run)}."))
     if tracks := _points(s):
         path = f"Path{'s' if len(tracks) > 1 else ''} of {enumerated(tracks)} in the plane."
-        found.append(figure(untitled(run.plot_path(*tracks)), path))
+        found.append(figure(_path(run, tracks), path))
     signals = [name for name in model.recorded if name in run and np.ptp(run[name]) > 0.0]
     if signals:
         some = f" (the first {MOST} of {len(signals)})" if len(signals) > MOST else ""
-        picture = untitled(run.plot(*signals[:MOST], robust=True))
-        found.append(figure(picture, f"Signals and states of the model{some}."))
+        picture = together(run, signals[:MOST], robust=True)
+        found.append(figure(picture, f"Signals and states of the model{some}{_shaded(run)}."))
     return found
 
 
@@ -98,21 +153,66 @@ def _points(s: Study) -> list[str]:
     return [name for name in free if f"{name}.x" in run and np.ptp(run[f"{name}.x"]) + np.ptp(run[f"{name}.y"]) > 0][:3]
 
 
-def untitled(picture: Figure) -> Figure:
-    """Without the name of the model, which is the title of the report."""
-    picture.axes[0].set_title("", loc="left")
+def _path(run: Result, tracks: Sequence[str]) -> Figure:
+    """Paths of points, in a picture no higher than they need."""
+    ax = run.plot_path(*tracks, ax=style.new_axes(HALF, TALLEST)[0])
+    picture = style.figure_of(ax)
+    ways = [np.concatenate([np.asarray(line.get_data()[k], float) for line in ax.lines]) for k in range(2)]
+    low, high = (np.array([end(way) for way in ways]) for end in (np.nanmin, np.nanmax))
+    room = 0.5 * AIR * np.maximum(high - low, SLIM * (high - low).max())
+    (left, bottom), (right, top) = 0.5 * (low + high) - room, 0.5 * (low + high) + room
+    ax.set(xlim=(left, right), ylim=(bottom, top))
+    ax.set_aspect("equal", adjustable="box")
+    _plain(ax)
+    handles, words = ax.get_legend_handles_labels()
+    legend = ax.get_legend()
+    assert legend is not None, "a path has one"
+    legend.remove()
+    lines = -(-len(tracks) // 2) if len(tracks) > 1 else 0
+    if lines:
+        picture.legend(handles, words, loc="outside lower center", ncols=2, frameon=False, fontsize=7.5)
+    flat = 0.8 * HALF * room[1] / room[0] + 0.45  # axes as wide as the picture, and the labels below
+    picture.set_figheight(float(np.clip(flat, FLATTEST, TALLEST)) + 0.17 * lines)
     return picture
 
 
-def _dashed(s: Study) -> str:
-    return "; dashed: the same mechanism without play" if s.ideal is not None else ""
+def _plain(ax: Axes) -> None:
+    """Without title and notes, which the report has around it, and with labels for a small picture."""
+    ax.set_title("", loc="left")
+    for text in list(ax.texts):
+        if text.get_label() == style.NOTE:
+            text.remove()
+    ax.tick_params(labelsize=7.5)
+    ax.xaxis.label.set_fontsize(8)
+    ax.yaxis.label.set_fontsize(8)
+
+
+def _marks(s: Study) -> str:
+    assert s.run is not None, "asked for after a run"
+    return ("; dashed: without play" if s.ideal is not None else "") + _shaded(s.run)
 
 
 def _shaded(run: Result) -> str:
-    horizon = run.trust.horizon
-    if horizon is None or horizon >= run.trust.t_end:
+    return "; shaded: after the horizon" if _late(run) else ""
+
+
+def _late(run: Result) -> bool:
+    return run.trust.horizon is not None and run.trust.horizon < run.trust.t_end
+
+
+def key(s: Study) -> str:
+    """What dashed lines and shaded times mean in the curves, in a sentence; "" without any."""
+    run = s.run
+    if run is None:
         return ""
-    return f"; shaded: after t = {said(horizon, 's', 3)} it is one of many possible motions, good for statistics only"
+    said_of = ["dashed lines are the same mechanism without play"] if s.ideal is not None else []
+    if _late(run):
+        assert run.trust.horizon is not None, "late"
+        said_of.append(
+            f"the shaded time lies after the horizon, t = {said(run.trust.horizon, 's', 3)}, where the motion is one of"
+            " many possible ones, good for statistics only"
+        )
+    return f"In the curves {'; '.join(said_of)}." if said_of else ""
 
 
 def driver_figures(s: Study) -> list[str]:
@@ -127,27 +227,30 @@ def driver_figures(s: Study) -> list[str]:
         if curves:
             on = driver.on.replace("'", "")
             kept = f"Effort of {name}, which moves {on}, and its power"
-            found.append(figure(panels(s, curves), f"{kept}{_dashed(s)}{_shaded(run)}."))
+            found.append(figure(panels(s, curves), f"{kept}{_marks(s)}."))
     if not s.m.model.drivers:
         names = [f"energy.{key}" for key in ("kinetic", "potential", "work", "dissipated")]
         names = [name for name in names if name in run and np.ptp(run[name]) > 0.0]
         if names:
-            found.append(figure(untitled(run.plot(*names)), "Energies of the mechanism."))
+            found.append(figure(together(run, names), f"Energies of the mechanism{_shaded(run)}."))
     return found
 
 
 def force_figures(s: Study) -> list[str]:
-    """Forces of the joints that bear most, one panel each."""
+    """Forces of the joints that bear most, one panel each, a few in a picture."""
     run = s.run
     if run is None or len(run.t) < 2:
         return []
     joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run]
     by_peak = sorted(joints, key=lambda name: -run.peak(f"{name}.force")[0])[:MOST]
-    shown = [f"{name}.force" for name in joints if name in by_peak and run.peak(f"{name}.force")[0] > 0.0]
-    if not shown:
-        return []
-    some = f" of the {MOST} joints that bear most" if len(joints) > MOST else ""
-    return [figure(panels(s, shown), f"Magnitude of the joint forces{some}{_dashed(s)}{_shaded(run)}.")]
+    shown = [name for name in joints if name in by_peak and run.peak(f"{name}.force")[0] > 0.0]
+    pictures = -(-len(shown) // FEW)
+    size = -(-len(shown) // max(pictures, 1))
+    found = []
+    for few in (shown[k * size : (k + 1) * size] for k in range(pictures)):
+        words = f"Magnitude of the force{'s' if len(few) > 1 else ''} in {enumerated(few)}"
+        found.append(figure(panels(s, [f"{name}.force" for name in few]), f"{words}{_marks(s)}."))
+    return found
 
 
 def orbit_figures(s: Study) -> str:
@@ -155,8 +258,33 @@ def orbit_figures(s: Study) -> str:
     run = s.run
     if run is None or len(run.t) < 2:
         return ""
-    names = list(clearance_joints(run))[:4]
-    return side_by_side([figure(run.plot_orbit(name), f"Path of the pin of {name} in its bush.") for name in names])
+    names = list(clearance_joints(run))
+    shown = names[:MOST]
+    some = f" (the first {MOST} of {len(names)} joints)" if len(names) > MOST else ""
+    words = "Path of the pin of {} in its bush" + some
+    return gallery([figure(_orbit(run, name), f"{words.format(name)}{_shaded_path(run)}.") for name in shown])
+
+
+def _shaded_path(run: Result) -> str:
+    return f"; after t = {said(run.trust.horizon or 0.0, 's', 3)} statistics only" if _late(run) else ""
+
+
+def _orbit(run: Result, joint: str) -> Figure:
+    ax = run.plot_orbit(joint, ax=style.new_axes(HALF, 2.4)[0])
+    _plain(ax)
+    unit = ax.get_ylabel().partition(" ")[2]
+    ax.set_xlabel(f"x {unit}")
+    legend = ax.get_legend()
+    assert legend is not None, "an orbit has one"
+    handles, names = ax.get_legend_handles_labels()
+    ax.legend(
+        handles, names, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, frameon=False, fontsize=7.5
+    )  # fmt: skip
+    picture = style.figure_of(ax)
+    for bar in picture.axes[1:]:
+        bar.tick_params(labelsize=7.5)
+        bar.set_ylabel(bar.get_ylabel().replace("magnitude of the ", "").replace(", largest on top", ""), fontsize=8)
+    return picture
 
 
 def path_figure(s: Study) -> str:
@@ -169,7 +297,7 @@ def path_figure(s: Study) -> str:
     names = [name for name in names if name in path and np.isfinite(path[name]).any()]
     if not names:
         return ""
-    picture = untitled(path.plot(*names[:MOST], robust=True))
+    picture = together(path, names[:MOST], robust=True)
     words = "Effort of the drivers, position by position, if the mechanism is moved slowly"
     some = "; advantage: force or moment held at a load for each unit of effort" if len(s.m.model.drivers) == 1 else ""
     return figure(picture, f"{words}{some}.")
@@ -183,6 +311,30 @@ def drawing(s: Study) -> str:
     """The mechanism as put together, or as guessed with what does not close."""
     if not s.m.model.bodies:
         return ""
-    picture = s.m.plot()
+    picture = plot_model(s.m, sheet=SHEET)
     assert isinstance(picture, Page), "without axes given it is a new figure"
+    picture.axes[0].tick_params(labelsize=8)
     return figure(picture, "The mechanism at the start, to scale: circled crosses are mass centres.")
+
+
+def power_figure(power: Power) -> str:
+    """Where the energy of a cycle goes."""
+    picture = plot_cycle(power, FLOW)
+    picture.axes[0].set_title("", loc="left")
+    words = "Where the energy goes: from what drives on the left, through the bodies, to losses and loads on the right"
+    return figure(picture, f"{words}; \N{RIGHTWARDS ARROW OVER LEFTWARDS ARROW} goes back and forth.")
+
+
+def accuracy_figures(found: Accuracy) -> str:
+    """The output with the band that play allows, and the deviation alone."""
+    band, deviation = (style.new_axes(HALF, 2.1)[0] for _ in range(2))
+    draw_band(band, found)
+    draw_deviation(deviation, found)
+    for ax in (band, deviation):
+        for handle in ax.get_legend_handles_labels()[0]:
+            handle.set_label(str(handle.get_label()).replace(",\nfirst order", "").replace("\n", " "))
+        _names_above(ax)
+        ax.margins(x=0.0)
+        _plain(ax)
+    words = (f"{found.of} with the band that play allows.", f"Deviation of {found.of} by play.")
+    return gallery([figure(_with_time([ax]), one) for ax, one in zip((band, deviation), words, strict=True)])

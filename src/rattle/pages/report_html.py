@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,6 +13,9 @@ from matplotlib.figure import Figure
 from rattle.errors import WrongType
 from rattle.plots.figure import Page
 from rattle.results.display import grid, printed, quantity
+
+SHORT = 16  # rows up to which a table is printed in one piece: about a quarter of a page
+NARROW, GUTTER = 58, 2  # characters of a row of a table that takes half a page, and between two columns
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,10 @@ def sentence(text: str) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
-    """A table that may be wider than the page on a phone; columns without any entry are left out; "" without rows."""
+    """A table that may be wider than the page on a phone; columns without any entry are left out; "" without rows.
+
+    A short one is printed in one piece, of a long one the head comes again on every page.
+    """
     every = [list(row) for row in rows]
     if not every:
         return ""
@@ -76,19 +83,37 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "")
     inner = grid([head[k] for k in keep], [[row[k] for k in keep] for row in every])
     if caption:
         inner = inner.replace("<table>", f"<table><caption>{escape(printed(caption))}</caption>", 1)
-    return f'<div class="wide">{inner}</div>'
+    texts = [[head[k], *(row[k] for row in every)] for k in keep]
+    narrow = sum(max(map(len, column)) for column in texts) + GUTTER * len(texts) <= NARROW
+    kind = f"wide{' short' if len(every) <= SHORT else ''}{' narrow' if narrow else ''}"
+    return f'<div class="{kind}">{inner}</div>'
 
 
 def figure(picture: Figure, caption: str) -> str:
     """A picture with its caption; figures are numbered where the page is put together."""
     if not isinstance(picture, Page):
         raise WrongType("a picture of a page is one of our own figures")
-    return f"<figure>{picture.to_page(caption)}<figcaption>{escape(printed(caption))}</figcaption></figure>"
+    natural = f'style="--natural: {picture.get_figwidth():.4g}in"'
+    return f"<figure {natural}>{picture.to_page(caption)}<figcaption>{escape(printed(caption))}</figcaption></figure>"
 
 
-def side_by_side(figures: Sequence[str]) -> str:
-    """Figures in two columns where there is room."""
-    return f'<div class="pair">{"".join(figures)}</div>' if len(figures) > 1 else "".join(figures)
+def gallery(figures: Sequence[str]) -> str:
+    """Figures in two columns, one below the other in each; in one where there is no room for two."""
+    return f'<div class="gallery">{"".join(figures)}</div>' if any(figures) else ""
+
+
+def placed(tables: Sequence[str]) -> str:
+    """Wide tables one below the other, narrow ones together in two columns, in their order."""
+    present = filter(None, tables)
+    groups = itertools.groupby(
+        present, lambda one: one.startswith(('<div class="wide narrow', '<div class="wide short n'))
+    )
+    return "".join(gallery(list(of)) if narrow else "".join(of) for narrow, of in groups)
+
+
+def abreast(parts: Sequence[str], kind: str = "") -> str:
+    """Tables and the like side by side as far as there is room; kind: "halves" if each may be half a page wide."""
+    return f'<div class="{f"abreast {kind}".strip()}">{"".join(parts)}</div>' if any(parts) else ""
 
 
 def count(n: int, one: str, many: str = "") -> str:

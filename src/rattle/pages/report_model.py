@@ -10,9 +10,10 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Contact, Joint, Model, ValueTable
 from rattle.language.units import parse_quantity
-from rattle.pages.report_html import Section, count, enumerated, listed, paragraph, said, sentence, table
+from rattle.pages.report_html import Section, count, enumerated, listed, paragraph, placed, said, sentence, table
 from rattle.pages.report_study import Study
 
+MOST = 12  # signals or states in a table
 COMPLIANT = (
     "Where the surfaces overlap, a force pushes them apart: it stands for what both give way at the contact. It never"
     " pulls. Peak forces depend on its stiffness more than on anything else."
@@ -26,11 +27,11 @@ GENERAL = (
 def model_section(s: Study) -> Section:
     """Bodies, joints, drivers, loads, parameters."""
     model, written = s.m.model, json.loads(s.m.to_json())
-    parts = [paragraph(_in_words(model)), _bodies(model), _joints(model, written), _moved(model, written)]
-    parts += [_written("load", written.get("loads", {}), "type"), _parameters(model, written)]
-    parts += [_named("signal", written.get("signals", {})), _named("state", written.get("states", {}), "rate")]
-    parts += [_start(written)]
-    return Section("The model", "".join(parts))
+    tables = [_joints(model, written), _moved(model, written)]
+    tables += [_written("load", written.get("loads", {}), "type"), _start(written)]
+    tables += _parameters(model, written)
+    tables += [_named("signal", written.get("signals", {})), _named("state", written.get("states", {}), "rate")]
+    return Section("The model", paragraph(_in_words(model)) + _bodies(model) + placed(tables))
 
 
 def _in_words(model: Model) -> str:
@@ -111,7 +112,8 @@ def _named(what: str, entries: Mapping[str, Any], key: str = "value") -> str:
     for name, one in entries.items():
         text, more = (one.get(key, ""), _values(one, skip=(key,))) if isinstance(one, Mapping) else (one, "")
         rows.append((name, _text(text), more))
-    return table((what, "is" if key == "value" else "changes by", "values"), rows, f"{what.capitalize()}s")
+    some = f" (the first {MOST} of {len(rows)}; all are in the model file below)" if len(rows) > MOST else ""
+    return table((what, "is" if key == "value" else "changes by", "values"), rows[:MOST], f"{what.capitalize()}s{some}")
 
 
 def _values(entry: Mapping[str, Any], skip: tuple[str, ...] = ()) -> str:
@@ -128,8 +130,9 @@ def _text(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _parameters(model: Model, written: Mapping[str, Any]) -> str:
-    rows = []
+def _parameters(model: Model, written: Mapping[str, Any]) -> list[str]:
+    """A table of the parameters that are given, and one of those that follow from others."""
+    free, derived = list[tuple[str, ...]](), list[tuple[str, ...]]()
     for name, one in model.parameters.items():
         entry = written["parameters"].get(name, {})
         entry = entry if isinstance(entry, Mapping) else {"value": entry}
@@ -139,12 +142,11 @@ def _parameters(model: Model, written: Mapping[str, Any]) -> str:
         tol = f"±{_text(entry['tol'])}{dist}" if "tol" in entry else dist.strip()
         span = " to ".join(_text(entry[key]) for key in ("min", "max") if key in entry)
         value = text if plain and not isinstance(entry.get("value"), int | float) else said(one.value, one.unit, 6)
-        rows.append(
-            (name, value, "" if plain else text, span, tol, ". ".join(filter(None, (one.label, one.description))))
-        )
+        meaning = ". ".join(filter(None, (one.label, one.description)))
+        row = (name, value, text, span, tol, meaning)
+        (free if plain else derived).append((row[:2] + row[3:]) if plain else row)
     head = ("parameter", "value", "follows from", "range", "tolerance", "meaning")
-    shown = len(head) if any(row[-1] for row in rows) else len(head) - 1
-    return table(head[:shown], [row[:shown] for row in rows], "Parameters")
+    return [table(head[:2] + head[3:], free, "Parameters"), table(head, derived, "Parameters that follow from others")]
 
 
 def _start(written: Mapping[str, Any]) -> str:

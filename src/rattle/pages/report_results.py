@@ -10,14 +10,26 @@ import numpy as np
 
 from rattle import registry
 from rattle.pages import report_figures as figures
-from rattle.pages.report_html import Section, count, enumerated, figure, listed, paragraph, said, sentence, table
+from rattle.pages.report_html import (
+    Section,
+    abreast,
+    count,
+    enumerated,
+    gallery,
+    listed,
+    paragraph,
+    said,
+    sentence,
+    table,
+)
 from rattle.pages.report_study import Study
 from rattle.results.contact_summary import contact_lines, readable, rigid_joints
 from rattle.results.event import Event
 from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
 
-MOST_EVENTS = 15
+MOTION, FORCES, CONTACTS = "Motion", "Forces and efforts", "Play, contacts and impacts"  # titles
+MOST_EVENTS = 10
 NOT_READ = "not to be read"  # in place of a force that says nothing of a real one
 ROUNDING = 1e-9  # moment over force times size below which it is rounding
 MOST_RESTS = 8
@@ -30,19 +42,21 @@ KINDS = {
 def motion_section(s: Study) -> Section:
     """What moves and how."""
     pictures = figures.motion_figures(s)
-    return Section("Motion", "".join(pictures), "" if pictures else s.reasons.get("motion", "there is no motion"))
+    marks = figures.key(s)
+    body = (paragraph(marks, "lead") if marks else "") + gallery(pictures)
+    return Section(MOTION, body, "" if pictures else s.reasons.get("motion", "there is no motion"))
 
 
 def force_section(s: Study) -> Section:
     """Efforts of drivers, forces of joints: pictures, and a table with instants."""
     run = s.run
     if run is None or not len(run.t):
-        return Section("Forces", "", s.reasons.get("motion", "there is no motion"))
-    parts = [_drivers(s, run), *figures.driver_figures(s), _joints(s, run), _clutches(s, run)]
-    parts += figures.force_figures(s)
+        return Section(FORCES, "", s.reasons.get("motion", "there is no motion"))
+    tables = abreast([_drivers(s, run), _joints(s, run), _clutches(s, run)], "halves")
+    pictures = [*figures.driver_figures(s), *figures.force_figures(s)]
     if s.path is not None:
-        parts.append(figures.path_figure(s))
-    return Section("Forces and efforts", "".join(parts), "no joint and no driver exerts a force")
+        pictures.append(figures.path_figure(s))
+    return Section(FORCES, tables + gallery(pictures), "no joint and no driver exerts a force")
 
 
 def _joints(s: Study, run: Result) -> str:
@@ -109,9 +123,8 @@ def _drivers(s: Study, run: Result) -> str:
 def contact_section(s: Study) -> Section:
     """Orbits, contacts and impacts of joints with play, stops and one-sided joints."""
     run = s.run
-    title = "Play, contacts and impacts"
     if run is None:
-        return Section(title, "", s.reasons.get("motion", "there is no motion"))
+        return Section(CONTACTS, "", s.reasons.get("motion", "there is no motion"))
     rows = []
     for name, one in run.contacts.items():
         hits = [event.impulse for event in run.events if event.joint == name and event.kind == "impact"]
@@ -133,7 +146,7 @@ def contact_section(s: Study) -> Section:
     )  # fmt: skip
     body = table(head, rows, "Contacts over the whole run; forces between impacts")
     body += listed(map(sentence, contact_lines(run))) + figures.orbit_figures(s)
-    return Section(title, body, "no joint has play, a stop or a one-sided contact")
+    return Section(CONTACTS, body, "no joint has play, a stop or a one-sided contact")
 
 
 def _angular(s: Study, name: str) -> bool:
@@ -186,11 +199,11 @@ def rest_section(s: Study) -> Section:
     """Equilibria and natural frequencies of a mechanism without drivers."""
     if not s.rest:
         return Section("Equilibrium and vibration", "", s.reasons.get("equilibrium", ""))
-    rows = []
+    rows, least = [], ROUNDING * min(s.m.system.extent, 1.0)
     for n, one in enumerate(s.rest[:MOST_RESTS]):
         units = {"x": "m", "y": "m", "angle": "rad"}
         places = [
-            f"{body} {', '.join(said(one[f'{body}.{key}'], unit) for key, unit in units.items())}"
+            f"{body} {', '.join(said(_rounded(one[f'{body}.{key}'], least), unit) for key, unit in units.items())}"
             for body in list(s.m.model.bodies)[:6]
         ]
         pulls = f"no: {', '.join(one.pulled)} would have to pull" if one.pulled else "yes"
@@ -202,6 +215,11 @@ def rest_section(s: Study) -> Section:
         head = ("mode", "natural frequency", "damping", "bodies that move most")
         body += table(head, s.modes.rows(), "Small vibrations about the first equilibrium")
     return Section("Equilibrium and vibration", body)
+
+
+def _rounded(value: float, least: float) -> float:
+    """A coordinate [m or rad], 0 where it is rounding."""
+    return value if abs(value) > least else 0.0
 
 
 def power_section(s: Study) -> Section:
@@ -220,13 +238,8 @@ def power_section(s: Study) -> Section:
     if abs(left) > 1e-6 * float(one.into.max()):
         rows.append(("all bodies", "kinetic energy", "", "", said(left, "J"), ""))
     span = f"Energies from t = {said(power.t0, 's')} to {said(power.t1, 's')}"
-    caption = (
-        "Where the energy goes: from what drives on the left, through the bodies, to losses and loads on the right."
-    )
     checked = f"In every body powers and the rate of kinetic energy agree within {one.residual:.1g} W."
-    return Section(
-        "Power", figure(figures.untitled(power.plot()), caption) + table(head, rows, span) + paragraph(checked)
-    )
+    return Section("Power", figures.power_figure(power) + table(head, rows, span) + paragraph(checked))
 
 
 def accuracy_section(s: Study) -> Section:
@@ -249,9 +262,10 @@ def accuracy_section(s: Study) -> Section:
          f"{100 * share:.0f} %")
         for name, share in sorted(one.share.items(), key=lambda item: -item[1])
     ]  # fmt: skip
-    body = paragraph(f"How far the play lets {one.of} deviate from its value without play.") + listed(facts)
-    body += table(("joint", "clearance", "contribution at most", "share"), rows) + listed(map(sentence, one.notes))
-    return Section("Accuracy under play", body + figure(one.plot(), f"{one.of} with the band that play allows."))
+    body = paragraph(f"How far the play lets {one.of} deviate from its value without play.")
+    shares = table(("joint", "clearance", "contribution at most", "share"), rows)
+    body += abreast([listed(facts), shares], "halves") + listed(map(sentence, one.notes))
+    return Section("Accuracy under play", body + figures.accuracy_figures(one))
 
 
 # ---------------------------------------------------------------- events

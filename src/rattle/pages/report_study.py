@@ -113,10 +113,20 @@ def _tried(found: Study, what: str, words: str, action: Callable[[], Found], fat
     except FAILURES as error:
         if fatal and isinstance(error, ValueError) and not isinstance(error, ModelError | AssemblyError):
             raise
-        found.reasons[what] = str(error)
+        found.reasons[what] = in_words(error)
         if fatal:
-            found.trouble.append(str(error))
+            found.trouble.append(found.reasons[what])
         return None
+
+
+def in_words(error: Exception) -> str:
+    """What an error says, of a model without the file and the lines where it is: the report has no use for them."""
+    if not isinstance(error, ModelError):
+        return str(error)
+    places: dict[str, list[str]] = {}
+    for problem in error.problems:
+        places.setdefault(problem.message, []).append(problem.key)
+    return "; ".join(f"{', '.join(filter(None, keys))}: {text}".lstrip(": ") for text, keys in places.items())
 
 
 def _without_play(found: Study) -> None:

@@ -19,6 +19,7 @@ from rattle.results.within_steps import bursts, largest, summit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.text import Annotation
 
     from rattle.results.result import Result
 
@@ -45,6 +46,8 @@ QUANTITY = {
     "J": "energy",
     "W": "power",
 }
+LARGEST = "largest "  # before the name of a curve: what marks its largest value
+NOTE = "_note"  # label of notes that may be left out where a caption says the same
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
@@ -150,7 +153,7 @@ def mark_largest(
         x = np.interp([top.t], result.t, place)
         (mark,) = ax.plot(x, [factor * top.y], shape, color=colour, markersize=5, zorder=5, clip_on=False)
         mark.set_label(f"_largest magnitude of {name}")
-        mark.set_gid(f"largest {name}")
+        mark.set_gid(f"{LARGEST}{name}")
     return np.array([one.y for one in (top, *short) if one is not None])
 
 
@@ -233,10 +236,12 @@ def axis_label(quantity: str, unit: str) -> str:
     return f"{quantity} [{printed}]" if printed else quantity
 
 
-def note(ax: Axes, text: str, side: Literal["left", "right"] = "right") -> None:
+def note(ax: Axes, text: str, side: Literal["left", "right"] = "right") -> Annotation:
     """A small grey line above the axis, at one of its ends."""
     place = (0 if side == "left" else 1, 1)
-    ax.annotate(text, place, (0, 3), "axes fraction", "offset points", color=GREY, fontsize=8, ha=side, va="bottom")
+    return ax.annotate(
+        text, place, (0, 3), "axes fraction", "offset points", color=GREY, fontsize=8, ha=side, va="bottom", label=NOTE
+    )  # fmt: skip
 
 
 def shade_after_horizon(ax: Axes, result: Result, draw: bool = True) -> bool:
@@ -266,8 +271,11 @@ def robust_limits(ax: Axes, curves: Sequence[Array], side: Literal["left", "righ
         return False
     bottom, top = (low if cut_low else least), (high if cut_high else most)
     ax.set_ylim(bottom - 0.12 * (top - bottom), top + 0.12 * (top - bottom))
+    for mark in ax.lines:
+        if str(mark.get_gid()).startswith(LARGEST):
+            mark.set_ydata(np.clip(mark.get_ydata(), *ax.get_ylim()))  # at the edge, beyond which the largest lies
     reach = " and ".join(f"{float(f'{v:.3g}'):g}" for v, cut in ((least, cut_low), (most, cut_high)) if cut)
-    note(ax, f"spikes cut off: they reach {reach}".replace("-", "\N{MINUS SIGN}"), side)
+    note(ax, f"spikes cut off: they reach {reach}".replace("-", "\N{MINUS SIGN}"), side).set_label("_spikes")
     return True
 
 

@@ -43,6 +43,18 @@ FORCE, MOMENT, DRIVE, FREE = 0.13, 0.07, 0.055, 0.045  # length of an arrow, rad
 TOGETHER = 1e-6  # distance of points that have one name, and gap that is open: same share
 MANY = 8  # free coordinates that are listed, and up to which they are marked
 WIDE = 110  # characters of a line below the title
+LABEL = 40  # characters of a line of a label
+
+
+class Sheet(NamedTuple):
+    """How wide and how high axes are at most, and how high at least [inches]."""
+
+    wide: float
+    high: float
+    flattest: float
+
+
+OWN = Sheet(8.0, 7.6, 2.6)
 
 
 class Position(NamedTuple):
@@ -60,15 +72,15 @@ class Position(NamedTuple):
         return np.array([x + c * spot[0] - s * spot[1], y + s * spot[0] + c * spot[1]])
 
 
-def plot_model(m: AnalysedModel, ax: Axes | None = None) -> Figure | Axes:
-    """See `Mechanism.plot`."""
+def plot_model(m: AnalysedModel, ax: Axes | None = None, sheet: Sheet | None = None) -> Figure | Axes:
+    """See `Mechanism.plot`; sheet: of a new picture without a title, for a page that has one."""
     position = _position(m)
     scene = _scene(position)
     low, high = extent(scene)
     size = float(max(high - low)) or 1.0
     scene = scene._replace(size=size)
     low, high = low - ROOM * size, high + ROOM * size
-    given, ax = ax, ax if ax is not None else _axes(high - low)
+    given, ax = ax, ax if ax is not None else _axes(high - low, sheet or OWN)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     tidy(ax).grid(False)
     length_axes(ax, float(max(high - low)), written_units(m.to_json()))
@@ -83,7 +95,7 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None) -> Figure | Axes:
     if len(free) <= MANY:
         _mark_free(ax, scene, position, free)
     labels += _open_joints(ax, scene, position)
-    _say(ax, position, free)
+    _say(ax, position, free, sheet)
     place_labels(ax, labels)
     if given is None:
         figure_of(ax).set_layout_engine("none")  # names are placed for this layout
@@ -118,10 +130,10 @@ def _scene(position: Position) -> Scene:
     return Scene(result, np.array([0]), system.extent)
 
 
-def _axes(span: Array) -> Axes:
+def _axes(span: Array, sheet: Sheet) -> Axes:
     """Axes of a new figure for a picture of so many metres across and upwards."""
-    height = float(np.clip(8.0 * span[1] / span[0], 2.6, 7.6))
-    width = float(np.clip(height * span[0] / span[1], 6.4, 8.0))
+    height = float(np.clip(sheet.wide * span[1] / span[0], sheet.flattest, sheet.high))
+    width = float(np.clip(height * span[0] / span[1], 0.8 * sheet.wide, sheet.wide))
     return new_figure(width + 0.8, height + 1.4).subplots()
 
 
@@ -148,7 +160,8 @@ def _joints(scene: Scene, position: Position) -> Iterator[Label]:
     joints = position.system.model.joints
     for spot, names, points in places:
         more = ", ".join(dict.fromkeys(one for one in points if one and one not in joints))
-        yield Label(", ".join(names) + (f" ({more})" if more else ""), (float(spot[0]), float(spot[1])))
+        text = fill(", ".join(names) + (f" ({more})" if more else ""), LABEL)
+        yield Label(text, (float(spot[0]), float(spot[1])))
 
 
 def _bodies(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
@@ -301,7 +314,7 @@ def _open_joints(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
 
 
 # ---------------------------------------------------------------- what is said
-def _say(ax: Axes, position: Position, free: tuple[str, ...]) -> None:
+def _say(ax: Axes, position: Position, free: tuple[str, ...], sheet: Sheet | None) -> None:
     """The title, below it what there is and what moves; below the picture why it does not close."""
     model = position.system.model
     counts = [_count(len(model.bodies), "body", "bodies"), _count(len(model.joints), "joint", "joints")]
@@ -315,15 +328,17 @@ def _say(ax: Axes, position: Position, free: tuple[str, ...]) -> None:
         said += "; not put together: bodies as first guessed"
     elif position.system.row_count <= LARGE:
         said += "; nothing else is free" if model.drivers else "; no degree of freedom"
-    lines = fill(said, WIDE)
+    wide = WIDE if sheet is None else int(WIDE * 0.8 * sheet.wide / OWN.wide)
+    lines = fill(said, wide)
     ax.annotate(
         lines, (0, 1), (0, 4), "axes fraction", "offset points", color=GREY, fontsize=8, va="bottom", parse_math=False
     )
     pad = 8 + 10.5 * (lines.count("\n") + 1)
-    ax.set_title(model.name or "mechanism", loc="left", fontsize=11, pad=pad, parse_math=False)
+    if sheet is None:
+        ax.set_title(model.name or "mechanism", loc="left", fontsize=11, pad=pad, parse_math=False)
     if position.reason:
         ax.annotate(
-            fill(position.reason, WIDE), (0, 0), (0, -34), "axes fraction", "offset points", color=RED, fontsize=8.5,
+            fill(position.reason, wide), (0, 0), (0, -34), "axes fraction", "offset points", color=RED, fontsize=8.5,
             va="top", parse_math=False,
         )  # fmt: skip
 

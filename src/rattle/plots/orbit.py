@@ -153,7 +153,8 @@ def _coloured_by_force(
     ax.add_collection(lines)
     bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if most > top else "neither", shrink=0.85, pad=0.03)
     if most > top:
-        bar.ax.set_title(f"up to {most:.4g} N", fontsize=8, color=GREY)
+        many, unit = handy_unit("N", most)
+        bar.ax.set_title(f"up to {many * most:.4g} {unit}", fontsize=8, color=GREY)
     bar.set_label("magnitude of the normal force [N], largest on top")
 
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")

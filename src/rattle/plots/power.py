@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,22 @@ SHADES = {"source": BLUE, "sink": ORANGE, "kept": GREY}
 BACK = "#D5D5D5"  # what comes back within the cycle
 TO_AND_FRO = "\N{RIGHTWARDS ARROW OVER LEFTWARDS ARROW}"  # before an energy that goes back and forth
 LINE = 13.0  # height that a name on a band takes [points]
+TWO = 1.8  # height of two lines of it over one
 
 
-def plot_cycle(p: Power) -> Figure:
+class Spacing(NamedTuple):
+    """Distances [inches] from body to body at most and at least, of a body and the room below it, and the width."""
+
+    across: float
+    closest: float
+    line: float
+    width: float  # above which bodies stand closer
+
+
+OWN = Spacing(1.8, 1.8, 1.1, 7.5)
+
+
+def plot_cycle(p: Power, spacing: Spacing = OWN) -> Figure:
     """Where energy goes from t0 to t1: sources on the left, bodies, then losses, loads and what is stored.
 
     The width of a coloured band is the net energy [J], that of the grey one beside it what goes back and forth; both
@@ -39,15 +52,16 @@ def plot_cycle(p: Power) -> Figure:
         ax.text(0.5, 0.5, "no energy is exchanged in this time", ha="center", va="center", color=GREY)
         return _finished(ax, p)
     sheet = lay_out(nodes, links)
-    high = float(np.clip(1.1 * sheet.lines + 1.2, 3.2, 10.0))
-    (ax,) = new_axes(max(7.5, 1.8 * sheet.columns + 1.8), high)
+    high = float(np.clip(spacing.line * (sheet.lines + 1.1), 3.3 * spacing.line, 10.0))
+    across = float(np.clip(spacing.width / (sheet.columns + 1.0), spacing.closest, spacing.across))
+    (ax,) = new_axes(max(spacing.width, across * (sheet.columns + 1.0)), high)
     point = (sheet.high - sheet.low) / (72.0 * (high - 0.6))  # height on the sheet, about
     for link, ends in zip(sheet.links, sheet.ends, strict=True):
         _band(ax, link, ends, sheet)
     for k, node in enumerate(sheet.nodes):
         if node.side != "way":
-            _node(ax, node, k, sheet)
-    told: list[tuple[float, float]] = []
+            _node(ax, node, k, sheet, point)
+    told: list[tuple[float, float, float]] = []
     for link, ends in zip(sheet.links, sheet.ends, strict=True):
         if link.name:
             told.append(_tell(ax, link, ends, sheet.scale, point, told))
@@ -92,7 +106,7 @@ def _band(ax: Axes, link: Link, ends: Array, sheet: Sheet) -> None:
         ax.plot([x], [y], marker, color="white", markersize=4, zorder=2)
 
 
-def _node(ax: Axes, node: Node, k: int, sheet: Sheet) -> None:
+def _node(ax: Axes, node: Node, k: int, sheet: Sheet, point: float) -> None:
     """Draw a node with its name; sources and sinks with their energies."""
     from matplotlib.patches import Rectangle
 
@@ -101,12 +115,13 @@ def _node(ax: Axes, node: Node, k: int, sheet: Sheet) -> None:
     ax.add_patch(Rectangle((x - HALF, y - 0.5 * height), 2 * HALF, height, color=colour, zorder=3))
     if node.body >= 0:
         ax.annotate(
-            node.name, (x, y + 0.5 * height), (0, 3), textcoords="offset points", ha="center", va="bottom",
-            fontsize=10, color=BLACK, zorder=4, parse_math=False,
+            node.name, (x, y + 0.5 * height), (0, 2), textcoords="offset points", ha="center", va="bottom",
+            fontsize=9.5, color=BLACK, zorder=4, parse_math=False,
         )  # fmt: skip
         return
     left = node.side == "source"
-    said = "\n".join([node.name, *_told(node.net, node.back)])
+    words = [node.name, *_told(node.net, node.back)]
+    said = ("\n" if height > len(words) * LINE * point else "  ").join(words)
     ax.annotate(
         said, (x + (-0.06 if left else 0.06), y), ha="right" if left else "left", va="center", fontsize=9, color=BLACK,
         parse_math=False,
@@ -114,25 +129,31 @@ def _node(ax: Axes, node: Node, k: int, sheet: Sheet) -> None:
 
 
 def _tell(
-    ax: Axes, link: Link, ends: Array, scale: float, point: float, told: list[tuple[float, float]]
-) -> tuple[float, float]:
-    """The name of a joint with its energies, on its band or below a thin one, where no other one stands; its place.
+    ax: Axes, link: Link, ends: Array, scale: float, point: float, told: list[tuple[float, float, float]]
+) -> tuple[float, float, float]:
+    """The name of a joint with its energies, on its band or below a thin one, where no other one stands.
 
-    point: height of a point on the sheet; told: places of others.
+    point: height of a point on the sheet; told: places and heights of others.  Returns its own.
     """
     from matplotlib.patheffects import withStroke
 
     x, middle = ends.mean(axis=0)
     half = 0.5 * scale * (link.net + link.back)
-    aside = np.array([0.0, -1.0, 1.0]) * LINE * point
-    places = middle + aside if 2.0 * half > LINE * point else middle - half - 0.6 * LINE * point + aside
-    free = [y for y in places if all(abs(x - one) > 0.9 or abs(y - other) >= LINE * point for one, other in told)]
+    first, *more = _told(link.net, link.back)
+    line = LINE * point
+    two = bool(more) and half > line
+    high = TWO * line if two else line
+    aside = np.array([0.0, -1.0, 1.0]) * high
+    places = middle + aside if 2.0 * half > line else middle - half - 0.6 * line + aside
+    free = [
+        y for y in places if all(abs(x - at) > 0.9 or abs(y - other) >= (high + its) / 2 for at, other, its in told)
+    ]
     y = float((free or places)[0])
     ax.text(
-        x, y, "  ".join([link.name, *_told(link.net, link.back)]), ha="center", va="center", fontsize=8, color=BLACK,
-        zorder=5, path_effects=[withStroke(linewidth=2, foreground="white", alpha=0.6)], parse_math=False,
+        x, y, ("\n" if two else "  ").join([f"{link.name}  {first}", *more]), ha="center", va="center", fontsize=8,
+        color=BLACK, zorder=5, path_effects=[withStroke(linewidth=2, foreground="white", alpha=0.6)], parse_math=False,
     )  # fmt: skip
-    return float(x), y
+    return float(x), y, high
 
 
 def _told(net: float, back: float) -> list[str]:

@@ -21,6 +21,7 @@ from rattle.plots.curves import (
 )
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
+from rattle.results.chosen_units import Shown
 from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
@@ -38,13 +39,8 @@ def plot_accuracy(found: Accuracy) -> Figure:
     """The output with its worst-case band, the deviation alone, and the contribution of each joint; time [s]."""
     figure = new_figure(8.6, 6.6)
     top, middle, bar = figure.subplots(3, 1, height_ratios=(1.0, 1.3, 0.35 + 0.16 * len(found.joints)))
-    factor, unit = handy_unit(found.unit, 1.0)
-    small, small_unit = handy_unit(found.unit, float(found.worst.max()))
-    kind = QUANTITY.get(found.unit, found.of)
-    _band(tidy(top), found, factor)
-    top.set_ylabel(axis_label(kind, unit))
-    _deviation(tidy(middle), found, small)
-    middle.set_ylabel(axis_label("deviation", small_unit))
+    draw_band(tidy(top), found)
+    draw_deviation(tidy(middle), found)
     middle.set_xlabel("time [s]")
     top.sharex(middle)
     top.tick_params(labelbottom=False)
@@ -52,17 +48,19 @@ def plot_accuracy(found: Accuracy) -> Figure:
     for ax in (top, middle):
         ax.margins(x=0.0)
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize=9)
-    _contributions(tidy(bar), found, small, small_unit)
+    _contributions(tidy(bar), found)
     return figure
 
 
-def _band(ax: Axes, found: Accuracy, factor: float) -> None:
+def draw_band(ax: Axes, found: Accuracy) -> None:
     """The output and its band, magnified by a power of ten if it would be too narrow to be seen."""
+    factor, unit = handy_unit(found.unit, 1.0)
     many = magnified(float(np.ptp(found.nominal)), float(found.worst.max(initial=0.0)))
     low, high = (factor * (found.nominal + sign * many * found.worst) for sign in (-1.0, 1.0))
     label = "worst case" if many == 1 else f"worst case,\nmagnified {many} times"
     ax.fill_between(found.t, low, high, color=BAND, linewidth=0, label=label)
     ax.plot(found.t, factor * found.nominal, color=BLUE, linewidth=1.2, label="without play")
+    ax.set_ylabel(axis_label(QUANTITY.get(found.unit, found.of), unit))
 
 
 def magnified(span: float, band: float) -> int:
@@ -72,7 +70,9 @@ def magnified(span: float, band: float) -> int:
     return int(10 ** math.ceil(math.log10(0.03 * span / band) - 1e-9))
 
 
-def _deviation(ax: Axes, found: Accuracy, factor: float) -> None:
+def draw_deviation(ax: Axes, found: Accuracy) -> None:
+    """How far the output deviates: in the worst case, as a root sum square, exactly, and under the loads."""
+    factor, unit = _small_unit(found)
     worst, rss = factor * found.worst, factor * found.rss
     ax.fill_between(found.t, -worst, worst, color=BAND, linewidth=0, label="worst case,\nfirst order")
     ax.plot(found.t, rss, color=BLUE, linewidth=1.0, label="root sum square")
@@ -91,9 +91,16 @@ def _deviation(ax: Axes, found: Accuracy, factor: float) -> None:
     if np.isfinite(found.loaded).any():
         ax.plot(found.t, factor * found.loaded, color=RED, linewidth=1.4, label="under the loads,\nat rest")
     ax.axhline(0.0, color=GREY, linewidth=0.6)
+    ax.set_ylabel(axis_label("deviation", unit))
 
 
-def _contributions(ax: Axes, found: Accuracy, factor: float, unit: str) -> None:
+def _small_unit(found: Accuracy) -> Shown:
+    """Factor and unit for deviations."""
+    return handy_unit(found.unit, float(found.worst.max()))
+
+
+def _contributions(ax: Axes, found: Accuracy) -> None:
+    factor, unit = _small_unit(found)
     k = int(np.argmax(found.worst))
     order = sorted(range(len(found.joints)), key=lambda n: found.contributions[k, n])
     sizes = [factor * found.contributions[k, n] for n in order]
