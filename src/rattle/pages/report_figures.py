@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from rattle import registry
 from rattle.pages.report_html import enumerated, figure, gallery, said
@@ -35,7 +36,9 @@ HIGHER = 1.5  # of a panel for several curves
 AXIS = 0.35  # of the time axis
 TALLEST, FLATTEST = 2.4, 1.1  # of a path
 AIR = 1.12  # of the axes of a path over its length
-SLIM = 0.12  # least length of a side of these axes, as a share of the other
+APART = 0.45  # of two ticks of a path
+SLIM = 0.25  # least length of a side of these axes, as a share of the other
+STEPS = (1, 2, 2.5, 5, 10)  # from tick to tick
 MOST = 6  # panels, orbits or curves of one kind
 FEW = 3  # panels of one picture of forces
 PLAY, IDEAL = "as modelled", "without play"
@@ -102,12 +105,11 @@ def _names_above(ax: Axes, higher: float = 0.0) -> None:
 
 
 def _over_time(ax: Axes, run: Result) -> None:
-    from matplotlib.ticker import MaxNLocator
-
     style.shade_after_horizon(ax, run)
     ax.margins(x=0.0)
     ax.tick_params(labelsize=7.5)
-    ax.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+    ax.yaxis.set_major_locator(MaxNLocator(4, steps=STEPS, min_n_ticks=3))
+    ax.xaxis.set_major_locator(MaxNLocator(5, steps=STEPS))
 
 
 def _with_time(axes: Sequence[Axes]) -> Figure:
@@ -158,9 +160,9 @@ def _path(run: Result, tracks: Sequence[str]) -> Figure:
     ax = run.plot_path(*tracks, ax=style.new_axes(HALF, TALLEST)[0])
     picture = style.figure_of(ax)
     ways = [np.concatenate([np.asarray(line.get_data()[k], float) for line in ax.lines]) for k in range(2)]
-    low, high = (np.array([end(way) for way in ways]) for end in (np.nanmin, np.nanmax))
-    room = 0.5 * AIR * np.maximum(high - low, SLIM * (high - low).max())
-    (left, bottom), (right, top) = 0.5 * (low + high) - room, 0.5 * (low + high) + room
+    least, most = (np.array([end(way) for way in ways]) for end in (np.nanmin, np.nanmax))
+    room = 0.5 * AIR * np.maximum(most - least, SLIM * (most - least).max())
+    (left, bottom), (right, top) = 0.5 * (least + most) - room, 0.5 * (least + most) + room
     ax.set(xlim=(left, right), ylim=(bottom, top))
     ax.set_aspect("equal", adjustable="box")
     _plain(ax)
@@ -171,8 +173,11 @@ def _path(run: Result, tracks: Sequence[str]) -> Figure:
     lines = -(-len(tracks) // 2) if len(tracks) > 1 else 0
     if lines:
         picture.legend(handles, words, loc="outside lower center", ncols=2, frameon=False, fontsize=7.5)
-    flat = 0.8 * HALF * room[1] / room[0] + 0.45  # axes as wide as the picture, and the labels below
-    picture.set_figheight(float(np.clip(flat, FLATTEST, TALLEST)) + 0.17 * lines)
+    wide, below = 0.8 * HALF, 0.45  # of axes as wide as the picture, and of the labels below them
+    high = float(np.clip(wide * room[1] / room[0] + below, FLATTEST, TALLEST))
+    picture.set_figheight(high + 0.17 * lines)
+    wide = min(wide, (high - below) * room[0] / room[1])
+    ax.xaxis.set_major_locator(MaxNLocator(int(np.clip(wide / APART, 1, 6)), steps=STEPS, min_n_ticks=2))
     return picture
 
 
@@ -335,6 +340,7 @@ def accuracy_figures(found: Accuracy) -> str:
             handle.set_label(str(handle.get_label()).replace(",\nfirst order", "").replace("\n", " "))
         _names_above(ax)
         ax.margins(x=0.0)
+        ax.xaxis.set_major_locator(MaxNLocator(5, steps=STEPS))
         _plain(ax)
     words = (f"{found.of} with the band that play allows.", f"Deviation of {found.of} by play.")
     return gallery([figure(_with_time([ax]), one) for ax, one in zip((band, deviation), words, strict=True)])

@@ -111,9 +111,9 @@ def placed(tables: Sequence[str]) -> str:
     return "".join(gallery(list(of)) if narrow else "".join(of) for narrow, of in groups)
 
 
-def abreast(parts: Sequence[str], kind: str = "") -> str:
-    """Tables and the like side by side as far as there is room; kind: "halves" if each may be half a page wide."""
-    return f'<div class="{f"abreast {kind}".strip()}">{"".join(parts)}</div>' if any(parts) else ""
+def abreast(parts: Sequence[str]) -> str:
+    """Tables and lists side by side where there is room."""
+    return f'<div class="abreast">{"".join(parts)}</div>' if any(parts) else ""
 
 
 def count(n: int, one: str, many: str = "") -> str:

@@ -32,6 +32,7 @@ MOTION, FORCES, CONTACTS = "Motion", "Forces and efforts", "Play, contacts and i
 MOST_EVENTS = 10
 NOT_READ = "not to be read"  # in place of a force that says nothing of a real one
 ROUNDING = 1e-9  # moment over force times size below which it is rounding
+SEEN = 1e-6  # share of the largest energy below which one is not told
 MOST_RESTS = 8
 KINDS = {
     "contact": "touches", "release": "lifts off", "impact": "impact", "stick": "sticks", "slip": "slips",
@@ -52,7 +53,7 @@ def force_section(s: Study) -> Section:
     run = s.run
     if run is None or not len(run.t):
         return Section(FORCES, "", s.reasons.get("motion", "there is no motion"))
-    tables = abreast([_drivers(s, run), _joints(s, run), _clutches(s, run)], "halves")
+    tables = abreast([_drivers(s, run), _joints(s, run), _clutches(s, run)])
     pictures = [*figures.driver_figures(s), *figures.force_figures(s)]
     if s.path is not None:
         pictures.append(figures.path_figure(s))
@@ -231,11 +232,11 @@ def power_section(s: Study) -> Section:
     for name, kind, *energies in power.balance():
         supplied, lost, stored, _ = energies
         left += supplied - lost - stored
-        sizes = [said(value, "J") if abs(value) > 1e-9 * float(one.into.max()) else "" for value in energies]
+        sizes = [said(value, "J") if abs(value) > SEEN * float(one.into.max()) else "" for value in energies]
         if any(sizes):
             rows.append((name, "driver" if name in s.m.model.drivers else kind.replace("-", " "), *sizes))
     head = ("element", "type", "supplied from outside", "lost", "stored", "goes back and forth")
-    if abs(left) > 1e-6 * float(one.into.max()):
+    if abs(left) > SEEN * float(one.into.max()):
         rows.append(("all bodies", "kinetic energy", "", "", said(left, "J"), ""))
     span = f"Energies from t = {said(power.t0, 's')} to {said(power.t1, 's')}"
     checked = f"In every body powers and the rate of kinetic energy agree within {one.residual:.1g} W."
@@ -264,7 +265,7 @@ def accuracy_section(s: Study) -> Section:
     ]  # fmt: skip
     body = paragraph(f"How far the play lets {one.of} deviate from its value without play.")
     shares = table(("joint", "clearance", "contribution at most", "share"), rows)
-    body += abreast([listed(facts), shares], "halves") + listed(map(sentence, one.notes))
+    body += abreast([listed(facts), shares]) + listed(map(sentence, one.notes))
     return Section("Accuracy under play", body + figures.accuracy_figures(one))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.errors import InputError
+from rattle.plots.bulk import short
 from rattle.plots.curves import (
     BLACK,
     BORE,
@@ -154,7 +155,7 @@ def _coloured_by_force(
     bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if most > top else "neither", shrink=0.85, pad=0.03)
     if most > top:
         many, unit = handy_unit("N", most)
-        bar.ax.set_title(f"up to {many * most:.4g} {unit}", fontsize=8, color=GREY)
+        bar.ax.set_title(f"up to {short(many * most, 4)} {unit}", fontsize=8, color=GREY)
     bar.set_label("magnitude of the normal force [N], largest on top")
 
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")
