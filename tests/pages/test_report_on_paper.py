@@ -150,3 +150,10 @@ def test_a_reason_names_the_joint_and_no_file(tmp_path):
     assert "joints.slot0, joints.slot1, joints.slot2, joints.slot3: a slot with an open end needs clearance" in told
     assert ".toml" not in told
     assert "^" not in told
+
+
+def test_a_joint_that_bears_nothing_has_no_force_and_no_curve(tmp_path):
+    """The guide of the jack: its load hangs on the rack alone."""
+    page = rt.example("ratchet").report(tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.search(r"<td>guide</td><td[^>]*>0 N</td>", page)
+    assert "guide.force" not in page

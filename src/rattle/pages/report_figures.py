@@ -17,6 +17,7 @@ from rattle.plots.figure import Page
 from rattle.plots.orbit import clearance_joints
 from rattle.plots.power import Spacing, plot_cycle
 from rattle.plots.statics import draw_band, draw_deviation
+from rattle.results.contact_summary import force_rounding
 from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.within_steps import largest
 
@@ -110,6 +111,7 @@ def _over_time(ax: Axes, run: Result) -> None:
     ax.tick_params(labelsize=7.5)
     ax.yaxis.set_major_locator(MaxNLocator(4, steps=STEPS, min_n_ticks=3))
     ax.xaxis.set_major_locator(MaxNLocator(5, steps=STEPS))
+    ax.ticklabel_format(axis="y", style="plain", useOffset=False)
 
 
 def _with_time(axes: Sequence[Axes]) -> Figure:
@@ -177,7 +179,9 @@ def _path(run: Result, tracks: Sequence[str]) -> Figure:
     high = float(np.clip(wide * room[1] / room[0] + below, FLATTEST, TALLEST))
     picture.set_figheight(high + 0.17 * lines)
     wide = min(wide, (high - below) * room[0] / room[1])
-    ax.xaxis.set_major_locator(MaxNLocator(int(np.clip(wide / APART, 1, 6)), steps=STEPS, min_n_ticks=2))
+    ax.xaxis.set_major_locator(MaxNLocator(int(np.clip(wide / APART, 2, 6)), steps=STEPS, min_n_ticks=2))
+    if wide < 2.5 * APART:
+        ax.tick_params(axis="x", rotation=90)
     return picture
 
 
@@ -246,9 +250,9 @@ def force_figures(s: Study) -> list[str]:
     run = s.run
     if run is None or len(run.t) < 2:
         return []
-    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run]
+    joints, rounding = [name for name in run.geometry["joints"] if f"{name}.fx" in run], force_rounding(run)
     by_peak = sorted(joints, key=lambda name: -run.peak(f"{name}.force")[0])[:MOST]
-    shown = [name for name in joints if name in by_peak and run.peak(f"{name}.force")[0] > 0.0]
+    shown = [name for name in joints if name in by_peak and run.peak(f"{name}.force")[0] > rounding]
     pictures = -(-len(shown) // FEW)
     size = -(-len(shown) // max(pictures, 1))
     found = []

@@ -14,7 +14,7 @@ from rattle.errors import WrongType
 from rattle.plots.figure import Page
 from rattle.results.display import grid, printed, quantity
 
-SHORT = 16  # rows up to which a table is printed in one piece: about a quarter of a page
+SHORT, LINE = 16, 80  # lines up to which a table is printed in one piece, a quarter of a page; characters of a line
 NARROW, GUTTER = 58, 2  # characters of a row of a table that takes half a page, and between two columns
 
 
@@ -85,7 +85,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "")
         inner = inner.replace("<table>", f"<table><caption>{escape(printed(caption))}</caption>", 1)
     texts = [[head[k], *(row[k] for row in every)] for k in keep]
     narrow = sum(max(map(len, column)) for column in texts) + GUTTER * len(texts) <= NARROW
-    kind = f"wide{' short' if len(every) <= SHORT else ''}{' narrow' if narrow else ''}"
+    lines = sum(-(-sum(map(len, row)) // LINE) for row in every)
+    kind = f"wide{' short' if lines <= SHORT else ''}{' narrow' if narrow else ''}"
     return f'<div class="{kind}">{inner}</div>'
 
 

@@ -23,7 +23,7 @@ from rattle.pages.report_html import (
     table,
 )
 from rattle.pages.report_study import Study
-from rattle.results.contact_summary import contact_lines, readable, rigid_joints
+from rattle.results.contact_summary import contact_lines, force_rounding, readable, rigid_joints
 from rattle.results.event import Event
 from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
@@ -61,13 +61,16 @@ def force_section(s: Study) -> Section:
 
 
 def _joints(s: Study, run: Result) -> str:
-    rows = []
+    rows, rounding = [], force_rounding(run)
     for name in run.geometry["joints"]:
         if f"{name}.fx" not in run:
             continue
         force, when = run.peak(f"{name}.force")
         if not readable(run, f"{name}.force"):
             rows.append([name, NOT_READ, *[""] * 5])
+            continue
+        if force <= rounding:
+            rows.append([name, said(0.0, "N"), "", said(0.0, "N"), *[""] * 3])
             continue
         row = [name, said(force, "N"), _at(run, when), said(run.rms(f"{name}.force"), "N")]
         ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else math.nan

@@ -247,7 +247,7 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     rows = []
     loaded = [name for name in result.geometry["joints"] if f"{name}.fx" in result and len(result.t)]
     readables = [name for name in loaded if readable(result, f"{name}.force")]
-    rounding = ROUNDING * max((rms_of(result, f"{name}.force") for name in readables), default=0.0)
+    rounding = force_rounding(result)
     for joint in loaded:
         row: tuple[str, ...] = (joint, "-", "-", "-")
         if joint in readables:
@@ -265,6 +265,12 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
             row += (quantity(one.impulse, "N*s", 3), quantity(one.impulse_at, "s")) if one.impacts else ()
         rows.append(row + ("-",) * (len(head) - len(row)))
     return head, rows
+
+
+def force_rounding(result: Curves) -> float:
+    """Force [N] at and below which that of a joint is rounding."""
+    forces = [f"{name}.force" for name in result.geometry["joints"] if f"{name}.fx" in result and len(result.t)]
+    return ROUNDING * max((rms_of(result, name) for name in forces if readable(result, name)), default=0.0)
 
 
 def _two(value: float) -> str:
