@@ -20,6 +20,7 @@ NEAR = 1e-9  # gap of a closed contact, as a share of its clearance; what errors
 STILL = 1e-8  # slip or approach [m/s] that is rounding or the error of a located reversal
 SLACK = 1e-9  # share of the terms of a condition by which it may be broken
 EDGE = 1e-5  # share of a limit within which a solution ends soon
+FRICTIONS = (0.1, 0.3, 0.6, 1.0, 1.5)
 OFF, STICK, FORWARD, BACKWARD = range(4)
 
 
@@ -54,10 +55,11 @@ class Problem:
 
 
 class RoughPins:
-    """One to three bodies hanging on one to three loose pins with friction, shaken by a torque and a force."""
+    """One to three bodies hanging on one to `most` loose pins with friction, shaken by a torque and a force."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, most: int = 3, frictions: tuple[float, ...] = FRICTIONS) -> None:
         rng = np.random.default_rng(seed)
+        self.frictions = frictions
         count = int(rng.integers(1, 4))
         self.mass = rng.uniform(0.3, 3.0, count)
         self.inertia = self.mass * rng.uniform(0.02, 0.15, count) ** 2
@@ -68,7 +70,7 @@ class RoughPins:
         for k in range(1, count + 1):
             self.place[k] = [*rng.uniform(-0.3, 0.3, 2), rng.uniform(-math.pi, math.pi)]
             self._pin(rng, int(rng.integers(0, k)), k)
-        while len(self.pins) < 3 and rng.random() < 0.5:
+        while len(self.pins) < most and rng.random() < 0.5:
             a, b = sorted(int(n) for n in rng.choice(count + 1, 2, replace=False))
             self._pin(rng, a, b)
         self.rate[1:] = rng.normal(0.0, 1.0, (count, 3)) * [0.01, 0.01, 1.0]
@@ -80,7 +82,7 @@ class RoughPins:
         middle = 0.5 * (self.place[a, :2] + self.place[b, :2]) + rng.normal(0.0, 0.08, 2)
         away = clearance * rng.uniform(0.0, 0.9) * turned(rng.uniform(0, 6.28), np.array([1.0, 0.0]))
         ends = [turned(-self.place[n, 2], where - self.place[n, :2]) for n, where in ((a, middle), (b, middle + away))]
-        mu = float(rng.choice([0.1, 0.3, 0.6, 1.0, 1.5]))
+        mu = float(rng.choice(self.frictions))
         self.pins.append(Pin(a, b, ends[0], ends[1], clearance, mu, float(rng.choice([0.0, 0.3, 0.7]))))
 
     def text(self) -> str:
@@ -108,10 +110,10 @@ class RoughPins:
             lines.append(f"b{k} = {{ x = {x}, y = {y}, angle = {angle}, vx = {vx}, vy = {vy}, omega = {w} }}")
         return "\n".join(lines) + "\n"
 
-    def problem(self, t: float, q: np.ndarray, v: np.ndarray) -> Problem:
+    def problem(self, t: float, q: np.ndarray, v: np.ndarray, rebound: float = 1.0) -> Problem:
         """The problem at a state [SI]: for the forces of closed contacts, or for the impulses if one approaches.
 
-        Impulses are those of Newton's law, or of compression by the other two.
+        Impulses are those of Newton's law, with a share `rebound` of it, or of compression by the other two.
         """
         q, v = np.vstack([np.zeros(3), q.reshape(-1, 3)]), np.vstack([np.zeros(3), v.reshape(-1, 3)])
         weight = np.concatenate([np.zeros(3), np.repeat(1.0 / self.mass, 3)])
@@ -126,7 +128,7 @@ class RoughPins:
         g = (lines * weight) @ lines.T
         if (rates[0::2] < -STILL).any():
             b, newton = rates.copy(), self.restitution_law == "newton"
-            b[0::2] *= [1.0 + (pin.restitution if newton else 0.0) for pin in pins]
+            b[0::2] *= [1.0 + (rebound * pin.restitution if newton else 0.0) for pin in pins]
             return Problem(g, b, np.zeros(len(pins)), mu)
         stay = np.flatnonzero(rates[0::2] <= STILL)
         both = np.sort(np.concatenate([2 * stay, 2 * stay + 1]))
@@ -159,6 +161,7 @@ class Solution:
     force: np.ndarray
     rate: np.ndarray
     lasts: bool  # False if a force is about to pass its limit
+    share: float  # of the determinant without friction of sliding; it is 0 at a lock
 
 
 def all_solutions(problem: Problem) -> list[Solution]:
@@ -223,26 +226,28 @@ def solve(problem: Problem, modes: tuple[int, ...]) -> Solution | None:
         undecided = abs(slips[k]) <= STILL
         if undecided and mode != STICK and (turns if mode == FORWARD else -turns) < -SLACK * size.max():
             return None
-    return Solution(modes, force, rate, lasts)
+    return Solution(modes, force, rate, lasts, share_of(problem, modes))
+
+
+def share_of(problem: Problem, modes: tuple[int, ...]) -> float:
+    """Ratio of the determinants with and without friction of sliding, in given modes; 1 where contacts depend."""
+    g, mu = problem.g, problem.mu
+    rows, rough, smooth = [], [], []
+    for k, mode in enumerate(modes):
+        if mode == OFF:
+            continue
+        drag = 0.0 if mode == STICK else (-mu[k] if mode == FORWARD else mu[k])
+        rows.append(2 * k)
+        rough.append(g[:, 2 * k] + drag * g[:, 2 * k + 1])
+        smooth.append(g[:, 2 * k])
+        if mode == STICK:
+            rows.append(2 * k + 1)
+            rough.append(g[:, 2 * k + 1])
+            smooth.append(g[:, 2 * k + 1])
+    plain = np.linalg.det(np.array(smooth).T[rows]) if rows else 1.0
+    return float(np.linalg.det(np.array(rough).T[rows]) / plain) if rows and plain > 0.0 else 1.0
 
 
 def least_share(problem: Problem) -> float:
-    """Smallest ratio of the determinants with and without friction of sliding, of any modes; it is 0 at a lock."""
-    g, mu, least, count = problem.g, problem.mu, 1.0, len(problem.mu)
-    for modes in itertools.product(range(4), repeat=count):
-        rows, rough, smooth = [], [], []
-        for k, mode in enumerate(modes):
-            if mode == OFF:
-                continue
-            drag = 0.0 if mode == STICK else (-mu[k] if mode == FORWARD else mu[k])
-            rows.append(2 * k)
-            rough.append(g[:, 2 * k] + drag * g[:, 2 * k + 1])
-            smooth.append(g[:, 2 * k])
-            if mode == STICK:
-                rows.append(2 * k + 1)
-                rough.append(g[:, 2 * k + 1])
-                smooth.append(g[:, 2 * k + 1])
-        if rows:
-            plain = np.linalg.det(np.array(smooth).T[rows])
-            least = min(least, np.linalg.det(np.array(rough).T[rows]) / plain) if plain > 0.0 else least
-    return least
+    """Smallest share of a determinant, see `share_of`, of any modes."""
+    return min(share_of(problem, modes) for modes in itertools.product(range(4), repeat=len(problem.mu)))

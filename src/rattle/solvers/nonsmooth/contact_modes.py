@@ -112,8 +112,6 @@ def choose_closed(m, apart, kind, attempt, pulling):
                 slide[closed] = 0
             if n == apart and kind == BREAK_AWAY:
                 slide[closed] = 1 if pulling > 0.0 else -1
-            elif kind == BREAK_AWAY and kept and mode[n] != STICK:  # it was at its friction limit before
-                slide[closed] = 1 if mode[n] == FORWARD else -1
             candidate[closed] = mode[n]
             if mode[n] == OFF or slide[closed] != 0:
                 candidate[closed] = FORWARD if slide[closed] >= 0 else BACKWARD

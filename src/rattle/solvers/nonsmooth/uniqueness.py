@@ -11,6 +11,7 @@ from rattle.equations.complementarity import (
     OFF,
     OTHER,
     SOLVED,
+    STICK,
     TRY_ALL,
     A,
     B,
@@ -24,6 +25,7 @@ from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, kernel
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
+EDGE = 1e-5  # share of a limit within which a force is about to pass it: see test_rough_pins
 KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of `lemke`
 
 
@@ -120,42 +122,75 @@ def take_modes(m, count, code):
 
 
 @compiled
+def lasts(m, count):
+    """True if no force of the present solution is about to pass its limit: those of sticking, and that of pressing."""
+    side, candidate, largest = m.side, m.candidate, 0.0
+    for k in range(count):
+        largest = max(largest, side[F, 2 * k])
+    for k in range(count):
+        pressed, held = side[F, 2 * k], side[F, 2 * k + 1]
+        limit = friction_of(m, m.active[k]) * pressed
+        if candidate[k] != OFF and not pressed > EDGE * largest:
+            return False
+        if candidate[k] == STICK and limit > 0.0 and abs(held) > (1.0 - EDGE) * limit:
+            return False
+    return True
+
+
+@compiled
+def moves_otherwise(m, count):
+    """True if a of the present solution differs from that of the first one."""
+    side, largest, apart = m.side, 0.0, 0.0
+    for r in range(2 * count):
+        largest = max(largest, abs(side[B, r]))
+        apart = max(apart, abs(side[A, r] - side[OTHER, r]))
+    return apart > 1e-6 * largest
+
+
+@compiled
+def note_shared(m, count):
+    """Note contacts whose force is not that of the first solution, although they move alike."""
+    side, kept = m.side, m.path[KEPT_A]
+    for k in range(count):
+        if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
+            m.contact_memory[m.active[k], at.UNSURE] = 1.0
+
+
+@compiled
 def try_combinations(m, count, most, slack):
     """`try_kernel`, accepting solutions up to a tolerance `slack`."""
-    side, active = m.side, m.active
-    kept, found, first = m.path[KEPT_A], 0, 0
+    side, kept, motions, chosen, firm = m.side, m.path[KEPT_A], 0, 0, False
     for code in range(combinations(m, count)):
         take_modes(m, count, code)
         linear(m, count)
         if not is_solution(m, count, slack):
             continue
-        new = found == 0
-        largest, apart = 0.0, 0.0
-        for r in range(2 * count):
-            largest = max(largest, abs(side[B, r]))
-            apart = max(apart, abs(side[A, r] - side[OTHER, r]))
-        if found > 0 and apart > 1e-6 * largest:
-            found += 1
-        if new:
-            found, first = 1, code
+        if motions == 0:
+            motions = 1
             for r in range(2 * count):
                 side[OTHER, r] = side[A, r]
                 kept[r] = side[F, r]
-        elif found == 1:
-            for k in range(count):
-                if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
-                    m.contact_memory[active[k], at.UNSURE] = 1.0
-        if found >= most:
+            chosen, firm = code, lasts(m, count)
+        elif moves_otherwise(m, count):
+            motions += 1
+        else:
+            note_shared(m, count)
+            if not firm and lasts(m, count):
+                chosen, firm = code, True
+        if motions > 1 or (firm and most == 1):
             break
-    if found > 0:
-        take_modes(m, count, first)
+    if motions > 0:
+        take_modes(m, count, chosen)
         linear(m, count)
-    return found
+    return motions
 
 
 @kernel("problem")
 def try_kernel(m, number):
-    """Try all modes; returns the number of solutions with different a, at most `most`, and keeps the first one.
+    """Try all modes; returns the number of solutions with different a, at most 2, and keeps the first one.
+
+    Of modes with its a, those are kept whose forces do not pass a limit at once: bodies at rest on several contacts
+    have many forces, and modes that end at the instant at which they begin may alternate without end.
 
     number is 2 * contacts + most - 1, most being 1 or 2.  Returns -1 if there are too many combinations.
     """
