@@ -16,7 +16,8 @@ from rattle.solvers.nonsmooth import jams
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
 NEARLY_LOCKED = 1e-2  # share of G_nn left by friction, below which a run that cannot go on is called locked
-TOGETHER = 1e-6  # the same for the smallest singular value of all contacts together
+DEPENDENT = 1e-12  # share of the largest singular value below which one is rounding
+TOGETHER = 1e-4  # the same for the smallest singular value of all contacts together: test_rough_pins
 FIRM = 0.05  # share of the mobility of a free body below which joints and drivers hardly let a contact give way
 DEAD = 1e-8  # share of the largest singular value below which sticking contacts lock each other or the joints
 
@@ -139,10 +140,16 @@ def friction_locks(system: System, workspace: Workspace, t: float) -> bool:
 
 
 def firmness(system: System, workspace: Workspace) -> float:
-    """Smallest singular value of the matrix from forces to a_n (and a_t if sticking) of the closed contacts, as a
-    share [-] of that without sliding friction; modes and G in the workspace must be up to date."""
-    least = [np.linalg.svd(driven(system, workspace, rough)[0], compute_uv=False)[-1] for rough in (True, False)]
-    return float(least[0] / least[1]) if least[1] > 0.0 else 1.0
+    """Least singular value of the matrix from forces to a_n (and a_t if sticking) of the closed contacts, as a share
+    [-] of that without sliding friction; modes and G in the workspace must be up to date.
+
+    Values that are rounding without friction are left out: they belong to contacts that depend on each other.
+    """
+    rubbing, smooth = (
+        np.linalg.svd(driven(system, workspace, friction)[0], compute_uv=False) for friction in (True, False)
+    )
+    firm = smooth > DEPENDENT * smooth.max(initial=0.0)
+    return float((rubbing[firm] / smooth[firm]).min()) if firm.any() else 1.0
 
 
 def driven(system: System, workspace: Workspace, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -50,6 +50,7 @@ from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
 from rattle.solvers.nonsmooth.idle_contacts import held_by_closed, let_idle
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
+from rattle.solvers.nonsmooth.uniqueness import lasts
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN, DROP, MEETS = range(7)  # what an event is; MEETS: a compliant contact changes
 TOGETHER, ALONE, KEPT = range(3)  # a contact opens: with all that are about to, by itself, or not after all
@@ -183,7 +184,7 @@ def update_modes(m, t, y, apart, kind):
                 status = ending(m)
             elif is_rough(m, closed) and count_solutions(m, closed) > 1:
                 status = NOT_UNIQUE
-            if kind == BREAK_AWAY and (status != OK or linear(m, closed) < 0):
+            if kind == BREAK_AWAY and (status != OK or linear(m, closed) < 0 or not lasts(m, closed)):
                 status = go_beyond(m, closed, apart, pulling)
             if status != OK:
                 return status
@@ -203,7 +204,7 @@ def go_beyond(m, count, apart, pulling):
     If the force that presses it makes it approach when it slides (Painleve), sticking and sliding are both solutions up
     to that instant and neither is one after it: sliding would reverse at once.  Therefore b is changed so that slightly
     more tangential force is required than friction can give, the direction of slip is left open, and the solution of
-    this problem is taken.
+    this problem is taken.  So it is if another contact is at its limit too: bodies at rest that begin to move.
     """
     as_full_matrix(m, count)
     largest, k = 0.0, 0

@@ -74,6 +74,18 @@ def surely_one(m, count):
 
 
 @compiled
+def take_lasting(m, count):
+    """Take modes that last instead of the present ones, if there are any with the same a."""
+    path, candidate = m.path, m.candidate
+    for k in range(count):
+        path[KEPT_MODES, k] = candidate[k]
+    if call_problem(m.problem_table[TRY_ALL], (m, 2 * count)) <= 0:
+        for k in range(count):
+            candidate[k] = int(path[KEPT_MODES, k])
+        linear(m, count)
+
+
+@compiled
 def is_another(m, count):
     """True if the path leads to another a than that of the present solution, which is kept."""
     side, path, candidate = m.side, m.path, m.candidate
@@ -123,8 +135,13 @@ def take_modes(m, count, code):
 
 @compiled
 def lasts(m, count):
-    """True if no force of the present solution is about to pass its limit: those of sticking, and that of pressing."""
+    """True if no force of the present solution is about to pass its limit: those of sticking, and that of pressing.
+
+    With more contacts than can be tried it is not asked: forces of rounding size are at their limits by chance.
+    """
     side, candidate, largest = m.side, m.candidate, 0.0
+    if count > MOST_TRIED:
+        return True
     for k in range(count):
         largest = max(largest, side[F, 2 * k])
     for k in range(count):
@@ -207,10 +224,15 @@ def count_kernel(m, count):
 
     With more contacts than can be tried, the present solution decides: one with the wrong sign of the determinant is
     never the only one, unless contacts that neither press nor open cause that sign; then another one is searched.
+    With few contacts, modes that do not last are replaced by others with the same a, if there are any.
     """
     if count > MOST_TRIED:
         return 2 if linear(m, count) < 0 and is_another(m, count) else 1
-    return 1 if surely_one(m, count) else call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
+    if not surely_one(m, count):
+        return call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
+    if not lasts(m, count):
+        take_lasting(m, count)
+    return 1
 
 
 KERNELS = (count_kernel, try_kernel)
