@@ -155,8 +155,9 @@ def agrees(w, joints: np.ndarray, rows: np.ndarray, rates: np.ndarray, modes: np
             continue
         x = motion(tau)
         holding = np.abs(x[nq + len(joints) :]) <= grips(x, True)[sticks] * (1 + AGREES) + AGREES
+        follows = np.abs(held @ x[:nq] - asked) <= AGREES * (1.0 + np.abs(x[:nq]).max())
         ahead = (rows @ x[:nq] - w.dry_rows[:, at.GAMMA]) * modes >= -AGREES * (1.0 + np.abs(x[:nq]).max())
-        if holding.all() and (ahead | (np.abs(rates) >= RESTS)).all():
+        if follows.all() and holding.all() and (ahead | (np.abs(rates) >= RESTS)).all():
             return True
     return False
 

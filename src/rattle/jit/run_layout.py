@@ -106,8 +106,9 @@ declare("landing", """
     TURNS [] switchings so far
     LAST_TURN [s] time of the last one
     AGAIN [] switchings without progress in time
+    LANDS_IN [s] length of the step that ends there
 """)
-LANDS, GO_ON, TURNS, LAST_TURN, AGAIN = range(5)
+LANDS, GO_ON, TURNS, LAST_TURN, AGAIN, LANDS_IN = range(6)
 declare("crossings", """
     CROSSING_T [s] instant
     CROSSING_FORCE [] number of the monitored force

@@ -213,7 +213,7 @@ ARRAYS = {
     "wear_load_last": Array("f2", "0 or nc, 4", "m/s", "their rates at the last step"),
     "wear_speed": Array("f1", "0 or nc", "m/s", "approach speeds of contacts that last from before the run"),
     "wear_count": Array("i2", "0 or nc, 3", "", "rows filled, steps in the present row, steps in a row"),
-    "landing": Array("f1", "5", "", "of switches that depend on the state, see `state_switches`"),
+    "landing": Array("f1", "6", "", "of switches that depend on the state, see `state_switches`"),
 }
 
 

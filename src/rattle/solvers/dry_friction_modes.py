@@ -42,12 +42,24 @@ def solve_at(m, t, y):
 
 
 @compiled
-def decided(m, n):
-    """True if joint n is at rest and its friction set-valued, so that its mode is open."""
-    rate = m.dry_memory[n, at.DRY_RATE]
+def driven_ahead(m, n):
+    """`sudden` of a coordinate that the joints and drivers hold, from their rows; 0 if it is rounding."""
+    gamma = m.dry_rows[n, at.GAMMA]
+    ahead = fixed_value(m, m.dry_reaction, n, at.GAMMA) - gamma
+    return ahead if abs(ahead) > ROUNDED * abs(gamma) else 0.0
+
+
+@compiled
+def decided(m, t, n):
+    """True if joint n is at rest at t [s] and its friction set-valued, so that its mode is open.
+
+    Joints that one driver moves all come to rest at once, each but for its acceleration times the rounding of t.
+    """
+    rate, least = m.dry_memory[n, at.DRY_RATE], rounding(m, n)
     if m.dry_memory[n, at.DRY_HELD] == 1.0 and m.massless.shape[0] == 0:
         rate = fixed_value(m, m.dry_reaction, n, at.NU)
-    return m.dry[n, at.DRY_LAW] < 0 and abs(rate) <= rounding(m, n)
+        least += AT_ONCE * abs(t * driven_ahead(m, n))
+    return m.dry[n, at.DRY_LAW] < 0 and abs(rate) <= least
 
 
 @compiled
@@ -96,14 +108,6 @@ def violation(m, n, loose):
         return beyond / (abs(tau) + most) if beyond > 0.0 else 0.0
     doubt = (1e-12 if loose == -1 else 1e-6) * abs(mobility(m, n, n) * tau)
     return 1.0 if sudden(m, n) * mode < -doubt else 0.0
-
-
-@compiled
-def driven_ahead(m, n):
-    """`sudden` of a coordinate that the joints and drivers hold, from their rows; 0 if it is rounding."""
-    gamma = m.dry_rows[n, at.GAMMA]
-    ahead = fixed_value(m, m.dry_reaction, n, at.GAMMA) - gamma
-    return ahead if abs(ahead) > ROUNDED * abs(gamma) else 0.0
 
 
 @compiled
@@ -192,7 +196,7 @@ def come_to_rest(m, t, y):
         y[nq + k] = trial[nq + k]
     solve_at(m, t, y)
     for n in range(memory.shape[0]):
-        memory[n, at.DRY_REST] = 1.0 if memory[n, at.DRY_REST] == 1.0 or decided(m, n) else 0.0
+        memory[n, at.DRY_REST] = 1.0 if memory[n, at.DRY_REST] == 1.0 or decided(m, t, n) else 0.0
 
 
 @native("i", "h", "f", "v", "i", "i")
@@ -208,7 +212,7 @@ def decide(m, t, y, who, told):
     sense = -math.copysign(1.0, memory[who, at.DRY_FORCE]) if breaks else 0.0
     for n in range(memory.shape[0]):
         memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
-        memory[n, at.DRY_REST] = 1.0 if (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, n) else 0.0
+        memory[n, at.DRY_REST] = 1.0 if (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, t, n) else 0.0
     come_to_rest(m, t, y)
     for n in range(memory.shape[0]):
         rests = memory[n, at.DRY_REST] == 1.0

@@ -172,7 +172,7 @@ def land(m, t, h, t_end, go_on):
         derivative(m, t, y, f)
         m.tally[at.EVALUATIONS] += 1
         return (SLIDES if landing[at.AGAIN] > ENDLESS else REPEAT), h
-    landing[at.LANDS] = 1.0 + who
+    landing[at.LANDS], landing[at.LANDS_IN] = 1.0 + who, share * h
     if (1.0 - share) * h <= 1e-13 * t_end:
         return ACCEPT, h
     return REPEAT, share * h
