@@ -219,7 +219,7 @@ def test_impacts_with_friction_in_joints_keep_the_energy_balance():
 
 
 HARD = {  # rows that friction which slips, rounding, or a dead centre at a coarse tolerance make hard to decide
-    "friction": [],
+    "friction": [19, 63, 137],
     "clutches": [1, 23, 112, 120, 124, 144],
     "stops": [108, 110],
     "mixed": [29, 70, 129, 145],

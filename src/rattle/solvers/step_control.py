@@ -28,6 +28,7 @@ REGROWTH = 1.005  # growth of the longest stable step from one step to the next
 COLLAPSED = 1e-12  # share of the run below which a step gets nowhere
 MOST_COLLAPSED = 1000  # such steps in a row, repeated ones included, after which a run stops: a contact takes far fewer
 AS_LONG = 0.999  # of the step that is to end at a switch: a shorter one was cut on the way, and ends before it
+ROUNDING = 1e-15  # share of the time by which a step may be shorter than planned
 TOO_LARGE = 1e130  # of a derivative in SI units
 
 
@@ -185,8 +186,8 @@ def end_on_switch(m, t, h, t_end, dense):
     dense: the dense output is ready.
     """
     clock, landing = m.clock, m.landing
-    if landing[at.LANDS] != 0.0 and h < AS_LONG * landing[at.LANDS_IN]:  # shortened since: it ends before the switch
-        landing[at.LANDS] = 0.0
+    if landing[at.LANDS] != 0.0 and h < AS_LONG * landing[at.LANDS_IN] - ROUNDING * abs(t):
+        landing[at.LANDS] = 0.0  # shortened since: it ends before the switch
     if never_switches(m) or landing[at.LANDS] != 0.0 or not crossed(m):
         return OK
     if not dense:
