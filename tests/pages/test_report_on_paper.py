@@ -130,6 +130,20 @@ def test_every_scale_of_a_report_has_two_numbers_at_least():
         assert sum(low <= one <= high for one in ax.get_yticks()) >= 2, name
 
 
+def test_what_stands_above_a_panel_does_not_collide():
+    from rattle.pages.report_figures import panels
+    from rattle.pages.report_study import Study
+
+    m = rt.example("three_plays")
+    figure = panels(Study(m, run=m.simulate("0.3 s")), ["rocker.alpha", "coupler.alpha", "crank.alpha", "D.force"])
+    figure.draw_without_rendering()
+    cut = [ax for ax in figure.axes if ax.texts]
+    assert cut
+    for ax in cut:
+        boxes = [ax.texts[-1].get_window_extent(), ax._left_title.get_window_extent()]
+        assert not boxes[0].overlaps(boxes[1]), ax.get_title(loc="left")
+
+
 def test_a_peak_beyond_a_cut_axis_is_marked_at_its_edge():
     r = rt.example("slider_crank_play").simulate()
     (ax,) = r.plot("O.force", robust=True).axes

@@ -39,6 +39,7 @@ TALLEST, FLATTEST = 2.4, 1.1  # of a path
 AIR = 1.12  # of the axes of a path over its length
 APART = 0.45  # of two ticks of a path
 SLIM = 0.25  # least length of a side of these axes, as a share of the other
+ABOVE = 48  # characters that stand above a panel side by side
 STEPS = (1, 2, 2.5, 5, 10)  # from tick to tick
 MOST = 6  # panels, orbits or curves of one kind
 FEW = 3  # panels of one picture of forces
@@ -67,7 +68,10 @@ def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
             ideal.t, factor * values[1], color=style.BLACK, linewidth=1.1, linestyle=(0, (4, 2)), label=IDEAL
         )  # fmt: skip
     ax.set_title(style.axis_label(name, unit), loc="left", fontsize=8, pad=3, parse_math=False)
-    style.robust_limits(ax, [factor * one for one in values], side="right")
+    if style.robust_limits(ax, [factor * one for one in values], side="right"):
+        reach = ax.texts[-1]
+        if len(ax.get_title(loc="left")) + len(reach.get_text()) > ABOVE:
+            reach.set_text(reach.get_text().replace("spikes cut off: they reach", "spikes to"))
 
 
 def together(run: Result, names: Sequence[str], robust: bool = False) -> Figure:
