@@ -67,15 +67,15 @@ class Studio(JSComponent):
         self._document.template = HEAD
         self._sheets = sheets
         self._content: dict[str, Message] = {}
-        self._dark = False
+        self._dark = self._narrow = False
         self.desk = make_desk(send=self._tell, later=self._later, post=self._post)
         pn.state.on_session_destroyed(lambda context: self.desk.end())
 
     # ------------------------------------------------------------ from the page
     def _handle_msg(self, data: Any) -> None:
         """A message of the page; Panel calls this."""
-        if isinstance(data, dict) and data.get("do") == "dark":
-            self._dark = bool(data.get("dark"))
+        if isinstance(data, dict) and data.get("do") == "look":
+            self._dark, self._narrow = bool(data.get("dark")), bool(data.get("narrow"))
             for tab, content in self._content.items():
                 self._show(tab, content)
             return
@@ -96,7 +96,9 @@ class Studio(JSComponent):
         self._send_msg(message)
 
     def _show(self, tab: str, content: Message) -> None:
-        self._sheets[tab].objects = sheet(content, self._dark, lambda picked: self.desk.hear({"do": "pick", **picked}))
+        self._sheets[tab].objects = sheet(
+            content, self._dark, lambda picked: self.desk.hear({"do": "pick", **picked}), self._narrow
+        )
 
     # ------------------------------------------------------------ threads
     def _post(self, call: Callable[[], None]) -> None:

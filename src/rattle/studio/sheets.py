@@ -16,6 +16,7 @@ from rattle.plots.curves import CURVES, MORE
 Content = dict[str, Any]
 Pick = Callable[[dict[str, Any]], None]
 HEIGHT = 290  # of a figure [px]
+LEGEND_LINE = 24  # height of one name below the curves [px]
 FEW_BARS = 8  # fewer leave room beside them, so that they do not become broad
 
 
@@ -27,10 +28,12 @@ class Look(NamedTuple):
     grid: str
     paper: str
     black: str  # the darkest colour of curves, which has to be seen
+    dark: bool
+    narrow: bool = False  # the page is that of a phone held upright
 
 
-LIGHT = Look("#1d2329", "#5b6670", "#e6e9ec", "#ffffff", "#333333")
-DARK = Look("#e8ebee", "#9aa5b0", "#2e353c", "#1b1f24", "#e8ebee")
+LIGHT = Look("#1d2329", "#5b6670", "#e6e9ec", "#ffffff", "#333333", dark=False)
+DARK = Look("#e8ebee", "#9aa5b0", "#2e353c", "#1b1f24", "#e8ebee", dark=True)
 LIGHTER = {
     "#0072B2": "#56B4E9",
     "#56B4E9": "#9ad4f5",
@@ -43,15 +46,15 @@ LIGHTER = {
 STYLE = (Path(__file__).parent / "page" / "sheet.css").read_text(encoding="utf-8")
 
 
-def sheet(content: Content, dark: bool, pick: Pick) -> list[Any]:
+def sheet(content: Content, dark: bool, pick: Pick, narrow: bool = False) -> list[Any]:
     """Panel objects that show the content of a tab; pick: called with what the user has clicked."""
-    look = DARK if dark else LIGHT
+    look = (DARK if dark else LIGHT)._replace(narrow=narrow)
     return [VIEWS[block["kind"]](block, look, pick) for block in content["blocks"]]
 
 
 # ---------------------------------------------------------------- text
 def _html(text: str, look: Look) -> pn.pane.HTML:
-    dark = look is DARK
+    dark = look.dark
     style = STYLE.replace("INK", look.ink).replace("SOFT", look.soft).replace("GRID", look.grid)
     style = style.replace("PAPER", look.paper).replace("CARE", "#f0a245" if dark else "#b35900")
     style = style.replace("FILTER", "filter: invert(0.88) hue-rotate(180deg);" if dark else "")
@@ -96,7 +99,11 @@ def _plot(block: Content, x: str, y: str, look: Look, **more: Any) -> Any:
     found.toolbar.autohide = True
     found.background_fill_color = found.border_fill_color = look.paper
     found.outline_line_color = None
-    found.title.text_color, found.title.text_font_size, found.title.text_font = look.ink, "14px", "system-ui"
+    found.title.text_color, found.title.text_font_size, found.title.text_font = (
+        look.ink,
+        "12px" if look.narrow else "14px",
+        "system-ui",
+    )
     for axis in found.axis:
         axis.axis_label_text_color = axis.major_label_text_color = look.soft
         axis.axis_line_color = axis.major_tick_line_color = axis.minor_tick_line_color = look.grid
@@ -115,7 +122,7 @@ def colour_of(k: int, look: Look) -> str:
     """Colour of the k-th curve."""
     every = (*CURVES, *MORE)
     found = every[k % len(every)]
-    return LIGHTER.get(found, found) if look is DARK else found
+    return LIGHTER.get(found, found) if look.dark else found
 
 
 def _curves(block: Content, look: Look, pick: Pick) -> Any:
@@ -152,7 +159,10 @@ def _curves(block: Content, look: Look, pick: Pick) -> Any:
         plot.title.text += "  (grey: after the horizon, statistics only)"
     if plot.legend:
         legend = plot.legend[0]
-        plot.add_layout(legend, "right")
+        if look.narrow:
+            plot.height += LEGEND_LINE * len(legend.items)
+            legend.location = "top_left"
+        plot.add_layout(legend, "below" if look.narrow else "right")
         legend.click_policy = "hide"
         legend.background_fill_alpha = 0.0
         legend.border_line_color = None

@@ -13,6 +13,7 @@ import { Status, stateOf } from "./status.js";
 import { Strip, TABS, TabHead, fieldsOf } from "./tabs.js";
 
 const BEAT = 5000; // between two questions whether the studio is there [ms]
+const NARROW = "(max-width: 600px)"; // where there is no room for names beside curves
 const EMPTY = { knobs: [], contacts: [], wear: [], tolerances: [] }; // what is known of a model that was not read yet
 
 class Page {
@@ -50,8 +51,10 @@ class Page {
     this.main = h("main", {}, this.strip.el, [...this.panels.values()]);
     this.toast = h("div", { class: "toast", role: "status", hidden: true });
     this.el = h("div", { class: "desk" }, h("style", {}, this.model.style), this.header.el, this.knobs.el, this.main, this.status.el, this.toast, this.dialogs.el);
-    this.theme = new Theme(this.el, (dark, choice) => { this.show.dark(dark, choice); this.model.send_msg({ do: "dark", dark }); });
+    this.theme = new Theme(this.el, (dark, choice) => { this.show.dark(dark, choice); this.look(); });
     this.theme.button = this.header.theme;
+    this.narrow = matchMedia(NARROW);
+    this.narrow.addEventListener("change", () => this.look());
     this.theme.apply();
     this.dialogs.onhints = () => hints(this.strip.el);
     hints(this.strip.el);
@@ -63,6 +66,9 @@ class Page {
     addEventListener("beforeunload", (event) => { if (this.unsaved) event.preventDefault(); });
     this.model.send_msg({ do: "hello" });
   }
+
+  // How figures have to look.
+  look() { this.model.send_msg({ do: "look", dark: this.theme.dark, narrow: this.narrow.matches }); }
 
   // Ask the studio whether it is there; a page that has slept asks again before it complains.
   listen() {
