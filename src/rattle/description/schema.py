@@ -1,7 +1,7 @@
 """JSON Schema of the model file, made from the registry, for editors that complete and check the text as it is typed.
 
 It has every key, kind and unit.  References to other parts (points, names, dimensions of expressions)
-are checked by the reader only.
+are checked by the reader only; the keyword `x-names` says to which parts a text refers.
 
 Source: JSON Schema, draft 2020-12.
 """
@@ -151,7 +151,11 @@ def _body() -> Schema:
 
 def _joint(kind: Kind) -> Schema:
     if kind.leaf.bodies:
-        ends = {"connect": of.connect({"type": "string", "description": "a body"}, "bodies A and B, or ground")}
+        ends = {
+            "connect": of.connect(
+                {"type": "string", "description": "a body", of.NAMES: "bodies"}, "bodies A and B, or ground"
+            )
+        }
     else:
         ends = {
             "connect": of.connect(of.point("bush or guide side first")),
@@ -296,11 +300,15 @@ def _drivers() -> list[Schema]:
     made = []
     for kind in registry.kinds("driver").values():
         where: dict[str, Schema] = {
-            "joint": {"type": "string", "description": f"a {' or '.join(moved_joints(kind.name))} joint"}
+            "joint": {
+                "type": "string",
+                "description": f"a {' or '.join(moved_joints(kind.name))} joint",
+                of.NAMES: "joints",
+            }
         }
         if kind.leaf.drives == "body":
             where = {
-                "body": {"type": "string", "description": 'a body, or a point of it: "body.point"'},
+                "body": {"type": "string", "description": 'a body, or a point of it: "body.point"', of.NAMES: "points"},
                 "coordinate": {"const": kind.name.removeprefix("body-")},
             }
         made.append(of.table({**where, **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary))

@@ -11,6 +11,7 @@ from rattle.registry import REQUIRED, Field, Kind
 Schema = dict[str, Any]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*$"
 POINT = r"^[^.\s]+\.[^.\s]+$"
+NAMES = "x-names"  # keyword of our own: of which parts of the model a text is a name: points, bodies or joints
 
 
 def table(properties: Mapping[str, Schema], needed: Iterable[str] = (), meaning: str = "") -> Schema:
@@ -47,7 +48,7 @@ def points(meaning: str) -> Schema:
 
 
 def point(meaning: str) -> Schema:
-    return {"type": "string", "pattern": POINT, "description": f'{meaning}: "body.point"'}
+    return {"type": "string", "pattern": POINT, "description": f'{meaning}: "body.point"', NAMES: "points"}
 
 
 def connect(end: Schema, meaning: str = 'ends A and B, "body.point" each') -> Schema:
@@ -74,9 +75,10 @@ def field(one: Field) -> Schema:
     elif one.shape == "point":
         made = point(meaning)
     elif one.shape in ("body", "joint"):
-        made = {"type": "string", "pattern": NAME, "description": meaning}
+        of_kind = "bodies" if one.shape == "body" else "joints"
+        made = {"type": "string", "pattern": NAME, "description": meaning, NAMES: of_kind}
     elif one.shape == "connect":
-        made = connect({"type": "string"})
+        made = connect({"type": "string", NAMES: "points"})
     elif one.shape == "material":
         of_own = table({"E": number("Pa", "modulus"), "nu": number("", "Poisson's ratio")}, ("E",))
         made = {"anyOf": [{"type": "string"}, of_own], "description": meaning}

@@ -18,6 +18,7 @@ from rattle.loading import examples, load
 from rattle.mechanism import Mechanism
 from rattle.studio import edits
 from rattle.studio.bench import Bench, Outcome
+from rattle.studio.completion import entries
 from rattle.studio.draft import EMPTY, Draft
 from rattle.studio.facts import facts, problem_without_place, problems_of
 from rattle.studio.folder import Folder
@@ -203,6 +204,10 @@ class Desk:
     def do_save_as(self) -> None:
         """Ask under which name to save."""
         self._errand("name", self.draft.suggested, lambda name: self.send({"kind": "name", "suggested": name}))
+
+    def do_entries(self) -> None:
+        """Tell what may stand where in a model text."""
+        self._errand("entries", lambda _: entries(), lambda told: self.send({"kind": "entries", **told}))
 
     def do_python(self) -> None:
         """The model as Python code."""

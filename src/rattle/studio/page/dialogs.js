@@ -8,6 +8,7 @@ export const KEYS = [
   ["1 … 9, 0", "open a tab: 1 is Motion, 0 is Text"],
   ["K", "to the first knob"],
   ["T", "to the model text; Escape leaves it"],
+  ["Ctrl Space", "what may stand at the caret of the text; arrows, then Enter or Tab"],
   ["G", "gallery of examples"],
   ["D", "light, dark, or as the system"],
   ["Ctrl O", "open a model file"],

@@ -1,30 +1,52 @@
-// The model text: a plain text field with line numbers and colours behind it, and problems at their place.
+// The model text: a text field with colours and line numbers behind it, problems at their place, and what may stand where.
 
 import { h, replace } from "./dom.js";
+import { Entries } from "./entries.js";
+import { SNIPPETS } from "./snippets.js";
+import { Suggest, addition } from "./suggest.js";
 
 const PAUSE = 250; // after the last key before the text is checked [ms]
 
 export class Editor {
-  constructor(changed) {
-    this.changed = changed; // called with the text when typing pauses
+  constructor(changed, say) {
+    this.say = say; // words for the user
+    this.changed = changed; // called with the text when typing pauses, and with true if it was put in at once
     this.problems = [];
     this.pending = 0;
-    this.gutter = h("div", { class: "gutter", "aria-hidden": "true" });
-    this.paint = h("pre", { class: "paint", "aria-hidden": "true" });
-    this.area = h("textarea", { class: "area", "aria-label": "Model file", spellcheck: "false", autocapitalize: "off", autocomplete: "off", wrap: "off" });
+    this.rows = []; // of the painted text: what each was drawn from
+    this.paint = h("div", { class: "paint", "aria-hidden": "true" });
+    this.area = h("textarea", { class: "area", "aria-label": "Model file", "aria-autocomplete": "list", "aria-haspopup": "listbox", "aria-controls": "suggestions", spellcheck: "false", autocapitalize: "off", autocomplete: "off" });
+    this.suggest = new Suggest((put) => this.put(put));
     this.list = h("ol", { class: "problems", role: "alert" });
-    this.el = h("div", { class: "editor" }, h("div", { class: "sheet" }, this.gutter, h("div", { class: "text" }, this.paint, this.area)), this.list);
-    this.area.addEventListener("input", () => this.typed());
-    this.area.addEventListener("scroll", () => this.follow());
+    this.sheet = h("div", { class: "sheet" }, h("div", { class: "text" }, this.paint, this.area, this.suggest.el));
+    this.el = h("div", { class: "editor" }, this.bar(), this.sheet, this.list);
+    this.area.addEventListener("input", (event) => this.typed(event));
     this.area.addEventListener("keydown", (event) => this.key(event));
+    for (const left of ["blur", "pointerdown"]) this.area.addEventListener(left, () => this.suggest.hide());
+  }
+
+  bar() {
+    const button = (label, title, onclick) => h("button", { title, onclick }, label);
+    return h("div", { class: "adds", role: "toolbar", "aria-label": "Add to the model" }, h("span", { class: "quiet" }, "Add"),
+      SNIPPETS.map((snippet) => button(snippet.label.replace("add ", ""), snippet.about, () => this.add(snippet))),
+      button("what fits here?", "What may stand at the caret (Ctrl Space)", () => { this.area.focus(); this.complete(true); }));
   }
 
   get text() { return this.area.value; }
 
-  typed() {
+  // What may stand where is known from now on.
+  know(message) {
+    this.suggest.entries = new Entries(message);
+    this.el.dataset.ready = "true";
+  }
+
+  typed(event) {
     this.draw();
     clearTimeout(this.pending);
     this.pending = setTimeout(() => this.flush(), PAUSE);
+    if (event?.inputType === "insertText" && /^[\w."'[]$/.test(event.data)) this.complete(false);
+    else if (event?.inputType === "deleteContentBackward" && this.suggest.open) this.complete(true);
+    else this.suggest.hide();
   }
 
   // Give away what was typed and not yet given.
@@ -35,19 +57,74 @@ export class Editor {
     this.changed(this.text);
   }
 
+  // ---------------------------------------------------------------- what is put in
+  complete(asked) {
+    this.suggest.look(this.text, this.area.selectionStart, asked);
+    this.area.toggleAttribute("data-suggests", this.suggest.open);
+    this.point();
+    if (!this.suggest.open) return;
+    const { left, bottom, top } = this.caret(), sheet = this.sheet.getBoundingClientRect(), box = this.suggest.el.getBoundingClientRect();
+    const origin = this.paint.getBoundingClientRect();
+    const above = bottom + box.height > sheet.bottom && top - box.height > sheet.top;
+    this.suggest.el.style.left = `${Math.max(4, Math.min(left - origin.left, origin.width - box.width - 4))}px`;
+    this.suggest.el.style.top = `${(above ? top - box.height - 2 : bottom + 2) - origin.top}px`;
+  }
+
+  // Where the caret is on the page.
+  caret() {
+    const before = this.text.slice(0, this.area.selectionStart), row = before.split("\n").length - 1, range = document.createRange();
+    let left = before.length - before.lastIndexOf("\n") - 1;
+    const line = this.paint.children[row];
+    for (const piece of line.childNodes) {
+      const words = piece.firstChild ?? piece;
+      if (left > words.length && piece !== line.lastChild) { left -= words.length; continue; }
+      range.setStart(words, Math.min(left, words.length));
+      return range.getBoundingClientRect();
+    }
+    return line.getBoundingClientRect();
+  }
+
+  // Tell those who do not see the list which entry is chosen.
+  point() {
+    if (this.suggest.open) this.area.setAttribute("aria-activedescendant", `suggestion-${this.suggest.chosen}`);
+    else this.area.removeAttribute("aria-activedescendant");
+  }
+
+  // Put something into the text, as a step of its own that can be undone.
+  put({ from, to, text, select, more, snippet }) {
+    this.flush();
+    this.area.setRangeText(text, from, to);
+    if (snippet) this.area.setRangeText(snippet.text, snippet.at, snippet.at);
+    this.area.focus();
+    this.area.setSelectionRange(...(snippet ? [snippet.from, snippet.to] : select));
+    this.draw();
+    this.changed(this.text, true);
+    this.reveal();
+    if (more) this.complete(true);
+    else this.point();
+  }
+
+  add(snippet) {
+    const place = addition(this.text, this.area.selectionStart, snippet);
+    if (place) this.put({ from: 0, to: 0, text: "", snippet: place });
+    else this.say("There is no pin left for this: add a joint first.");
+  }
+
+  // ---------------------------------------------------------------- what is shown
   // Another text; the caret stays at what it was beside.
   show(text, start = false) {
     clearTimeout(this.pending);
     this.pending = 0;
     if (text === this.text) return;
-    const old = this.text, at = this.area.selectionStart, scroll = this.area.scrollTop;
+    this.suggest.hide();
+    const old = this.text, at = this.area.selectionStart, scroll = this.sheet.scrollTop;
     let same = 0;
     while (same < at && same < text.length && old[same] === text[same]) same++;
     this.area.value = text;
     const caret = start ? 0 : same === at ? at : Math.min(text.length, Math.max(0, at + text.length - old.length));
     this.area.setSelectionRange(caret, caret);
-    this.area.scrollTop = start ? 0 : scroll;
     this.draw();
+    this.sheet.scrollTop = start ? 0 : scroll;
   }
 
   mark(problems) {
@@ -65,26 +142,44 @@ export class Editor {
     const from = at + Math.max(0, (problem.column || 1) - 1);
     this.area.focus();
     this.area.setSelectionRange(from, from + Math.max(0, problem.width));
-    const height = parseFloat(getComputedStyle(this.area).lineHeight) || 20;
-    this.area.scrollTop = Math.max(0, (line - 6) * height);
-    this.follow();
+    this.reveal();
   }
 
-  follow() {
-    this.paint.style.transform = `translate(${-this.area.scrollLeft}px, ${-this.area.scrollTop}px)`;
-    this.gutter.firstChild?.style.setProperty("transform", `translateY(${-this.area.scrollTop}px)`);
+  // The line of the caret into sight.
+  reveal() {
+    const row = this.text.slice(0, this.area.selectionStart).split("\n").length - 1;
+    this.paint.children[row]?.scrollIntoView({ block: "nearest" });
   }
 
+  // Draw the lines anew that have changed.
   draw() {
-    const lines = this.text.split("\n"), wrong = new Map();
+    const wrong = new Map();
     for (const one of this.problems) if (one.line) wrong.set(one.line, [...(wrong.get(one.line) ?? []), one]);
-    replace(this.paint, lines.map((line, k) => h("div", { class: wrong.has(k + 1) ? "wrong" : null }, ...painted(line, wrong.get(k + 1) ?? []))));
-    replace(this.gutter, h("div", {}, lines.map((_, k) => h("div", wrong.has(k + 1) ? { class: "wrong" } : {}, String(k + 1)))));
-    this.follow();
+    const rows = this.text.split("\n").map((line, k) => (wrong.has(k + 1) ? `${line}\n${JSON.stringify(wrong.get(k + 1))}` : line));
+    const old = this.rows, least = Math.min(rows.length, old.length);
+    let head = 0, foot = 0;
+    while (head < least && rows[head] === old[head]) head++;
+    while (foot < least - head && rows.at(-1 - foot) === old.at(-1 - foot)) foot++;
+    const fresh = [];
+    for (let k = head; k < rows.length - foot; k++) {
+      const problems = wrong.get(k + 1) ?? [];
+      fresh.push(h("div", { class: problems.length ? "wrong" : null }, ...painted(rows[k].split("\n")[0], problems)));
+    }
+    const range = document.createRange();
+    range.setStart(this.paint, head);
+    range.setEnd(this.paint, old.length - foot);
+    range.deleteContents();
+    const after = this.paint.children[head] ?? null, all = document.createDocumentFragment();
+    all.append(...fresh);
+    this.paint.insertBefore(all, after);
+    this.rows = rows;
   }
 
-  // Tab indents what is selected, Escape leaves the field so that Tab moves on.
+  // Ctrl Space asks what may stand here, Tab indents what is selected, Escape leaves the field so that Tab moves on.
   key(event) {
+    if (this.suggest.key(event)) { this.point(); return; }
+    if (event.key === " " && event.ctrlKey) { event.preventDefault(); this.complete(true); return; }
+    if (/^(Arrow|Home|End|Page)/.test(event.key)) this.suggest.hide();
     if (event.key === "Escape") { this.area.blur(); return; }
     if (event.key !== "Tab" || event.ctrlKey || event.altKey || event.shiftKey) return;
     event.preventDefault();

@@ -21,6 +21,7 @@ class Page {
     this.model = model;
     this.history = new History();
     this.shown = "motion";
+    this.puts = 0; // how often something was put into the text at once: a step back each
     this.facts = EMPTY;
     this.tell = (message) => {
       this.editor.flush();
@@ -28,7 +29,7 @@ class Page {
       model.send_msg(message);
     };
     this.dialogs = new Dialogs((message) => this.tell(message));
-    this.editor = new Editor((text) => this.typed(text));
+    this.editor = new Editor((text, atOnce) => this.typed(text, atOnce), (words) => this.say(words));
     this.knobs = new Knobs((message) => this.tell(message), (name, value) => {
       this.checked = false;
       this.show.turn({ ...this.show.values, [name]: value });
@@ -95,13 +96,13 @@ class Page {
     this.shown = this.el.dataset.shown = name;
     this.strip.select(name);
     for (const [one, panel] of this.panels) panel.hidden = one !== name;
-    if (name === "text") this.editor.follow();
+    if (name === "text" && !this.editor.suggest.entries) this.model.send_msg({ do: "entries" });
     this.model.send_msg({ do: "show", tab: name, options: this.heads.get(name)?.read() ?? {} });
     dispatchEvent(new Event("resize"));
   }
 
-  typed(text) {
-    this.history.record(text, "typing");
+  typed(text, atOnce = false) {
+    this.history.record(text, atOnce ? `put ${++this.puts}` : "typing");
     this.header.steps(this.history);
     this.show.otherwise = true;
     this.model.send_msg({ do: "text", text });
@@ -220,6 +221,8 @@ class Page {
     if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
     else this.say(message.words);
   }
+
+  on_entries(message) { this.editor.know(message); }
 
   on_said(message) { this.say(message.words); }
 

@@ -1,0 +1,297 @@
+"""What the editor of the studio offers where the caret is, and what it adds to a model."""
+
+import json
+import random
+import tomllib
+from pathlib import Path
+
+import pytest
+from studio_models import PENDULUM
+
+import rattle as rt
+from browsing import becomes, shows
+from rattle.description.schema import schema
+from rattle.loading import examples
+from rattle.pages.viewer_text import joined
+
+ROOT = """() => {
+  for (const one of document.querySelectorAll("*")) if (one.shadowRoot?.querySelector(".desk")) return one.shadowRoot;
+}"""
+OFFERED = f"""() => {{
+  const list = ({ROOT})().querySelector(".suggest");
+  return list.hidden ? null : [...list.querySelectorAll("li b")].map((one) => one.textContent);
+}}"""
+DOUBLE = """
+[bodies.link]
+bar = ["C", "D"]
+length = "0.2 m"
+mass = 1
+points = { E = [0, 0] }
+
+[joints.P]
+type = "revolute"
+connect = ["rod.B", "link.C"]
+
+[drivers.motor]
+joint = "O"
+angle = "t"
+"""
+
+
+# ------------------------------------------------------------ the pieces, without a studio
+@pytest.fixture
+def pieces(open_page):
+    """A page with the reader of texts and what may stand where."""
+    pytest.importorskip("panel")
+    from rattle.studio.completion import entries
+    from rattle.studio.page import HERE
+
+    files = {one.name: one.read_text(encoding="utf-8") for one in HERE.glob("*.js")}
+    page = open_page("about:blank")
+    page.evaluate(
+        """async ([text, entries, told]) => {
+          const load = (code) => import(URL.createObjectURL(new Blob([code], { type: "text/javascript" })));
+          window.outline = (await load(text)).outline;
+          window.entries = new (await load(entries)).Entries(told);
+        }""",
+        [joined(files, "outline.js"), joined(files, "entries.js"), entries()],
+    )
+    return page
+
+
+def shape(value):
+    """Keys of tables and lengths of arrays."""
+    if isinstance(value, dict):
+        return {key: shape(one) for key, one in value.items()}
+    return [shape(one) for one in value] if isinstance(value, list) else 0
+
+
+SHAPE = """(text) => {
+  const shape = (value) => value instanceof Map ? Object.fromEntries([...value].map(([key, one]) => [key, shape(one)]))
+    : Array.isArray(value) ? value.map(shape) : 0;
+  return shape(outline(text, 0).root);
+}"""
+MORE = '''a.b.c = 1\n"quoted key" = 'x # no comment'\nlong = """\n[no.header]\nx = 1"""\nlist = [ # all
+  [1, 2],
+  { x = "]", y = [3] },
+]\n[t."d e"]\nz = { u.v = 1 }\n'''
+
+
+def test_texts_are_read_as_the_reader_of_toml_reads_them(pieces):
+    for text in [MORE, *(path.read_text(encoding="utf-8") for path in examples().values())]:
+        assert pieces.evaluate(SHAPE, text) == shape(tomllib.loads(text))
+
+
+def test_every_key_of_every_example_is_offered_where_it_stands(pieces):
+    check = """(text) => {
+      const { root } = outline(text, 0), missing = [];
+      const walk = (table, path) => {
+        for (const [key, value] of [...table]) {
+          if (entries.at(root, path).parts.some((part) => part.keys)) {
+            table.delete(key);
+            if (!entries.keys(root, path).some((one) => one.label === key)) missing.push([...path, key].join("."));
+            table.set(key, value);
+          }
+          if (value instanceof Map) walk(value, [...path, key]);
+        }
+      };
+      walk(root, []);
+      return missing;
+    }"""
+    for path in examples().values():
+        assert pieces.evaluate(check, path.read_text(encoding="utf-8")) == []
+
+
+def test_texts_that_are_cut_or_mixed_are_read_to_their_end(pieces):
+    draw = random.Random(25)
+    signs = ["[", "]", "{", "}", '"', "'", "=", ".", ",", "\n", "#", '"""', " ", "__proto__", "a"]
+    texts = ["".join(draw.choices(signs, k=60)) for _ in range(400)]
+    whole = [path.read_text(encoding="utf-8") for path in examples().values()]
+    for _ in range(100):
+        text = draw.choice(whole)
+        k = draw.randrange(len(text))
+        texts.append(text[:k] + draw.choice(signs) + text[k + draw.randrange(20) :])
+    texts += [
+        "x = " + "[" * 20_000,
+        "x = " + "{ a = " * 20_000,
+        "[" * 20_000,
+        '"' * 9_999,
+        "__proto__ = 1\n[constructor]\n",
+    ]
+    places = pieces.evaluate(
+        "(all) => all.map(([text, at]) => { const { place, root } = outline(text, at);"
+        " if (place.path) { entries.keys(root, place.path); entries.values(root, place.path); } return place.kind; })",
+        [[text, draw.randrange(len(text) + 1)] for text in texts],
+    )
+    assert set(places) == {"key", "value", "header", "none"}
+
+
+def test_the_small_schema_says_what_the_schema_says():
+    pytest.importorskip("panel")
+    from rattle.studio.completion import entries
+
+    told = entries()
+    parts = told["parts"]
+
+    def same(number, part):
+        small = parts[number]
+        assert small.get("about") == part.get("description")
+        assert small.get("required", []) == part.get("required", [])
+        assert list(small.get("keys", {})) == list(part.get("properties", {}))
+        for key, one in small.get("keys", {}).items():
+            same(one, part["properties"][key])
+        assert len(small.get("either", [])) == len(part.get("anyOf", []))
+        for one, other in zip(small.get("either", []), part.get("anyOf", []), strict=True):
+            same(one, other)
+
+    same(told["whole"], schema())
+    assert len(json.dumps(told)) < 0.1 * len(json.dumps(schema()))  # it is sent to every page
+
+
+# ------------------------------------------------------------ in the studio
+@pytest.fixture
+def editor(open_page, studio):
+    """A function that opens the studio at its text, with this text in it."""
+
+    def opened(text, **options):
+        (studio.folder / "edited.toml").write_text(text)
+        page = open_page("about:blank", **options)
+        page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
+        page.goto(studio.new_address())
+        page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+        page.get_by_role("tab", name="Text").click()
+        page.locator("textarea.area").fill(text)
+        page.wait_for_function(f"() => ({ROOT})().querySelector('.editor').dataset.ready === 'true'", timeout=60000)
+        return page
+
+    yield opened
+    (Path(studio.folder) / "edited.toml").unlink(missing_ok=True)
+
+
+def text_of(page):
+    return page.locator("textarea.area").input_value()
+
+
+def caret_after(page, words):
+    page.evaluate(
+        f"""(words) => {{
+          const area = ({ROOT})().querySelector("textarea.area"), at = area.value.indexOf(words) + words.length;
+          area.focus();
+          area.setSelectionRange(at, at);
+        }}""",
+        words,
+    )
+
+
+def offered(page):
+    """What the list offers, without what can be added anywhere."""
+    page.keyboard.press("Control+Space")
+    return [one for one in page.evaluate(OFFERED) or [] if not one.startswith("add ")]
+
+
+def test_keys_of_the_section_choices_and_names_are_offered(editor):
+    page = editor(PENDULUM + DOUBLE)
+    joints = {
+        one["properties"]["type"]["const"]: one
+        for one in schema()["properties"]["joints"]["additionalProperties"]["anyOf"]
+    }
+    caret_after(page, 'connect = ["rod.B", "link.C"]\n')
+    assert set(offered(page)) == set(joints["revolute"]["properties"]) - {"type", "connect"}
+    caret_after(page, '[joints.P]\ntype = "')
+    assert set(offered(page)) == {name for name, one in joints.items() if "connect" in one["properties"]}
+    caret_after(page, 'connect = ["rod.B", "')
+    m = rt.loads(PENDULUM + DOUBLE)
+    assert set(offered(page)) == {"ground.O", "rod.A", "rod.B", "link.C", "link.D", "link.E"}
+    caret_after(page, 'joint = "')
+    assert offered(page) == list(m.model.joints)
+    caret_after(page, 'length = "')
+    assert offered(page) == list(m.model.parameters)
+    caret_after(page, "# a pendulum")
+    assert offered(page) == []
+
+
+def test_what_is_chosen_is_written_and_undone_at_once(editor):
+    page = editor(PENDULUM)
+    caret_after(page, "mass = 1\n")
+    page.keyboard.type("iner")
+    becomes(page, f"() => ({OFFERED})()?.join() === 'inertia'")
+    page.keyboard.press("Escape")
+    becomes(page, f"() => ({OFFERED})() === null")
+    assert page.evaluate(f"() => ({ROOT})().activeElement.matches('textarea.area')")  # Escape closed the list alone
+    page.keyboard.press("Control+Space")
+    page.keyboard.press("Tab")
+    before = PENDULUM.replace("mass = 1\n", "mass = 1\ninertia = ")
+    assert text_of(page) == before
+    page.keyboard.type("2")
+    page.get_by_role("toolbar").get_by_role("button", name="parameter").click()
+    assert "a = { value" in text_of(page)
+    page.keyboard.press("Control+z")
+    assert text_of(page) == before.replace("inertia = ", "inertia = 2")
+    page.keyboard.press("Control+z")
+    assert text_of(page) == before
+    page.get_by_label("l, value with unit").fill("1.5 m")
+    page.get_by_label("l, value with unit").press("Enter")
+    shows(page.locator(".problem").first)  # inertia has no value: it is the text that has to be mended first
+    page.locator("textarea.area").focus()
+    page.keyboard.press("Control+z")
+    assert "inertia" not in text_of(page).replace("iner\n", "")
+
+
+def test_every_addition_makes_a_sound_model_of_a_sound_one(editor):
+    page = editor(PENDULUM)
+    texts = [PENDULUM]
+    for _ in range(2):
+        for part in ("body", "joint", "block", "slider", "spring", "force", "driver", "play in a joint", "parameter"):
+            page.get_by_role("toolbar").get_by_role("button", name=part, exact=True).click()
+            texts.append(text_of(page))
+            assert texts[-1] != texts[-2]
+            m = rt.loads(texts[-1])
+    assert len(m.model.bodies) == 5
+    assert len(m.model.joints) == 5
+    assert len(m.model.loads) == 4
+    assert "# a pendulum; this comment stays" in texts[-1]
+    for text in reversed(texts[:-1]):
+        page.keyboard.press("Control+z")
+        assert text_of(page) == text
+
+
+def test_an_addition_is_found_by_typing_its_name(editor):
+    page = editor(PENDULUM)
+    caret_after(page, "mass = 1\n")
+    page.keyboard.type("sprin")
+    becomes(page, f"() => ({OFFERED})()?.join() === 'add spring'")
+    page.keyboard.press("Enter")
+    assert "sprin\n" not in text_of(page)
+    assert list(rt.loads(text_of(page)).model.loads) == ["spring"]
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_long_lines_are_wrapped_and_colours_lie_under_the_letters(editor, width):
+    long = (
+        PENDULUM
+        + "# "
+        + "a long line of words " * 30
+        + "\n# "
+        + "x" * 500
+        + "\n"
+        + 'wrong = "'
+        + "y" * 300
+        + '"\n'
+        + "# end\n" * 40
+    )
+    page = editor(long, viewport={"width": width, "height": 844})
+    shows(page.locator(".problem").first)
+    sizes = page.evaluate(
+        f"""() => {{
+          const root = ({ROOT})(), area = root.querySelector("textarea.area"), sheet = root.querySelector(".sheet");
+          const painted = root.querySelector(".paint").offsetHeight, wide = [sheet.scrollWidth, sheet.clientWidth];
+          area.style.height = "1px";
+          const written = area.scrollHeight;
+          area.style.height = "";
+          return [painted, written, ...wide];
+        }}"""
+    )
+    assert sizes[0] == sizes[1]  # every line breaks where its colours do
+    assert sizes[2] == sizes[3]  # nothing is beside what is seen
+    row = long.split("\n").index('wrong = "' + "y" * 300 + '"')
+    assert "wrong" in page.locator(".paint > div").nth(row).get_attribute("class")
