@@ -272,7 +272,8 @@ declare("dry_memory", """
     IMPACT_MODE [] mode in an impact, see `rubbing_impacts`
     IMPACT_ALONE [N*s or N*m*s] part of its impulse that those of contacts do not cause
     IMPACT_FRICTION [N*s or N*m*s] its impulse
+    DRY_SOUGHT [] 1 while the instant is sought from which its mode cannot last
 """)
 DRY_MODE, DRY_FORCE, DRY_RATE, DRY_HELD, DRY_OVER, DRY_LOCKS, DRY_REST, DRY_BEFORE, DRY_ADDED, DRY_SINCE = range(10)
-DRY_UNSURE, IMPACT_MODE, IMPACT_ALONE, IMPACT_FRICTION = range(10, 14)
+DRY_UNSURE, IMPACT_MODE, IMPACT_ALONE, IMPACT_FRICTION, DRY_SOUGHT = range(10, 15)
 DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)

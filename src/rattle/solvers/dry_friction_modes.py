@@ -279,8 +279,13 @@ def any_over(m):
 
 @compiled
 def past(m, n):
-    """True where the event of joint n is over: it slips backwards, or sticks beyond its limit."""
+    """True where the event sought of joint n is over: it slips backwards, or sticks beyond its limit.
+
+    Only of joints whose event was found: one that others keep at rest while it slips has a rate of rounding.
+    """
     memory = m.dry_memory
+    if memory[n, at.DRY_SOUGHT] == 0.0:
+        return False
     if memory[n, at.DRY_MODE] != at.DRY_STICKS and memory[n, at.DRY_MODE] != at.DRY_AUTO:
         return m.dry[n, at.DRY_LAW] < 0 and memory[n, at.DRY_MODE] * memory[n, at.DRY_RATE] < 0.0
     return lasting(m, n) < 0.0
@@ -308,7 +313,8 @@ def first_change_of_modes(m, t, h, until):
         look(m, t, h, right)
         over = False
         for n in range(count):
-            over = over or lasting(m, n) < 0.0
+            m.dry_memory[n, at.DRY_SOUGHT] = 1.0 if lasting(m, n) < 0.0 else 0.0
+            over = over or m.dry_memory[n, at.DRY_SOUGHT] == 1.0
         if over:
             low, high, who = left, right, -1
             for _ in range(60):
