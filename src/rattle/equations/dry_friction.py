@@ -378,6 +378,8 @@ def lasting(m, n):
     mode, rate, tau = memory[n, at.DRY_MODE], memory[n, at.DRY_RATE], memory[n, at.DRY_FORCE]
     if m.dry[n, at.DRY_LAW] >= 0 or mode == at.DRY_AUTO:
         return 1.0
+    if mode != at.DRY_STICKS and memory[n, at.DRY_PRESSED] == 1.0:  # a contact would have to open first
+        return 1.0
     if mode == at.DRY_STICKS and memory[n, at.DRY_HELD] == 1.0:  # a driver decides
         return 1.0 if abs(rate) <= rounding(m, n) else -1.0
     if mode == at.DRY_STICKS:

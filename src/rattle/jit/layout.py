@@ -273,7 +273,8 @@ declare("dry_memory", """
     IMPACT_ALONE [N*s or N*m*s] part of its impulse that those of contacts do not cause
     IMPACT_FRICTION [N*s or N*m*s] its impulse
     DRY_SOUGHT [] 1 while the instant is sought from which its mode cannot last
+    DRY_PRESSED [] 1 while closed contacts hold its coordinate at rest, against whatever friction does
 """)
 DRY_MODE, DRY_FORCE, DRY_RATE, DRY_HELD, DRY_OVER, DRY_LOCKS, DRY_REST, DRY_BEFORE, DRY_ADDED, DRY_SINCE = range(10)
-DRY_UNSURE, IMPACT_MODE, IMPACT_ALONE, IMPACT_FRICTION, DRY_SOUGHT = range(10, 15)
+DRY_UNSURE, IMPACT_MODE, IMPACT_ALONE, IMPACT_FRICTION, DRY_SOUGHT, DRY_PRESSED = range(10, 16)
 DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)

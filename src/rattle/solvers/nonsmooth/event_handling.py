@@ -14,6 +14,7 @@ from rattle.solvers.contacts.pawls import drop_pawl
 from rattle.solvers.dry_friction_modes import KEEP, decide, modes_changed, stay_at_rest
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, DROP, HIT, MEETS, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import note_open, project_on_contacts
+from rattle.solvers.nonsmooth.idle_contacts import note_pressed
 from rattle.solvers.nonsmooth.impacts import collide
 
 MOST_TURNS = 20  # between modes of contacts and of friction of joints
@@ -91,7 +92,8 @@ def handle_event(m, t, y, who, what):
             # closed contacts and drivers hold the rate of the clutch at less than zero, by the error of the step
             status = collide(m, t, y, who)
             turn_clutches(m, t, y)
-            return new_modes(m, t, y, -1, HIT) if status == OK else status
+            status = new_modes(m, t, y, -1, HIT) if status == OK else status
+            return agree_with_friction(m, t, y) if status == OK and m.dry.shape[0] > 0 else status
         take_states(m, y)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     status = new_modes(m, t, y, who, what)
@@ -105,6 +107,7 @@ def agree_with_friction(m, t, y):
         if not decide(m, t, y, KEEP, 1):
             return NOT_FOUND
         if not modes_changed(m):
+            note_pressed(m)
             return OK
         status = new_modes(m, t, y, -1, NOTHING)
         if status != OK:

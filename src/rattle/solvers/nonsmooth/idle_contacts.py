@@ -18,9 +18,12 @@ from rattle.equations.complementarity import (
     friction_of,
     resolution,
 )
-from rattle.equations.dry_friction import DEPENDENT
+from rattle.equations.dry_friction import DEPENDENT, mobility, rounding
+from rattle.equations.unilateral import contact_rows
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
+from rattle.solvers.nonsmooth.contact_projection import closed_contacts
+from rattle.solvers.nonsmooth.rubbing_impacts import row_response
 
 
 @compiled
@@ -57,6 +60,42 @@ def held_by_closed(m, count, k):
                 m.contact_memory[m.active[s // 2], at.UNSURE] = 1.0
             column += 1
     return True
+
+
+@compiled
+def note_pressed(m):
+    """Note which joints that rub are at rest because closed contacts hold them, beside their friction.
+
+    Such a coordinate has a sense of slip, but no slip, whose rate would be an event by rounding.
+    """
+    memory, candidate, g, system = m.dry_memory, m.candidate, m.delassus, m.system
+    count = closed_contacts(m, closed_contacts(m, 0, 0), 1)
+    if count > 0:
+        contact_rows(m, count)
+    for n in range(memory.shape[0]):
+        memory[n, at.DRY_PRESSED] = 0.0
+        if count == 0 or m.held[at.SPARSE] == 1.0 or abs(memory[n, at.DRY_RATE]) > rounding(m, n):
+            continue
+        size, scale = 0, 0.0
+        for r in range(2 * count):
+            if not holds_row(candidate, r):
+                continue
+            column = 0
+            for s in range(2 * count):
+                if holds_row(candidate, s):
+                    system[size, column] = g[r, s]
+                    column += 1
+            system[size, column] = row_response(m, n, r)
+            size, scale = size + 1, max(scale, g[r, r])
+        diagonalise(system, m.pivots, size, max(scale, m.held[at.NOISE] / EXACT))
+        own = mobility(m, n, n)
+        left, column = own, 0
+        for s in range(2 * count):
+            if holds_row(candidate, s):
+                r = m.pivots[column]
+                left -= row_response(m, n, s) * system[r, size] / system[r, column] if r >= 0 else 0.0
+                column += 1
+        memory[n, at.DRY_PRESSED] = 1.0 if abs(left) <= DEPENDENT * own else 0.0
 
 
 @compiled
