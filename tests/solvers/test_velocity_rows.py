@@ -218,6 +218,30 @@ def test_impacts_with_friction_in_joints_keep_the_energy_balance():
     assert impacts > 0
 
 
+def test_powers_balance_over_impacts_in_which_joints_rub():
+    """What bodies and loads give is what joints lose and supply, with the impulses of their friction."""
+    impacts = 0
+    for seed in range(40):
+        text = mechanism(seed, "mixed")
+        if "friction" not in text:
+            continue
+        try:
+            run = rt.loads(text).simulate(0.5, t_eval=[0, 0.5], most_steps=20_000, rtol=1e-9)
+        except (rt.ModelError, rt.AssemblyError):
+            continue
+        hits = sum(event.kind == "impact" for event in run.events)
+        if not run.success or hits == 0:
+            continue
+        impacts += hits
+        cycle = run.power(0.0, 0.5).cycle
+        turnover = cycle.into.sum() + cycle.out.sum()
+        assert cycle.lost.sum() == pytest.approx(run["energy.dissipated"][-1], abs=1e-6 * turnover), seed
+        assert cycle.supplied.sum() == pytest.approx(run["energy.work"][-1], abs=1e-6 * turnover), seed
+        gained = run["energy.kinetic"][-1] - run["energy.kinetic"][0] - run["energy.dissipated"][0]  # of the start
+        assert (cycle.into - cycle.out).sum() == pytest.approx(gained, abs=1e-6 * turnover), seed
+    assert impacts > 0
+
+
 HARD = {  # rows that friction which slips, rounding, or a dead centre at a coarse tolerance make hard to decide
     "friction": [19, 63, 137],
     "clutches": [1, 23, 112, 120, 124, 144],

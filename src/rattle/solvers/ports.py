@@ -147,6 +147,7 @@ def add_port_work(m, count, impulse, before, after):
                 work[n, at.B_NOW] -= rows[r, at.BX + q] * impulse[r] * mean_rate(before, after, b, q)
     if count > 0:
         add_contact_work(m, count, before, after)
+        add_friction_work(m, before, after)
     for n in range(joint.shape[0]):
         work[n, at.A_IN] += max(work[n, at.A_NOW], 0.0)
         work[n, at.A_OUT] += max(-work[n, at.A_NOW], 0.0)
@@ -164,6 +165,17 @@ def add_contact_work(m, count, before, after):
         for q in range(3):
             work[n, at.A_NOW] -= w[k, q] * side[F, k] * mean_rate(before, after, a, q)
             work[n, at.B_NOW] -= w[k, 3 + q] * side[F, k] * mean_rate(before, after, b, q)
+
+
+@compiled
+def add_friction_work(m, before, after):
+    """Add the work [J] of the impulses of friction in joints without play to the present one of these joints."""
+    work, dry, line, memory = m.port_work, m.dry, m.dry_rows, m.dry_memory
+    for i in range(dry.shape[0]):
+        n, impulse = dry[i, at.DRY_JOINT], memory[i, at.IMPACT_FRICTION]
+        for q in range(3):
+            work[n, at.A_NOW] += line[i, at.AX + q] * impulse * mean_rate(before, after, dry[i, at.DRY_A], q)
+            work[n, at.B_NOW] += line[i, at.BX + q] * impulse * mean_rate(before, after, dry[i, at.DRY_B], q)
 
 
 # ---------------------------------------------------------------- time stepping

@@ -60,6 +60,7 @@ from rattle.solvers.nonsmooth.rubbing_impacts import (
     rub,
     take_rubbing,
     take_rubbing_modes,
+    total_rubbing,
 )
 from rattle.solvers.ports import add_port_work
 
@@ -107,7 +108,7 @@ def collide(m, t, y, who):
     # rows and kinematics are those of the rates before the impact again, to compute its impulses and losses
     count_impulses(m, t, y, count, before)
     if m.dry.shape[0] > 0:
-        book_rubbing(m, count, y, before)
+        book_rubbing(m, y, before)
     return OK
 
 
@@ -324,6 +325,8 @@ def count_impulses(m, t, y, count, before):
     for row in range(multiplier.shape[0]):
         multiplier[row] = 0.0
     add_forces(m, count, m.acceleration, multiplier)
+    if m.dry.shape[0] > 0:
+        total_rubbing(m, count, multiplier)
     for row in range(multiplier.shape[0]):
         work -= multiplier[row] * rows[row, at.NU]
     y[energies_at(m) + WORK] += work

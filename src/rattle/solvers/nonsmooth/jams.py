@@ -27,6 +27,7 @@ from rattle.solvers.nonsmooth.contact_projection import (
 )
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 from rattle.solvers.nonsmooth.impacts import count_impulses
+from rattle.solvers.nonsmooth.rubbing_impacts import forget_rubbing
 
 NEARLY = 1e-3  # share by which T may exceed mu N if the lock is about to occur
 
@@ -127,5 +128,7 @@ def pass_jam(m, t, late):
     for c in range(nq):
         before[c] = v[c]
     shift(m, count, v, -1.0)
+    if m.dry.shape[0] > 0:
+        forget_rubbing(m)
     count_impulses(m, t, y, count, before)
     return OK

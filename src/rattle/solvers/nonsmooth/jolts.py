@@ -35,6 +35,7 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import takes_impulses
 from rattle.solvers.nonsmooth.contact_projection import at_wall
 from rattle.solvers.nonsmooth.impacts import book_impulses, rates_of_contacts
+from rattle.solvers.nonsmooth.rubbing_impacts import forget_rubbing
 from rattle.solvers.ports import add_port_work
 
 ROUNDS = 2  # the second removes rounding
@@ -87,6 +88,8 @@ def jolt(m, t, before, percussion):
     for r in range(rows.shape[0]):
         work -= 0.5 * percussion[r] * (rows[r, at.NU] + before[r])
     y[energies_at(m) + WORK] += work
+    if m.dry.shape[0] > 0:
+        forget_rubbing(m)
     add_port_work(m, count, percussion, old, v)
     return status
 

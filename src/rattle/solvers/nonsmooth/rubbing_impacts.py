@@ -29,7 +29,7 @@ from rattle.equations.dry_friction import (
     pressing,
     rounding,
 )  # fmt: skip
-from rattle.equations.state import DISSIPATED, WORK, energies_at
+from rattle.equations.state import DISSIPATED, energies_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
@@ -258,16 +258,32 @@ def add_rubbing(m, v):
             v[c] += m.dry_response[n, 3 + c] * m.dry_memory[n, at.IMPACT_ALONE]
 
 
-@native("void", "h", "i", "v", "v")
-def book_rubbing(m, count, y, before):
-    """Losses [J] of friction in an impact, and the work of drivers against its part C; y holds the rates after it."""
-    memory, rows, nq = m.dry_memory, m.rows, m.change.shape[0]
+@native("void", "h", "i", "v")
+def total_rubbing(m, count, percussion):
+    """Impulses P of all joints for the final impulses of the contacts; percussion (nr,) gets that of the part C."""
+    memory, reaction = m.dry_memory, m.dry_reaction
     for n in range(memory.shape[0]):
-        impulse = memory[n, at.IMPACT_ALONE]
-        for row in range(rows.shape[0]):
-            y[energies_at(m) + WORK] -= m.dry_reaction[n, row] * impulse * rows[row, at.NU]
+        alone = memory[n, at.IMPACT_ALONE]
+        memory[n, at.IMPACT_FRICTION] = alone
         for r in range(2 * count):
-            impulse += m.dry_share[n, r] * m.side[F, r]
+            memory[n, at.IMPACT_FRICTION] += m.dry_share[n, r] * m.side[F, r]
+        for row in range(percussion.shape[0]):
+            percussion[row] += reaction[n, row] * alone
+
+
+@native("void", "h")
+def forget_rubbing(m):
+    """No friction of joints in the impulses at hand."""
+    for n in range(m.dry_memory.shape[0]):
+        m.dry_memory[n, at.IMPACT_ALONE] = 0.0
+        m.dry_memory[n, at.IMPACT_FRICTION] = 0.0
+
+
+@native("void", "h", "v", "v")
+def book_rubbing(m, y, before):
+    """Losses [J] of friction in an impact; y holds the rates after it."""
+    memory, nq = m.dry_memory, m.change.shape[0]
+    for n in range(memory.shape[0]):
         mean = 0.0
         for side in range(2):
             i = m.dry[n, at.DRY_A + side]
@@ -275,4 +291,4 @@ def book_rubbing(m, count, y, before):
                 if i > 0:
                     rate = 0.5 * (before[3 * i - 3 + k] + y[nq + 3 * i - 3 + k])
                     mean += m.dry_rows[n, at.AX + 3 * side + k] * rate
-        y[energies_at(m) + DISSIPATED] -= impulse * mean
+        y[energies_at(m) + DISSIPATED] -= memory[n, at.IMPACT_FRICTION] * mean
