@@ -175,7 +175,20 @@ def test_a_run_that_creeps_is_ended_and_says_how_long_it_would_take(monkeypatch)
     run = rt.loads(paper(r=1e-9)).simulate(1000.0)
     assert not run.success
     assert "most_steps lets it go on" in run.message
+    assert "the smallest clearance is that of joint 'O3', 1e-09 m" in run.message
     assert run.stats["steps"] < 10_000
+
+
+def test_a_run_that_creeps_names_the_pin_that_rolls_round_its_bush(monkeypatch):
+    """Two rotors hang in loose pins without friction; the pin of the light play goes round a thousand times as fast."""
+    monkeypatch.setattr(soundness, "CREEPING", 2000)
+    m = rt.Mechanism("rotors").ground(A=[0, 0], B=[1, 0])
+    for name, clearance in (("A", 1e-3), ("B", 1e-6)):
+        m.body(f"rotor{name}", mass=1, inertia=1e-3, points={name: [0, 0]})
+        m.revolute(name, f"ground.{name}", f"rotor{name}.{name}", clearance=clearance, contact={"model": "impact"})
+        m.initial(f"rotor{name}", x=float(name == "B") + clearance, vy=1.0)
+    run = m.simulate(1000.0, t_eval=[0.0, 1000.0])
+    assert "Steps follow the pin of joint 'B', which moves 1e+06 clearances in a second" in run.message
 
 
 def test_a_run_takes_the_steps_it_was_given():

@@ -37,6 +37,7 @@ SWIFT = 1000.0  # speed of a massless link, in speeds of the driver, that is not
 CREEPING = 200_000  # steps in which a run must advance by more than
 STALLED, HARDLY = 20_000, 1e-6  # the same where it has nearly stopped
 LEAST_GONE = 1e-4  # this share of its time, unless the user limits the number of steps
+FOLLOWED = 1e-3  # clearances in a step from which on the motion of a pin in its bush is what keeps steps short
 FAR = 1e6  # distance from the origin, in sizes, at which too few digits are left for the motion
 
 
@@ -188,8 +189,37 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
     more = (run.t_end - t) / max(gone, 1e-300) * (steps - mark[0])
     return (
         f"ended at t = {t:.6g} s: the last {steps - mark[0]} steps covered {gone:.2g} s, the rest would take {more:.1g}"
-        " more. Look for lengths, masses or stiffnesses out of proportion; most_steps lets it go on"
+        f" more. {_haste(run, gone / (steps - mark[0]))}; most_steps lets it go on"
     ), mark
+
+
+def _haste(run: Running, step: float) -> str:
+    """What keeps the steps [s] of a run short, in words, and what to change: a pin that goes round its bush, if any."""
+    state, size = run.workspace.state, 3 * run.system.body_count
+    curve = {
+        f"{body}.{column}": state[n : n + 1]
+        for first, columns in ((0, ("x", "y", "angle")), (size, ("vx", "vy", "omega")))
+        for k, body in enumerate(run.system.bodies)
+        for n, column in enumerate(columns, first + 3 * k)
+    }
+    play = [joint for joint in run.system.model.joints.values() if joint.kind == "revolute" and joint.clearance > 0.0]
+    if not play:
+        return "Look for lengths, masses or stiffnesses out of proportion"
+    rates = []  # clearances per second
+    for joint in play:
+        (ax, ay), (bx, by) = _point_rate(curve, joint.a), _point_rate(curve, joint.b)
+        rates.append(float(np.hypot(bx - ax, by - ay).max()) / joint.clearance)
+    if max(rates) * step > FOLLOWED:
+        busy = play[int(np.argmax(rates))]
+        return (
+            f"Steps follow the pin of joint '{busy.name}', which moves {max(rates):.2g} clearances in a second: give"
+            " that joint a larger clearance or none, or end the run earlier"
+        )
+    least = min(play, key=lambda joint: joint.clearance)
+    return (
+        "Look for lengths, masses or stiffnesses out of proportion: the smallest clearance is that of joint"
+        f" '{least.name}', {least.clearance:.2g} m"
+    )
 
 
 def why_unsound(run: Running) -> str:
