@@ -7,6 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rattle as rt
+from rattle.results.evaluation import evaluate
+from rattle.results.reductions import Known, read
 
 G = 9.81
 TOLERANCES = [1e-6, 1e-8, 1e-10, 1e-12]
@@ -183,6 +185,33 @@ def test_peaks_beside_a_singular_position_do_not_depend_on_the_tolerance():
     assert runs[0].trust.singular == pytest.approx(runs[-1].trust.singular, abs=1e-4)
     for joint in ("F", "M", "G", "T1", "T2"):
         assert joint in runs[2].trust.remarks()
+
+
+def test_no_curve_shows_more_than_the_table_beside_a_singular_position():
+    """Rows that the table leaves out are nan in what follows from reactions, and nowhere else."""
+    for outputs in (101, 1001, 10001):
+        r = rt.loads(SCISSOR).simulate(0.8, t_eval=np.linspace(0.0, 0.8, outputs))
+        left = np.isnan(r["F.force"])
+        assert (np.abs(r.t[left] - r.trust.singular[0]) < 0.004).all()
+        assert left.any()
+        np.testing.assert_array_equal(left, r.left_out)
+        for joint in ("F", "M", "G", "T1", "T2"):
+            np.testing.assert_array_equal(np.isnan(r[f"{joint}.fx"]), left)
+            assert np.nanmax(r[f"{joint}.force"]) <= r.peak(f"{joint}.force")[0] * (1 + 1e-9)
+        for name in r.stored:
+            assert name.partition(".")[0] in ("F", "M", "G", "T1", "T2") or np.isfinite(r[name]).all()
+
+
+def test_numbers_of_curves_leave_out_what_the_table_leaves_out():
+    r = rt.loads(SCISSOR).simulate(0.8, t_eval=np.linspace(0.0, 0.8, 4001))
+
+    def number(text):
+        return evaluate(read(text, Known.of(r)), r)
+
+    kept = ~r.left_out
+    assert number("max(F.force)") == r.peak("F.force")[0]
+    assert number("mean(F.force)") == pytest.approx(np.trapezoid(r["F.force"][kept], r.t[kept]) / 0.8, rel=1e-3)
+    assert number("integral(F.fx)") == pytest.approx(np.trapezoid(r["F.fx"][kept], r.t[kept]), rel=1e-3)
 
 
 def test_a_position_that_is_nearly_singular_keeps_its_peak():

@@ -166,7 +166,7 @@ def _inset(ax: Axes, stage: Scene, joint: str) -> Update:
     c = form["clearance"] * scale
     normal, size = result[f"{joint}.normal"], result[f"{joint}.force"]
     # typical forces fill the arrow, so that rare peaks do not shrink it
-    length = np.minimum(size / (float(np.percentile(size, 80)) or 1.0), np.where(normal < 0, 0.45, 1.0)) * c
+    length = np.minimum(size / (float(np.nanpercentile(size, 80)) or 1.0), np.where(normal < 0, 0.45, 1.0)) * c
     u, v = (result[f"{joint}.{force}"] / np.maximum(size, 1e-300) * length for force in ("fx", "fy"))
     path = pin_path(result, joint)
     pieces = (len(path[0]) - 1) // max(len(result.t) - 1, 1)

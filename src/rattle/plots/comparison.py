@@ -129,7 +129,7 @@ def _mark_horizon(ax: Axes, r: Result, colour: str, scale: float) -> None:
 
 def _force_floor(found: Comparison) -> float:
     """Force [N] at which the scale turns from linear to logarithmic: the size of the ideal reaction, rounded."""
-    typical = float(np.median(found.results[found.reference][f"{found.joint}.force"])) or 1.0
+    typical = float(np.nanmedian(found.results[found.reference][f"{found.joint}.force"])) or 1.0
     return float(10.0 ** math.floor(math.log10(typical)))
 
 
@@ -152,10 +152,10 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     if largest > 0.0:
         ax.plot([scale * when], [largest], "v", color=COLOURS[model], markersize=5, zorder=5)
     curves = [one[f"{joint}.normal"] for one in found.results.values() if f"{joint}.normal" in one]
-    top = max(float(one.max()) for one in curves)
+    top = max(float(np.nanmax(one)) for one in curves)
     top = max(top, *(c.peak for one in found.results.values() if (c := one.contacts.get(joint))))
     least = min(
-        0.0, *(float(one[f"{joint}.normal"].min()) for one in found.results.values() if f"{joint}.normal" in one)
+        0.0, *(float(np.nanmin(one[f"{joint}.normal"])) for one in found.results.values() if f"{joint}.normal" in one)
     )
     ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
     low, high = ax.get_ylim()

@@ -143,7 +143,7 @@ def _coloured_by_force(
     ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=0.8, zorder=0))
     ax.plot([0], [0], "+", color=GREY, markersize=8)
     size = np.abs(normal)
-    top, most = float(np.percentile(size, 99.9)) or 1.0, largest(result, f"{joint}.normal")
+    top, most = float(np.nanpercentile(size, 99.9)) or 1.0, largest(result, f"{joint}.normal")
     segments = np.stack([np.column_stack([x[:-1], y[:-1]]), np.column_stack([x[1:], y[1:]])], axis=1)
     strength = np.maximum(size[:-1], size[1:])
     order = np.argsort(strength, kind="stable")

@@ -177,6 +177,19 @@ def columns(
     return data, list(units), units
 
 
+REACTIONS = ("N", "N*m", "W")  # units of what follows from reactions
+
+
+def reaction_columns(system: System, units: Mapping[str, str]) -> np.ndarray:
+    """(k,) True for those of the columns, with these names and units, that follow from reactions.
+
+    The forces of compliant contacts and films follow from positions and rates.
+    """
+    drivers, joints = system.model.drivers, system.model.joints
+    held = {name for name in system.joints if name in drivers or joint_rows(joints[name])[0] is not None}
+    return np.array([name.rpartition(".")[0] in held and unit in REACTIONS for name, unit in units.items()])
+
+
 def _two_forces(joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The larger and the smaller force (n,) [N] of two strands; of a belt that cannot stretch, about its pretension."""
     one, other = raw[:, at.JOINT_NORMAL], raw[:, at.JOINT_TANGENT]

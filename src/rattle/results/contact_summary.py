@@ -197,7 +197,8 @@ def _pressing(result: Curves, joint: str, force: str) -> float:
     known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(force)
     if known is not None:
         return known.value
-    return float(result[force].max() if force.endswith(".normal") else np.abs(result[force]).max())
+    values = result[force] if force.endswith(".normal") else np.abs(result[force])
+    return float(np.nanmax(values))
 
 
 def pressing_spans(events: list[Event]) -> list[tuple[float, float]]:

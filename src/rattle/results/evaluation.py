@@ -75,6 +75,7 @@ class _Curves:
         self.count = int(np.searchsorted(self.result.t, end, side="right"))
         self.parameters, self.ideal = parameters, ideal
         self.t = self.result.t[: self.count]
+        self.left_out = self.result.left_out[: self.count]
 
     def of_name(self, name: str) -> NDArray[np.float64] | float:
         if name == "t":
@@ -95,9 +96,12 @@ class _Curves:
         return np.array([curve.at(float(t)) for t in self.t])
 
     def curve(self, node: Node) -> SampledCurve:
-        """The values of an expression at all instants."""
-        values = arrays.evaluate(node, self.of_name)
-        return SampledCurve(self.t, np.broadcast_to(values, self.t.shape))
+        """The values of an expression at all instants but those at which they are left out of the result."""
+        values = np.broadcast_to(arrays.evaluate(node, self.of_name), self.t.shape)
+        kept = np.flatnonzero(np.isfinite(values) | ~self.left_out)
+        beside = np.diff(kept) > 1  # the curve is straight across what is left out: both ends are breaks
+        kept = np.sort(np.concatenate([kept, kept[:-1][beside], kept[1:][beside]]))
+        return SampledCurve(self.t[kept], values[kept])
 
 
 def _reduce(one: Reduction, known: _Curves) -> float:

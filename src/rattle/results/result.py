@@ -145,6 +145,13 @@ class Result:
         return np.asarray(value_of(self._derived[name], self.__getitem__, np.cos, np.sin, np.hypot))
 
     @functools.cached_property
+    def left_out(self) -> np.ndarray:
+        """(n,) True at instants next to singular positions, at which reactions are nan, for they are not determined."""
+        if not self.trust.singular:
+            return np.zeros(len(self.t), bool)
+        return ~np.asarray(np.isfinite(self._data).all(axis=1))
+
+    @functools.cached_property
     def with_breaks(self) -> Result:
         """The same with the instants of events, each twice: its values are those just before and just after.
 

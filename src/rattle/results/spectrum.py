@@ -36,7 +36,10 @@ def amplitude_spectrum(t: Array, values: Array) -> tuple[Array, Array]:
     if not np.abs(np.diff(t) - step).max() <= EVEN * step:
         raise InputError("a spectrum needs evenly spaced output instants: simulate with an output interval, not t_eval")
     if not np.isfinite(values).all():
-        raise InputError("a spectrum needs values that are all finite")
+        raise InputError(
+            "a spectrum needs values that are all finite; forces next to a singular position are left out (nan): take"
+            " outputs on one side of it"
+        )
     window = 1.0 - np.cos(2.0 * np.pi * np.arange(n) / n)
     total = float(window.sum())
     mean = float(window @ values) / total

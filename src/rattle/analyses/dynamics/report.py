@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -19,9 +20,10 @@ from rattle.analyses.dynamics.soundness import energy_share, fast_links, loose, 
 from rattle.analyses.grip import grip_notes
 from rattle.analyses.timetable import jolt_events, jolt_notes
 from rattle.analyses.travel import out_of_place, places
+from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.results.build import build_result
-from rattle.results.columns import columns, width
+from rattle.results.columns import columns, reaction_columns, width
 from rattle.results.contact_summary import unread
 from rattle.results.event import Breaks, Event
 from rattle.results.result import Result
@@ -65,6 +67,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *run.remarks(),
     )
     balance = float(np.abs(curve["balance"]).max()) if n else math.nan
+    _leave_out(system, passed, run.t_eval[:n], data, units)
     result = build_result(
         system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
         trust=_trust(run, reach, contacts, balance, nonunique, notes, passed), stats=_stats(run), message=run.message,
@@ -72,18 +75,34 @@ def report(run: Run, reach: Reach | None) -> Result:
                   "t_end": run.t_end},
         events=sorted((*contacts, *jolt_events(run.jolts)), key=lambda event: event.t),
         peaks=peak_values(system, run.workspace, reached - run.start.t - sum(one.until - one.since for one in passed)),
-        breaks=_breaks(run),
+        breaks=_breaks(run, passed),
     )  # fmt: skip
     result.trust = replace(result.trust, unread=unread(result))
     return result
 
 
-def _breaks(run: Run) -> Breaks | None:
+def _breaks(run: Run, passed: tuple[Passage, ...]) -> Breaks | None:
     """Values on both sides of all events; None if there are none or too many."""
     if not run.breaks:
         return None
     times, rows = (np.concatenate(parts) for parts in zip(*run.breaks, strict=True))
-    return Breaks(times, columns(run.system, rows)[0])
+    data, _, units = columns(run.system, rows)
+    _leave_out(run.system, passed, times, data, units)
+    return Breaks(times, data)
+
+
+def _leave_out(
+    system: System, passed: tuple[Passage, ...], t: np.ndarray, data: np.ndarray, units: Mapping[str, str]
+) -> None:
+    """Forces, moments and powers of joints and drivers become nan where they have no part in peaks.
+
+    t (n,) [s], data (n, k) [SI], units: of its columns, by name.
+    """
+    hidden = np.zeros(len(t), bool)
+    for one in passed:
+        hidden |= (t >= one.since) & (t <= one.until)
+    if hidden.any():
+        data[hidden[:, None] & reaction_columns(system, units)] = math.nan
 
 
 def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
