@@ -1,5 +1,6 @@
 """A file of a result gives the numbers that were saved, or a ValueError: whatever happened to it, whoever made it."""
 
+import base64
 import io
 import json
 import pickle
@@ -306,6 +307,10 @@ RECORDS = {
     "body no table": lambda given: given["geometry"].update(bodies={"arm": 5}),
     "unit no text": lambda given: given["units"].update(lift=5),
     "unit with escape": lambda given: given["units"].update(lift="\x1b[2J"),
+    "breaks a number": put(breaks=5),
+    "breaks no rows": put(breaks="AAAAAAAAAAA="),
+    "breaks no text of numbers": put(breaks="="),
+    "breaks not twice": put(breaks=base64.b64encode(np.arange(2.0 * (1 + len(circling(5).stored))).tobytes()).decode()),
     "format no number": put(format="2"),
     "format true": put(format=True),
     "format negative": put(format=-1),

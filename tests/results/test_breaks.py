@@ -207,3 +207,14 @@ def test_a_break_is_the_value_just_after_it():
     assert instants.tolist() == [1.0]
     start, end = curve.spans_above(0.25)
     assert (end - start).sum() == 1.75
+
+
+@pytest.mark.parametrize("suffix", ["npz", "nc"])
+def test_numbers_of_a_file_are_those_of_the_run(tmp_path, suffix):
+    run = ball().simulate(30.3 * T)
+    run.save(tmp_path / f"r.{suffix}")
+    read_back = rt.load_result(tmp_path / f"r.{suffix}")
+    np.testing.assert_array_equal(read_back.breaks.t, run.breaks.t)
+    np.testing.assert_array_equal(read_back.breaks.data, run.breaks.data)
+    for text in BOUNCING:
+        assert of(read_back, text) == of(run, text)

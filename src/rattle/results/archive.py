@@ -301,7 +301,7 @@ def _require_plain(record: Any, count: int) -> None:
         one = ahead.pop()
         if isinstance(one, dict | list):
             ahead += [*one, *one.values()] if isinstance(one, dict) else one
-        elif isinstance(one, str) and shown(one) != one:
+        elif isinstance(one, str) and not one.isprintable() and shown(one) != one:
             raise InputError("texts with control characters")
     for event in record["events"]:
         _, joint, kind, *numbers = event

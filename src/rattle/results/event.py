@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import base64
 from typing import NamedTuple
 
 import numpy as np
+
+from rattle.errors import InputError
 
 
 class Event(NamedTuple):
@@ -37,3 +40,17 @@ class Breaks(NamedTuple):
 
     t: np.ndarray  # (2 k,) [s], every instant twice
     data: np.ndarray  # (2 k, columns) SI
+
+    @property
+    def text(self) -> str:
+        """All numbers as text, for the record of a file."""
+        return base64.b64encode(np.column_stack([self.t, self.data]).astype("<f8").tobytes()).decode("ascii")
+
+    @classmethod
+    def from_text(cls, text: str, columns: int) -> Breaks:
+        """Those of a file with so many curves.  Raises ValueError (binascii.Error too) for another text."""
+        rows = np.frombuffer(base64.b64decode(text, validate=True), "<f8").astype(np.float64).reshape(-1, 1 + columns)
+        t = rows[:, 0]
+        if not np.array_equal(t[::2], t[1::2]) or not (np.diff(t) >= 0.0).all():
+            raise InputError("instants of breaks stand twice, in order")
+        return cls(t, rows[:, 1:])

@@ -83,7 +83,7 @@ class Result:
         self.success = success
         self.message = message
         self.peaks: dict[str, Peak] = dict(peaks or {})
-        self.breaks = breaks  # values on both sides of impacts and other events; not written to files
+        self.breaks = breaks  # values on both sides of impacts and other events
         self._data = _frozen(data)
         if self._data.shape != (len(self.t), len(self.stored)):
             raise InputError(f"data has shape {self._data.shape}; expected {(len(self.t), len(self.stored))}")
@@ -310,6 +310,7 @@ class Result:
             "success": self.success,
             "message": self.message,
             "peaks": self.peaks,
+            **({"breaks": self.breaks.text} if self.breaks is not None else {}),
         }
         return archive.first_place(lambda place: archive.write(place, record, self.t, self._data), path, fallback)
 
@@ -446,6 +447,7 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             success=record["success"],
             message=record["message"],
             peaks={name: Peak(*values) for name, values in record.get("peaks", {}).items()},
+            breaks=Breaks.from_text(record["breaks"], len(record["names"])) if "breaks" in record else None,
         )
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise InputError(f"{path} {archive.NO_RESULT}") from error
