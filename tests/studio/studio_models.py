@@ -61,7 +61,7 @@ class Served:
         """Another address, as Enter in the terminal gives it."""
         self.process.stdin.write("\n")
         self.process.stdin.flush()
-        return self.process.stdout.readline().split()[-1]
+        return next_address(self.process)
 
     def new_token(self) -> str:
         return self.new_address().partition("token=")[2]
@@ -81,12 +81,17 @@ class Served:
         return self.entered[1]
 
 
+def next_address(process: subprocess.Popen) -> str:
+    """The next address that a studio prints; between two of them it may say that a page was closed, or the like."""
+    return next(line.split()[-1] for line in process.stdout if line.startswith("rattle studio: http"))
+
+
 def start_studio(folder: Path, *arguments: str, **environment: str) -> Served:
     """Start a studio in a folder, and wait for its address."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rattle", "studio", *arguments], cwd=folder, stdin=subprocess.PIPE,
         stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "", **environment},
     )  # fmt: skip
-    address = process.stdout.readline().split()[-1]
+    address = next_address(process)
     port = int(address.partition("://127.0.0.1:")[2].partition("/")[0])
     return Served(process, address, port, folder)

@@ -22,7 +22,7 @@ export class Editor {
     this.el = h("div", { class: "editor" }, this.bar(), this.sheet, this.list);
     this.area.addEventListener("input", (event) => this.typed(event));
     this.area.addEventListener("keydown", (event) => this.key(event));
-    for (const left of ["blur", "pointerdown"]) this.area.addEventListener(left, () => this.suggest.hide());
+    for (const left of ["blur", "pointerdown"]) this.area.addEventListener(left, () => { this.suggest.hide(); this.point(); });
   }
 
   bar() {
@@ -60,7 +60,6 @@ export class Editor {
   // ---------------------------------------------------------------- what is put in
   complete(asked) {
     this.suggest.look(this.text, this.area.selectionStart, asked);
-    this.area.toggleAttribute("data-suggests", this.suggest.open);
     this.point();
     if (!this.suggest.open) return;
     const { left, bottom, top } = this.caret(), sheet = this.sheet.getBoundingClientRect(), box = this.suggest.el.getBoundingClientRect();
@@ -111,20 +110,23 @@ export class Editor {
   }
 
   // ---------------------------------------------------------------- what is shown
-  // Another text; the caret stays at what it was beside.
-  show(text, start = false) {
+  // Another text; the caret stays "beside" what it was, or goes to the "start" of the text or to the end of the "change".
+  show(text, caret = "beside") {
     clearTimeout(this.pending);
     this.pending = 0;
     if (text === this.text) return;
     this.suggest.hide();
-    const old = this.text, at = this.area.selectionStart, scroll = this.sheet.scrollTop;
-    let same = 0;
-    while (same < at && same < text.length && old[same] === text[same]) same++;
+    const old = this.text, at = this.area.selectionStart, scroll = this.sheet.scrollTop, least = Math.min(text.length, old.length);
+    let same = 0, tail = 0;
+    while (same < least && old[same] === text[same]) same++;
+    while (tail < least - same && old.at(-1 - tail) === text.at(-1 - tail)) tail++;
+    const beside = at <= same ? at : Math.min(text.length, Math.max(0, at + text.length - old.length));
+    const place = { start: 0, change: text.length - tail, beside }[caret];
     this.area.value = text;
-    const caret = start ? 0 : same === at ? at : Math.min(text.length, Math.max(0, at + text.length - old.length));
-    this.area.setSelectionRange(caret, caret);
+    this.area.setSelectionRange(place, place);
     this.draw();
-    this.sheet.scrollTop = start ? 0 : scroll;
+    this.sheet.scrollTop = caret === "start" ? 0 : scroll;
+    if (caret === "change") this.reveal();
   }
 
   mark(problems) {
@@ -175,10 +177,23 @@ export class Editor {
     this.rows = rows;
   }
 
+  // Whether a quotation mark at the caret would be the one that already ends the text there.
+  closes() {
+    const { value, selectionStart: at, selectionEnd: end } = this.area;
+    const line = value.slice(value.lastIndexOf("\n", at - 1) + 1, at);
+    return at === end && value[at] === '"' && line.split('"').length % 2 === 0;
+  }
+
   // Ctrl Space asks what may stand here, Tab indents what is selected, Escape leaves the field so that Tab moves on.
   key(event) {
     if (this.suggest.key(event)) { this.point(); return; }
     if (event.key === " " && event.ctrlKey) { event.preventDefault(); this.complete(true); return; }
+    if (event.key === '"' && this.closes()) {
+      event.preventDefault();
+      this.area.setSelectionRange(this.area.selectionEnd + 1, this.area.selectionEnd + 1);
+      this.suggest.hide();
+      return;
+    }
     if (/^(Arrow|Home|End|Page)/.test(event.key)) this.suggest.hide();
     if (event.key === "Escape") { this.area.blur(); return; }
     if (event.key !== "Tab" || event.ctrlKey || event.altKey || event.shiftKey) return;

@@ -113,7 +113,7 @@ class Page {
     const text = this.history[way]();
     this.header.steps(this.history);
     if (text === null) return;
-    this.editor.show(text);
+    this.editor.show(text, "change");
     this.show.otherwise = true;
     this.model.send_msg({ do: "text", text });
   }
@@ -137,7 +137,7 @@ class Page {
     else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
     else this.history.record(message.text, "knob");
     this.header.steps(this.history);
-    this.editor.show(message.text, Boolean(message.fresh));
+    this.editor.show(message.text, message.fresh ? "start" : "beside");
   }
 
   on_name_is(message) {

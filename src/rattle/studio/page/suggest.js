@@ -6,6 +6,7 @@ import { outline } from "./outline.js";
 import { SNIPPETS, placed } from "./snippets.js";
 
 const LONGEST = 400000; // characters of a text that is looked through at a key; as many as knobs change
+const CLEAR = 3; // letters from which a word that is typed may mean a part to add, and not a name of the user's
 const SHOWN = 60; // entries of a list; more are found by typing on
 
 export class Suggest {
@@ -16,7 +17,7 @@ export class Suggest {
     this.list = h("ul", { role: "listbox", id: "suggestions", "aria-label": "What may stand here" });
     this.about = h("p", { class: "about" });
     this.el = h("div", { class: "suggest", hidden: true }, this.list, this.about);
-    this.el.addEventListener("pointerdown", (event) => event.preventDefault()); // the text keeps the focus
+    for (const press of ["pointerdown", "mousedown"]) this.el.addEventListener(press, (event) => event.preventDefault()); // the text keeps the focus
   }
 
   get open() { return !this.el.hidden; }
@@ -32,7 +33,7 @@ export class Suggest {
     if (!this.entries || text.length > LONGEST || text.trimStart().startsWith("{")) return;
     const read = outline(text, at), { place } = read;
     if (place.kind === "none" || (!asked && place.typed === "" && place.quote === undefined)) return;
-    const found = this.found(text, read, asked).concat(place.kind === "key" && !place.path.some((step) => typeof step === "number") ? added(text, read) : []);
+    const found = this.found(text, read, asked).concat(asked || place.typed.length >= CLEAR ? added(text, read) : []);
     const word = place.typed.toLowerCase();
     const begin = found.filter((item) => item.label.toLowerCase().startsWith(word));
     const hold = word ? found.filter((item) => !begin.includes(item) && item.label.toLowerCase().includes(word)) : [];
@@ -120,7 +121,7 @@ function asHeader({ label, named }, { from, to, closed }) {
 // What can be added to the text from here, as entries of the list; the word that was typed for it goes.
 function added(text, { place, root, heads }) {
   const line = text.lastIndexOf("\n", place.from - 1) + 1;
-  if (text.slice(line, place.from).trim() || place.assigned) return [];
+  if (place.kind !== "key" || place.assigned || text.slice(line, place.from).trim()) return [];
   return SNIPPETS.map(({ label, about, make }) => ({ label, about, detail: "", make: make(root, place.path) })).filter((item) => item.make)
     .map((item) => ({ ...item, put: { from: place.from, to: place.to, text: "", snippet: placedWithout(text, place, item.make) } }));
 }
