@@ -208,6 +208,7 @@ def test_keys_of_the_section_choices_and_names_are_offered(editor):
     assert offered(page) == list(m.model.parameters)
     caret_after(page, "# a pendulum")
     assert offered(page) == []
+    shows(page.get_by_text("Nothing is offered here"))
 
 
 def test_what_is_chosen_is_written_and_undone_at_once(editor):
@@ -250,6 +251,20 @@ def test_an_entry_of_the_list_is_taken_by_mouse_and_finger(editor, touched):
     assert text_of(page) == PENDULUM.replace('"revolute"', '"fixed"')
     page.keyboard.type(" ")  # the text has the focus, and the caret is behind the word
     assert text_of(page) == PENDULUM.replace('"revolute"', '"fixed" ')
+
+
+@pytest.mark.parametrize("wanted", ['[joints.O]\ntype = "', 't_end = "1 s"\n'])
+def test_the_list_is_in_sight_wherever_the_caret_is(editor, wanted):
+    page = editor("# a line\n" * 200 + PENDULUM, viewport={"width": 844, "height": 390}, is_mobile=True, has_touch=True)
+    caret_after(page, wanted)
+    page.get_by_role("button", name="what fits here?").tap()
+    inside = f"""() => {{
+      const box = (name) => ({ROOT})().querySelector(name).getBoundingClientRect();
+      const list = box(".suggest"), sheet = box(".sheet");
+      return list.height > 50 && list.top >= sheet.top - 1 && list.bottom <= sheet.bottom + 1
+        && list.right <= sheet.right;
+    }}"""
+    becomes(page, inside)
 
 
 def test_a_quotation_mark_is_not_written_twice(editor):

@@ -329,7 +329,7 @@ def test_on_a_phone_all_is_as_wide_as_the_screen_and_readable(visit, held):
     page.wait_for_function("window.rattle.parameters.l < 0.9", timeout=60000)
     page.get_by_role("button", name="Save as").tap()
     page.get_by_label("File name").fill("")
-    page.get_by_role("button", name="Close").tap()
+    page.get_by_role("button", name="Close", exact=True).tap()
     page.locator("button.trust").tap()
     shows(page.locator("button.trust[aria-expanded=true]"))
 

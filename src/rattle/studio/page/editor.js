@@ -29,7 +29,7 @@ export class Editor {
     const button = (label, title, onclick) => h("button", { title, onclick }, label);
     return h("div", { class: "adds", role: "toolbar", "aria-label": "Add to the model" }, h("span", { class: "quiet" }, "Add"),
       SNIPPETS.map((snippet) => button(snippet.label.replace("add ", ""), snippet.about, () => this.add(snippet))),
-      button("what fits here?", "What may stand at the caret (Ctrl Space)", () => { this.area.focus(); this.complete(true); }));
+      button("what fits here?", "What may stand at the caret (Ctrl Space)", () => this.ask()));
   }
 
   get text() { return this.area.value; }
@@ -67,6 +67,13 @@ export class Editor {
     const above = bottom + box.height > sheet.bottom && top - box.height > sheet.top;
     this.suggest.el.style.left = `${Math.max(4, Math.min(left - origin.left, origin.width - box.width - 4))}px`;
     this.suggest.el.style.top = `${(above ? top - box.height - 2 : bottom + 2) - origin.top}px`;
+    this.suggest.el.scrollIntoView({ block: "nearest" });
+  }
+
+  ask() {
+    this.focus();
+    this.complete(true);
+    if (!this.suggest.open) this.say("Nothing is offered here: go to an empty line, behind =, or between quotation marks.");
   }
 
   // Where the caret is on the page.
@@ -94,7 +101,7 @@ export class Editor {
     this.flush();
     this.area.setRangeText(text, from, to);
     if (snippet) this.area.setRangeText(snippet.text, snippet.at, snippet.at);
-    this.area.focus();
+    this.area.focus({ preventScroll: true });
     this.area.setSelectionRange(...(snippet ? [snippet.from, snippet.to] : select));
     this.draw();
     this.changed(this.text, true);
@@ -142,8 +149,13 @@ export class Editor {
     let at = 0;
     for (let k = 0; k < line - 1; k++) at += (lines[k] ?? "").length + 1;
     const from = at + Math.max(0, (problem.column || 1) - 1);
-    this.area.focus();
+    this.area.focus({ preventScroll: true });
     this.area.setSelectionRange(from, from + Math.max(0, problem.width));
+    this.reveal();
+  }
+
+  focus() {
+    this.area.focus({ preventScroll: true }); // a browser would show the beginning of the text
     this.reveal();
   }
 
@@ -187,7 +199,7 @@ export class Editor {
   // Ctrl Space asks what may stand here, Tab indents what is selected, Escape leaves the field so that Tab moves on.
   key(event) {
     if (this.suggest.key(event)) { this.point(); return; }
-    if (event.key === " " && event.ctrlKey) { event.preventDefault(); this.complete(true); return; }
+    if (event.key === " " && event.ctrlKey) { event.preventDefault(); this.ask(); return; }
     if (event.key === '"' && this.closes()) {
       event.preventDefault();
       this.area.setSelectionRange(this.area.selectionEnd + 1, this.area.selectionEnd + 1);

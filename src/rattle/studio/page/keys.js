@@ -34,7 +34,7 @@ function plainKey(page, key, target) {
   if (key === "?") return () => page.dialogs.keys();
   if (key === "g") return () => page.header.el.querySelector("nav button").click();
   if (key === "d") return () => page.theme.next();
-  if (key === "t") return () => { page.choose("text"); page.editor.area.focus(); };
+  if (key === "t") return () => { page.choose("text"); page.editor.focus(); };
   if (key === "k") return () => page.knobs.el.querySelector("input[type=range]")?.focus();
   if (key === " " && !target.matches?.("button, a, summary") && page.shown === "motion") return () => page.show.toggle();
   return null;
