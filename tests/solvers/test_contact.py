@@ -474,6 +474,29 @@ def test_clipped_forces_and_their_friction_do_not_stall_a_run(law):
             assert r.trust.energy_share < 1e-5
 
 
+@pytest.mark.parametrize("restitution", [0.05, 0.3, 0.7])
+def test_a_clipped_force_converges_with_the_tolerance_and_the_order_is_kept(restitution):
+    """The force of a damped spring meets zero before the pin leaves: closed form of its peak and of the rebound."""
+    mass, stiffness, speed = 1.0, 1e7, 0.2
+    zeta = -math.log(restitution) / math.hypot(math.pi, math.log(restitution))
+    omega = math.sqrt(stiffness / mass)
+    damped = math.sqrt(1.0 - zeta**2)
+    t = np.linspace(0.0, 2.0 * math.acos(zeta) / damped, 1_000_001)  # times omega
+    wave = np.exp(-zeta * t) * ((1.0 - 2.0 * zeta**2) * np.sin(damped * t) / damped + 2.0 * zeta * np.cos(damped * t))
+    peak, rebound = mass * omega * speed * wave.max(), speed * math.exp(-2.0 * zeta * math.acos(zeta) / damped)
+    assert abs(wave[-1]) < 1e-12
+    m = rt.Mechanism("pin", gravity=[0, 0]).ground(O=[0, 0]).body("b", mass=mass, inertia=1e-3, points={"O": [0, 0]})
+    contact = {"model": "kelvin-voigt", "stiffness": stiffness, "exponent": 1, "restitution": restitution}
+    m.revolute("O", "ground.O", "b.O", clearance=1e-3, contact=contact).initial("b", x=0.9e-3, vx=speed)
+    steps = []
+    for rtol in (1e-5, 1e-7, 1e-9, 1e-11):
+        run = m.simulate(3e-3, rtol=rtol, t_eval=[0.0, 3e-3])
+        assert run["b.vx"][-1] == pytest.approx(-rebound, rel=100 * rtol)
+        assert contacts_of(run, "O")[0].peak_force == pytest.approx(peak, rel=max(100 * rtol, 1e-11))
+        steps.append(run.stats["steps"])
+    assert steps[-1] < 1.5 * 10.0 ** (6 / 8) * steps[0] + 10  # errors as h^8
+
+
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
 def test_a_damped_pin_with_viscous_friction_beside_rigid_ones_takes_steps_like_other_pins(rtol):
     m = rt.load(DATA / "rigid_and_damped_pins.toml")

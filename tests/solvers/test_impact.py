@@ -375,3 +375,25 @@ def test_step_that_tears_the_joints_open_is_said_to_be_too_long():
     assert not run.success
     assert "far too long" in run.message
     assert len(run.t) == 1  # what was good before it is kept: the start
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+def test_corners_of_a_block_that_nearly_coincide_share_impacts_without_a_false_loss(law):
+    """Blocks of 1e-8 m to 1 mm in a wide guide: two contacts on almost one line, which hit almost together."""
+    rng = np.random.default_rng(25)
+    for length, friction in zip(10.0 ** rng.uniform(-8, -3, 12), [0.0, 0.1, 0.3] * 4, strict=True):
+        rubs = {"friction": friction} if friction else {}
+        contact = {"model": "impact", "restitution": 0.3, "restitution_law": law, **rubs}
+        m = (
+            rt.Mechanism("block", gravity=[0, -9.81])
+            .ground(O=[0, 0])
+            .body("b", mass=1, inertia=1e-3, points={"O": [0, 0]})
+        )
+        block = {"length": float(length), "height": 0.02}
+        m.prismatic("g", "ground.O", "b.O", axis=0, clearance=3e-4, block=block, contact=contact)
+        m.initial("b", vx=0.3, vy=-0.2, omega=float(rng.normal(0.0, 1.0)))
+        run = m.simulate(0.03, t_eval=[0.0, 0.03], rtol=1e-8)
+        assert run.success, run.message
+        lost = sum(event.energy_lost for event in run.events if event.kind == "impact")
+        assert 0.0 < lost < 0.5 * (0.3**2 + 0.2**2) + 1e-3 * 0.5 * 25 + 9.81 * 6e-4
+        assert run.trust.energy_balance < 1e-7
