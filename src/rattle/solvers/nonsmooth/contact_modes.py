@@ -186,9 +186,9 @@ def update_modes(m, t, y, apart, kind):
                 status = NOT_UNIQUE
             if kind == BREAK_AWAY and (status != OK or linear(m, closed) < 0 or not lasts(m, closed)):
                 status = go_beyond(m, closed, apart, pulling)
-            if status != OK:
+            if status != OK and attempt == KEPT:
                 return status
-            solved = True
+            solved = status == OK  # without the contact that opens: with it the problem may have a solution, or one
         if attempt == KEPT or (solved and part(m, closed, apart, attempt)):
             break
         attempt += 1
