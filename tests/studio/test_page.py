@@ -66,6 +66,8 @@ def test_the_page_shows_the_motion_that_simulate_computes(visit):
     becomes(page, "location.href.endsWith('/')")  # the token has left the address
     becomes(page, "document.title.includes('a pendulum')")
     shows(page.locator(".status").get_by_text("constraint error"))
+    words = page.locator(".status .trust-text").text_content()  # the answer comes first, how well it was solved last
+    assert words.index("the curves can be trusted") < words.index("constraint error")
 
 
 def test_a_knob_that_is_dragged_turns_the_motion_and_the_text(visit):

@@ -29,7 +29,7 @@ export class Status {
   say(state, lines) {
     const names = { good: "Trusted", check: "Being checked", care: "With care", bad: "Not trusted", old: "Old", wait: "Wait" };
     this.el.dataset.state = state;
-    replace(this.text, h("b", {}, names[state]), h("span", {}, lines.join(" · ").replaceAll(UNCHECKED, state === "check" ? "how long the curves can be trusted is computed now" : "how long the curves can be trusted was not computed")));
+    replace(this.text, h("b", {}, names[state]), h("span", {}, answerFirst(lines).join(" · ").replaceAll(UNCHECKED, state === "check" ? "how long the curves can be trusted is computed now" : "how long the curves can be trusted was not computed")));
     this.last = [state, lines];
   }
 
@@ -63,6 +63,13 @@ export class Status {
     const first = seconds >= PREPARING && share === undefined ? ", a mechanism of a new kind is prepared first" : "";
     this.words.textContent = `${name}${what && what !== this.job ? `, ${what}` : ""} …${seconds >= 2 ? ` ${seconds} s` : ""}${first}`;
   }
+}
+
+// What a run says of itself, with how well its equations were solved at the end.
+function answerFirst(lines) {
+  const parts = lines.flatMap((line) => line.split(/; (?=the curves|positions and rates|how long)/));
+  const solved = (part) => part.startsWith("constraint error");
+  return [...parts.filter((part) => !solved(part)), ...parts.filter(solved)];
 }
 
 // The sign of what a run says of itself.
