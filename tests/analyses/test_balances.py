@@ -86,6 +86,7 @@ def test_reactions_do_no_work(runs, name):
         if f"{joint}.friction" in r:  # that does work
             power = power - r[f"{joint}.friction"] * r[f"{joint}.rate"]
         fast = max(np.abs(one).max() for one in speeds) + 1e-3
+        power, force, moment = (one[..., ~r.left_out] for one in (power, force, moment))
         assert np.abs(power).max() <= 1e-9 * (np.abs(force).max() + np.abs(moment).max()) * fast, joint
 
 
@@ -121,10 +122,11 @@ def test_forces_explain_the_motion_of_every_body_without_loads(runs, name):
                     fx, fy = sign * r[f"{motor}.force"] * np.cos(line), sign * r[f"{motor}.force"] * np.sin(line)
                     force[0], force[1] = force[0] + fx, force[1] + fy
                     torque = torque + (at[0] - r[f"{body}.x"]) * fy - (at[1] - r[f"{body}.y"]) * fx
-        scale = 1e-9 * (1 + max(np.abs(part).max() for part in force))
-        assert one.mass * r[f"{body}.ax"] == pytest.approx(force[0], abs=scale)
-        assert one.mass * r[f"{body}.ay"] == pytest.approx(force[1], abs=scale)
-        assert one.inertia * r[f"{body}.alpha"] == pytest.approx(torque, abs=scale)
+        kept = ~r.left_out  # next to singular positions there are no reactions
+        scale = 1e-9 * (1 + max(np.abs(part[kept]).max() for part in force))
+        assert one.mass * r[f"{body}.ax"][kept] == pytest.approx(force[0][kept], abs=scale)
+        assert one.mass * r[f"{body}.ay"][kept] == pytest.approx(force[1][kept], abs=scale)
+        assert one.inertia * r[f"{body}.alpha"][kept] == pytest.approx(torque[kept], abs=scale)
 
 
 # ---------------------------------------------------------------- momentum of a linkage that flies
