@@ -19,6 +19,7 @@ STILL = 1e-12  # share of the rates of its bodies below which the rate of a clut
 LEAST = 1e-14  # rate of a clutch that counts as zero in any case [rad/s]
 NOISE = 1e-11  # share of the largest torque below which one is rounding: more than the contact problem leaves
 OVER = 1e-12  # share by which a torque may exceed the largest one by rounding
+BACK = 1e-9  # share of the accelerations of its bodies below which that of a clutch that begins to slip is rounding
 TURNS = 1e-6  # share of the rates of its bodies from which on an idle clutch turns: dense output of a step errs less
 
 
@@ -107,6 +108,24 @@ def overloaded(m, count):
         n = active[k]
         if contact[n, at.LEVEL] == 1 and side[F, 2 * k] > (1.0 + OVER) * most_torque(m, n):
             memory[n, at.SLIPS] = 1.0
+            found = True
+    return found
+
+
+@compiled
+def held_back(m, broken):
+    """Let clutches be decided anew that slip from rest while the accelerations carry A back; True if there are any.
+
+    They were overloaded beside others that slip too.  broken: the clutch that has to slip, or -1.
+    """
+    memory, acceleration, found = m.contact_memory, m.acceleration, False
+    for n in range(m.contact.shape[0]):
+        if n == broken or memory[n, at.SLIPS] != 1.0 or gets_ahead(m, n):
+            continue
+        a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+        parting = m.contact_kinematics[n, at.TURN] * (acceleration[a, 2] - acceleration[b, 2])
+        if parting > BACK * (abs(acceleration[a, 2]) + abs(acceleration[b, 2])):
+            memory[n, at.SLIPS] = 0.0
             found = True
     return found
 

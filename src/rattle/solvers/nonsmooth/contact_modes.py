@@ -39,6 +39,7 @@ from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import (
     driven_on,
+    held_back,
     note_slip,
     overloaded,
     pushed_on,
@@ -54,6 +55,7 @@ from rattle.solvers.nonsmooth.uniqueness import lasts
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN, DROP, MEETS = range(7)  # what an event is; MEETS: a compliant contact changes
 TOGETHER, ALONE, KEPT = range(3)  # a contact opens: with all that are about to, by itself, or not after all
+MOST_RETURNS = 20  # times that clutches which begin to slip together are decided anew: once each but for cycles
 CREEP = 1e-6  # share of the largest slip at one instant below which the direction of a slip is not resolved
 AHEAD = 1e-6  # share by which the required friction force exceeds the limit shortly after a breakaway
 CREEPS = 30  # see regroup
@@ -155,14 +157,15 @@ def update_modes(m, t, y, apart, kind):
     parallel.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, if some now stick and the caller must
     try again.
     """
-    kinematics, attempt = m.contact_kinematics, KEPT
+    kinematics, attempt, slipping, returns = m.contact_kinematics, KEPT, False, 0
     pulling = kinematics[apart, at.TANGENT] if apart >= 0 else 0.0
     if kind == LET_GO:
         attempt = ALONE
         for n in range(kinematics.shape[0]):
             attempt = TOGETHER if goes_along(m, n, apart) else attempt
     clutch = apart >= 0 and m.contact[apart, at.LEVEL] == 1
-    settle_slips(m, apart if clutch and kind == BREAK_AWAY else -1)
+    broken = apart if clutch and kind == BREAK_AWAY else -1
+    settle_slips(m, broken)
     kind = NOTHING if clutch and kind == BREAK_AWAY else kind
     while True:
         motion_without(m, t, y)
@@ -173,6 +176,12 @@ def update_modes(m, t, y, apart, kind):
             continue
         solved = solve_contacts(m, closed)
         if solved and overloaded(m, closed):
+            slipping = True
+            continue
+        if solved and slipping and returns < MOST_RETURNS:
+            returns += 1
+            add_forces(m, closed, m.acceleration, m.multiplier)
+            slipping = held_back(m, broken)
             continue
         if attempt != TOGETHER:
             if not solved and end_creep(m, closed):
