@@ -246,7 +246,7 @@ HARD = {  # rows that friction which slips, rounding, or a dead centre at a coar
     "friction": [19, 63, 137],
     "clutches": [1, 23, 112, 120, 124, 144],
     "stops": [108, 110],
-    "mixed": [29, 70, 129, 135, 145, 281],
+    "mixed": [29, 70, 129, 135, 145, 256, 281, 298],
 }
 
 

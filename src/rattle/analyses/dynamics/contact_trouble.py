@@ -30,6 +30,8 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
     names = ", ".join(closed_joints(system, workspace)) or "the contacts"
     other = f"method {stepper_of(TIME_STEPPING)}"
     sliding = bool(rough(system, workspace)[touching(system, workspace)].any())
+    if status == unilateral.NO_SOLUTION and not sliding and workspace.dry_memory[:, at.DRY_LOCKS].any():
+        return ""  # friction of joints has no force, with which contacts could be decided
     if status == unilateral.NO_SOLUTION and not sliding:
         return no_way(system, workspace, t, names)
     if status == unilateral.LOCKED and not sliding:
