@@ -164,3 +164,51 @@ contact = {contact}
 [initial]
 block = {{ x = 0, y = {y}, angle = {angle}, vx = {vx}, vy = 0, omega = {omega} }}
 """
+
+
+# a stage of a lift whose bars fall onto each other at 0.318 s: a singular position
+SCISSOR = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+F = [0, 0]
+[bodies.right]
+bar = ["F", "T2"]
+length = 0.8
+mass = 12
+points = { M = [0, 0] }
+[bodies.left]
+bar = ["G", "T1"]
+length = 0.8
+mass = 15
+points = { M = [0, 0], C = ["80 mm", 0] }
+[bodies.table]
+points = { T1 = [0, 0], T2 = [0, 0] }
+center = [0.3, 0.05]
+mass = 60
+inertia = 5
+[joints.F]
+type = "revolute"
+connect = ["ground.F", "right.F"]
+[joints.M]
+type = "revolute"
+connect = ["right.M", "left.M"]
+[joints.G]
+type = "slot"
+connect = ["ground.F", "left.G"]
+axis = 0
+[joints.T1]
+type = "revolute"
+connect = ["table.T1", "left.T1"]
+[joints.T2]
+type = "slot"
+connect = ["table.T2", "right.T2"]
+axis = 0
+[loads.cylinder]
+type = "actuator"
+connect = ["ground.F", "left.C"]
+force = "7 kN - 500 N*s/m*cylinder.rate"
+[initial]
+right = { angle = "25 deg" }
+left = { angle = "155 deg" }
+"""

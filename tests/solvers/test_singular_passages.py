@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rattle as rt
+from linkages import SCISSOR
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, read
 
@@ -46,52 +47,6 @@ axis = 0
 [initial]
 crank = { angle = "30 deg", omega = 9 }
 rod = { angle = "-30 deg" }
-"""
-
-SCISSOR = """
-format = 1
-gravity = [0, -9.81]
-[ground.points]
-F = [0, 0]
-[bodies.right]
-bar = ["F", "T2"]
-length = 0.8
-mass = 12
-points = { M = [0, 0] }
-[bodies.left]
-bar = ["G", "T1"]
-length = 0.8
-mass = 15
-points = { M = [0, 0], C = ["80 mm", 0] }
-[bodies.table]
-points = { T1 = [0, 0], T2 = [0, 0] }
-center = [0.3, 0.05]
-mass = 60
-inertia = 5
-[joints.F]
-type = "revolute"
-connect = ["ground.F", "right.F"]
-[joints.M]
-type = "revolute"
-connect = ["right.M", "left.M"]
-[joints.G]
-type = "slot"
-connect = ["ground.F", "left.G"]
-axis = 0
-[joints.T1]
-type = "revolute"
-connect = ["table.T1", "left.T1"]
-[joints.T2]
-type = "slot"
-connect = ["table.T2", "right.T2"]
-axis = 0
-[loads.cylinder]
-type = "actuator"
-connect = ["ground.F", "left.C"]
-force = "7 kN - 500 N*s/m*cylinder.rate"
-[initial]
-right = { angle = "25 deg" }
-left = { angle = "155 deg" }
 """
 
 
@@ -212,6 +167,36 @@ def test_numbers_of_curves_leave_out_what_the_table_leaves_out():
     assert number("max(F.force)") == r.peak("F.force")[0]
     assert number("mean(F.force)") == pytest.approx(np.trapezoid(r["F.force"][kept], r.t[kept]) / 0.8, rel=1e-3)
     assert number("integral(F.fx)") == pytest.approx(np.trapezoid(r["F.fx"][kept], r.t[kept]), rel=1e-3)
+
+
+BELL = """
+[bodies.bell]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[joints.hang]
+type = "revolute"
+connect = ["ground.F", "bell.C"]
+stop = { max = 0.3, contact = { model = "impact", restitution = 0.5 } }
+[initial.bell]
+omega = 2
+"""
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+def test_a_run_with_impacts_passes_as_one_without(rtol):
+    """Beside the scissor a bell strikes its stop at 0.15 s: nothing else changes."""
+    alone = rt.loads(SCISSOR).simulate(0.8, t_eval=[0.0, 0.4, 0.8], rtol=rtol)
+    r = rt.loads(SCISSOR + BELL).simulate(0.8, t_eval=[0.0, 0.4, 0.8], rtol=rtol)
+    assert r.provenance["method"] == "event"
+    assert r.success, r.message
+    assert next(one.t for one in r.events if one.kind == "impact") == pytest.approx(0.15, abs=1e-9)
+    assert r.trust.singular == pytest.approx(alone.trust.singular, abs=1e-5)
+    for joint in ("F", "M", "G", "T1", "T2"):
+        assert joint in r.trust.remarks()
+        # they grow as 1/(t - t*); where the part left out begins is known to percent
+        assert r.peak(f"{joint}.force")[0] == pytest.approx(alone.peak(f"{joint}.force")[0], rel=0.05)
+    assert r["table.y"] == pytest.approx(alone["table.y"], abs=1e-5)
 
 
 def test_a_position_that_is_nearly_singular_keeps_its_peak():

@@ -177,7 +177,7 @@ def turn_contact(m, t, y, who):
 
 @compiled
 def try_step(m, t, h, last, rtol, atol, h_max):
-    """Step from t of length h into y_new; OK, TRY_AGAIN or NOT_FINITE, and True if monitored forces changed signs."""
+    """Step from t of length h into y_new; OK, TRY_AGAIN or NOT_FINITE, its error, True if watched signs changed."""
     tally, power, stepper = m.tally, m.power, m.stepper
     power[at.PIVOT_SHARE] = 1.0
     error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[at.TAME]))
@@ -192,7 +192,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
         tally[at.LEAPS] += 1
         error = 1e-8
     if not error <= 1.0:
-        return step_anew(m, t, h, error, weak), changed
+        return step_anew(m, t, h, error, weak), error, changed
     if stepper[ADAPTIVE] == 1:
         if power[at.PIVOT_SHARE] > WEAK:
             tally[at.TAME] = 0
@@ -200,7 +200,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
             tally[at.STREAK] = 0
             m.clock[at.H_SOUND] = max(h, 0.7 * m.clock[at.H_SOUND])
         lengthen(m, h, error, last, h_max)
-    return OK, changed
+    return OK, error, changed
 
 
 @compiled
@@ -280,7 +280,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if h == 0.0:
             return STEP_TOO_SMALL
         t_new = t_end if last else t + h
-        status, changed = try_step(m, t, h, last, rtol, atol, h_max)
+        status, _, changed = try_step(m, t, h, last, rtol, atol, h_max)
         passed = 0
         if status == OK:
             status, at_end = end_on_constraints(m, t, h, t_new, t_end, rtol, atol)

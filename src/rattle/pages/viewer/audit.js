@@ -104,11 +104,18 @@ export function trustOf(s, reach) {
     energy: balance.reduce((most, x) => Math.max(most, Math.abs(x)), s.written ? 0 : NaN),
     energy_share: energyShare(s), t_end: s.t, stopped: s.message !== "", ...pulls(s),
     pending: reach === null && s.written > 1, horizon: reach && reach.time, horizon_motion: reach && reach.motion, horizon_curve: reach ? reach.first : "",
-    notes: [...(s.anotherWay ? [ANOTHER_WAY] : []), ...(s.message ? [] : remarks(s))],
+    notes: [...besideSingular(s), ...(s.anotherWay ? [ANOTHER_WAY] : []), ...(s.message ? [] : remarks(s))],
   };
   if (s.method === "dop853" && settings.rtol > 1e-6)
     trust.notes.push(`rtol = ${general(settings.rtol)} is loose: short contacts may be missed and the horizon may be overestimated`);
   return { ...trust, text: trustLines(trust) };
+}
+
+function besideSingular({ near }) {
+  if (!near.length) return [];
+  const [from, to] = near[0].map((t) => general(t, 6)), more = near.length > 1 ? ` and ${near.length - 1} more times` : "";
+  return [`the motion comes next to a singular position at t = ${from} s${more}; forces there are not determined, or grow`
+    + ` without bound: curves and largest values leave out ${from} to ${to} s${more ? " and so on" : ""}`];
 }
 
 function pulls(s) {

@@ -86,6 +86,12 @@ function startsFar(module, y) {
 
 const now = () => (typeof performance === "undefined" ? Date.now() : performance.now());
 
+// places in a row of outputs of what follows from the forces of joints and drivers
+function reactions({ names, units, layout: { rows } }) {
+  const owners = new Set(rows.map(([owner]) => owner)), kinds = new Set(["N", "N*m", "W"]);
+  return names.slice(1).flatMap((name, c) => (kinds.has(units[c + 1]) && owners.has(name.slice(0, name.lastIndexOf("."))) ? [c] : []));
+}
+
 function newState(module, settings, p, y) {
   const { layout, functions } = module, { ny, nb, links, rows, switches } = layout;
   const array = (n) => new Float64Array(n), arrays = (n) => Array.from({ length: n }, () => array(ny + 2 + links.length + switches.length));
@@ -97,7 +103,7 @@ function newState(module, settings, p, y) {
     whole: array(module.inputs), input: array(1 + ny + switches.length + layout.prepared), made: array(ny + 1),
     row: array(module.names.length), residual: array(rows.length + 2), fixed: array(3 * nb + 2),
     t: 0, h: 0, tEnd: settings.t_end, longestStable: Infinity, shortened: false, written: 0, steps: 0, rejected: 0,
-    sign: array(links.length), crossings: [], changed: false, message: "", done: false, pivot: 1, tame: false, streak: 0, soundStep: 0, lands: 0, shortest: Infinity,
+    near: [], reactions: reactions(module), sign: array(links.length), crossings: [], changed: false, message: "", done: false, pivot: 1, tame: false, streak: 0, soundStep: 0, lands: 0, shortest: Infinity,
     drift: 0, driftAngle: 0, driftRow: -1, openness: 0, openRow: 0, correction: 0,
     total0: 0, work0: 0, mostKinetic: 0, mostWork: 0, least: 0, most: 0, unrest: 0, mostUnrest: 0, floor: 0,
   };
@@ -325,6 +331,7 @@ function startNext(s, tNew) {
   [s.y, s.yNew] = [s.yNew, s.y];
   [s.f, s.fNew] = [s.fNew, s.f];
   s.shortest = Math.min(s.shortest, tNew - s.t);
+  if (s.pivot < WEAK) goNear(s, s.t, tNew);
   s.t = tNew;
   s.steps++;
   look(s, tNew, s.y);
@@ -333,8 +340,16 @@ function startNext(s, tNew) {
   while (s.written < s.times.length && s.times[s.written] <= tNew + SAME * s.tEnd) record(s, tNew, s.y);
 }
 
+// a step next to a singular position: forces in it are not determined, or grow without bound
+function goNear(s, t, tNew) {
+  const last = s.near[s.near.length - 1];
+  if (last && last[1] === t) last[1] = tNew;
+  else s.near.push([t, tNew]);
+}
+
 function look(s, t, y) {
   s.functions.outputs(s.at(t, y), s.row);
+  if (s.pivot < WEAK) for (const c of s.reactions) s.row[c] = NaN;
   s.peaks.add(t, s.row);
 }
 

@@ -19,11 +19,12 @@ Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), c
 
 from __future__ import annotations
 
+import math
+
 from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative
 from rattle.equations.unilateral import CHATTER, LOCKED
 from rattle.jit import layout as at
-from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
 from rattle.solvers.breaks import after_break, before_break
 from rattle.solvers.contacts.clutches import gets_ahead, takes_impulses
@@ -50,6 +51,7 @@ from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, gauge
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
+from rattle.solvers.singular_passage import AWAY, NEAR, count_step, ends_beside, passes, root_at
 from rattle.solvers.step_control import (
     SHORT,
     TRY_AGAIN,
@@ -58,17 +60,15 @@ from rattle.solvers.step_control import (
     first_step,
     has_room,
     is_stable,
-    lengthen,
     never_switches,
     next_step,
     output_due,
     quarter,
-    refuse,
-    shorten,
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import DENSE_STAGES, SAMPLES, STABLE, STAGES, STEP
+from rattle.solvers.step_loop import try_step
+from rattle.solvers.step_state import DENSE_STAGES, SAMPLES, STABLE
 
 START_NEAR = 1e-6  # share of its scale within which a contact given at its wall is put there
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
@@ -153,21 +153,6 @@ def none_may_hit(m, h):
 
 
 @compiled
-def try_step(m, t, h, last, rtol, atol, h_max):
-    """Step from t of length h into y_new; OK or TRY_AGAIN, its error, and True if monitored forces changed signs."""
-    m.power[at.PIVOT_SHARE] = 1.0
-    m.held[at.DETERMINANT] = 1.0
-    error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, 0))
-    m.tally[at.EVALUATIONS] += m.stepper[STAGES]
-    if error <= 1.0:
-        lengthen(m, h, error, last, h_max)
-        return OK, error, changed
-    if not refuse(m, t, h, error):
-        shorten(m, h, error)
-    return TRY_AGAIN, error, changed
-
-
-@compiled
 def note_lock(m, t):
     """Record how near friction has come to locking a sliding contact, from G of the motion just computed at t [s]."""
     contact, mode, delassus, held, k = m.contact, m.mode, m.delassus, m.held, 0
@@ -190,7 +175,9 @@ def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
     """Project the end of the step onto joints and closed contacts; a status, and True as in `try_step`."""
     y_new = m.state_new
     project_on_contacts(m, t_new, y_new, -1)
+    m.power[at.PIVOT_SHARE] = 1.0
     derivative(m, t_new, y_new, m.rate_new)
+    m.passage[at.ROOT_AFTER] = math.sqrt(m.power[at.PIVOT_SHARE])
     if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
         m.tally[at.REJECTED] += 1
         m.landing[at.LANDS] = 0.0
@@ -225,12 +212,22 @@ def search_step(m, t, h, low, high, calm):
 
 
 @compiled
-def sum_step(m, t, h, until, met, by_stages):
+def comes_near(m):
+    """True if a step comes near a singular position, or begins there: forces may grow without bound."""
+    passage = m.passage
+    return min(passage[at.ROOT_WITHIN], passage[at.ROOT_AFTER]) < NEAR or passage[at.NEARBY] != AWAY
+
+
+@compiled
+def sum_step(m, t, h, until, met, by_stages, passed):
     """Peaks and sums of a step with a dense output up to the share `until`; met: there is an event.
 
-    by_stages: the stages have shown all changes of closed contacts.
+    by_stages: the stages have shown all changes of closed contacts.  passed: 1 if it passes a singular position, 0 if
+    it comes near one, -1 if it does not.
     """
-    if by_stages:
+    if passed >= 0:
+        solved = count_step(m, t, h, until, m.stepper[SAMPLES], 1, passed)
+    elif by_stages:
         solved = end_by_stages(m, t, h, until)
     else:
         solved = end_step(m, t, h, until, LOOKS if not met and any_closed(m) else m.stepper[SAMPLES], 1)
@@ -317,6 +314,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if h == 0.0:
             return STEP_TOO_SMALL
         t_new = t_end if last else t + h
+        m.held[at.DETERMINANT] = 1.0
         status, error, changed = try_step(m, t, h, last, rtol, atol, h_max)
         if status == OK:
             status, at_end = end_on_contacts(m, t, h, t_new, t_end, rtol, atol)
@@ -325,8 +323,18 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             continue
         if status != OK:
             return status
+        if ends_beside(m, t, t_new - t) == 1:
+            continue
+        passed = -1
+        if comes_near(m):
+            passed = passes(m, t, t_new - t, rtol)
+            if passed < 0 and h > SHORT * (t_end - t):
+                m.landing[at.LANDS] = 0.0
+                quarter(m, h)
+                continue
+            passed = max(passed, 0)
         low, high = in_doubt(m, error)
-        calm = low == LAST and not changed and never_switches(m) and none_may_hit(m, t_new - t)
+        calm = passed < 0 and low == LAST and not changed and never_switches(m) and none_may_hit(m, t_new - t)
         counted = calm and end_step(m, t, t_new - t, 1.0, m.stepper[SAMPLES], -1) >= 0  # no peak of a force in it
         quiet = counted and not output_due(m, t_new, t_out)
         if not quiet:
@@ -344,7 +352,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         met = who >= 0
         until, t_until = (share, t + share * (t_new - t)) if met else (1.0, t_new)
         if not counted:
-            sum_step(m, t, t_new - t, until, met, by_stages)
+            sum_step(m, t, t_new - t, until, met, by_stages, passed)
         if go_to(m, t, t_new - t, until, t_until, met, quiet, changed, t_out, out) != OK:
             return ESCAPED
         if met:
@@ -354,6 +362,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if status != OK:
             clock[at.T] = t_until
             return status
+        m.passage[at.ROOT_BEFORE] = root_at(m, t_until, y_new) if met and passed >= 0 else m.passage[at.ROOT_AFTER]
         start_next(m, t_until, t_end, met, quiet, rtol, atol)
         if met:
             after_break(m, t_until, m.state)
