@@ -312,6 +312,25 @@ def test_an_addition_is_found_by_typing_its_name(editor):
     assert list(rt.loads(text_of(page)).model.loads) == ["spring"]
 
 
+def test_a_section_is_gone_to_from_the_list_of_sections(editor):
+    page = editor("# a line\n" * 60 + PENDULUM + "# a line\n" * 60)
+    places = page.get_by_label("Go to a section")
+    places.focus()
+    heads = [line.strip("[]").replace(".", " . ") for line in PENDULUM.splitlines() if line.startswith("[")]
+    assert places.locator("option").all_text_contents()[1:] == heads
+    places.select_option(heads[-1])
+    becomes(
+        page,
+        f"""() => {{
+          const root = ({ROOT})(), sheet = root.querySelector(".sheet").getBoundingClientRect();
+          const line = [...root.querySelectorAll(".paint > div")].findLast((one) => one.textContent.startsWith("["));
+          return Math.abs(line.getBoundingClientRect().top - sheet.top) < 20;
+        }}""",
+    )
+    page.keyboard.type("# here\n")
+    assert text_of(page).index("# here\n") == 9 * 60 + PENDULUM.rindex("\n[") + 1
+
+
 @pytest.mark.parametrize("width", [390, 1366])
 def test_long_lines_are_wrapped_and_colours_lie_under_the_letters(editor, width):
     long = (

@@ -2,6 +2,7 @@
 
 import { h, replace } from "./dom.js";
 import { Entries } from "./entries.js";
+import { outline } from "./outline.js";
 import { SNIPPETS } from "./snippets.js";
 import { Suggest, addition } from "./suggest.js";
 
@@ -17,6 +18,7 @@ export class Editor {
     this.paint = h("div", { class: "paint", "aria-hidden": "true" });
     this.area = h("textarea", { class: "area", "aria-label": "Model file", "aria-autocomplete": "list", "aria-haspopup": "listbox", "aria-controls": "suggestions", spellcheck: "false", autocapitalize: "off", autocomplete: "off" });
     this.suggest = new Suggest((put) => this.put(put));
+    this.places = h("select", { class: "places", "aria-label": "Go to a section", title: "Go to a section", onfocus: () => this.chart(), onpointerdown: () => this.chart(), onchange: () => this.jump() }, h("option", { value: "" }, "go to ..."));
     this.list = h("ol", { class: "problems", role: "alert" });
     this.sheet = h("div", { class: "sheet" }, h("div", { class: "text" }, this.paint, this.area, this.suggest.el));
     this.el = h("div", { class: "editor" }, this.bar(), this.sheet, this.list);
@@ -29,7 +31,22 @@ export class Editor {
     const button = (label, title, onclick) => h("button", { title, onclick }, label);
     return h("div", { class: "adds", role: "toolbar", "aria-label": "Add to the model" }, h("span", { class: "quiet" }, "Add"),
       SNIPPETS.map((snippet) => button(snippet.label.replace("add ", ""), snippet.about, () => this.add(snippet))),
-      button("what fits here?", "What may stand at the caret (Ctrl Space)", () => this.ask()));
+      button("what fits here?", "What may stand at the caret (Ctrl Space)", () => this.ask()), this.places);
+  }
+
+  // The sections of the text, in the list of places to go to.
+  chart() {
+    const heads = outline(this.text, 0).heads.map(({ path, from }) => h("option", { value: from }, path.join(" . ")));
+    replace(this.places, [h("option", { value: "" }, heads.length ? "go to ..." : "no section yet"), ...heads]);
+  }
+
+  // The chosen section to the top of the sheet, with the caret.
+  jump() {
+    const from = Number(this.places.value), row = this.text.slice(0, from).split("\n").length - 1;
+    this.places.value = "";
+    this.area.focus({ preventScroll: true });
+    this.area.setSelectionRange(from, from);
+    this.paint.children[row]?.scrollIntoView({ block: "start" });
   }
 
   get text() { return this.area.value; }
