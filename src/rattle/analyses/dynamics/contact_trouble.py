@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from rattle.equations import complementarity, unilateral
-from rattle.equations.complementarity import BACKWARD, FORWARD
+from rattle.equations.complementarity import BACKWARD, FORWARD, STICK
 from rattle.equations.motion import STEP_TOO_SMALL
 from rattle.equations.system import System
 from rattle.jit import layout as at
@@ -54,6 +54,8 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
             f" that there is none: contacts or joints may depend on each other there; try {other} or a compliant"
             " contact"
         )
+    if status == unilateral.NOT_UNIQUE and (end := dead_end(system, workspace, t)):
+        return end  # the force grows without bound: rounding decides whether steps or modes end the run
     if status == unilateral.NOT_UNIQUE:
         return (
             f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
@@ -64,13 +66,24 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
             f"friction locks {names} at t = {t:.9g} s: the normal force grows without bound (Painleve); try less"
             f" friction, or a compliant contact{passed}"
         )
-    if status == STEP_TOO_SMALL and (wedged := ", ".join(wedged_joints(system, workspace, t))):
-        return (
-            f"friction holds {wedged} at t = {t:.9g} s while drivers or inertia push on: a dead end, where"
-            " the force stays inside the friction cone however large it is, so that nothing slips and no rigid body"
-            " passes; try less friction, or a compliant contact"
-        )
-    return ""
+    return dead_end(system, workspace, t) if status == STEP_TOO_SMALL else ""
+
+
+def dead_end(system: System, workspace: Workspace, t: float) -> str:
+    """In words: friction holds contacts at t [s] that are pushed on, as they are or if all that touch stick; or ""."""
+    kept = workspace.mode.copy()
+    wedged = wedged_joints(system, workspace, t)
+    if not wedged:
+        workspace.mode[touching(system, workspace) & rough(system, workspace)] = STICK
+        wedged = wedged_joints(system, workspace, t)
+        workspace.mode[:] = kept
+    if not wedged:
+        return ""
+    return (
+        f"friction holds {', '.join(wedged)} at t = {t:.9g} s while drivers or inertia push on: a dead end, where"
+        " the force stays inside the friction cone however large it is, so that nothing slips and no rigid body"
+        " passes; try less friction, or a compliant contact"
+    )
 
 
 def no_way(system: System, workspace: Workspace, t: float, names: str) -> str:
@@ -159,7 +172,7 @@ def driven(system: System, workspace: Workspace, rough: bool) -> tuple[np.ndarra
     mode, contact, g = workspace.mode, system.arrays["contact"], workspace.delassus
     closed = workspace.active[: int(((mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)).sum())]
     normal = 2 * np.arange(len(closed))
-    lines = np.sort(np.concatenate([normal, normal[mode[closed] == complementarity.STICK] + 1]))
+    lines = np.sort(np.concatenate([normal, normal[mode[closed] == STICK] + 1]))
     drag = (mode[closed] == FORWARD) * 1.0 - (mode[closed] == BACKWARD)
     drag *= workspace.values[contact[closed, at.NORMAL_P] + at.MU] * (1.0 if rough else 0.0)
     matrix = g[:, : 2 * len(closed)].copy()
@@ -175,7 +188,7 @@ def wedged_joints(system: System, workspace: Workspace, t: float) -> list[str]:
     """
     jams.lock_share(workspace, t)
     matrix, closed, lines = driven(system, workspace, True)
-    if not (workspace.mode[closed] == complementarity.STICK).any() or not np.isfinite(matrix).all():
+    if not (workspace.mode[closed] == STICK).any() or not np.isfinite(matrix).all():
         return []
     b, force = workspace.side[complementarity.B, lines], np.zeros(2 * len(closed))
     rates, sizes, forces = np.linalg.svd(matrix)

@@ -12,6 +12,7 @@ from rattle.analyses.dynamics.contact_trouble import (
     against,
     closed_joints,
     contact_trouble,
+    dead_end,
     firm_joints,
     shared_forces,
 )
@@ -136,7 +137,10 @@ class EventDrivenRun(Run):
         """A dead end, if a contact that is pressed together hardly gives way."""
         if status not in (UNSOUND, unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL):
             return ""
-        names = ", ".join(firm_joints(self.system, self.workspace, float(self.clock[at.T])))
+        t = float(self.clock[at.T])
+        if end := dead_end(self.system, self.workspace, t):
+            return end
+        names = ", ".join(firm_joints(self.system, self.workspace, t))
         return against(self.system, f" {names}") if names else ""
 
     def chatter(self, t: float) -> str:
