@@ -4,6 +4,8 @@ BIN := $(VENV)/bin
 PYTEST = $(BIN)/python -m pytest -q -n 2
 OLDEST := $(VENV)-oldest
 WHEEL := $(VENV)-wheel
+# tests of rooms that have kernels; the others would run the same Python twice
+KERNELS := $(addprefix tests/, analyses elements equations jit language solvers trace)
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 .DEFAULT_GOAL := help
@@ -29,7 +31,7 @@ check: ## the same without the set-up
 proofs: $(VENV)/.ready-dev $(VENV)/.ready-oldest ## all other tests: slow ones, browsers, plain Python, documentation, oldest packages
 	$(SPHINX)
 	$(MAKE) wheel
-	NUMBA_DISABLE_JIT=1 $(PYTEST)
+	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNELS)
 	RATTLE_JIT=plain $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'compliant or positions or equilibria or workspace'
 	NUMBA_BOUNDSCHECK=1 $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_bounds.py
 	$(OLDEST)/bin/python -m pytest -q -n 2 --part quick

@@ -11,6 +11,7 @@ import numpy as np
 from rattle.errors import InputError
 from rattle.results.display import quantity, scale
 from rattle.results.event import Event, Peak
+from rattle.results.sampled_curve import SampledCurve
 from rattle.results.trust import Trust
 
 ROUNDING = 1e-12  # share of the largest kinetic energy, or force, below which a loss, or a force, is rounding
@@ -48,9 +49,14 @@ def peak(result: Curves, name: str) -> tuple[float, float]:
     if not len(values):
         raise InputError(f"no output, so {name!r} has no peak")
     best = extreme(result.t, values)
-    beside = np.abs(result.with_breaks[name])
-    k = int(np.argmax(np.where(np.isfinite(beside), beside, -math.inf)))  # one side of an impact, say
-    return (float(beside[k]), float(result.with_breaks.t[k])) if beside[k] > best[0] else best
+    whole = result.with_breaks
+    beside = np.abs(whole[name])
+    k = int(np.argmax(np.where(np.isfinite(beside), beside, -math.inf)))  # one side of an impact, or in a contact
+    if not beside[k] > best[0]:
+        return best
+    between = SampledCurve(whole.t, whole[name])
+    highest = max(between.greatest(), -between.least()) if between.finite else 0.0
+    return max(float(beside[k]), highest), float(whole.t[k])
 
 
 def readable(result: Curves, name: str) -> bool:
@@ -93,7 +99,11 @@ def rigid_joints(result: Curves) -> tuple[str, ...]:
 def rms_of(result: Curves, name: str) -> float:
     """Root mean square of a curve over time, in its SI unit, see `Result.rms`."""
     known = result.peaks.get(name)
-    return known.rms if known is not None else rms(result.with_breaks.t, result.with_breaks[name])
+    if known is not None:
+        return known.rms
+    whole = result.with_breaks
+    curve = SampledCurve(whole.t, whole[name]) if len(whole.t) else None
+    return math.sqrt(curve.mean_square()) if curve is not None and curve.finite else rms(whole.t, whole[name])
 
 
 def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:

@@ -1,38 +1,66 @@
-"""Output rows on both sides of an event: between two of them every curve is smooth, at one of them it jumps or bends.
+"""Output rows beside events: pairs of them at an event, just before and just after, and single ones in short contacts.
 
-`break_rows` holds pairs of rows, just before and just after; `break_times` the number of rows, then their times [s].
-When there is no room for a pair the event is left out; without such arrays all are.
+Between two of them every curve is smooth, at a pair it jumps or bends.  A compliant contact may begin and end between
+two outputs: rows at the ends of its steps tell how forces and accelerations rise and fall in it.
+
+`break_rows` holds the rows; `break_times` their number, which has 0.5 more while a pair waits for its second row, then
+their times [s].  When there is no room for a pair the event is left out; without such arrays all are.
 """
 
 from __future__ import annotations
 
+from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.output_row import record
 
 
 @compiled
+def keeps_breaks(m):
+    """True if the run keeps rows beside events."""
+    return m.break_rows.shape[0] > 0
+
+
+@compiled
 def rows_filled(m):
-    """Number of rows; 0 without arrays for them."""
-    return int(m.break_times[0]) if m.break_rows.shape[0] > 0 else 0
+    """Number of rows but that of an unfinished pair; 0 without arrays for them."""
+    return int(m.break_times[0]) if keeps_breaks(m) else 0
 
 
 @native("void", "h", "f", "v")
 def before_break(m, t, y):
     """Write the row just before an event at (t [s], y)."""
     k = rows_filled(m)
-    if k % 2 == 1:  # the event before was not finished
-        k -= 1
     if k + 1 < m.break_rows.shape[0]:
         record(m, t, y, m.break_rows[k])
         m.break_times[k + 1] = t
-        m.break_times[0] = k + 1.0
+        m.break_times[0] = k + 0.5
 
 
 @native("void", "h", "f", "v")
 def after_break(m, t, y):
     """Write the row just after it, if there is one just before."""
     k = rows_filled(m)
-    if k % 2 == 1:
+    if keeps_breaks(m) and m.break_times[0] > k:
+        record(m, t, y, m.break_rows[k + 1])
+        m.break_times[k + 2] = t
+        m.break_times[0] = k + 2.0
+
+
+@compiled
+def in_contact(m):
+    """True if a compliant contact has begun and not ended."""
+    contact, memory = m.contact, m.contact_memory
+    for n in range(contact.shape[0]):
+        if contact[n, at.IMPACT] == 0 and contact[n, at.LEVEL] == 0 and memory[n, at.CLOSED] == at.SHUT:
+            return True
+    return False
+
+
+@compiled
+def row_in_contact(m, t, y):
+    """Write a row at the end of a step, at (t [s], y), in a compliant contact."""
+    k = rows_filled(m)
+    if k < m.break_rows.shape[0] and in_contact(m):
         record(m, t, y, m.break_rows[k])
         m.break_times[k + 1] = t
         m.break_times[0] = k + 1.0

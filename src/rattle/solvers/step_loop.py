@@ -25,6 +25,7 @@ from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
+from rattle.solvers.breaks import after_break, before_break, keeps_breaks, row_in_contact
 from rattle.solvers.contacts.contact_events import (
     find_peaks,
     first_change,
@@ -260,6 +261,16 @@ def start_next(m, t, who):
     take_over(m, t, who >= 0)
 
 
+@compiled
+def write_before(m, t, y):
+    """Write the row just before an event at (t [s], y), which need not be on the constraints."""
+    stage = m.stage
+    for n in range(stage.shape[0]):
+        stage[n] = y[n]
+    project(m, t, stage)
+    before_break(m, t, stage)
+
+
 @native("i", "h", "f", "f", "f", "f", "v", "m", "i")
 def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end [s]; writes every output with t_out [s] <= the time reached.
@@ -299,6 +310,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             continue
         if status != OK:
             return status
+        written = m.tally[at.OUTPUTS]
         who = search_step_for_events(m, t, t_new, changed, passed, t_out, out)
         if who == -2:
             return ESCAPED
@@ -309,7 +321,14 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             clock[at.TROUBLE] = t_new
             return ESCAPED
         m.passage[at.ROOT_BEFORE] = m.passage[at.ROOT_AFTER]
+        bends = keeps_breaks(m) and (who >= 0 or m.landing[at.LANDS] > 0.0)
+        if bends:
+            write_before(m, t_new, y_new)
         start_next(m, t_new, who)
+        if bends:
+            after_break(m, t_new, m.state)
+        elif keeps_breaks(m) and m.tally[at.OUTPUTS] == written:
+            row_in_contact(m, t_new, m.state)
         if m.wear_work.shape[0] > 0:
             add_wear(m, t_new - t)
     return DONE if clock[at.T] >= t_end else PAUSED

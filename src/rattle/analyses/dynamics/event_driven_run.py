@@ -17,13 +17,12 @@ from rattle.analyses.dynamics.contact_trouble import (
     shared_forces,
 )
 from rattle.analyses.dynamics.failure import explain
-from rattle.analyses.dynamics.run import CHUNK, How, Run
+from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.soundness import set_floor
 from rattle.equations import unilateral
 from rattle.equations.motion import OK, PAUSED, STEP_TOO_SMALL
 from rattle.equations.system import System
 from rattle.jit import layout as at
-from rattle.results.columns import width
 from rattle.solvers import step_loop
 from rattle.solvers.nonsmooth import event_driven, jams
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
@@ -47,9 +46,7 @@ class EventDrivenRun(Run):
 
     def loop_arrays(self) -> dict[str, Any]:
         """Arrays of set-valued contacts; forces of closed contacts are part of the equations of motion."""
-        rows = 0 if self.ports or self.wear else 2 * CHUNK
-        breaks = {"break_rows": np.zeros((rows, width(self.system))), "break_times": np.zeros(rows + 1)}
-        return contact_arrays(self.system, True) | breaks
+        return contact_arrays(self.system, True) | self.break_arrays()
 
     def begin(self, t: float) -> int:
         """Find the modes of closed contacts and apply impacts at the start t [s]; see `Run.begin`."""

@@ -72,8 +72,9 @@ class Run(ABC):
         self.raw = np.zeros((len(t_eval), width(system, self.ports)))
         self.crossings: list[np.ndarray] = []
         self.contacts: list[np.ndarray] = []
-        self.breaks: list[tuple[np.ndarray, np.ndarray]] = []  # times (2 k,) [s] and output rows, see `solvers.breaks`
-        self.room = MOST_NUMBERS  # for numbers in them
+        self.breaks: list[tuple[np.ndarray, np.ndarray]] = []  # times (k,) [s] and output rows, see `solvers.breaks`
+        self.room = MOST_NUMBERS  # for numbers in them; negative: there were too many
+        self.pairs_only = False  # rows within contacts are left out
         self.first_sign = np.ones(len(system.watched))
         self.message = ""
         self.most_steps: int | None = None
@@ -131,6 +132,11 @@ class Run(ABC):
         peaks = {} if self.wear else peak_arrays(self.system)
         arrays |= passage_arrays(len(y), len(peaks["peaks"]) if peaks else 0)
         return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
+
+    def break_arrays(self) -> dict[str, np.ndarray]:
+        """Room for the rows that `CHUNK` steps may write beside events; none where rows are not of this kind."""
+        rows = 0 if self.ports or self.wear else 2 * CHUNK
+        return {"break_rows": np.zeros((rows, width(self.system))), "break_times": np.zeros(rows + 1)}
 
     def take_sides(self, t: float) -> None:
         """Set every switch to the side that it has from the time t [s] on.
@@ -197,17 +203,28 @@ class Run(ABC):
     def take_breaks(self) -> None:
         """Keep the rows that steps have written beside events, and make room for others."""
         times = self.workspace.break_times
-        if len(times) and (count := int(times[0]) // 2 * 2):
+        if len(times) and (count := int(times[0])):
             self.keep_breaks(times[1 : 1 + count].copy(), self.workspace.break_rows[:count].copy())
+        if len(times):
             times[0] = 0.0
 
     def keep_breaks(self, times: np.ndarray, rows: np.ndarray) -> None:
-        """Keep output rows (2 k, width) at times (2 k,) [s], unless there are too many in all."""
+        """Keep output rows (k, width) at times (k,) [s], unless there are too many in all: some would be taken for all.
+
+        Those in contacts, which stand alone, are the first to be left out.
+        """
+        if self.ports or self.wear or self.room < 0:
+            return
+        if self.pairs_only:
+            times, rows = in_pairs(times, rows)
         self.room -= rows.size
+        self.breaks.append((times, rows))
+        if self.room < 0 and not self.pairs_only:
+            self.pairs_only = True
+            self.breaks = [in_pairs(*part) for part in self.breaks]
+            self.room = MOST_NUMBERS - sum(part[1].size for part in self.breaks)
         if self.room < 0:
-            self.breaks = []  # some alone would be taken for all
-        elif not self.ports and not self.wear:
-            self.breaks.append((times, rows))
+            self.breaks = []
 
     def record_now(self, t: float) -> None:
         """Write the outputs at the instant t [s], with the values just after it, or let the next step write them."""
@@ -279,6 +296,13 @@ class Run(ABC):
             if bar is not None:
                 bar.close()
             self.wall = time.perf_counter() - began
+
+
+def in_pairs(times: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Those of the rows (k, width) at times (k,) [s] whose time stands twice."""
+    same = np.diff(times) == 0.0
+    pairs = np.append(same, False) | np.append(False, same)
+    return times[pairs], rows[pairs]
 
 
 def start_state(system: System, start: Assembled) -> np.ndarray:

@@ -22,8 +22,10 @@ class SmoothRun(Run):
     lands_on_instants = True
 
     def loop_arrays(self) -> dict[str, Any]:
-        """No arrays besides those of every run."""
-        return {}
+        """Rows beside events, if contacts, friction or switches may make any."""
+        arrays = self.system.arrays
+        bends = any(len(arrays[name]) for name in ("contact", "dry", "switch"))
+        return self.break_arrays() if bends else {}
 
     def begin(self, t: float) -> int:
         """Set the sides of switches, the derivative and the first step at t [s]; see `Run.begin`."""

@@ -26,7 +26,7 @@ from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative
 from rattle.equations.unilateral import CHATTER, LOCKED
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.breaks import after_break, before_break
+from rattle.solvers.breaks import after_break, before_break, row_in_contact
 from rattle.solvers.contacts.clutches import gets_ahead, takes_impulses
 from rattle.solvers.contacts.contact_events import (
     find_peaks,
@@ -349,12 +349,15 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             m.landing[at.LANDS] = 0.0
             quarter(m, h)
             continue
-        met = who >= 0
+        met, written = who >= 0, m.tally[at.OUTPUTS]
         until, t_until = (share, t + share * (t_new - t)) if met else (1.0, t_new)
         if not counted:
             sum_step(m, t, t_new - t, until, met, by_stages, passed)
         if go_to(m, t, t_new - t, until, t_until, met, quiet, changed, t_out, out) != OK:
             return ESCAPED
+        turns = not met and m.landing[at.LANDS] > 0.0
+        if turns:
+            before_break(m, t_until, y_new)
         if met:
             status = take_event(m, t_until, h, t_end, who, what)
         if status == OK and turn_switch(m, t_until, met):
@@ -364,8 +367,10 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             return status
         m.passage[at.ROOT_BEFORE] = root_at(m, t_until, y_new) if met and passed >= 0 else m.passage[at.ROOT_AFTER]
         start_next(m, t_until, t_end, met, quiet, rtol, atol)
-        if met:
+        if met or turns:
             after_break(m, t_until, m.state)
+        elif m.tally[at.OUTPUTS] == written:
+            row_in_contact(m, t_until, m.state)
         if m.held[at.DETERMINANT] < 0.0:
             return LOCKED
     return DONE if clock[at.T] >= t_end else PAUSED

@@ -31,7 +31,9 @@ from rattle.studies.runs.reasons import alike
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
-STEP = 1e-5  # of differences of an output, as a share of the range of a parameter
+STEP = 1e-5  # of differences of an output, as a share of the range of a parameter, but
+OF_VALUE = 1e-3  # no more than this share of its value: ranges over decades reach past poles at 0, as of 4/x
+LEAST_STEP = 1e-7  # share of the range below which rounding counts more than that
 RUN_STEP = {"simulate": 1e-4}  # of differences of whole runs, whose errors are larger
 RUN_STEP_DRIVEN = 1e-6  # the same for driven positions, exact to rounding
 DOUBT = 1e-8  # errors of parts of a sum of squares, as a share of their changes over the ranges, at most
@@ -213,15 +215,16 @@ class Designs:
         width, rows = question.width, []
         for k, name in enumerate(question.names):
             found: dict[int, np.ndarray] = {}
+            step = min(STEP, max(LEAST_STEP, OF_VALUE * abs(run.mechanism.parameters[name]) / width[k]))
             for n in (1, -1, 0, 2, -2):
                 if n == 0 and len(found) == 2:
                     break
-                h = n * STEP * width[k]
+                h = n * step * width[k]
                 moved = [None if one is None else _result(t, one[0], one[1] + h * one[2][:, :, k]) for one in curves]
                 main = moved[0] if moved[0] is not None else _result(t, [], np.zeros((len(t), 0)))
                 with suppress(ValueError):  # an instant that moved out of the run
                     found[n] = numbers(main, question.moved(run.mechanism, name, h), moved[1])
-            rows.append(_difference(found, STEP))
+            rows.append(_difference(found, step))
         return np.ascontiguousarray(np.array(rows).T)
 
     def _sensitivities(self, asked: Sequence[tuple[Mechanism | None, list[str]]]) -> list[RepeatedSensitivities | None]:

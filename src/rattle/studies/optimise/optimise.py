@@ -135,7 +135,7 @@ def _search(asked: Question, number: int, found: Found | None) -> Search:
 def _optimum(designs: Designs, best: Found, searches: list[Search], interrupted: bool) -> Optimum:
     asked = designs.question
     made = _written(asked, best.best)
-    confirmed = replace(_checked(asked, made), doubt=designs.doubt(best.best))
+    confirmed = replace(_checked(asked, made, best.scale), doubt=designs.doubt(best.best))
     return Optimum(
         question=asked, mechanism=made, numbers=best.best.numbers, held=held(designs, best), searches=tuple(searches),
         feasible=best.meets, check=confirmed, runs=designs.runs, derived=designs.derived,
@@ -153,15 +153,15 @@ def _written(asked: Question, design: Design) -> Mechanism:
     return asked.mechanism.set(written)
 
 
-def _checked(asked: Question, m: Mechanism) -> Check:
-    """The numbers of a design by a run of its own, with tighter tolerances and more instants."""
+def _checked(asked: Question, m: Mechanism, sizes: np.ndarray) -> Check:
+    """The numbers of a design by a run of its own, with tighter tolerances and more instants; sizes of its margins."""
     try:
         results = [asked.run(one, TIGHTER * RTOL, FINER) for one in ((m, m.ideal()) if asked.ideal_curves else (m,))]
         ideal = results[1] if len(results) > 1 else None
         numbers = [evaluate(one, results[0], m.parameters, ideal) for one in asked.outputs]
     except (ModelError, AssemblyError, SolverError) as error:
-        return Check(np.full(len(asked.outputs), np.nan), str(error))
-    return Check(np.array(numbers), results[0].message)
+        return Check(np.full(len(asked.outputs), np.nan), str(error), sizes)
+    return Check(np.array(numbers), results[0].message, sizes)
 
 
 class _Bar:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 ALIKE = 1e-4  # share of the range within which designs are the same
 AGREES = 1e-6  # share by which the check may differ
+MISSED = (
+    1e-4  # share of the size of a constraint by which the check may miss it: curves between outputs are interpolated
+)
 WIDEST = 60  # characters of the objective beside its values
 
 
@@ -47,6 +50,7 @@ class Check:
 
     numbers: np.ndarray  # (1 + m,) [SI]
     message: str
+    sizes: np.ndarray  # (m,) sizes of the margins [SI]
     doubt: float = 0.0  # an objective below this is as good as zero [SI]
 
 
@@ -96,11 +100,22 @@ class Optimum:
 
     @property
     def confirmed(self) -> bool:
-        """True if the check agrees on the objective within 1e-6 of it or of the change, or errors alone are left."""
+        """True if the check agrees on the objective within 1e-6 of it or of the change, or errors alone are left, and
+        meets the constraints, but for 1e-4 of the size of each."""
         change = abs(self.value - self.searches[0].begun_value)
         enough = max(AGREES * abs(self.value), AGREES * change, self.check.doubt)
         close = abs(self.check.numbers[0] - self.value) <= enough
-        return bool(close and not self.check.message)
+        return bool(close and not self.check.message and not self.missed)
+
+    @property
+    def missed(self) -> tuple[str, ...]:
+        """Constraints that the check does not meet."""
+        margins = [
+            -abs(margin) if one.comparison == EQUAL else margin
+            for one, margin in zip(self.question.constraints, self.check.numbers[1:], strict=True)
+        ]
+        bad = margins < -MISSED * self.check.sizes
+        return tuple(one.text for one, lacks in zip(self.question.constraints, bad, strict=True) if lacks)
 
     @property
     def best_search(self) -> Search:
@@ -207,6 +222,7 @@ class Optimum:
             return f"NOT CONFIRMED: a run of its own with tighter tolerances failed: {self.check.message}"
         how = "a run with 100 times tighter tolerances" if self.question.analysis == "simulate" else "a run of its own"
         again = f"{how} and finer output gives {self._number(float(self.check.numbers[0]), 8)}"
+        again += f", where {' and '.join(self.missed)} does not hold" if self.missed else ""
         return f"confirmed: {again}" if self.confirmed else f"NOT CONFIRMED: {again}; refine [simulate] output"
 
     # ---------------------------------------------------------------- numbers in words

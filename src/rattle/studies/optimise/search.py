@@ -86,6 +86,7 @@ def search(designs: Designs, begin: Design) -> Found:
             _quadratic_programming(designs, found)
     except LostError as error:
         found.message = f"the search ended early: {error}"
+    found.scale = sizes(designs, found.best)  # at the start margins may be larger by decades
     rest = _rest(designs, found)
     if not found.meets:
         found.message = found.message or "no design was found that meets all constraints"
