@@ -310,7 +310,9 @@ RECORDS = {
     "breaks a number": put(breaks=5),
     "breaks no rows": put(breaks="AAAAAAAAAAA="),
     "breaks no text of numbers": put(breaks="="),
-    "breaks not twice": put(breaks=base64.b64encode(np.arange(2.0 * (1 + len(circling(5).stored))).tobytes()).decode()),
+    "breaks that go back": put(
+        breaks=base64.b64encode((-np.arange(2.0 * (1 + len(circling(5).stored)))).tobytes()).decode()
+    ),
     "format no number": put(format="2"),
     "format true": put(format=True),
     "format negative": put(format=-1),

@@ -218,3 +218,86 @@ def test_numbers_of_a_file_are_those_of_the_run(tmp_path, suffix):
     np.testing.assert_array_equal(read_back.breaks.data, run.breaks.data)
     for text in BOUNCING:
         assert of(read_back, text) == of(run, text)
+
+
+# ---------------------------------------------------------------- short contacts, switches of the state
+def springy_ball() -> rt.Mechanism:
+    """The same ball on an elastic stop: a contact lasts 1 ms and does not lose energy."""
+    return ball().set({"joints.rail.stop.contact.model": "hertz", "joints.rail.stop.contact.stiffness": 1e8})
+
+
+@pytest.mark.parametrize("outputs", [151, 1001])
+def test_numbers_of_rates_hold_contacts_that_are_shorter_than_the_outputs(outputs):
+    run = springy_ball().simulate(5.0, t_eval=np.linspace(0.0, 5.0, outputs))
+    rise = run["b.y"][-1] - run["b.y"][0]
+    largest = run.peak("rail.force")[0]  # found within the steps; on 1 kg, besides its weight
+    assert of(run, "integral(b.vy)") == pytest.approx(rise, abs=1e-4)
+    assert run.peak("b.ay")[0] == pytest.approx(largest - G, rel=2e-2)  # by rows at the ends of steps
+    # with y'' = F/m - g and F ~ x^1.5 the square of the force has the integral over time that fine outputs give
+    fine = springy_ball().simulate(5.0, t_eval=np.linspace(0.0, 5.0, 200_001))
+    assert run.rms("b.ay") == pytest.approx(fine.rms("b.ay"), rel=1e-2)
+
+
+@pytest.mark.parametrize("far", ["", 'stop = { min = -100, contact = { model = "impact", restitution = 0.5 } }'])
+def test_a_switch_of_the_state_is_a_break(far):
+    """x'' = 2 up to x = 0.3137, then -3: steps end there, and so do the smooth parts of curves; with any loop."""
+    place, end = 0.3137, 1.0
+    turn = (math.sqrt(1.0 + 4.0 * place) - 1.0) / 2.0
+    m = rt.loads(f"""
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.b]
+points = {{ P = [0, 0] }}
+mass = 1
+inertia = 1
+[joints.g]
+type = "prismatic"
+connect = ["ground.O", "b.P"]
+axis = 0
+{far}
+[loads.s]
+type = "force"
+at = "b.P"
+force = ["2 if b.x < {place} else -3", 0]
+[initial]
+b = {{ x = 0, vx = 1 }}
+""")
+    run = m.simulate(end, t_eval=np.linspace(0.0, end, 21))
+    assert of(run, "integral(b.ax)") == pytest.approx(2.0 * turn - 3.0 * (end - turn), abs=1e-9)
+    assert of(run, "first(b.ax < 0)") == pytest.approx(turn, abs=1e-9)
+    assert run.rms("b.ax") == pytest.approx(math.sqrt((4.0 * turn + 9.0 * (end - turn)) / end), rel=1e-9)
+
+
+def test_a_section_inside_a_contact_is_on_its_curve():
+    m = springy_ball().set({"simulate.t_end": "5 s"})
+    section = m.poincare("b.y", "b.vy", crossing="b.vy", skip=0, points=5)
+    assert section["b.vy"] == pytest.approx(0.0, abs=1e-6)  # m/s of 4.4: the lowest place, in the stop
+    assert (section["b.y"] < -1e-3).all()
+    assert section.t == pytest.approx(section.t[0] + np.arange(5) * (section.t[1] - section.t[0]), abs=1e-6)
+
+
+def test_a_section_of_few_points_in_a_long_run_misses_no_turn():
+    m = rt.loads("""
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.b]
+points = { P = [0, 0] }
+mass = 1
+inertia = 1
+[joints.g]
+type = "prismatic"
+connect = ["ground.O", "b.P"]
+axis = 0
+[loads.s]
+type = "force"
+at = "b.P"
+force = ["-(2*pi*10.3)**2*b.x", 0]
+[initial]
+b = { x = 0.1, vx = 0 }
+[simulate]
+t_end = 100
+""")
+    section = m.poincare("b.vx", crossing="b.x", skip=0, points=5)
+    assert section.t * 10.3 == pytest.approx(0.75 + np.arange(5), abs=1e-4)

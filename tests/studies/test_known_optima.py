@@ -254,3 +254,34 @@ def test_a_damper_at_the_bound_of_a_constraint_is_a_success():
         o = rt.loads(text).optimise("integral(b.x**2)", {"c": (0.1, 3)}, conditions, t_end=20.0, starts=1)
         assert o.success, o.report
         assert abs(o.value - 0.705) < 1e-6  # exp(-0.8*20) is left, and outputs are 20/400 s apart
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "start"), [(0.1, 1e5, 1.0), (0.1, 1e5, 2.0), (1e-3, 10.0, 2e-3), (1e-3, 1e3, 0.01)]
+)
+def test_ranges_of_decades_end_at_the_optimum_or_are_no_success(low, high, start):
+    limit = 4.0 / math.sqrt(low * high)
+    found = optimum("x1", [(low, high)], [f"4/x1 <= {limit!r}"], [start])
+    assert not found.success or found.value == pytest.approx(4.0 / limit, rel=1e-6)
+    several = formula("x1", [start]).optimise(
+        "final(y)", {"x1": (low, high)}, [f"4/x1 <= {limit!r}"], t_end=1.0, analysis="kinematics", starts=5
+    )
+    assert several.success
+    assert several.value == pytest.approx(4.0 / limit, rel=1e-6)
+
+
+def test_problem_72_over_six_decades():
+    limits = ["4/x1 + 2.25/x2 + 1/x3 + 0.25/x4 <= 0.0401", "0.16/x1 + 0.36/x2 + 0.64/x3 + 0.64/x4 <= 0.010085"]
+    bounds = {f"x{k + 1}": (0.001, (5 - (k + 1)) * 1e5) for k in range(4)}
+    found = formula("1 + x1 + x2 + x3 + x4", [1.0] * 4).optimise(
+        "final(y)", bounds, limits, t_end=1.0, analysis="kinematics", starts=5
+    )
+    assert found.success
+    assert found.value == pytest.approx(727.67937, rel=1e-5)
+
+
+def test_a_check_that_misses_a_constraint_confirms_nothing():
+    """The spike of y is narrower than the outputs: finer ones, as the check has, see it."""
+    m = formula("x1*exp(-((t - 0.50125)/4e-4)**2)", [0.5]).signal("z", "-x1")
+    found = m.optimise("final(z)", {"x1": (0, 5)}, ["max(y) <= 1"], t_end=1.0, analysis="kinematics", starts=1)
+    assert found.check.numbers[1] >= -1e-4 or not found.confirmed

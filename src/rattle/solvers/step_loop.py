@@ -327,7 +327,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         start_next(m, t_new, who)
         if bends:
             after_break(m, t_new, m.state)
-        elif keeps_breaks(m) and m.tally[at.OUTPUTS] == written:
+        elif keeps_breaks(m) and m.tally[at.OUTPUTS] <= written + 1:  # outputs are not closer than steps
             row_in_contact(m, t_new, m.state)
         if m.wear_work.shape[0] > 0:
             add_wear(m, t_new - t)

@@ -22,9 +22,12 @@ from rattle.language.units import TIME, describe, dimension_of
 from rattle.results.display import quantity, table
 from rattle.results.sampled_curve import SampledCurve
 
-CLOSE = 1e-3  # share of an interval of outputs within which instants around a crossing lie: its cube is lost
+PER_STEP = 4  # instants for each step, in which a curve may rise and fall: between two of them a rise is not seen
+MOST_INSTANTS = 1_000_000
+NARROWINGS, PARTS = 3, 16  # an interval of outputs around a crossing is cut so often into so many parts, of which a
+# parabola through three points loses the cube: 1e-11 of it
 NEWTON = 4  # steps to the root of a parabola that is nearly straight
-FARTHEST = 100.0  # of these shares that a crossing may be off: beyond, the run is not the same
+FARTHEST = 2.0  # halves of the last interval that a crossing may lie from its middle: beyond, there is none
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -166,7 +169,10 @@ def section(
             r.interrupted, pins(m), r.message,
         )  # fmt: skip
     span = (skip + points) * period_of(m, period) if period is not None else m.model.settings.t_end
-    r = m.simulate(span, t_eval=np.linspace(0.0, span, 200 * (skip + points) + 1), **settings)
+    count = 200 * (skip + points)
+    r = m.simulate(span, t_eval=np.linspace(0.0, span, count + 1), **settings)
+    if (finer := min(PER_STEP * int(r.stats["steps"]), MOST_INSTANTS)) > count and not r.interrupted:
+        r = m.simulate(span, t_eval=np.linspace(0.0, span, finer + 1), **settings)
     rises = Rises.of(r, crossing, level)
     kept = rises.part(slice(skip, skip + points))
     if not len(kept.t):
@@ -202,25 +208,45 @@ def _located(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Instants (n,) [s] of rises, and the values [SI] of some names there.
 
-    The same run once more gives the dense output at three instants around each; a parabola through them is within
+    The same run again gives the dense output where it is asked for: around each rise, in ever narrower intervals, as
+    there may be a contact between two outputs, and at last at three instants, through which a parabola is within
     rounding of it.  At a jump the values are those of the row just after it.
     """
     times = rises.t.copy()
     values = {name: r.with_breaks[name][rises.after] for name in names}
     smooth = np.flatnonzero(rises.width > 0.0)
-    near = CLOSE * rises.width[smooth]
-    around = rises.t[smooth, None] + near[:, None] * [-1.0, 0.0, 1.0]
-    wanted = np.unique(np.clip(around, 0.0, settings["t_end"]))
-    again = m.simulate(t_eval=wanted, **settings) if len(wanted) else r
+    ends = r.with_breaks.t[rises.after[smooth, None] + [-1, 0]]
+    for _ in range(NARROWINGS if len(smooth) else 0):
+        ends = _narrower(m, ends, crossing, level, settings)
+    middle, near = ends.mean(axis=1), 0.5 * np.diff(ends)[:, 0]
+    around = middle[:, None] + near[:, None] * [-1.0, 0.0, 1.0]
+    again = m.simulate(t_eval=np.unique(around), **settings) if len(around) else r
     for k, t, h in zip(smooth, around, near, strict=True):
-        rows = np.searchsorted(again.t, np.clip(t, 0.0, settings["t_end"]))
+        rows = np.searchsorted(again.t, t)
         if len(again.t) <= rows[2]:  # stopped by the user
             continue
         u = _root(again[crossing][rows] - level)
-        times[k] = rises.t[k] + h * u
+        times[k] = t[1] + h * u
         for name in names:
             values[name][k] = _parabola(again[name][rows], u)
     return times, values
+
+
+def _narrower(m: Mechanism, ends: np.ndarray, crossing: str, level: float, settings: dict[str, Any]) -> np.ndarray:
+    """The parts of intervals (n, 2) [s] in which a curve rises through a level: the first ones."""
+    grid = np.linspace(ends[:, 0], ends[:, 1], PARTS + 1, axis=1)
+    grid[:, PARTS] = ends[:, 1]  # not beyond the run by rounding
+    finer = m.simulate(t_eval=np.unique(grid), **settings)
+    narrowed = ends.copy()
+    for k, instants in enumerate(grid):
+        rows = np.searchsorted(finer.t, instants)
+        if rows[PARTS] >= len(finer.t):  # stopped by the user
+            continue
+        below = finer[crossing][rows] < level
+        up = np.flatnonzero(below[:-1] & ~below[1:])
+        if len(up):
+            narrowed[k] = instants[up[0] : up[0] + 2]
+    return narrowed
 
 
 def _root(y: np.ndarray) -> float:
