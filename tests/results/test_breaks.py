@@ -301,3 +301,9 @@ t_end = 100
 """)
     section = m.poincare("b.vx", crossing="b.x", skip=0, points=5)
     assert section.t * 10.3 == pytest.approx(0.75 + np.arange(5), abs=1e-4)
+
+
+def test_samples_with_more_impacts_than_instants_look_closer():
+    table = ball().many({"h": [1.0]}, ["mean(b.y)", "share(b.y > 0.5)"], t_end=1000 * T)
+    assert table["mean(b.y)"][0] == pytest.approx(2.0 / 3.0, rel=1e-6)
+    assert table["share(b.y > 0.5)"][0] == pytest.approx(math.sqrt(0.5), rel=1e-6)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 RTOL = 1e-8  # of motions, unless given
 HISTORY_POINTS = 201  # of a curve that is kept
+PER_FLIGHT = 4  # instants between two events, on the average: a cubic needs four values
 PER_TURN = 40  # instants in a turn of the body that turns most: cubics between them miss some 1e-5 of a curve
 MOST_INSTANTS = 100_000  # of a run
 
@@ -101,13 +102,13 @@ class Task:
         return ANALYSES[self.analysis].points if needed else 1
 
     def _resolving(self, result: Result) -> int:
-        """Intervals that resolve the turns of the bodies in a result."""
+        """Intervals that resolve the turns of the bodies in a result, and the flights between its events."""
         bodies = [f"{name}.angle" for name in self.mechanism.model.bodies]
         angles = [result[name] for name in bodies if name in result]
-        if not angles:
-            return 1
-        turns = float(np.abs(np.diff(angles)).sum(axis=1).max()) / (2.0 * math.pi)
-        return min(math.ceil(PER_TURN * turns), MOST_INSTANTS) if math.isfinite(turns) else 1
+        turns = float(np.abs(np.diff(angles)).sum(axis=1).max(initial=0.0)) / (2.0 * math.pi) if angles else 0.0
+        flights = 0 if result.breaks is None else len(result.breaks.t) // 2
+        wanted = max(PER_TURN * turns, PER_FLIGHT * flights)
+        return min(math.ceil(wanted), MOST_INSTANTS) if math.isfinite(wanted) else 1
 
     def instants(self, m: Mechanism, intervals: int) -> np.ndarray:
         """(n,) instants [s] of a run: start, end, those that are read off; a grid of `intervals` for whole curves."""
