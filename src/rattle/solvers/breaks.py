@@ -56,11 +56,14 @@ def in_contact(m):
     return False
 
 
-@compiled
-def row_in_contact(m, t, y):
-    """Write a row at the end of a step, at (t [s], y), in a compliant contact."""
+@native("void", "h", "f", "i", "i")
+def rows_at_end(m, t, bends, written):
+    """Write the row after a step that has ended at (t [s], state): just after an event if it `bends` there, or in a
+    compliant contact where outputs, of which there were `written` before, are not closer to each other than steps."""
     k = rows_filled(m)
-    if k < m.break_rows.shape[0] and in_contact(m):
-        record(m, t, y, m.break_rows[k])
+    if bends == 1:
+        after_break(m, t, m.state)
+    elif k < m.break_rows.shape[0] and m.tally[at.OUTPUTS] <= written + 1 and in_contact(m):
+        record(m, t, m.state, m.break_rows[k])
         m.break_times[k + 1] = t
         m.break_times[0] = k + 1.0

@@ -25,7 +25,7 @@ from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
-from rattle.solvers.breaks import after_break, before_break, keeps_breaks, row_in_contact
+from rattle.solvers.breaks import before_break, keeps_breaks, rows_at_end
 from rattle.solvers.contacts.contact_events import (
     find_peaks,
     first_change,
@@ -325,10 +325,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if bends:
             write_before(m, t_new, y_new)
         start_next(m, t_new, who)
-        if bends:
-            after_break(m, t_new, m.state)
-        elif keeps_breaks(m) and m.tally[at.OUTPUTS] <= written + 1:  # outputs are not closer than steps
-            row_in_contact(m, t_new, m.state)
+        rows_at_end(m, t_new, bends, written)
         if m.wear_work.shape[0] > 0:
             add_wear(m, t_new - t)
     return DONE if clock[at.T] >= t_end else PAUSED

@@ -26,7 +26,7 @@ from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, derivative
 from rattle.equations.unilateral import CHATTER, LOCKED
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.breaks import after_break, before_break, row_in_contact
+from rattle.solvers.breaks import before_break, rows_at_end
 from rattle.solvers.contacts.clutches import gets_ahead, takes_impulses
 from rattle.solvers.contacts.contact_events import (
     find_peaks,
@@ -367,10 +367,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             return status
         m.passage[at.ROOT_BEFORE] = root_at(m, t_until, y_new) if met and passed >= 0 else m.passage[at.ROOT_AFTER]
         start_next(m, t_until, t_end, met, quiet, rtol, atol)
-        if met or turns:
-            after_break(m, t_until, m.state)
-        elif m.tally[at.OUTPUTS] <= written + 1:  # outputs are not closer than steps
-            row_in_contact(m, t_until, m.state)
+        rows_at_end(m, t_until, met or turns, written)
         if m.held[at.DETERMINANT] < 0.0:
             return LOCKED
     return DONE if clock[at.T] >= t_end else PAUSED
