@@ -114,6 +114,34 @@ def test_a_force_that_towers_keeps_no_requirement(runs):
     assert calm.kept
 
 
+@pytest.mark.parametrize("of", ["max(abs(motor.torque))", "max(abs(motor.power))", "rms(B.normal)", "max(rod.alpha)"])
+def test_what_rises_with_a_force_that_towers_keeps_no_requirement_either(runs, of):
+    (verdict,) = judge(runs[0.0], [f"{of} < 1e15"])
+    assert not verdict.kept
+    assert "towers with a rigid contact" in verdict.said
+
+
+def test_values_at_instants_and_shares_are_left_of_a_force_that_towers(runs):
+    asked = ["share(B.normal > 0) <= 1", "at(B.normal, 0.01) < 1e4", "max(arm.omega) < 1e3"]
+    assert all(verdict.kept for verdict in judge(runs[0.0], asked))
+
+
+SLIPPERY = WIPER.replace("friction = 0.1", 'friction = "mu"') + "[parameters]\nmu = 0.0\n"
+
+
+def test_samples_whose_force_towers_have_no_number_and_say_so_once():
+    found = rt.loads(SLIPPERY).sweep({"mu": [0.0, 0.001]}, ["max(B.force)", "max(arm.omega)"], t_end=0.06)
+    assert np.isnan(found["max(B.force)"]).all()
+    assert np.isfinite(found["max(arm.omega)"]).all()
+    (said,) = [line for line in found.remarks() if "towers" in line]
+    assert said.strip().startswith("2 x max(B.force): B.force towers with a rigid contact; ask for its impulse")
+
+
+def test_designs_whose_force_towers_are_none_and_the_reason_is_said():
+    with pytest.raises((ValueError, RuntimeError), match=r"towers with a rigid contact"):
+        rt.loads(SLIPPERY).optimise("max(B.force)", {"mu": (0.0, 1e-3)}, t_end=0.06, starts=1)
+
+
 def test_a_calm_rigid_contact_keeps_its_force():
     r = wiper(0.1, 0.6).simulate(0.5, t_eval=[0.0, 0.5])
     assert r.trust.unread == ()

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 MOST = 0.9973  # share of the mechanisms that a limit is for unless another one is asked for: three standard deviations
 EQUAL = 1e-9  # share of its size within which a number is the one required by ==: what a run resolves
-FORCES = ("N", "N*m")
 _PERCENT = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*%\s*")
 _COMPARISON = re.compile(r"[<>=]=|[<>]")
 
@@ -98,27 +97,25 @@ def check_required(
 
 def judge(result: Result, required: Sequence[str]) -> list[Verdict]:
     """Whether one motion keeps what is required.  Raises ModelError for what cannot be asked of it."""
-    from rattle.results.contact_summary import readable
+    from rattle.results.contact_summary import no_number
     from rattle.results.display import quantity
-    from rattle.results.evaluation import evaluate
+    from rattle.results.evaluation import evaluate, unread_curves
     from rattle.results.reductions import Known, read, read_constraint
 
     verdicts = []
     known = Known.of(result)
     for condition in map(Condition.read, required):
         equal = condition.comparison == "=="
-        margin = evaluate(read_constraint(condition.text, known).margin, result)
+        constraint = read_constraint(condition.text, known)
+        margin = evaluate(constraint.margin, result)
         output = read(condition.output, known)
         number = evaluate(output, result)
         holds = abs(margin) <= EQUAL * max(abs(number), abs(number - margin)) if equal else margin >= 0.0
-        forces = [name for name in sorted(output.names) if result.unit(name) in FORCES]
-        towers = [name for name in forces if not readable(result, name)]
+        towers = unread_curves(constraint.margin, result)
         kept = bool(result.success and holds and not towers)
         seen = f"is {quantity(number, output.unit)}" if math.isfinite(number) else "has no value"
         if towers:
-            seen = (
-                f"cannot be judged: {towers[0]} of a rigid contact towers; ask for its impulse, or take an elastic one"
-            )
+            seen = f"cannot be judged: {no_number(towers[0])}"
         said = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'}, {condition.output} {seen}"
         value_read = math.nan if towers else number
         record = {"condition": condition.text, "kept": kept, "value": value_read, "unit": output.unit}

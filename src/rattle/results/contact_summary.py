@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -18,6 +18,7 @@ ROUNDING = 1e-12  # share of the largest kinetic energy, or force, below which a
 TOWERS = 20.0  # ratio of largest and usual force of a mechanism with rigid contacts, above which it is not shown
 ELASTIC = 2.0  # ratio to the largest force of elastic bushes up to which it is shown all the same
 USUAL, ENOUGH = 0.9, 20  # quantile of the outputs with a force, if there are so many
+RISING = ("N", "N*m", "W", "m/s^2", "rad/s^2")  # units of what rises with the force of a contact
 SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
 
 
@@ -36,6 +37,7 @@ class Curves(Protocol):
     def peaks(self) -> Mapping[str, Peak]: ...
     @property
     def with_breaks(self) -> Curves: ...
+    def unit(self, name: str) -> str: ...
     def __getitem__(self, name: str) -> np.ndarray: ...
     def __contains__(self, name: object) -> bool: ...
 
@@ -60,19 +62,38 @@ def peak(result: Curves, name: str) -> tuple[float, float]:
 
 
 def readable(result: Curves, name: str) -> bool:
-    """False if the largest value of a force says nothing of a real contact, or was not found at all.
+    """False if the largest value of a curve says nothing of a real contact, or was not found at all.
 
     In a mechanism with rigid contacts forces between impacts may rise by orders of magnitude for microseconds: where a
     pin turns in its play with very different masses along and across its path, and where friction nearly locks it.
-    What elastic bushes would bear too is left.
+    What elastic bushes would bear too is left.  Moments, powers, efforts and accelerations rise with the forces.
     """
     value = peak(result, name)[0]
-    if not math.isfinite(value):
-        return False
-    if not rigid_joints(result):
-        return True
-    elastic = max((high for _, high in result.trust.elastic.values()), default=0.0)
-    return value <= max(TOWERS * usual(result, name), ELASTIC * elastic)
+    return math.isfinite(value) and (not rigid_joints(result) or value <= most_readable(result, name))
+
+
+def most_readable(result: Curves, name: str) -> float:
+    """The magnitude [SI] up to which a curve of a mechanism with rigid contacts is to be read; inf where any is."""
+    unit, (owner, _, quantity) = result.unit(name), name.rpartition(".")
+    if unit not in RISING:
+        return math.inf
+    of_contact = owner in result.geometry["joints"] and (unit == "N" or quantity == "stop")
+    if not of_contact and not result.trust.unread:
+        return math.inf
+    elastic = max((high for _, high in result.trust.elastic.values()), default=0.0) if unit == "N" else 0.0
+    return max(TOWERS * usual(result, name), ELASTIC * elastic)
+
+
+def towering(result: Curves, names: Iterable[str]) -> tuple[str, ...]:
+    """Those of some curves whose largest value says nothing of a real contact; none without rigid contacts."""
+    if not len(result.t) or not rigid_joints(result):
+        return ()
+    return tuple(name for name in sorted(names) if name in result and not readable(result, name))
+
+
+def no_number(name: str) -> str:
+    """Why a curve that towers has no largest value, and what to ask for in its place."""
+    return f"{name} towers with a rigid contact; ask for its impulse, or take an elastic one"
 
 
 def usual(result: Curves, name: str) -> float:
@@ -93,7 +114,8 @@ def unread(result: Curves) -> tuple[str, ...]:
 
 def rigid_joints(result: Curves) -> tuple[str, ...]:
     """Joints with play whose contacts nothing can penetrate: their impacts have impulses, not forces."""
-    return tuple(name for name, form in result.geometry["joints"].items() if form.get("rigid"))
+    joints = result.geometry.get("joints", {})
+    return tuple(name for name, form in joints.items() if form.get("rigid"))
 
 
 def rms_of(result: Curves, name: str) -> float:

@@ -15,18 +15,21 @@ from numpy.typing import NDArray
 
 from rattle.errors import InputError
 from rattle.language import arrays
-from rattle.language.syntax import Apply, Name, Node
+from rattle.language.syntax import Apply, Name, Node, names
+from rattle.results.contact_summary import most_readable, towering
 from rattle.results.reductions import CONDITIONS, EVENTS, IDEAL, READ_OFF, Output, Reduction, argument
 from rattle.results.result import Result
 from rattle.results.sampled_curve import SampledCurve
 
+AT_INSTANTS = ("at", "final", "quantile")  # reductions that may miss where a curve towers
+TOLD = (*CONDITIONS, "count")  # those that the height of a curve does not change
 SIGNED = ("normal", "penetration", "tight")  # quantities whose peak is the largest value, not the largest magnitude
 
 
 def evaluate(
     output: Output, result: Result, parameters: Mapping[str, float] | None = None, ideal: Result | None = None
 ) -> float:
-    """Value of an output [SI]; nan where something that it needs is not finite.
+    """Value of an output [SI]; nan where something that it needs is not finite, or towers without meaning.
 
     parameters: values [SI], by default those of the result's provenance.  ideal: result of the mechanism without play
     at the same instants, if the output needs one.  Of a run that stopped early only what happened before is known: an
@@ -39,11 +42,29 @@ def evaluate(
     if output.ideal_names:
         _require_ideal(output, result, ideal)
     known = _Curves(result, parameters, ideal)
+    if any(_unread(part, known) for part in output.reductions):
+        return math.nan
     values = {f"#{k}": _reduce(one, known) for k, one in enumerate(output.reductions)}
     if not all(map(math.isfinite, values.values())):
         return math.nan
     number = float(arrays.evaluate(output.outer, lambda name: values[name] if name in values else parameters[name]))
     return number if math.isfinite(number) else math.nan
+
+
+def unread_curves(output: Output, result: Result) -> tuple[str, ...]:
+    """Curves that tower without meaning in a result with rigid contacts, so that the output is no number."""
+    known = _Curves(result, result.provenance.get("parameters", {}), None)
+    return tuple(dict.fromkeys(name for part in output.reductions for name in _unread(part, known)))
+
+
+def _unread(part: Reduction, known: _Curves) -> tuple[str, ...]:
+    """Curves that tower without meaning and on which the number of a reduction depends."""
+    towers = () if part.kind in TOLD else towering(known.outputs, names(part.inner))
+    if not towers or part.kind not in AT_INSTANTS:
+        return towers
+    name = watched(part.inner, towers)[0]
+    small = name and abs(_reduce(part, known)) <= most_readable(known.outputs, name)
+    return () if small else towers
 
 
 def curve_of(
@@ -71,6 +92,7 @@ class _Curves:
         shared = len(result.t) if ideal is None else min(len(result.t), len(ideal.t))  # of a run that stopped early
         self.whole = result.success and (ideal is None or ideal.success)
         end = result.t[:shared][-1] if shared else -math.inf
+        self.outputs = result  # without both sides of events
         self.result = result.with_breaks if broken else result
         self.count = int(np.searchsorted(self.result.t, end, side="right"))
         self.parameters, self.ideal = parameters, ideal

@@ -269,4 +269,5 @@ def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:
     trust = result.trust
     of_start = task.mechanism.start.notes  # how given start values were taken: the same for every sample
     remarks = replace(trust, notes=tuple(note for note in trust.notes if note not in of_start)).remarks()
-    return tuple(values), ((f"without deviations: {remarks}",) if remarks else ())
+    notes = [one for one in ("; ".join(task.unread(result)), remarks) if one]
+    return tuple(values), tuple(f"without deviations: {note}" for note in notes)

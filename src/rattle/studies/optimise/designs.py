@@ -20,7 +20,9 @@ import numpy as np
 from rattle.analyses.sensitivity.repeated import RepeatedSensitivities
 from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
 from rattle.results.build import NOTHING_DRAWN
-from rattle.results.evaluation import evaluate
+from rattle.results.contact_summary import no_number
+from rattle.results.evaluation import evaluate, unread_curves
+from rattle.results.reductions import Output
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
@@ -121,8 +123,8 @@ class Designs:
             ideal = m.ideal() if question.ideal_curves else None
             design.run = Run(m, result, ideal, None if ideal is None else _whole(question.run(ideal)))
             design.numbers = design.run.apply(self._numbers)
-            bad = [one.text for one, x in zip(question.outputs, design.numbers, strict=True) if not np.isfinite(x)]
-            why = design.message = f"{bad[0]} has no finite value" if bad else ""
+            bad = [one for one, x in zip(question.outputs, design.numbers, strict=True) if not np.isfinite(x)]
+            why = design.message = _no_value(bad[0], result) if bad else ""
         except ModelError as error:
             why, design.message = str(error.problems[0]), str(error)
         except (AssemblyError, SolverError) as error:
@@ -268,6 +270,12 @@ class Designs:
             return {}
         found = one.ran.apply(numbers)
         return {n: found} if np.isfinite(found).all() else {}
+
+
+def _no_value(output: Output, result: Result) -> str:
+    """Why an output of a run is no number, in words."""
+    unread = unread_curves(output, result)
+    return f"{output.text}: {no_number(unread[0])}" if unread else f"{output.text} has no finite value"
 
 
 def _whole(result: Result) -> Result:

@@ -17,7 +17,7 @@ from rattle.analyses.dynamics.run import stop
 from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
 from rattle.studies.runs.reasons import alike
 from rattle.studies.runs.side_by_side import SideBySide
-from rattle.studies.runs.task import Task
+from rattle.studies.runs.task import Sample, Task
 
 log = logging.getLogger("rattle")
 
@@ -31,6 +31,7 @@ class Batch:
     values: np.ndarray  # (outputs, n) [SI], nan where there is none
     curves: np.ndarray  # (histories, n, instants) [SI], nan likewise
     messages: dict[int, str] = field(default_factory=dict)  # of samples without all their numbers, by their place
+    unread: dict[int, str] = field(default_factory=dict)  # why forces of rigid contacts are no numbers, by their place
     lacking: list[int] = field(default_factory=list)  # places of those that were run
     generic: list[int] = field(default_factory=list)  # places of samples that ran one by one
     reasons: dict[str, int] = field(default_factory=dict)  # why those could not run side by side, and how many
@@ -78,7 +79,8 @@ class Runner:
                 if isinstance(outcome, str):
                     batch.messages[n] = outcome
                 else:
-                    batch.values[:, n], batch.curves[:, n] = outcome
+                    batch.values[:, n], batch.curves[:, n] = outcome.outputs, outcome.curves
+                    batch.unread |= {n: "; ".join(outcome.unread)} if outcome.unread else {}
                 if progress is not None:
                     progress(count - len(waiting) + done, count)
         self._finish(batch)
@@ -93,7 +95,8 @@ class Runner:
         lacks = np.isnan(values) & counted[:, None]
         batch.lacking = [n for n in np.flatnonzero(lacks.any(axis=0)).tolist() if n not in batch.messages]
         for n in batch.lacking:
-            batch.messages[n] = "no finite value: " + ", ".join(outputs[k].text for k in np.flatnonzero(lacks[:, n]))
+            plain = "no finite value: " + ", ".join(outputs[k].text for k in np.flatnonzero(lacks[:, n]))
+            batch.messages[n] = batch.unread.get(n, plain)
 
 
 def cores() -> int:
@@ -102,9 +105,7 @@ def cores() -> int:
     return min(8, usable)
 
 
-def _one_by_one(
-    task: Task, values: np.ndarray, places: list[int], threads: int
-) -> Iterator[tuple[int, tuple[list[float], np.ndarray] | str]]:
+def _one_by_one(task: Task, values: np.ndarray, places: list[int], threads: int) -> Iterator[tuple[int, Sample | str]]:
     """Outputs and curves of samples, or why they have none, as they come; the first alone, because it compiles."""
     waiting = iter(places)
     for n in waiting:
@@ -132,7 +133,7 @@ def _one_by_one(
         stop.clear()
 
 
-def _one(task: Task, values: np.ndarray) -> tuple[list[float], np.ndarray] | str:
+def _one(task: Task, values: np.ndarray) -> Sample | str:
     """The outputs and curves [SI] of a sample, or why it has none."""
     try:
         return task.run(values)

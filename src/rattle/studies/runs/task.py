@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from rattle.analyses.dynamics.peak_values import peak_names
 from rattle.errors import InputError, ModelError, Problem, suggest
 from rattle.language.syntax import names
 from rattle.registry import kinds
-from rattle.results.evaluation import evaluate, needs_curve
+from rattle.results.contact_summary import no_number
+from rattle.results.evaluation import evaluate, needs_curve, unread_curves
 from rattle.results.reductions import Known, Output, argument, needed_instants, read
 from rattle.results.result import Result, UnknownName
 from rattle.solvers.stepper import ATOL
@@ -28,6 +29,14 @@ HISTORY_POINTS = 201  # of a curve that is kept
 PER_FLIGHT = 4  # instants between two events, on the average: a cubic needs four values
 PER_TURN = 40  # instants in a turn of the body that turns most: cubics between them miss some 1e-5 of a curve
 MOST_INSTANTS = 100_000  # of a run
+
+
+class Sample(NamedTuple):
+    """What became of one sample."""
+
+    outputs: list[float]  # [SI], nan where one is not finite
+    curves: np.ndarray  # (h, m) [SI]
+    unread: tuple[str, ...] = ()  # why outputs are no numbers: forces of rigid contacts that tower
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,16 +70,20 @@ class Task:
         """(m,) instants [s] of the curves that are kept."""
         return np.linspace(0.0, self.t_end, HISTORY_POINTS if self.histories else 0)
 
-    def run(self, values: Sequence[float] | np.ndarray) -> tuple[list[float], np.ndarray]:
-        """Of one sample with these values (k,) [SI]: outputs [SI], nan where one is not finite; curves (h, m) [SI].
+    def run(self, values: Sequence[float] | np.ndarray) -> Sample:
+        """What became of one sample with these values (k,) [SI].
 
         Raises ModelError, AssemblyError, SolverError with why it has none.
         """
         outputs, result = self.look(self.mechanism_at(values))
         places = np.searchsorted(result.t, self.history_times)
-        return outputs, np.array([result[name][places] for name in self.histories]).reshape(
-            len(self.histories), len(places)
-        )
+        curves = np.array([result[name][places] for name in self.histories])
+        return Sample(outputs, curves.reshape(len(self.histories), len(places)), self.unread(result))
+
+    def unread(self, result: Result) -> tuple[str, ...]:
+        """Why outputs are no numbers in a result with rigid contacts, in words."""
+        unread = [(output.text, unread_curves(output, result)) for output in self.outputs]
+        return tuple(f"{text}: {no_number(curves[0])}" for text, curves in unread if curves)
 
     def look(self, m: Mechanism, whole: bool = False) -> tuple[list[float], Result]:
         """The outputs [SI] of a mechanism, and the result from which they come.  Raises as `run`.
