@@ -126,6 +126,9 @@ def test_values_at_instants_and_shares_are_left_of_a_force_that_towers(runs):
     assert all(verdict.kept for verdict in judge(runs[0.0], asked))
 
 
+STARTED = (
+    WIPER.replace("friction = 0.1", 'friction = "mu"').replace("-51.7616 deg", "0 deg") + "[parameters]\nmu = 0.0\n"
+)
 SLIPPERY = WIPER.replace("friction = 0.1", 'friction = "mu"') + "[parameters]\nmu = 0.0\n"
 
 
@@ -178,6 +181,24 @@ def test_assumed_bushes_are_said():
 def test_the_approach_to_a_lock_by_friction_is_said_with_its_time(runs):
     assert not any("Painleve" in note for note in runs[0.0].trust.notes)
     assert any("Painleve" in note and "t = " in note for note in runs[0.2].trust.notes)
+
+
+@pytest.mark.parametrize("t_end", [1.03, 1.1])
+def test_trust_ends_where_friction_nearly_locks_a_joint(t_end):
+    """With a tenth of the tolerance the run stops there; the usual run and its second one pass, and agree by chance."""
+    m = rt.loads(STARTED).set({"mu": 0.195})
+    loose = m.simulate(t_end, t_eval=np.linspace(0.0, t_end, 1101), horizon=True)
+    lock = float(next(note for note in loose.trust.notes if "Painleve" in note).split("t = ")[1].split(" s")[0])
+    assert loose.trust.horizon <= lock + 1e-3
+    assert loose.trust.trusted_until() < t_end
+    assert loose.trust.word.startswith("trusted up to t = 1.0")
+
+
+def test_a_lock_ends_the_trust_of_a_run_in_words():
+    t = Trust(1e-16, t_end=1.1, horizon=1.0262, horizon_motion=1.0262, locked="B")
+    assert t.word == "trusted up to t = 1.026 s, where friction nearly locks B"
+    assert "where friction nearly locks B" in t.why[0]
+    assert any("nearly locks B" in doubt for doubt in t.doubts())
 
 
 def test_a_link_that_pulls_is_not_trusted_to_the_end():

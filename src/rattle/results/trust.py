@@ -46,6 +46,7 @@ class Trust:
     stopped: bool = False  # the run ended before its end time
     horizon_motion: float | None = None  # time up to which positions and rates agree [s]
     horizon_curve: str = ""  # the curve that deviates first
+    locked: str = ""  # joint that friction nearly locks at `horizon`, which ends there for that reason
     energy_share: float | None = None  # the same change as a share of the largest of kinetic energy, work and potential
 
     def __repr__(self) -> str:
@@ -91,6 +92,8 @@ class Trust:
             return f"how far it can be trusted was not computed{HOW}"
         if (self.energy_share or 0.0) > POOR:
             return f"not to be trusted: {100 * (self.energy_share or 0.0):.2g} % of the energy is unaccounted for"
+        if self.locked:
+            return f"trusted up to t = {until:.4g} s, {self._lock()}"
         if self.stopped and (until >= self.t_end or not self.horizon_curve):
             return f"trusted up to where the run ended, t = {self.t_end:.4g} s"
         if until >= self.t_end:
@@ -166,15 +169,20 @@ class Trust:
         whole = f"up to where the run ended, t = {self.t_end:.4g} s"
         if not self.stopped:
             whole = f"over the whole run, to t = {self.t_end:.4g} s"
-        agree = self.horizon >= self.t_end or (self.stopped and not self.horizon_curve)
+        agree = self.horizon >= self.t_end or (self.stopped and not self.horizon_curve and not self.locked)
         if agree and self.horizon > 0.0:
             return f"the curves can be trusted {whole}"
+        if self.locked:
+            return f"the curves can be trusted up to t = {self.horizon:.4g} s, {self._lock()}"
         motion = self.horizon_motion
         if motion is not None and motion > 2.0 * self.horizon:
             until = whole if motion >= self.t_end else f"up to t = {motion:.3g} s (horizon)"
             first = f" ({self.horizon_curve} deviates first)" if self.horizon_curve else ""
             return f"positions and rates can be trusted {until}, all other curves up to t = {self.horizon:.3g} s{first}"
         return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
+
+    def _lock(self) -> str:
+        return f"where friction nearly locks {self.locked}"
 
     def coarse(self) -> tuple[str, ...]:
         """The remark for a shortest contact with too few steps; empty if there were enough."""

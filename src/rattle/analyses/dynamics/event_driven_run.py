@@ -110,16 +110,26 @@ class EventDrivenRun(Run):
 
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
         """How near friction has come to locking a contact, where forces grow without bound."""
-        share, when, contact = (float(self.workspace.held[k]) for k in (at.LOCK_SHARE, at.LOCK_AT, at.LOCK_CONTACT))
+        share, when, joint = self.nearest_lock()
         if not 0.0 < share < NEARLY_LOCKED:
             return ()
-        joint = self.system.joints[self.system.arrays["contact"][int(contact), at.OWNER]]
         near = f"{100 * share:.2g} %" if share > LEAST_SAID else f"less than {100 * LEAST_SAID:g} %"
         grows = f"is {1 / share:.2g} times that without friction" if share > LEAST_SAID else "grows without bound"
         return (
             f"friction in {joint} comes within {near} of locking it (Painleve paradox), at t = {when:.4g} s: its force"
             f" of lasting contact {grows} there, and beyond that a rigid contact has none; an elastic contact tells it",
         )
+
+    def nearest_lock(self) -> tuple[float, float, str]:
+        """Least share of its response that a sliding contact keeps [-], when [s], and its joint."""
+        share, when, contact = (float(self.workspace.held[k]) for k in (at.LOCK_SHARE, at.LOCK_AT, at.LOCK_CONTACT))
+        owner = int(self.system.arrays["contact"][int(contact), at.OWNER])
+        return share, when, self.system.joints[owner]
+
+    def locked(self) -> tuple[str, float] | None:
+        """The joint whose contact keeps less than `LEAST_SAID` of its response, and when [s]: the rest is chance."""
+        share, when, joint = self.nearest_lock()
+        return (joint, when) if 0.0 < share < LEAST_SAID else None
 
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words; contact problems are named."""

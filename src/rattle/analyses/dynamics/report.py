@@ -151,6 +151,8 @@ def _trust(
     """How far the result can be trusted; balance: largest unexplained change of energy [J]."""
     system, clock, tally, seen = run.system, run.clock, run.tally, run.workspace.audit
     pulled, first, intervals = pulls(run, float(clock[at.T]))
+    joint, lock = run.locked() or ("", math.inf)
+    ends = reach is not None and lock < min(reach.time, float(clock[at.T]))
     return Trust(
         drift=float(seen[at.OPEN_LENGTH]),
         drift_angle=float(seen[at.OPEN_ANGLE]),
@@ -158,9 +160,10 @@ def _trust(
         drift_joint=system.rows[tally[at.DRIFT_ROW]].owner if system.rows else "",
         energy_balance=balance,
         t_end=float(clock[at.T]),
-        horizon=reach.time if reach else None,
-        horizon_motion=reach.motion if reach else None,
+        horizon=min(reach.time, lock) if reach else None,
+        horizon_motion=min(reach.motion, lock) if reach else None,
         horizon_curve=reach.first if reach else "",
+        locked=joint if ends else "",
         stopped=bool(run.message),
         pulled=pulled,
         first_pull=first,

@@ -107,6 +107,10 @@ class Run(ABC):
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
         """Notes for the result on its largest forces; impacts: True if there were any."""
 
+    def locked(self) -> tuple[str, float] | None:
+        """A joint that friction nearly locks, and when [s]: forces grow without bound there, so trust ends."""
+        return None
+
     @abstractmethod
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words, if its steps are sound."""
