@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -99,6 +100,7 @@ def _cycle(p: Power) -> str:
     said = [
         f"energy [{energy}] and power [{power}] into bodies, t = {start} to {quantity(p.t1, 's', 6)}",
         _lines(ports[ports["E_in"] + ports["E_out"] > least], PORTS, least),
+        *([p.remark] if p.remark else []),
         "",
         f"elements [{energy}]",
         _lines(active, ELEMENTS, least),
@@ -126,4 +128,6 @@ def _lines(frame: Any, columns: tuple[str, ...], least: float = 0.0) -> str:
 def _cell(value: Any, least: float) -> str:
     if isinstance(value, str):
         return value
+    if math.isnan(value):
+        return "-"
     return "0" if abs(value) <= least else f"{value:.5g}"

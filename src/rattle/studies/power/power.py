@@ -5,6 +5,7 @@ Source: Karnopp, Margolis, Rosenberg, System Dynamics (2012), chapters 2 and 9; 
 
 from __future__ import annotations
 
+import math
 import os
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +19,7 @@ from rattle.errors import InputError
 from rattle.loading import loads
 from rattle.mechanism import Mechanism
 from rattle.results.archive import package
+from rattle.results.contact_summary import TOWERS
 from rattle.results.display import quantity, table
 from rattle.results.result import Result, require_table
 from rattle.studies.poincare import driver_period
@@ -98,6 +100,7 @@ class Power:
     def table(self) -> DataFrame:
         """pandas.DataFrame of all ports: element, kind, body, E_in and E_out (into the body and out of it), net,
         recirculated (the smaller of both) [J]; peak (of the largest magnitude) and mean [W].  Raises MissingPackage.
+        A peak is nan where forces of rigid contacts tower, see `remark`.
         """
         one = self.cycle
         columns = {
@@ -105,11 +108,26 @@ class Power:
             "E_in": one.into,
             "E_out": one.out,
             "net": one.into - one.out,
-            "peak": one.peak,
+            "peak": np.where(self._towers, math.nan, one.peak),
             "mean": (one.into - one.out) / (one.t1 - one.t0),
             "recirculated": np.minimum(one.into, one.out),
         }
         return _frame(columns)
+
+    @property
+    def _towers(self) -> NDArray[np.bool_]:
+        """(ports,) True where a peak says nothing of a real contact: far above the usual power, as forces are."""
+        one = self.cycle
+        usual = (one.into + one.out) / (one.t1 - one.t0)
+        return (np.abs(one.peak) > TOWERS * usual) & bool(self.result.trust.unread)
+
+    @property
+    def remark(self) -> str:
+        """What is to be said of peaks that are left out, "" if none are."""
+        if not self._towers.any():
+            return ""
+        joints = ", ".join(self.result.trust.unread)
+        return f"peaks are left out where powers tower with the forces of rigid contacts ({joints})"
 
     @cached_property
     def elements(self) -> DataFrame:
