@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import rattle as rt
 from rattle.analyses.elastic_bushes import _stiff, _stiffness
+from rattle.cli.main import main
 from rattle.cli.requirements import judge
 from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.trust import Trust
+from rattle.results.within_steps import bursts, largest, summit
+from rattle.studio.jobs.blocks import of_result
 
 C, ROD, ARM_MASS, ARM_INERTIA, ARM_CENTRE, PIN = 0.3e-3, 0.25, 0.6, 0.02, 0.22, 0.07
 WIPER = f"""
@@ -231,3 +236,57 @@ def test_trust_is_one_line_and_the_reasons_stand_apart(trust, word):
     assert trust.word == word
     assert any("constraint error" in line for line in trust.why)
     assert "constraint error" not in trust.word
+
+
+LARGEST = 2e4  # [N, N*m, W]: nothing beyond is to be seen of a joint that bears some 100 N
+
+
+def test_pictures_have_the_scale_of_what_can_be_read_and_say_that_they_are_cut(runs):
+    r = runs[0.0]
+    assert r.peak("B.force")[0] > LARGEST
+    figure = r.plot("B.force", "B.normal")
+    low, high = figure.axes[0].get_ylim()
+    assert max(abs(low), abs(high)) < LARGEST
+    words = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert all("cut where it towers" in word for word in words)
+    orbit = r.plot_orbit("B")
+    assert "cut where it towers" in orbit.axes[1].get_title()
+    assert orbit.axes[1].get_ylim()[1] < LARGEST
+
+
+def test_a_comparison_does_not_print_a_peak_that_towers(runs):
+    r = runs[0.0]
+    assert [largest(r, f"B.{what}") < LARGEST for what in ("force", "normal", "fx")] == [True] * 3
+    assert summit(r, "B.normal") is None
+    assert all(burst.y < LARGEST for burst in bursts(r, "B.normal"))
+    block = of_result("Forces", r, ["B.force"])
+    assert block["lines"][0]["top"] is None
+    assert "cut" in block["lines"][0]["name"]
+    assert np.nanmax(block["lines"][0]["y"]) < LARGEST
+
+
+def test_a_report_and_power_leave_out_what_towers(runs, tmp_path):
+    m = wiper(0.0).set({"simulate.t_end": 0.06})
+    m.report(tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    card = text.split("Peak effort of motor</dt><dd>")[1]
+    assert card.startswith("not to be read")
+    driver = text.split("Efforts of the drivers")[1].split("</table>")[0]
+    assert driver.count("not to be read") == 2
+    power = runs[0.0].power()
+    joint = power.table[power.table["element"] == "B"]
+    assert joint["peak"].isna().all()
+    assert "peaks are left out" in power.remark
+
+
+def test_json_has_no_peak_of_a_contact_that_towers(tmp_path):
+    (tmp_path / "wiper.toml").write_text(WIPER.replace("friction = 0.1", "friction = 0.0"), encoding="utf-8")
+    done = CliRunner().invoke(main, ["run", str(tmp_path / "wiper.toml"), "--t-end", "0.06", "--no-horizon", "--json"])
+    contact = json.loads(done.stdout)["contacts"]["B"]
+    assert (contact["peak"], contact["rms"]) == (None, None)
+    assert contact["impulse"] > 0.0
+
+
+def test_a_penetration_is_positive_where_it_is_largest():
+    r = rt.example("slider_crank_play").simulate(0.006, t_eval=np.linspace(0.0, 0.006, 13))
+    assert summit(r, "B.penetration").y == r.peak("B.penetration")[0] > 0.0

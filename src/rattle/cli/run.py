@@ -12,6 +12,7 @@ from rattle.cli.output import check_results, finish, keep, save_options
 from rattle.cli.requirements import check_required, finish_required, judge, require_option
 
 if TYPE_CHECKING:
+    from rattle.results.contact_summary import ContactSummary
     from rattle.results.result import Result
 
 
@@ -91,7 +92,7 @@ def run(
             "stats": result.stats,
             "peaks": _peaks(result),
             **({"required": [verdict.record for verdict in verdicts]} if verdicts else {}),
-            "contacts": {name: one._asdict() for name, one in result.contacts.items()},
+            "contacts": {name: _contact(summary) for name, summary in result.contacts.items()},
         }
         click.echo(to_json(record))
     else:
@@ -105,6 +106,11 @@ def run(
             click.echo(line)
     finish(ctx, result, kept)
     finish_required(ctx, verdicts, None if as_json else click.echo)
+
+
+def _contact(summary: ContactSummary) -> dict[str, float | bool | None]:
+    """The contacts of a joint; peak and RMS are None where they say nothing of a real force."""
+    return summary._asdict() | ({} if summary.readable else {"peak": None, "rms": None})
 
 
 def _methods(impacts: bool) -> str:

@@ -19,7 +19,7 @@ from rattle.plots.power import Spacing, plot_cycle
 from rattle.plots.statics import draw_band, draw_deviation
 from rattle.results.contact_summary import force_rounding
 from rattle.results.handy_units import handy_unit, units_of_result
-from rattle.results.within_steps import largest
+from rattle.results.within_steps import cut, largest, shown_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,7 +59,7 @@ def panels(s: Study, names: Sequence[str]) -> Figure:
 
 
 def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
-    values = [run[name], *([ideal[name]] if ideal is not None and name in ideal else [])]
+    values = [shown_curve(run, name), *([ideal[name]] if ideal is not None and name in ideal else [])]
     factor, unit = handy_unit(run.unit(name), largest(run, name), units_of_result(run.provenance))
     ax.plot(run.t, factor * values[0], color=style.BLUE, linewidth=0.9, label=PLAY)
     values.append(style.mark_largest(ax, run, name, style.BLUE, factor))
@@ -67,7 +67,9 @@ def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
         ax.plot(
             ideal.t, factor * values[1], color=style.BLACK, linewidth=1.1, linestyle=(0, (4, 2)), label=IDEAL
         )  # fmt: skip
-    ax.set_title(style.axis_label(name, unit), loc="left", fontsize=8, pad=3, parse_math=False)
+    told = cut(run, name)
+    title = style.axis_label(name, unit) + (f", {told}" if told else "")
+    ax.set_title(title, loc="left", fontsize=8, pad=3, parse_math=False)
     if style.robust_limits(ax, [factor * one for one in values], side="right"):
         reach = ax.texts[-1]
         if len(ax.get_title(loc="left")) + len(reach.get_text()) > ABOVE:
@@ -85,11 +87,13 @@ def together(run: Result, names: Sequence[str], robust: bool = False) -> Figure:
         factor, shown = handy_unit(unit, size, units_of_result(run.provenance))
         tops = []
         for colour, name in zip(style.CURVES, curves, strict=False):
-            ax.plot(run.t, factor * run[name], color=colour, linewidth=0.9, label=name)
-            tops += [factor * run[name], factor * style.mark_largest(ax, run, name, colour, factor)]
+            told = cut(run, name)
+            label = f"{name} ({told})" if told else name
+            ax.plot(run.t, factor * shown_curve(run, name), color=colour, linewidth=0.9, label=label)
+            tops += [factor * shown_curve(run, name), factor * style.mark_largest(ax, run, name, colour, factor)]
         ax.set_ylabel(style.axis_label(style.QUANTITY.get(unit, ""), shown) or "no unit", fontsize=8)
-        cut = robust and style.robust_limits(ax, tops, side="right")
-        _names_above(ax, LINE_OF_NOTE if cut else 0.0)
+        spikes = robust and style.robust_limits(ax, tops, side="right")
+        _names_above(ax, LINE_OF_NOTE if spikes else 0.0)
         _over_time(ax, run)
     return _with_time(axes)
 

@@ -75,7 +75,8 @@ def _joints(s: Study, run: Result) -> str:
         row = [name, said(force, "N"), _at(run, when), said(run.rms(f"{name}.force"), "N")]
         ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else math.nan
         row += [said(ideal, "N"), f"{force / ideal:.3g}"] if 1e-9 * force < ideal else ["", ""]
-        moment = run.peak(f"{name}.moment")[0] if f"{name}.moment" in run else 0.0
+        shown = f"{name}.moment" in run and readable(run, f"{name}.moment")
+        moment = run.peak(f"{name}.moment")[0] if shown else 0.0
         rows.append([*row, said(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])
     head = ("joint", "peak force", "at t", "RMS force", "peak without play", "ratio", "peak moment")
     between = " between impacts" if rigid_joints(run) else ""
@@ -89,8 +90,10 @@ def _clutches(s: Study, run: Result) -> str:
         if joint.leaf.bodies and f"{name}.torque" in run:
             moment, when = run.peak(f"{name}.torque")
             rms = said(run.rms(f"{name}.torque"), "N*m")
+            shown = readable(run, f"{name}.torque")
             share = f"{100 * float(np.mean(run[f'{name}.locked'] > 0.0)):.3g} %"
-            rows.append((name, said(moment, "N*m"), _at(run, when), rms, share))
+            force = (said(moment, "N*m"), _at(run, when), rms) if shown else (NOT_READ, "", "")
+            rows.append((name, *force, share))
     head = ("clutch", "peak moment", "at t", "RMS moment", "share of outputs at which it drives")
     return table(head, rows, "Clutches over the whole run") + _late_note(rows)
 
@@ -118,8 +121,12 @@ def _drivers(s: Study, run: Result) -> str:
         if effort not in run:
             continue
         unit, (peak, when), (power, at) = run.unit(effort), run.peak(effort), run.peak(f"{name}.power")
-        rms = said(run.rms(effort), unit)
-        rows.append((name, said(peak, unit), _at(run, when), rms, said(power, "W"), _at(run, at)))
+        row = [name, NOT_READ, "", "", NOT_READ, ""]
+        if readable(run, effort):
+            row[1:4] = said(peak, unit), _at(run, when), said(run.rms(effort), unit)
+        if readable(run, f"{name}.power"):
+            row[4:6] = said(power, "W"), _at(run, at)
+        rows.append(row)
     head = ("driver", "peak effort", "at t", "RMS effort", "peak power", "at t")
     return table(head, rows, "Efforts of the drivers") + _late_note(rows)
 

@@ -40,7 +40,9 @@ def _numbers(s: Study) -> list[tuple[str, str, str]]:
         found.append(("Largest joint force", said(force, "N"), more))
     for name, driver in list(s.m.model.drivers.items())[:1]:
         effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
-        if effort in run:
+        if effort in run and not readable(run, effort):
+            found.append((f"Peak effort of {name}", report_results.NOT_READ, "it towers with a rigid contact"))
+        elif effort in run:
             (peak, when), unit = run.peak(effort), run.unit(effort)
             more = f"at t = {said(when, 's')}; RMS {said(run.rms(effort), unit)}{_late(run, when)}"
             found.append((f"Peak effort of {name}", said(peak, unit), more))

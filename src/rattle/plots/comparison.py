@@ -26,7 +26,7 @@ from rattle.plots.curves import (
 )
 from rattle.plots.orbit import length_unit, mark_impacts, mark_pulling, pin_path  # fmt: skip
 from rattle.results.contact_summary import pressing_spans
-from rattle.results.within_steps import bursts
+from rattle.results.within_steps import CUT, bursts, cut, largest, shown_curve
 from rattle.studies.compare import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, OILED, Comparison, newton
 
 if TYPE_CHECKING:
@@ -136,7 +136,8 @@ def _force_floor(found: Comparison) -> float:
 def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) -> None:
     """Normal force on a scale that shows both the reaction without play and the peaks, with a strip of events."""
     r, joint, ideal = found.results[model], found.joint, found.results.get(IDEAL)
-    normal = r[f"{joint}.force" if model == OILED else f"{joint}.normal"]
+    name = f"{joint}.force" if model == OILED else f"{joint}.normal"
+    normal = shown_curve(r, name)
     ax.set_yscale("symlog", linthresh=floor, linscale=0.7)
     ax.axhline(0.0, color=GREY, linewidth=0.8)
     if ideal is not None:
@@ -146,17 +147,15 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
         at = [scale * one.t for one in short]
         ax.vlines(at, 0.0, [one.y for one in short], color=COLOURS[model], linewidth=0.7)
     if model == OILED:
-        largest, when = r.peak(f"{joint}.force")
+        highest, when = r.peak(f"{joint}.force")
     else:
-        largest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
-    if largest > 0.0:
-        ax.plot([scale * when], [largest], "v", color=COLOURS[model], markersize=5, zorder=5)
-    curves = [one[f"{joint}.normal"] for one in found.results.values() if f"{joint}.normal" in one]
-    top = max(float(np.nanmax(one)) for one in curves)
-    top = max(top, *(c.peak for one in found.results.values() if (c := one.contacts.get(joint))))
-    least = min(
-        0.0, *(float(np.nanmin(one[f"{joint}.normal"])) for one in found.results.values() if f"{joint}.normal" in one)
-    )
+        highest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
+    if highest > 0.0 and not cut(r, name):
+        ax.plot([scale * when], [highest], "v", color=COLOURS[model], markersize=5, zorder=5)
+    loose = [one for one in found.results.values() if f"{joint}.normal" in one]
+    top = max(largest(one, f"{joint}.normal") for one in loose)
+    top = max([top, *(c.peak for one in loose if (c := one.contacts.get(joint)) and c.readable)])
+    least = min([0.0, *(float(np.nanmin(shown_curve(one, f"{joint}.normal"))) for one in loose)])
     ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
     low, high = ax.get_ylim()
     powers = [floor * 10.0**k for k in range(8)]
@@ -173,7 +172,7 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
         pulls = f"red: N < 0 for {share:.2g} % of the time, the bush would have to pull" if share else "N stays above 0"
         note(ax, f"{pulls}; {TOP}")
     else:
-        _events(ax, r, joint, scale)
+        _events(ax, r, joint, scale, CUT if cut(r, name) else TOP)
     if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
         ax.axvspan(scale * r.trust.horizon, scale * r.trust.t_end, color=SHADE, linewidth=0, zorder=0)
     play = _play(r, joint)
@@ -194,8 +193,8 @@ def _force_label(force: float) -> str:
     return text if force >= 0.0 else f"\N{MINUS SIGN}{text}"
 
 
-def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
-    """Along the bottom of the panel: bars while the pin presses, ticks at impacts."""
+def _events(ax: Axes, r: Result, joint: str, scale: float, top: str) -> None:
+    """Along the bottom of the panel: bars while the pin presses, ticks at impacts; top: what is said of the largest."""
     mine = [event for event in r.events if event.joint == joint]
     place: dict[str, Any] = {"transform": ax.get_xaxis_transform(), "clip_on": True}
     for a, b in pressing_spans(mine):
@@ -208,9 +207,10 @@ def _events(ax: Axes, r: Result, joint: str, scale: float) -> None:
         many = "s" if len(hits) > 1 else ""
         parts.append(f"red: {len(hits)} impact{many}, up to {max(e.impulse for e in hits):.2g} N·s")
     elif mine:
-        peak = r.contacts[joint].peak
-        parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts, peak {newton(peak)}")
-    note(ax, "; ".join([*parts, TOP]))
+        summary = r.contacts[joint]
+        peak = f", peak {newton(summary.peak)}" if summary.readable else ""
+        parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts{peak}")
+    note(ax, "; ".join([*parts, top]))
 
 
 def _orbit(ax: Axes, found: Comparison, model: str) -> None:

@@ -14,7 +14,7 @@ from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.results.chosen_units import Shown
 from rattle.results.handy_units import Units, handy_unit, units_of_result
-from rattle.results.within_steps import bursts, largest, summit
+from rattle.results.within_steps import bursts, cut, largest, shown_curve, summit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -100,10 +100,10 @@ def plot(
     axes = [ax] if ax is not None else new_axes(8.0, 1.0 + 2.2 * len(panels), rows=len(panels))
     across, along = _across(result, over)
     for panel, (unit, curves) in zip(axes, panels.items(), strict=True):
-        every = [r[name] for _, r in [("", result), *others] for name in curves if name in r]
+        every = [shown_curve(r, name) for _, r in [("", result), *others] for name in curves if name in r]
         size = max((largest(r, name) for _, r in [("", result), *others] for name in curves if name in r), default=0.0)
         factor, shown = Shown(1.0, unit) if ax is not None else handy_unit(unit, size, written)
-        panel_of(panel, result, curves, others, lambda r, name: (across(r), r[name]), factor)
+        panel_of(panel, result, curves, others, lambda r, name: (across(r), shown_curve(r, name)), factor, cut)
         tops = [
             mark_largest(panel, result, name, CURVES[k % len(CURVES)], factor, across) for k, name in enumerate(curves)
         ]
@@ -164,16 +164,22 @@ def title_of(ax: Axes, result: Result) -> None:
 
 
 def panel_of(
-    ax: Axes, result: Result, names: list[str], others: list[tuple[str, Result]], curve: Curve, factor: float
-) -> None:
-    """Curves of a result, and dashed those of others, with a legend beside them; factor: on their values."""
+    ax: Axes, result: Result, names: list[str], others: list[tuple[str, Result]], curve: Curve, factor: float,
+    told: Callable[[Result, str], str] | None = None,
+) -> None:  # fmt: skip
+    """Curves of a result, and dashed those of others, with a legend beside them.
+
+    factor: on their values.  told: words on a curve of a result that stand in the legend, "" for none.
+    """
     from matplotlib.colors import to_rgb
 
     lines = []
     for k, name in enumerate(names):
         colour = CURVES[k % len(CURVES)]
         x, y = curve(result, name)
-        lines += ax.plot(x, factor * y, color=colour, linewidth=0.9, label=name)
+        words = told(result, name) if told is not None else ""
+        label = f"{name}\n({words})" if words else name
+        lines += ax.plot(x, factor * y, color=colour, linewidth=0.9, label=label)
         for n, (label, other) in enumerate(others):
             if name in other:
                 style: dict[str, Any] = {"linestyle": (0, (4, 1 + 2 * n)), "linewidth": 1.1}

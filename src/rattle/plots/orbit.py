@@ -26,7 +26,7 @@ from rattle.plots.curves import (
 )
 from rattle.plots.oil_orbit import draw_oil_orbit
 from rattle.results.handy_units import handy_unit, units_of_result
-from rattle.results.within_steps import largest
+from rattle.results.within_steps import cut, largest, shown_limit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -142,7 +142,8 @@ def _coloured_by_force(
     form = clearance_joints(result)[joint]
     ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=0.8, zorder=0))
     ax.plot([0], [0], "+", color=GREY, markersize=8)
-    size = np.abs(normal)
+    told = cut(result, f"{joint}.normal")
+    size = np.minimum(np.abs(normal), shown_limit(result, f"{joint}.normal"))
     top, most = float(np.nanpercentile(size, 99.9)) or 1.0, largest(result, f"{joint}.normal")
     segments = np.stack([np.column_stack([x[:-1], y[:-1]]), np.column_stack([x[1:], y[1:]])], axis=1)
     strength = np.maximum(size[:-1], size[1:])
@@ -152,8 +153,10 @@ def _coloured_by_force(
     lines.set_array(strength[order])
     lines.set_capstyle("round")
     ax.add_collection(lines)
-    bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if most > top else "neither", shrink=0.85, pad=0.03)
-    if most > top:
+    bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if most > top or told else "neither", shrink=0.85, pad=0.03)
+    if told:
+        bar.ax.set_title(told, fontsize=8, color=GREY)
+    elif most > top:
         many, unit = handy_unit("N", most)
         bar.ax.set_title(f"up to {short(many * most, 4)} {unit}", fontsize=8, color=GREY)
     bar.set_label("magnitude of the normal force [N], largest on top")

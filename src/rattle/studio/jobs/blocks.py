@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from rattle.plots.curves import QUANTITY, axis_label
 from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.result import Result
-from rattle.results.within_steps import bursts, largest, summit
+from rattle.results.within_steps import bursts, cut, largest, shown_curve, summit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,7 +85,9 @@ def _line_of(result: Result, name: str, label: str, factor: float) -> Block:
     """A curve of a result with what it reaches between two outputs: `top` (t, y), `short` contacts [(t, y)]."""
     top = summit(result, name)
     short = [(one.t, factor * one.y) for one in bursts(result, name)]
-    return line(label, result.t, factor * result[name], top=top and (top.t, factor * top.y), short=short)
+    if told := cut(result, name):
+        label = f"{label} ({told})"
+    return line(label, result.t, factor * shown_curve(result, name), top=top and (top.t, factor * top.y), short=short)
 
 
 def bars(title: str, y: str, labels: Sequence[str], values: Sequence[float]) -> Block | None:
