@@ -14,6 +14,7 @@ def test_forces_beside_a_singular_position_are_left_out_and_it_is_said(tmp_path,
     rt.loads(SCISSOR).page(tmp_path / "page.html", t_end=0.6)
     page = open_page((tmp_path / "page.html").as_uri(), reduced_motion="reduce")
     becomes(page, "window.rattle && rattle.names.length > 0 && rattle.trust.text.join().includes('singular position')")
+    assert page.locator(".trust .badge").text_content() == "With limits"
     for joint in ("F", "M", "G", "T1", "T2"):
         curve = page.evaluate(f"rattle.curve('{joint}.force')")
         t, y = np.array(curve["t"]), np.array([np.nan if one is None else one for one in curve["y"]], float)

@@ -1,5 +1,6 @@
 """What is drawn is what was computed: every kind of page and of picture reaches the largest value of the table."""
 
+import base64
 import json
 
 import numpy as np
@@ -11,9 +12,11 @@ from circling import circling
 from rattle.pages.notebook import kernel_scene
 from rattle.pages.page import page
 from rattle.pages.replay import replay, write_page
-from rattle.pages.scene import run_of, scene_json
+from rattle.pages.scene import run_of, scene_json, scene_of
+from rattle.results.contact_summary import contact_lines
 from rattle.results.result import Result
 from rattle.studio.jobs.blocks import of_result
+from wiper import wiper
 
 PIN = "B.normal"
 # what a page shows of a curve: its largest value, the range of its panel, and whether the mark is there in its colour
@@ -147,3 +150,38 @@ def test_a_single_value_that_stands_out_is_seen_at_every_zoom(tmp_path, open_pag
         tab.evaluate("([low, high]) => rattle.viewer.curves.window([low, high])", [low, low + span])
         frames(tab)
         assert tab.evaluate(INK, [r.t[at], 4000.0]), f"not seen in a window of {span} s"
+
+
+@pytest.fixture(scope="module")
+def towering():
+    """A run with a rigid pin whose force towers between impacts."""
+    return wiper(0.0).simulate(0.06, t_eval=np.linspace(0.0, 0.06, 601), horizon=True)
+
+
+def test_a_scene_holds_no_force_that_towers_and_has_the_words_of_the_command_line(towering):
+    limit = 2e4  # [N] of a joint that bears some 100 N
+    assert towering.peak(PIN)[0] > limit
+    scene = scene_of([("run", towering)])
+    (run,) = scene["runs"]
+    forces = [n for n, unit in enumerate(run["units"]) if unit == "N"]
+    data = np.frombuffer(base64.b64decode(run["data"]), "<f4").reshape(len(run["names"]), run["n"])
+    assert np.nanmax(np.abs(data[forces])) < limit
+    assert PIN not in run["peaks"]
+    contacts = [event for event in run["events"] if event[2] == "contact"]
+    assert contacts
+    assert all(event[5] is None for event in contacts)
+    assert run["trust"]["limits"] == [towering.trust.word]
+    assert run["trust"]["contacts"] == list(contact_lines(towering))
+    assert any("tower" in note for note in scene["notes"])
+
+
+def test_a_page_with_a_force_that_towers_is_not_called_trusted(towering, tmp_path, open_page):
+    replay(towering, tmp_path / "page.html")
+    tab = open_page((tmp_path / "page.html").as_uri(), reduced_motion="reduce")
+    becomes(tab, "window.rattle && rattle.names.length > 0")
+    assert tab.locator(".trust .badge").text_content() == "With limits"
+    lines = tab.locator(".trust .lines").text_content()
+    assert "largest impulse" in lines
+    assert "elastic bushes would show about" in lines
+    tab.get_by_role("tab", name="Events").click()
+    assert "not to be read" in tab.locator("table.events").text_content()

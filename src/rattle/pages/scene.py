@@ -14,11 +14,11 @@ from rattle import registry
 from rattle.errors import InputError
 from rattle.pages.thinning import Between, Rows, between, shared_rows
 from rattle.plots.scene import BODIES
-from rattle.results.contact_summary import readable
+from rattle.results.contact_summary import contact_lines, far_apart
 from rattle.results.handy_units import units_of_result
 from rattle.results.result import Result
-from rattle.results.trust import HOW, Trust
-from rattle.results.within_steps import summit
+from rattle.results.trust import HOW
+from rattle.results.within_steps import shown_curve, summit
 from rattle.version import __version__
 
 FORMAT = "rattle-scene 1"
@@ -26,6 +26,7 @@ OF_GHOST = (".x", ".y", ".angle")
 MOST_ROWS = 2501  # evenly chosen instants of a run in a page
 ROWS_IN_ALL = 10_000  # of all runs of a page together, so that it can be sent
 FEWEST_ROWS = 401  # of a run, however many there are
+TOWERING = "curves are cut where they tower with the forces of rigid contacts, which says nothing of real ones"
 TICKS = 2**32 - 1  # parts of a run in which the instants of single values are counted
 
 
@@ -53,6 +54,7 @@ def scene_of(
         if len(kept) < len(one.t):
             thinned = thinned or _thinned(one, kept, more)
     remarks += [thinned] if thinned else []
+    remarks += [TOWERING] if any(one.trust.unread for _, one in results) else []
     scene: dict[str, Any] = plain({
         **frame_of(first.geometry),
         "title": title or str(first.provenance.get("model") or "") or "Mechanism",
@@ -126,7 +128,7 @@ def run_of(
         kept = shared, {} if keys else between(result, shared)
     picked, more = kept
     names = [name for name in result.stored if not keys or name.endswith(tuple(keys))]
-    data = np.column_stack([result[name][picked] for name in names])
+    data = np.column_stack([shown_curve(result, name)[picked] for name in names])
     run = {
         "label": label,
         "parameters": dict(result.provenance.get("parameters") or {}),
@@ -139,10 +141,10 @@ def run_of(
         "peaks": {
             name: [top.y, top.t]
             for name in result.peaks
-            if not keys and name in result and readable(result, name) and (top := summit(result, name))
+            if not keys and name in result and (top := summit(result, name))
         },
-        "events": [list(event) for event in result.events],
-        "trust": trust_of(result.trust),
+        "events": _events(result),
+        "trust": trust_of(result),
         "success": result.success,
         "message": result.message,
     }
@@ -159,17 +161,28 @@ def _single_values(result: Result, name: str, rows: Rows) -> list[str]:
     """Instants, as shares of the run in `TICKS`, and values of one curve at some rows."""
     span = float(result.t[-1] - result.t[0]) or 1.0
     at = np.rint((result.t[rows] - result.t[0]) / span * TICKS).astype("<u4")
-    return [packed(at), packed(_single(result[name][rows]))]
+    return [packed(at), packed(_single(shown_curve(result, name)[rows]))]
 
 
-def trust_of(trust: Trust) -> dict[str, Any]:
-    """What a page says about how far a run can be trusted: numbers (SI) and the lines of `str(trust)`."""
+def _events(result: Result) -> list[list[Any]]:
+    """Events as lists; the largest force of a contact is nan where it says nothing of a real one."""
+    unread = {name for name, summary in result.contacts.items() if not summary.readable}
+    events = [event._replace(peak_force=math.nan) if event.joint in unread and event.peak_force else event
+              for event in result.events]  # fmt: skip
+    return [list(event) for event in events]
+
+
+def trust_of(result: Result) -> dict[str, Any]:
+    """What a page says about how far a run can be trusted, in the words of `rattle run`: numbers (SI) and lines."""
+    trust = result.trust
     return {
         "drift": trust.drift,
         "energy": trust.energy_balance,
         "energy_share": trust.energy_share,
         "pulled": dict(trust.pulled),
         "horizon": trust.horizon,
+        "limits": [trust.word.replace(HOW, "")] if trust.excepts or far_apart(result) else [],
+        "contacts": list(contact_lines(result)) if len(result.t) else [],
         "text": str(trust).replace(HOW, "").splitlines(),
     }
 

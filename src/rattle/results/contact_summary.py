@@ -306,6 +306,22 @@ def force_rounding(result: Curves) -> float:
     return ROUNDING * max((rms_of(result, name) for name in forces if readable(result, name)), default=0.0)
 
 
+def far_apart(result: Curves) -> dict[str, float]:
+    """Rigid joints whose largest force is far below that of elastic bushes, and the latter [N]."""
+    apart = {}
+    for joint, (_, high) in result.trust.elastic.items():
+        if f"{joint}.force" in result and len(result.t) and high > ELASTIC * peak(result, f"{joint}.force")[0]:
+            apart[joint] = high
+    return apart
+
+
+def bracket(result: Curves, joint: str) -> str:
+    """The largest forces of elastic bushes in place of a rigid contact, in words: "11 to 70 kN"."""
+    low, high = result.trust.elastic[joint]
+    factor, unit = scale("N", high)
+    return f"{' to '.join(dict.fromkeys((_two(factor * low), _two(factor * high))))} {unit}"
+
+
 def _two(value: float) -> str:
     """A number with two digits, without an exponent where that is short."""
     return f"{float(f'{value:.2g}'):g}"
@@ -330,10 +346,7 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
                 f"the force of lasting contact rises beyond {TOWERS:g} times the usual one, not to be read as a force"
             )
         if joint in result.trust.elastic:
-            low, high = result.trust.elastic[joint]
-            factor, unit = scale("N", high)
-            ends = dict.fromkeys((_two(factor * low), _two(factor * high)))
-            said.append(f"elastic bushes would show about {' to '.join(ends)} {unit} ({result.trust.bushes[joint]})")
+            said.append(f"elastic bushes would show about {bracket(result, joint)} ({result.trust.bushes[joint]})")
         lines.append(f"{joint}: {'; '.join(said)}")
     return (*lines, *clutch_lines(result))
 

@@ -72,6 +72,11 @@ class Trust:
         reasons = (self._pulling(), *self._remarks())
         return (self._reach(), self._accuracy(), *(reason for reason in reasons if reason and reason not in self.word))
 
+    @property
+    def excepts(self) -> bool:
+        """True if something is not to be trusted within the time that `word` tells, or trust ends at a lock."""
+        return bool(self._exceptions() or self.locked)
+
     def trusted_until(self) -> float | None:
         """Last instant up to which curves can be trusted [s]: of the horizon, and before any link pulls.
 

@@ -104,6 +104,7 @@ export function trustOf(s, reach) {
     energy: balance.reduce((most, x) => Math.max(most, Math.abs(x)), s.written ? 0 : NaN),
     energy_share: energyShare(s), t_end: s.t, stopped: s.message !== "", ...pulls(s),
     pending: reach === null && s.written > 1, horizon: reach && reach.time, horizon_motion: reach && reach.motion, horizon_curve: reach ? reach.first : "",
+    limits: s.near.length ? ["with limits: the forces next to singular positions are not to be trusted"] : [],
     notes: [...besideSingular(s), ...(s.anotherWay ? [ANOTHER_WAY] : []), ...(s.message ? [] : remarks(s))],
   };
   if (s.method === "dop853" && settings.rtol > 1e-6)

@@ -4,6 +4,7 @@ import { make } from "./dom.js";
 import { handyUnit, printed, short, timeText } from "./units.js";
 
 const MOST_EVENTS = 400; // rows
+const NOT_READ = "not to be read"; // the force of a rigid contact that towers
 const COLUMNS = [["t", "s"], ["joint", ""], ["what", ""], ["speed", "m/s"], ["peak", "N"], ["impulse", "N*s"], ["lost", "J"]];
 
 export function eventTable(motion, seek) {
@@ -13,7 +14,7 @@ export function eventTable(motion, seek) {
   const number = (value, factor = 1) => make("td", { class: "number" }, value ? short(factor * value) : "");
   const rows = shown.map((one) => make("tr", { onclick: () => seek(one.t) },
     make("td", { class: "number" }, make("button", { type: "button", title: "Go to this time" }, text(one.t))), make("td", {}, one.joint),
-    make("td", {}, one.kind), number(one.speed), number(one.force), number(one.impulse), number(one.lost, energy.factor)));
+    make("td", {}, one.kind), number(one.speed), one.force === null ? make("td", {}, NOT_READ) : number(one.force), number(one.impulse), number(one.lost, energy.factor)));
   const more = motion.events.length - shown.length;
   return [
     make("table", { class: "events" }, make("thead", {}, make("tr", {}, ...head)), make("tbody", {}, ...rows)),

@@ -51,7 +51,8 @@ function helpSheet(host) {
 // lines: false where the page was asked to show no more than the word.
 export function sayTrust(element, motion, remarks, lines) {
   const { run, trust } = motion, pulled = Object.values(trust.pulled ?? {}).some((share) => share > 0);
-  const level = run.success === false ? "bad" : pulled || motion.horizon !== null ? "mind" : "good";
+  const limited = pulled || motion.horizon !== null || (trust.limits ?? []).length > 0;
+  const level = run.success === false ? "bad" : limited ? "mind" : "good";
   const word = { bad: "Stopped", mind: "With limits", good: "Trusted" }[level];
   const stopped = run.success === false ? [make("p", {}, `The run stopped: ${run.message || "no reason was given"}`)] : [];
   const badge = make("span", { class: "badge" }, word);
@@ -60,7 +61,7 @@ export function sayTrust(element, motion, remarks, lines) {
   const open = element.querySelector("details")?.open ?? (level === "mind" && !isShort());
   const count = remarks.length ? ` · ${remarks.length} note${remarks.length > 1 ? "s" : ""}` : "";
   element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `why?${count}`)),
-    make("div", { class: "lines" }, ...(trust.text ?? []).map((line) => make("p", {}, line)),
+    make("div", { class: "lines" }, ...[...(trust.limits ?? []), ...(trust.contacts ?? []), ...(trust.text ?? [])].map((line) => make("p", {}, line)),
       make("ul", { class: "notes" }, ...remarks.map((line) => make("li", {}, line))))), ...stopped);
 }
 
