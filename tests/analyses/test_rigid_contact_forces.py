@@ -242,3 +242,25 @@ def test_json_has_no_peak_of_a_contact_that_towers(tmp_path):
 def test_a_penetration_is_positive_where_it_is_largest():
     r = rt.example("slider_crank_play").simulate(0.006, t_eval=np.linspace(0.0, 0.006, 13))
     assert summit(r, "B.penetration").y == r.peak("B.penetration")[0] > 0.0
+
+
+def test_a_requirement_on_a_rigid_force_far_below_that_of_elastic_bushes_is_not_kept_by_it_alone():
+    r = wiper(0.1, 0.6).simulate(0.06, t_eval=np.linspace(0.0, 0.06, 61), horizon=True)
+    peak, high = r.peak("B.force")[0], r.trust.elastic["B"][1]
+    assert r.trust.unread == ()
+    assert high > 2.0 * peak
+    between, above = judge(r, [f"max(B.force) < {0.5 * (peak + high)}", f"max(B.force) < {2.0 * high}"])
+    assert (between.kept, above.kept) == (False, True)
+    assert "elastic bushes in B would show about" in between.said
+
+
+def test_the_largest_impulse_can_be_asked_for(runs):
+    r = runs[0.0]
+    hardest = max(event.impulse for event in r.events if event.kind == "impact")
+    kept, broken = judge(r, [f"max(B.impulse) < {1.01 * hardest}", f"max(B.impulse) < {0.99 * hardest}"])
+    assert (kept.kept, broken.kept) == (True, False)
+    assert (kept.record["value"], kept.record["unit"]) == (hardest, "N*s")
+    found = rt.loads(SLIPPERY).sweep({"mu": [0.0, 0.001]}, ["max(B.impulse)"], t_end=0.06)
+    assert found["max(B.impulse)"][0] == pytest.approx(hardest, rel=1e-6)
+    with pytest.raises(rt.ModelError, match=r"write max\(B\.impulse\) alone"):
+        judge(r, ["rms(B.impulse) < 1"])

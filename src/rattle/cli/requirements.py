@@ -18,12 +18,14 @@ from rattle.cli.options import value
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
+    from rattle.results.reductions import Output
     from rattle.results.result import Result
     from rattle.studies.ensemble.ensemble import Ensemble
     from rattle.studies.ensemble.statistics import Bounded
 
 MOST = 0.9973  # share of the mechanisms that a limit is for unless another one is asked for: three standard deviations
 EQUAL = 1e-9  # share of its size within which a number is the one required by ==: what a run resolves
+FORCES = ("force", "normal", "pressing")  # of a rigid joint, which elastic bushes bracket
 _PERCENT = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*%\s*")
 _COMPARISON = re.compile(r"[<>=]=|[<>]")
 
@@ -97,7 +99,7 @@ def check_required(
 
 def judge(result: Result, required: Sequence[str]) -> list[Verdict]:
     """Whether one motion keeps what is required.  Raises ModelError for what cannot be asked of it."""
-    from rattle.results.contact_summary import no_number
+    from rattle.results.contact_summary import bracket, no_number
     from rattle.results.display import quantity
     from rattle.results.evaluation import evaluate, unread_curves
     from rattle.results.reductions import Known, read, read_constraint
@@ -112,15 +114,40 @@ def judge(result: Result, required: Sequence[str]) -> list[Verdict]:
         number = evaluate(output, result)
         holds = abs(margin) <= EQUAL * max(abs(number), abs(number - margin)) if equal else margin >= 0.0
         towers = unread_curves(constraint.margin, result)
-        kept = bool(result.success and holds and not towers)
+        apart = _apart(constraint.margin, result)
+        elastic = evaluate(constraint.margin, _with_elastic_bushes(result, apart)) if apart and not equal else math.inf
+        kept = bool(result.success and holds and not towers and elastic >= 0.0)
         seen = f"is {quantity(number, output.unit)}" if math.isfinite(number) else "has no value"
         if towers:
             seen = f"cannot be judged: {no_number(towers[0])}"
+        elif apart:
+            seen += "".join(f"; elastic bushes in {name} would show about {bracket(result, name)}" for name in apart)
         said = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'}, {condition.output} {seen}"
         value_read = math.nan if towers else number
         record = {"condition": condition.text, "kept": kept, "value": value_read, "unit": output.unit}
         verdicts.append(Verdict(kept, said, record))
     return verdicts
+
+
+def _apart(margin: Output, result: Result) -> tuple[str, ...]:
+    """Rigid joints whose force a requirement is about, and which elastic bushes would load far more."""
+    from rattle.results.contact_summary import far_apart
+
+    return tuple(name for name in far_apart(result) if any(f"{name}.{kind}" in margin.names for kind in FORCES))
+
+
+def _with_elastic_bushes(result: Result, joints: Sequence[str]) -> Result:
+    """The result with the largest forces of elastic bushes in place of those of rigid joints."""
+    from copy import copy
+
+    changed = copy(result)
+    changed.__dict__.pop("with_breaks", None)  # it is made anew, with these peaks
+    changed.peaks = dict(result.peaks)
+    for joint in joints:
+        for name in (f"{joint}.{kind}" for kind in FORCES):
+            if name in changed.peaks:
+                changed.peaks[name] = changed.peaks[name]._replace(value=result.trust.elastic[joint][1])
+    return changed
 
 
 def judge_share(ensemble: Ensemble, required: Sequence[str]) -> list[Verdict]:

@@ -17,12 +17,22 @@ from rattle.errors import InputError
 from rattle.language import arrays
 from rattle.language.syntax import Apply, Name, Node, names
 from rattle.results.contact_summary import most_readable, towering
-from rattle.results.reductions import CONDITIONS, EVENTS, IDEAL, READ_OFF, Output, Reduction, argument
+from rattle.results.reductions import (
+    CONDITIONS,
+    EVENTS,
+    HARDEST,
+    IDEAL,
+    OF_EVENTS,
+    READ_OFF,
+    Output,
+    Reduction,
+    argument,
+)
 from rattle.results.result import Result
 from rattle.results.sampled_curve import SampledCurve
 
 AT_INSTANTS = ("at", "final", "quantile")  # reductions that may miss where a curve towers
-TOLD = (*CONDITIONS, "count")  # those that the height of a curve does not change
+TOLD = (*CONDITIONS, *OF_EVENTS)  # those that the height of a curve does not change
 SIGNED = ("normal", "penetration", "tight")  # quantities whose peak is the largest value, not the largest magnitude
 
 
@@ -128,8 +138,8 @@ class _Curves:
 
 def _reduce(one: Reduction, known: _Curves) -> float:
     """Value of one reduction [SI]."""
-    if one.kind == "count":
-        return _count(one, known.result)
+    if one.kind in OF_EVENTS:
+        return _of_events(one, known.result)
     curve = known.curve(one.inner)
     if one.kind == "at":
         return _at(one, curve, known)
@@ -211,14 +221,18 @@ def _negative(curve: SampledCurve) -> SampledCurve:
     return SampledCurve(curve.t, -curve.values)
 
 
-def _count(one: Reduction, result: Result) -> float:
-    """Number of events of a joint; nan of a run that stopped early."""
+def _of_events(part: Reduction, result: Result) -> float:
+    """Number of events of a joint, or the largest impulse of its impacts [N s or N m s]; nan if the run stopped."""
     analysis = result.provenance.get("analysis", "simulate")
     if analysis != "simulate":
         raise InputError(f"events are counted in a run in time (simulate), and this is a result of {analysis}")
-    joint, _, events = one.inner.name.rpartition(".") if isinstance(one.inner, Name) else ("", "", "")
-    found = sum(event.joint == joint and event.kind == EVENTS[events] for event in result.events)
-    return float(found) if result.success else math.nan
+    joint, _, events = part.inner.name.rpartition(".") if isinstance(part.inner, Name) else ("", "", "")
+    if not result.success:
+        return math.nan
+    mine = [event for event in result.events if event.joint == joint]
+    if part.kind == HARDEST:
+        return max((event.impulse for event in mine if event.kind == "impact"), default=0.0)
+    return float(sum(event.kind == EVENTS[events] for event in mine))
 
 
 # ---------------------------------------------------------------- from within the steps

@@ -17,6 +17,7 @@ without play.  In the parsed form an output is a list of reductions and a tree o
 | share(a > b) | g = a - b | share of the time in which g > 0 |
 | first(a > b) | g = a - b | first instant with g > 0 [s]; nan if there is none |
 | count | J.impacts | number of events of a joint |
+| max | J.impulse | largest impulse of the impacts of a joint, 0 without any |
 
 For a < b it is g = b - a; for >= and <= the condition is g >= 0 and `Reduction.strict` is False.
 `results.evaluation` computes an output from a result.
@@ -53,7 +54,9 @@ ONE = ("max", "min", "mean", "rms", "sd", "range", "integral", "final", "count")
 TWO = ("at", "quantile")  # of a curve and a number
 CONDITIONS = ("share", "first")
 KINDS = (*ONE, *TWO, *CONDITIONS)
-READ_OFF = ("at", "final", "count")  # those that need no instants but their own
+HARDEST = "hardest"  # what max(J.impulse) is read as: impulses stand in events
+OF_EVENTS = ("count", HARDEST)
+READ_OFF = ("at", "final", *OF_EVENTS)  # those that need no instants but their own
 EVENTS = {"impacts": "impact", "contacts": "contact", "releases": "release", "sticks": "stick", "slips": "slip"}
 IDEAL = "ideal."
 EQUAL = "=="  # of a constraint
@@ -103,6 +106,14 @@ class Known:
             return self.units[name[len(IDEAL) :]]
         return self.parameters.get(name)
 
+    def impulse(self, node: Node) -> str:
+        """SI unit of the impulses of a joint, if the node is its name; else ""."""
+        owner, _, quantity = node.name.rpartition(".") if isinstance(node, Name) else ("", "", "")
+        if quantity != "impulse" or owner not in self.joints or f"{owner}.impulse" in self.units:
+            return ""
+        force = "N" if f"{owner}.normal" in self.units else self.units.get(f"{owner}.stop", "N")
+        return f"{force}*s"
+
     def dimension(self, name: str) -> Dimension | None:
         """Dimension of a name, None if it is not known."""
         unit = self.unit(name)
@@ -113,8 +124,10 @@ class Known:
 class Reduction:
     """One number from a curve."""
 
-    kind: str  # one of KINDS
-    inner: Node  # the curve x, or g of a condition; over curves, parameters and t.  count: Name("<joint>.<events>")
+    kind: str  # one of KINDS, or HARDEST
+    inner: (
+        Node  # the curve x, or g of a condition; over curves, parameters and t.  Of OF_EVENTS: Name("<joint>.<events>")
+    )
     argument: Node | None  # instant [s] of at, share of quantile; over parameters
     strict: bool  # the condition is g > 0, not g >= 0
     dimension: Dimension | None  # of the number; None if it is not known
@@ -257,7 +270,7 @@ def _output(text: str, node: Node, known: Known, compared: bool = False) -> Outp
     if compared and isinstance(outer, Apply):
         _dimension(_choice(outer), dimension_of_place)  # its sides can be compared
     seen = _dimension(outer, dimension_of_place)
-    used = {name for one in reductions if one.kind != "count" for name in names(one.inner)}
+    used = {name for one in reductions if one.kind not in OF_EVENTS for name in names(one.inner)}
     used -= {"t", *known.parameters}
     ideal = {name for name in used if name not in known.units}
     return Output(
@@ -277,6 +290,8 @@ def _reduction(node: Apply, known: Known) -> Reduction:
     if kind == "count":
         _require_events(inside, known)
         return Reduction(kind, inside, None, True, DIMENSIONLESS, "", node.column)
+    if kind == "max" and (unit := known.impulse(inside)):
+        return Reduction(HARDEST, inside, None, True, dimension_of(unit), unit, node.column)
     strict = True
     if isinstance(inside, Apply) and kind in CONDITIONS:
         strict = inside.name in ("<", ">")
@@ -314,6 +329,8 @@ def _require_known(node: Node, known: Known) -> None:
 def _unknown(name: str, known: Known) -> str:
     """What is said about a name that is not known."""
     owner, _, last = name.rpartition(".")
+    if last == "impulse" and owner in known.joints:
+        return f"impulses stand in the events: write max({name}) alone"
     if last in EVENTS and owner in known.joints:
         return f"'{name}' is counted: write count({name})"
     if name in KINDS:
