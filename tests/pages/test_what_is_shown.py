@@ -9,11 +9,12 @@ import pytest
 import rattle as rt
 from browsing import becomes, frames
 from circling import circling
+from linkages import SCISSOR
 from rattle.pages.notebook import kernel_scene
 from rattle.pages.page import page
 from rattle.pages.replay import replay, write_page
 from rattle.pages.scene import run_of, scene_json, scene_of
-from rattle.results.contact_summary import contact_lines
+from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.result import Result
 from rattle.studio.jobs.blocks import of_result
 from wiper import wiper
@@ -185,3 +186,20 @@ def test_a_page_with_a_force_that_towers_is_not_called_trusted(towering, tmp_pat
     assert "elastic bushes would show about" in lines
     tab.get_by_role("tab", name="Events").click()
     assert "not to be read" in tab.locator("table.events").text_content()
+
+
+def test_a_force_that_grows_towards_a_gap_has_no_largest_value(tmp_path):
+    """It is that of the instant at which forces begin to be left out, which the size of the gap decides."""
+    r = rt.loads(SCISSOR).simulate(0.6, t_eval=np.linspace(0.0, 0.6, 61))
+    ((since, until),) = r.trust.gaps
+    assert r.peaks["M.force"].t in (since, until)
+    row = next(line.split() for line in joint_table(r).splitlines() if line.startswith("M "))
+    assert row[1:] == ["-", "gap", f"{r.trust.singular[0]:.4g}", "s", "-"]
+    assert "M.force" not in run_of(r, "run", r.geometry)["peaks"]
+    r.save(tmp_path / "r.npz")
+    assert rt.load_result(tmp_path / "r.npz").trust.gaps == r.trust.gaps
+    m = rt.loads(SCISSOR).set({"simulate.t_end": 0.6})
+    m.report(tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Largest joint force" not in text
+    assert "it grows towards t = 0.318" in text

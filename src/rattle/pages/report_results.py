@@ -23,7 +23,7 @@ from rattle.pages.report_html import (
     table,
 )
 from rattle.pages.report_study import Study
-from rattle.results.contact_summary import contact_lines, force_rounding, readable, rigid_joints
+from rattle.results.contact_summary import contact_lines, force_rounding, readable, rigid_joints, why_unread
 from rattle.results.event import Event
 from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
@@ -67,7 +67,7 @@ def _joints(s: Study, run: Result) -> str:
             continue
         force, when = run.peak(f"{name}.force")
         if not readable(run, f"{name}.force"):
-            rows.append([name, NOT_READ, *[""] * 5])
+            rows.append([name, f"{NOT_READ}: {why_unread(run, f'{name}.force')}", *[""] * 5])
             continue
         if force <= rounding:
             rows.append([name, said(0.0, "N"), "", said(0.0, "N"), *[""] * 3])

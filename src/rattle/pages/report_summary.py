@@ -9,7 +9,7 @@ from rattle import registry
 from rattle.pages import report_results
 from rattle.pages.report_html import Section, count, listed, paragraph, said, sentence
 from rattle.pages.report_study import Study
-from rattle.results.contact_summary import readable
+from rattle.results.contact_summary import readable, why_unread
 from rattle.results.display import printed
 from rattle.results.result import Result
 
@@ -41,7 +41,7 @@ def _numbers(s: Study) -> list[tuple[str, str, str]]:
     for name, driver in list(s.m.model.drivers.items())[:1]:
         effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
         if effort in run and not readable(run, effort):
-            found.append((f"Peak effort of {name}", report_results.NOT_READ, "it towers with a rigid contact"))
+            found.append((f"Peak effort of {name}", report_results.NOT_READ, why_unread(run, effort)))
         elif effort in run:
             (peak, when), unit = run.peak(effort), run.unit(effort)
             more = f"at t = {said(when, 's')}; RMS {said(run.rms(effort), unit)}{_late(run, when)}"

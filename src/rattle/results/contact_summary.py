@@ -17,6 +17,7 @@ from rattle.results.trust import Trust
 ROUNDING = 1e-12  # share of the largest kinetic energy, or force, below which a loss, or a force, is rounding
 TOWERS = 20.0  # ratio of largest and usual force of a mechanism with rigid contacts, above which it is not shown
 ELASTIC = 2.0  # ratio to the largest force of elastic bushes up to which it is shown all the same
+ON_EDGE = 1e-6  # share of a gap within which a peak lies on its edge
 USUAL, ENOUGH = 0.9, 20  # quantile of the outputs with a force, if there are so many
 RISING = ("N", "N*m", "W", "m/s^2", "rad/s^2")  # units of what rises with the force of a contact
 SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
@@ -67,9 +68,29 @@ def readable(result: Curves, name: str) -> bool:
     In a mechanism with rigid contacts forces between impacts may rise by orders of magnitude for microseconds: where a
     pin turns in its play with very different masses along and across its path, and where friction nearly locks it.
     What elastic bushes would bear too is left.  Moments, powers, efforts and accelerations rise with the forces.
+    Beside a singular position what is largest where forces begin to be left out is a number of that choice.
     """
     value = peak(result, name)[0]
-    return math.isfinite(value) and (not rigid_joints(result) or value <= most_readable(result, name))
+    if not math.isfinite(value) or gap_beside(result, name) is not None:
+        return False
+    return bool(not rigid_joints(result) or value <= most_readable(result, name))
+
+
+def gap_beside(result: Curves, name: str) -> float | None:
+    """The singular position [s] towards which a curve grows: its peak lies where values begin to be left out."""
+    known = result.peaks.get(name)
+    if known is None:
+        return None
+    for instant, gap in zip(result.trust.singular, result.trust.gaps, strict=False):
+        if any(abs(known.t - edge) <= ON_EDGE * (gap[1] - gap[0]) for edge in gap):
+            return instant
+    return None
+
+
+def why_unread(result: Curves, name: str) -> str:
+    """Why the largest value of a curve is not to be read, in words."""
+    gap = gap_beside(result, name)
+    return "it towers with a rigid contact" if gap is None else f"it grows towards t = {quantity(gap, 's')}"
 
 
 def most_readable(result: Curves, name: str) -> float:
@@ -282,7 +303,8 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     readables = [name for name in loaded if readable(result, f"{name}.force")]
     rounding = force_rounding(result)
     for joint in loaded:
-        row: tuple[str, ...] = (joint, "-", "-", "-")
+        gap = gap_beside(result, f"{joint}.force")
+        row: tuple[str, ...] = (joint, "-", "-" if gap is None else f"gap {quantity(gap, 's')}", "-")
         if joint in readables:
             (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
             bears = force > rounding

@@ -42,6 +42,7 @@ class Trust:
         str, ...
     ] = ()  # joints whose largest force says nothing of a real one, see `contact_summary.readable`
     singular: tuple[float, ...] = ()  # instants at which singular positions were passed [s]
+    gaps: tuple[tuple[float, float], ...] = ()  # from when to when forces are left out beside them [s]
     drift_angle: float = 0.0  # largest angle between bodies that belong together [rad]
     stopped: bool = False  # the run ended before its end time
     horizon_motion: float | None = None  # time up to which positions and rates agree [s]
@@ -243,7 +244,8 @@ class Trust:
         """The inverse of `to_dict`; units as of the fields."""
         intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
         texts = {key: tuple(record[key]) for key in ("nonunique", "notes", "singular", "unread") if key in record}
-        return cls(**{**record, **texts, "intervals": intervals})
+        gaps = tuple((float(since), float(until)) for since, until in record.get("gaps", ()))
+        return cls(**{**record, **texts, "intervals": intervals, "gaps": gaps})
 
 
 def _steps(count: float) -> str:

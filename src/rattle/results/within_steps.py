@@ -52,7 +52,7 @@ def summit(result: Curves, name: str) -> Value | None:
     peak = result.peaks.get(name)
     if peak is None or name not in result or not len(result.t) or not 0.0 < peak.value < math.inf:
         return None
-    if cut(result, name):
+    if cut(result, name) or contact_summary.gap_beside(result, name) is not None:
         return None
     return Value(peak.t, math.copysign(peak.value, _sign_at(result, name, peak.t)))
 

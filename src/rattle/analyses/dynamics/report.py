@@ -170,6 +170,7 @@ def _trust(
         intervals=intervals,
         nonunique=nonunique,
         singular=tuple(one.t for one in passed),
+        gaps=tuple((passage.since, passage.until) for passage in passed),
         notes=notes,
         **contact_counts(system, contacts, float(clock[at.FEWEST])),
     )
