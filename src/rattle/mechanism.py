@@ -148,14 +148,14 @@ class Mechanism(AnalysedModel):
         return Film.of_joint(joints[joint])
 
     def compare(
-        self, *, joint: str | None = None, curve: str | None = None, t_end: Seconds | None = None,
+        self, *, joint: str | None = None, curve: str | Sequence[str] | None = None, t_end: Seconds | None = None,
         law: str | None = None, progress: bool = False,
     ) -> Comparison:  # fmt: skip
         """The mechanism with ideal joints, massless links, impact, compliant contacts and oil, side by side.
 
-        joint: whose force and orbit are shown (default: the first with clearance).  curve: of the motion (default:
-        one of the last body).  t_end: [s] (default: one turn of the driver).  law: normal force law of the compliant
-        run.  Raises ModelError if no joint has a clearance, UnknownName.
+        joint: whose force and orbit are shown (default: the first with clearance).  curve: of the motion, or
+        several (default: one of the last body).  t_end: [s] (default: one turn of the driver).  law: normal force law
+        of the compliant run.  Raises ModelError if no joint has a clearance, UnknownName.
         """
         from rattle.studies.compare import compare
 

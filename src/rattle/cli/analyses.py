@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
@@ -134,7 +135,7 @@ effort_option = click.option(
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @span_options(1001)
 @save_options()
@@ -167,7 +168,7 @@ def kinematics(
     finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @span_options(1001)
 @click.option(
@@ -209,7 +210,7 @@ def inverse_dynamics(
     finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @at_option
 @click.option(
@@ -293,7 +294,7 @@ def equilibrium(
         ctx.exit(1)
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @at_option
 @effort_option
@@ -337,7 +338,7 @@ def modes(
             say_written(output)
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "--of", "curves", multiple=True, required=True, metavar="NAME",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, time
 from rattle.cli.output import check_files, say_written
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 WRITTEN = {".c": "C99 program", ".js": "ES module", ".mjs": "ES module", ".fmu": "FMI 3.0"}
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "-o", "--output", metavar="FILE", required=True,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time, value
 from rattle.cli.output import STOPPED, as_json, check_files, check_pictures, say_written
 from rattle.cli.requirements import asked_outputs, check_limits, judge_share, of_share, required_share
@@ -57,7 +58,7 @@ def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option("-n", "count", type=int, default=1000, show_default=True, help="How many mechanisms.")
 @question_options(needed=False)
@@ -151,7 +152,7 @@ def ensemble(
         ctx.exit(1)
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "--over", "ranges", multiple=True, required=True, metavar="NAME=FIRST:LAST:COUNT",

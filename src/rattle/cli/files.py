@@ -8,12 +8,13 @@ from typing import Any
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, read_result
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_files, say_written
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("name", required=False)
 @click.option("-o", "--output", metavar="FILE", help="Model file to write; tables that it reads come beside it.")
 def example(name: str | None, output: str | None) -> None:
@@ -60,7 +61,7 @@ def _write_example(path: Path, output: str, tables: list[str]) -> None:
         say_written(target)
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option("--json", "as_json", is_flag=True, help="The report as JSON.")
 def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> None:
@@ -80,7 +81,7 @@ def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> N
         click.echo(str(report))
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("result")
 @click.option(
     "-o", "--output", metavar="FILE", required=True, help="File to write: .csv with units in its header, .nc or .npz."
@@ -102,7 +103,7 @@ def export(result: str, output: str) -> None:
     say_written(output)
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("name", required=False)
 def kinds(name: str | None) -> None:
     """Every joint, driver, contact and load with its fields, units and source; tables, units, functions, materials.
@@ -171,7 +172,7 @@ def _default(spec: Any, family: str) -> str:
     )
 
 
-@click.command()
+@click.command(cls=Command)
 def schema() -> None:
     """JSON Schema of model files, for editors that complete and check TOML.
 

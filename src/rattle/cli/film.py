@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from rattle.cli.command import Command
 from rattle.cli.output import say_written
 from rattle.errors import InputError
 
@@ -26,7 +27,7 @@ SPARSE = 25  # every so many rows of a Stribeck curve are printed
 PICTURES = (".svg", ".png", ".pdf")
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option(
     "--of", "source", metavar="FILE",
     help="Model file or shipped example: takes the bearing from a joint with oil, and draws where that joint is.",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rattle.cli.analyses import span_options, span_times
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, fallback_option, finish, keep, say_written
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option("--joint", metavar="JOINT", help="Whose pin is followed; default: the only joint with oil.")
 @span_options(1001)

@@ -6,11 +6,12 @@ import logging
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import check_files, say_written
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "-o", "--output", metavar="FILE", default="page.html", show_default=True, help="The page to write (.html)."
@@ -22,14 +23,17 @@ from rattle.cli.output import check_files, say_written
     " combinations.",
 )  # fmt: skip
 @click.option("--title", default="", help="What stands above the page; default: the name of the model.")
-@click.option("--curves", default="", metavar="NAME,NAME", help="Curves that are shown at first.")
+@click.option(
+    "--curves", multiple=True, metavar="NAME,NAME",
+    help="Curves that are shown at first; several with commas, or give the option again.",
+)  # fmt: skip
 @click.option(
     "--trust/--no-trust", default=True, help="Whether one can read why a run can be trusted, or see the word alone."
 )
 @click.pass_context
 def page(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: float | None,
-    ranges: tuple[str, ...], title: str, curves: str, trust: bool,
+    ranges: tuple[str, ...], title: str, curves: tuple[str, ...], trust: bool,
 ) -> None:  # fmt: skip
     """Write a mechanism as one web page that computes: turn a parameter and the motion follows.
 
@@ -62,7 +66,7 @@ def page(
             raise click.UsageError(f"--over: '{name}' is given twice")
         axes[name] = values
     m = read_model(file, settings, ideal)
-    names = [name.strip() for name in curves.split(",") if name.strip()]
+    names = [name.strip() for listed in curves for name in listed.split(",") if name.strip()]
     why = write(
         m, output, t_end=t_end, over=axes or None, progress=shows_progress(ctx), title=title, curves=names, trust=trust
     )

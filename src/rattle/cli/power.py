@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import read_result, run_laws, time
 from rattle.cli.output import check_files, check_pictures, say_written
 from rattle.errors import InputError
@@ -23,7 +24,7 @@ ENERGIES = ("supplied", "lost", "stored", "recirculated")
 ELEMENTS = ("element", "kind", *ENERGIES)
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("result")
 @click.option("--cycle", type=time, metavar="TIME", help="Length of the cycle before the end, in s or as '20 ms'.")
 @click.option("--at", "instant", type=time, metavar="TIME", help="Powers at this instant instead.")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import check_files, say_written
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "-o", "--output", metavar="FILE", default=None, help="File to write: .html, or .pdf printed by a browser."

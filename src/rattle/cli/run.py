@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import LateOption, model_options, read_model, shows_progress, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_results, finish, keep, save_options
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from rattle.results.result import Result
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @save_options()
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
@@ -144,7 +145,7 @@ def _peaks(result: Result) -> dict[str, dict[str, float | str | None]]:
     }
 
 
-@click.command()
+@click.command(cls=Command)
 @click.pass_context
 def warmup(ctx: click.Context) -> None:
     """Compile all kernels now, so that the first run is quick.

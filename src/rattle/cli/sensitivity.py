@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rattle.cli.analyses import span_options
+from rattle.cli.command import Command
 from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, fallback_option, finish, keep, say_written
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 PICTURES = (".svg", ".png", ".pdf")
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "--of", "outputs", multiple=True, required=True, metavar="NAME",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, read_result
 from rattle.cli.output import check_files, check_pictures, say_written
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option(
     "-o", "--output", metavar="FOLDER", default="rattle-demo", show_default=True, help="Folder for the files."
 )
@@ -31,7 +32,7 @@ def demo(output: str, paper: bool) -> None:
         click.echo(f"  {path}")
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "-o", "--output", metavar="FILE", default=None,
@@ -66,7 +67,7 @@ def draw(ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, 
         ctx.exit(1)
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("result")
 @click.argument("names", nargs=-1)
 @click.option(
@@ -155,7 +156,7 @@ def _labelled(text: str) -> tuple[str, str]:
     return (label.strip(), file.strip()) if equals and not Path(text).exists() else (Path(text).stem, text)
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("result")
 @click.option(
     "-o",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import STOPPED, beside, check_pictures, say_written
 
@@ -13,14 +14,16 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option(
     "--joint", metavar="JOINT", help="Joint whose force and orbit are shown; default: the first with clearance."
 )
 @click.option(
-    "--curve", metavar="NAME", help="Curve of the motion to show, such as rocker.angle; default: one of the last body."
-)
+    "--curve", "curves", multiple=True, metavar="NAME",
+    help="Curve of the motion to show, such as rocker.angle; may be given more than once; default: one of the last"
+    " body.",
+)  # fmt: skip
 @click.option(
     "--law",
     metavar="NAME",
@@ -33,8 +36,8 @@ if TYPE_CHECKING:
 )
 @click.pass_context
 def compare(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, joint: str | None, curve: str | None,
-    law: str | None, t_end: float | None, output: str,
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, joint: str | None,
+    curves: tuple[str, ...], law: str | None, t_end: float | None, output: str,
 ) -> None:  # fmt: skip
     """Ideal joint, massless link, impact, compliant contact and oil on one page: motion, force, orbit, energy.
 
@@ -48,7 +51,7 @@ def compare(
 
     check_pictures(file, output)
     found = read_model(file, settings, ideal).compare(
-        joint=joint, curve=curve, t_end=t_end, law=law, progress=shows_progress(ctx)
+        joint=joint, curve=curves, t_end=t_end, law=law, progress=shows_progress(ctx)
     )
     click.echo(str(found))
     if any(r.cut_short for r in found.results.values()):
@@ -59,7 +62,7 @@ def compare(
         ctx.exit(1)
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
 @click.option(
@@ -129,6 +132,10 @@ def poincare(
     curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
     if not curves:
         raise click.UsageError("name the curves to sample: --of NAME --of NAME")
+    most = 2 if parameter is None else 1
+    if len(curves) > most and names:
+        drawn = "a section takes two curves" if parameter is None else "a diagram over --parameter takes one curve"
+        raise click.UsageError(f"--of is given {len(names)} times; {drawn}")
     interrupted = early = False
     if parameter is not None:
         if first is None or last is None:
@@ -143,7 +150,7 @@ def poincare(
     else:
         if len(curves) < 2:
             raise click.UsageError("a section needs two curves, --of NAME --of NAME; a bifurcation needs --parameter")
-        section = m.poincare(*curves[:2], period=period, crossing=crossing, skip=skip, points=points)
+        section = m.poincare(*curves, period=period, crossing=crossing, skip=skip, points=points)
         interrupted = section.interrupted
         click.echo(f"{len(section.t)} points, {section.rule}")
         if not len(section.t):

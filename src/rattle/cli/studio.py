@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from rattle.cli.command import Command
+
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 OPEN = (
     "warning: the studio will listen on {address}, where other computers can reach it. Everybody who knows its address"
@@ -11,7 +13,7 @@ OPEN = (
 )
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("file", metavar="[FILE]", required=False)
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port to listen on.  [default: any free one]")
 @click.option("--no-browser", is_flag=True, help="Only print the address, do not open a browser.")

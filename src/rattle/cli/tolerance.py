@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 from click.core import ParameterSource
 
+from rattle.cli.command import Command
 from rattle.cli.ensemble import question_options, tolerances
 from rattle.cli.options import model_options, read_model, shows_progress, value
 from rattle.cli.output import as_json, check_pictures, say_written
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from rattle.studies.ensemble.tolerance import Tolerance
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @question_options()
 @click.option(

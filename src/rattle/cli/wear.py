@@ -6,11 +6,12 @@ from typing import Any
 
 import click
 
+from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import STOPPED, as_json, check_pictures, say_written
 
 
-@click.command()
+@click.command(cls=Command)
 @model_options
 @click.option("--cycles", type=float, metavar="N", help="How many cycles.  [default: as in the model]")
 @click.option("--cycle", type=time, metavar="TIME", help="Duration of a cycle.  [default: one turn of the driver]")

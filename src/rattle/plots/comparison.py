@@ -54,19 +54,20 @@ def page(found: Comparison) -> Figure:
     """
     loose = [model for model in (LINK, IMPACT, COMPLIANT, OILED) if model in found.results and _has_orbit(found, model)]
     said = _said(found)
-    panels = [1.9, 1.5, *[2.15] * len(loose), 1.5]
+    panels = [*[1.9, 1.5] * len(found.curves), *[2.15] * len(loose), 1.5]
     heights = [*panels, 0.42 + 0.26 * len(found.results), *([0.1 + 0.17 * len(said)] if said else [])]
     figure = new_figure(WIDTH, sum(heights) + 1.4)
     grid = figure.add_gridspec(len(heights), 2, width_ratios=[2.9, 1.0], height_ratios=heights)
     left = [tidy(figure.add_subplot(grid[0, 0]))]
     left += [tidy(figure.add_subplot(grid[k, 0], sharex=left[0])) for k in range(1, len(panels))]
     scale, unit = _time_unit(found)
-    _motion(left[0], left[1], found, scale)
+    for k, curve in enumerate(found.curves):
+        _motion(left[2 * k], left[2 * k + 1], found, curve, scale)
     _sketch(figure.add_subplot(grid[0:2, 1]), found)
     floor = _force_floor(found)
-    for k, model in enumerate(loose):
-        _force(left[2 + k], found, model, floor, scale)
-        _orbit(figure.add_subplot(grid[2 + k, 1]), found, model)
+    for k, model in enumerate(loose, 2 * len(found.curves)):
+        _force(left[k], found, model, floor, scale)
+        _orbit(figure.add_subplot(grid[k, 1]), found, model)
     _energy(left[-1], found, scale)
     _legend(figure.add_subplot(grid[len(panels) - 1, 1]), found)
     for ax in left[:-1]:
@@ -92,33 +93,33 @@ def _time_unit(found: Comparison) -> tuple[float, str]:
 
 
 # ---------------------------------------------------------------- panels
-def _motion(top: Axes, below: Axes, found: Comparison, scale: float) -> None:
-    """The curve under every model, and how far each is from the ideal one."""
+def _motion(top: Axes, below: Axes, found: Comparison, curve: str, scale: float) -> None:
+    """A curve under every model, and how far each is from the ideal one."""
     reference = found.reference
     ideal = found.results[reference]
-    unit = ideal.unit(found.curve)
+    unit = ideal.unit(curve)
     turn, shown = (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
     for model, r in found.results.items():
         first = model == reference
         style: dict[str, Any] = {"color": COLOURS[model], "linewidth": 2.2 if first else 1.0}
         style["alpha"] = 0.35 if first else 0.9
-        top.plot(scale * r.t, turn * r[found.curve], **style)
+        top.plot(scale * r.t, turn * r[curve], **style)
     top.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown))
-    _title(top, f"Motion: {found.curve}")
+    _title(top, f"Motion: {curve}")
     small = {"m": (1e3, "mm")}.get(shown, (1.0, shown))
     worst = 0.0
     for model, r in found.results.items():
         if model == reference:
             continue
         n = min(len(r.t), len(ideal.t))
-        off = small[0] * turn * (r[found.curve][:n] - ideal[found.curve][:n])
+        off = small[0] * turn * (r[curve][:n] - ideal[curve][:n])
         worst = max(worst, float(np.abs(off).max(initial=0.0)))
         below.plot(scale * r.t[:n], off, color=COLOURS[model], linewidth=1.0, alpha=0.9)
         _mark_horizon(below, r, COLOURS[model], scale)
     below.axhline(0.0, color=GREY, linewidth=0.8)
     below.set_ylabel(axis_label("deviation", small[1]))
     what = "the mechanism without play" if reference == IDEAL else f"the run with {reference}"
-    _title(below, f"Deviation of {found.curve} from {what}")
+    _title(below, f"Deviation of {curve} from {what}")
     note(below, f"up to {worst:.3g} {small[1]}; dotted: the model's horizon, after it statistics only")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +39,7 @@ class Comparison:
     results: Mapping[str, Result]  # model -> result
     skipped: Mapping[str, str]  # model -> why there is no result
     joint: str  # the joint that is shown
-    curve: str  # the motion that is shown
+    curves: tuple[str, ...]  # motions that are shown
     assumed: tuple[str, ...]  # values that are not in the model file and were assumed
 
     @property
@@ -126,14 +126,14 @@ def newton(force: float) -> str:
 
 
 def compare(
-    m: Mechanism, *, joint: str | None = None, curve: str | None = None, t_end: float | None = None,
+    m: Mechanism, *, joint: str | None = None, curve: str | Sequence[str] | None = None, t_end: float | None = None,
     law: str | None = None, progress: bool = False,
 ) -> Comparison:  # fmt: skip
     """Run a mechanism ideal, with massless links, with one-sided impact, with compliant contacts and with oil.
 
-    joint: the joint to show (default: the first with clearance).  curve: the motion to show (default: the angle or
-    position of the last body).  t_end: duration [s] (default: one turn of the driver if it turns steadily, else
-    what the model says).  law: the compliant law (default: that of the joint, else "exact").
+    joint: the joint to show (default: the first with clearance).  curve: the motion to show, or several (default:
+    the angle or position of the last body).  t_end: duration [s] (default: one turn of the driver if it turns steadily,
+    else what the model says).  law: the compliant law (default: that of the joint, else "exact").
 
     Values that a compliant contact needs and the model does not give are assumed, and listed in `.assumed`: a
     steel pin in a steel bush with a radius of 10 clearances, sphere in socket, restitution 0.5.  Oil goes into revolute
@@ -184,8 +184,9 @@ def compare(
         skipped[COMPLIANT] = why
         del results[COMPLIANT]
     first = next(iter(results.values()))
-    shown = curve or _motion(m, first)
-    _ = first.unit(shown)  # raises UnknownName
+    shown = ((curve,) if isinstance(curve, str) else tuple(curve or ())) or (_motion(m, first),)
+    for name in shown:
+        _ = first.unit(name)  # raises UnknownName
     return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
 
 
