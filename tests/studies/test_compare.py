@@ -119,6 +119,17 @@ def test_a_start_that_nobody_expects_is_said_once_and_one_that_all_expect_never(
     assert "asked for" not in str(rt.example("fourbar").compare(t_end=1e-4))
 
 
+def test_bushes_in_place_of_contacts_without_restitution_are_those_of_the_bracket():
+    found = rt.example("fourbar_onesided").compare(t_end="12 ms")  # e = 0
+    assert found.assumed[0].endswith("restitution 0.05 in place of 0")
+    low, high = found.results["one-sided impact"].trust.elastic["O3"]
+    compliant = found.results["compliant"]
+    assert low < compliant.peak("O3.normal")[0] < 1.05 * high  # the same bushes, with another tolerance
+    assert "restitution 0.05 in place of 0" in found.results["one-sided impact"].trust.bushes["O3"]
+    row = next(row for row in found.rows() if row[0] == "compliant")
+    assert row[-1].endswith("(not the peak)") == bool(compliant.trust.coarse())
+
+
 def test_page_has_no_text_over_another_in_its_table_and_titles(comparison):
     figure = comparison.figure()
     figure.canvas.draw()

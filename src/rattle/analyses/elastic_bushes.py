@@ -78,7 +78,8 @@ def _stiff(m: Loosened) -> tuple[Loosened, dict[str, str]]:
         old = m.contact_of(name)
         table = recontact(old, LAW)
         written: dict[str, Any] = {"model": table} if isinstance(table, str) else dict(table)
-        written["restitution"] = max(_restitution(joint.contact.fields), LEAST_RESTITUTION)
+        own = rigid_restitution(joint.contact.fields)
+        written["restitution"] = max(own, LEAST_RESTITUTION)
         given = any(key == "stiffness" or key.endswith("material") for key in written)
         if given:
             said = "of the stated material"
@@ -91,11 +92,13 @@ def _stiff(m: Loosened) -> tuple[Loosened, dict[str, str]]:
             written |= {"stiffness": CORNER, "exponent": 1.5}
             said = f"assumed stiffness {CORNER:.0e} N/m^1.5"
         changes[f"joints.{name}.contact"] = written
+        if own < LEAST_RESTITUTION:
+            said += f", restitution {LEAST_RESTITUTION:g} in place of {own:g}"
         words[name] = f"{said}; full stiffness of Hertz and a hundredth of it"
     return (m.set(changes) if changes else m), words
 
 
-def _restitution(fields: Mapping[str, float]) -> float:
+def rigid_restitution(fields: Mapping[str, float]) -> float:
     """Restitution of a rigid contact [-]."""
     return float(fields.get("restitution", 0.0))
 

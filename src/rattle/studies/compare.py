@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle import registry
+from rattle.analyses.elastic_bushes import LEAST_RESTITUTION, rigid_restitution
 from rattle.description.switch_contact import recontact
 from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
 from rattle.results.chosen_units import Shown
@@ -104,7 +105,7 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
     pull = max(result.trust.pulled.values(), default=0.0)
     if pull > 0.0:
         reach += f" (pulls for {100.0 * pull:.2g} %)"
-    elif result.trust.unread:
+    elif result.trust.unread or result.trust.coarse():
         reach += " (not the peak)"
     if not found or model == LINK:
         touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
@@ -255,6 +256,11 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
         ):
             more["restitution"] = DEFAULT_RESTITUTION
             said.append(f"restitution {DEFAULT_RESTITUTION:g}")
+        if "restitution" in written and one.contact is not None and one.contact.rigid:
+            own_restitution = rigid_restitution(one.contact.fields)
+            if own_restitution < LEAST_RESTITUTION:  # the same bushes as in the bracket of a rigid contact
+                more["restitution"] = LEAST_RESTITUTION
+                said.append(f"restitution {LEAST_RESTITUTION:g} in place of {own_restitution:g}")
         made = made.set({f"joints.{name}.contact": {**written, **more}})
         if said:
             assumed.setdefault(", ".join(said), []).append(name)
