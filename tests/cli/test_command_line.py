@@ -461,3 +461,44 @@ def test_names_cannot_steer_the_terminal(tmp_path):
     assert found.exit_code == 2
     assert "\\x1b[2J\\u202e" in found.stderr
     assert all(one.isprintable() or one == "\n" for one in found.output)
+
+
+def test_a_model_in_place_of_a_result_takes_set_and_a_saved_result_refuses_it(tmp_path):
+    words = ("slider_crank", "--set", "speed=500 rpm", "--set", "simulate.t_end=1 ms")
+    for command in (
+        ("plot", words[0], "rod.x", *words[1:]),
+        ("power", *words),
+        ("animate", *words),
+        ("export", *words),
+    ):
+        target = tmp_path / f"{command[0]}.{'html' if command[0] == 'animate' else 'csv'}"
+        target = target.with_suffix(".svg") if command[0] == "plot" else target
+        done = call(*command, "-o", str(target))
+        assert done.exit_code == 0, done.output
+        assert target.exists()
+    slow = rt.example("slider_crank").set({"speed": "500 rpm", "simulate.t_end": "1 ms"}).simulate()
+    last = (tmp_path / "export.csv").read_text().splitlines()[-1].split(",")
+    header = (tmp_path / "export.csv").read_text().splitlines()[0].split(",")
+    assert float(last[header.index("crank.angle [rad]")]) == pytest.approx(slow["crank.angle"][-1], rel=1e-12)
+    slow.save(tmp_path / "slow.npz")
+    done = call("export", tmp_path / "slow.npz", "--set", "speed=1", "-o", tmp_path / "no.csv")
+    assert done.exit_code == 2
+    assert "--set changes a model" in done.output
+
+
+def test_export_writes_the_curves_that_are_named(tmp_path):
+    rt.example("double_pendulum").simulate("5 ms").save(tmp_path / "r.npz")
+    done = call("export", tmp_path / "r.npz", "upper.omega", "upper.angle", "-o", tmp_path / "two.csv")
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "two.csv").read_text().splitlines()[0] == "t [s],upper.omega [rad/s],upper.angle [rad]"
+    assert (
+        "did you mean 'upper.omega'"
+        in call("export", tmp_path / "r.npz", "upper.omeg", "-o", tmp_path / "two.csv").output
+    )
+    assert call("export", tmp_path / "r.npz", "upper.omega", "-o", tmp_path / "two.nc").exit_code == 2
+
+
+def test_a_table_for_o_names_the_option_that_writes_it(tmp_path):
+    done = call("run", "double_pendulum", "-o", tmp_path / "x.csv")
+    assert done.exit_code == 2
+    assert f"--csv {tmp_path / 'x.csv'} writes its curves" in done.output

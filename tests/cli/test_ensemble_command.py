@@ -144,3 +144,16 @@ def test_bad_words_are_refused_with_a_hint(words, message, monkeypatch):
     assert seen.exit_code == 2, seen.output
     assert message in seen.output
     assert "Traceback" not in seen.output
+
+
+def test_sweep_goes_over_a_number_of_the_model_by_its_path():
+    words = ("slider_crank", "--of", "max(slider.x)", "--analysis", "kinematics", "--json")
+    at = "bodies.rod.length"
+    seen = run("sweep", *words, "--over", f"{at}=0.2 m,0.25 m")
+    assert seen.exit_code == 0, seen.output
+    record = json.loads(seen.stdout)
+    for length, reach in zip((0.2, 0.25), record["outputs"]["max(slider.x)"]["values"], strict=True):
+        m = rt.example("slider_crank").set({at: length})
+        alone = m.kinematics(np.linspace(0.0, m.model.settings.t_end, 2001))["slider.x"].max()
+        assert reach == pytest.approx(alone, rel=1e-6)
+    assert run("sweep", *words, "--over", "bodies.rood.length=0.2 m,0.25 m").exit_code == 2

@@ -130,3 +130,93 @@ def test_commands_of_results_take_a_model_or_the_name_of_an_example(tmp_path, mo
 
 def test_the_example_of_these_tests_has_the_stroke_they_say():
     assert rt.example("slider_crank").parameters["crank_length"] == 0.05
+
+
+# a mass of 1 kg that hangs from a spring of 100 N/m: sqrt(100)/2 pi = 1.59 Hz, and g/100 below its free length of 0.5 m
+HANGING = """
+format = 1
+gravity = [0, -9.81]
+[parameters]
+k = "100 N/m"
+[ground.points]
+O = [0, 0]
+[bodies.weight]
+points = { P = [0, 0] }
+mass = "1 kg"
+inertia = "1 kg*m^2"
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "weight.P"]
+axis = "90 deg"
+[loads.spring]
+type = "spring"
+connect = ["ground.O", "weight.P"]
+stiffness = "k"
+free_length = "0.5 m"
+[initial]
+weight = { y = "-0.6 m" }
+"""
+
+
+@pytest.fixture(scope="module")
+def hanging(tmp_path_factory):
+    file = tmp_path_factory.mktemp("hanging") / "hanging.toml"
+    file.write_text(HANGING)
+    return str(file)
+
+
+@pytest.mark.parametrize(
+    ("command", "condition", "status"),
+    [
+        ("modes", "final(mode1.frequency) > 1.59 Hz", 0), ("modes", "final(mode1.frequency) > 1.6 Hz", 1),
+        ("equilibrium", "final(weight.y) > -599 mm", 0), ("equilibrium", "final(weight.y) < -599 mm", 1),
+        ("modes", "final(mode1.frequency) > 1 mm", 2), ("equilibrium", "final(weight.z) > 1", 2),
+    ],
+)  # fmt: skip
+def test_positions_at_rest_and_their_modes_keep_what_is_required(hanging, command, condition, status):
+    done = run(command, hanging, "--require", condition)
+    assert done.exit_code == status, done.output
+    assert ("NOT KEPT" in done.output) == (status == 1)
+    if status < 2:
+        seen = json.loads(run(command, hanging, "--require", condition, "--json").stdout)
+        assert (seen if command == "modes" else seen[0])["required"][0]["kept"] == (status == 0)
+
+
+def test_a_quasi_static_motion_keeps_what_is_required():
+    words = ("equilibrium", "toggle_clamp", "--path", "--points", "3")
+    name = next(one for one in json.loads(run(*words, "--json").stdout)["curves"] if one.endswith(".angle"))
+    assert run(*words, "--require", f"range({name}) < 1e3 rad").exit_code == 0
+    assert run(*words, "--require", f"range({name}) < 0 rad").exit_code == 1
+
+
+def test_every_combination_of_a_sweep_keeps_what_is_required_or_the_first_that_does_not_is_told(hanging):
+    words = ("sweep", hanging, "--analysis", "modes", "--over", "k=100,200,300 N/m")
+    done = run(*words, "--require", "final(mode1.frequency) > 1.5 Hz")
+    assert done.exit_code == 0, done.output
+    assert "required final(mode1.frequency) > 1.5 Hz: kept in every combination" in done.output
+    done = run(*words, "--require", "final(mode1.frequency) < 2 Hz", "--json")  # sqrt(200)/2 pi = 2.25 Hz
+    assert done.exit_code == 1
+    assert json.loads(done.stdout)["required"][0]["not_kept"] == [1, 2]
+    told = run(*words, "--require", "final(mode1.frequency) < 2 Hz").output
+    assert "NOT KEPT in 2 of 3, first at k = 200" in told
+    for wrong in ("final(mode1.frequency) < 2 m", "final(mode1.frequency) < 2 Hz: 95 %", "final(mode1.frequency) == 2"):
+        assert run(*words, "--require", wrong).exit_code == 2
+
+
+def test_a_deviation_by_play_beyond_its_limit_is_exit_status_1():
+    words = ("accuracy", "path_generator", "--of", "coupler.P.y", "--points", "9")
+    record = json.loads(run(*words, "--json").stdout)
+    largest = max(high - middle for high, middle in zip(record["high"], record["nominal"], strict=True))
+    least = max(middle - low for low, middle in zip(record["low"], record["nominal"], strict=True))
+    deviation = max(largest, least)
+    assert run(*words, "--limit", f"{1.01 * deviation} m").exit_code == 0
+    done = run(*words, "--limit", f"{0.99 * deviation} m")
+    assert done.exit_code == 1
+    assert "EXCEEDED, coupler.P.y deviates by" in done.output
+    assert run(*words, "--of", "coupler.angle", "--limit", "1 mm").exit_code == 2  # no angle
+    assert run(*words, "--limit=-1 mm").exit_code == 2
+
+
+def test_a_limit_beside_several_outputs_names_the_way_to_say_it():
+    done = run("ensemble", "fourbar", "--of", "final(rocker.angle)", "--of", "final(rocker.omega)", "--limit", "1")
+    assert '--require "final(rocker.angle) <= 1"' in done.output

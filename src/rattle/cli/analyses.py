@@ -14,12 +14,20 @@ from rattle.cli.options import given, model_options, read_model, time
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, finish, keep, save_options, say_written, zeroed
 from rattle.cli.positions import entry, holding_record, listed, modes_record
-from rattle.cli.requirements import check_required, finish_required, judge, require_option
+from rattle.cli.requirements import (
+    check_deviations,
+    check_required,
+    finish_required,
+    judge,
+    judge_deviation,
+    require_option,
+)
 
 if TYPE_CHECKING:
     import numpy as np
 
     from rattle.analyses.accuracy.clearance_error import Accuracy
+    from rattle.analyses.statics.modes import Modes
     from rattle.cli.requirements import Verdict
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
@@ -221,6 +229,7 @@ def inverse_dynamics(
     help="all: also search the other ways in which the mechanism can be assembled.",
 )
 @effort_option
+@require_option
 @click.option(
     "--holds",
     "load",
@@ -235,13 +244,13 @@ def inverse_dynamics(
 @click.pass_context
 def equilibrium(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, effort: float,
-    load: str | None, path: bool, t_end: float | None, points: int, output: str | None, csv: str | None,
-    fallback: str | None, as_json: bool,
+    required: tuple[str, ...], load: str | None, path: bool, t_end: float | None, points: int, output: str | None,
+    csv: str | None, fallback: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Equilibria: admissible (no bush has to pull) and stable ones first.
 
     FILE is a model file or the name of a shipped example.  A pin in oil floats where its film carries at the speeds
-    that the drivers have at --at.
+    that the drivers have at --at.  --require is about the first equilibrium, or about the --path.
 
     \b
     Examples: rattle equilibrium balanced_arm
@@ -255,6 +264,8 @@ def equilibrium(
         raise click.UsageError("--at and --branches are of equilibria at one time; a --path begins at t = 0")
     if load is not None and (path or given(ctx, "branches") or given(ctx, "effort")):
         raise click.UsageError("--holds is about the position as put together: without --path, --branches and --effort")
+    if load is not None and required:
+        raise click.UsageError("--require is about an equilibrium; leave it out with --holds")
     m = read_model(file, settings, ideal)
     if load is not None:
         held = m.holds(load, t)
@@ -262,9 +273,11 @@ def equilibrium(
         return
     if path:
         check_results(file, output, csv, fallback)
+        check_required(m, required, "equilibrium", t_end)
         result = m.equilibrium(span_times(m, t_end, points), effort=effort)
+        verdicts = judge(result, required)
         if as_json:
-            click.echo(_record(result))
+            click.echo(_record(result, verdicts))
         else:
             wanted = (".torque", ".thrust", ".normal", ".advantage", ".stiffness")
             efforts = [
@@ -280,24 +293,30 @@ def equilibrium(
                 )
             click.echo(_notes(result))
         finish(ctx, result, keep(result, output, csv, fallback))
+        finish_required(ctx, verdicts, None if as_json else click.echo)
         return
+    check_required(m, required, "equilibrium", t or None)
     found = m.equilibrium(t, branches=branches, effort=effort)
     if found.note:
         click.echo(found.note, err=True)
+    verdicts = judge(found[0].result, required) if found else []
     if as_json:
-        click.echo(to_json([entry(one) for one in found]))
+        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
+        click.echo(to_json([entry(one) | (asked if n == 0 else {}) for n, one in enumerate(found)]))
     else:
         listed(m, found)
     if not found:
         remedy = "" if found.undefined else "; try other angles in [initial] or --branches all"
         click.echo(f"no equilibrium was found at t = {t:g} s{remedy}", err=True)
         ctx.exit(1)
+    finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
 @click.command(cls=Command)
 @model_options
 @at_option
 @effort_option
+@require_option
 @click.option(
     "--mode", type=click.IntRange(1), default=1, show_default=True,
     help="Which mode -o draws; 1 has the lowest frequency.",
@@ -306,26 +325,32 @@ def equilibrium(
     "-o", "--output", metavar="FILE", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 for an animation."
 )
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
+@click.pass_context
 def modes(
-    file: str, settings: tuple[str, ...], ideal: bool, t: float, effort: float, mode: int, output: str | None,
-    as_json: bool,
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, effort: float,
+    required: tuple[str, ...], mode: int, output: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Natural frequencies about the first equilibrium.
 
     FILE is a model file or the name of a shipped example.  A mode that an oil film makes grow is named as oil whirl,
-    with its frequency over the turning speed.
+    with its frequency over the turning speed.  --require asks for mode1.frequency, mode1.damping or mode1.growth.
 
     \b
-    Example:  rattle modes balanced_arm -o mode.svg
+    Examples: rattle modes balanced_arm -o mode.svg
+              rattle modes balanced_arm --require "final(mode1.frequency) > 0.2 Hz"
     """
     from rattle.plots.curves import SUFFIXES, save_figure
 
     check_pictures(file, output, moving=True)
-    found = read_model(file, settings, ideal).modes(t, effort=effort)
+    m = read_model(file, settings, ideal)
+    check_required(m, required, "modes", t or None)
+    found = m.modes(t, effort=effort)
     if len(found) < mode and (output is not None or mode > 1):
         raise click.UsageError(f"--mode {mode}: the modes are numbered from 1 to {len(found)}")
+    verdicts = _judge_modes(m, t, found, required) if required else []
     if as_json:
-        click.echo(to_json(modes_record(found)))
+        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
+        click.echo(to_json(modes_record(found) | asked))
     else:
         click.echo(f"about: {found.about}")
         click.echo(str(found))
@@ -336,6 +361,16 @@ def modes(
             found.animate(mode - 1, output)
         if not as_json:
             say_written(output)
+    finish_required(ctx, verdicts, None if as_json else click.echo)
+
+
+def _judge_modes(m: Mechanism, t: float, found: Modes, required: Sequence[str]) -> list[Verdict]:
+    """Whether the modes keep what is required."""
+    import numpy as np
+
+    from rattle.studies.runs.analyses import modes_table
+
+    return judge(modes_table(m, np.array([t]), [found]), required)
 
 
 @click.command(cls=Command)
@@ -347,13 +382,18 @@ def modes(
 @span_options(73)
 @click.option("--extremes/--no-extremes", default=True, show_default=True, help="Also compute the exact extremes.")
 @click.option(
+    "--limit", metavar="VALUE",
+    help='The deviation that is allowed, e.g. "0.1 deg", of every --of; exit status 1 where it is exceeded.',
+)  # fmt: skip
+@click.option(
     "-o", "--output", metavar="FILE",
     help="Draw the error band and contributions: .svg, .png or .pdf; of several --of FILE-NAME.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
+@click.pass_context
 def accuracy(
-    file: str, settings: tuple[str, ...], ideal: bool, curves: tuple[str, ...], t_end: float | None, points: int,
-    extremes: bool, output: str | None, as_json: bool,
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, curves: tuple[str, ...],
+    t_end: float | None, points: int, extremes: bool, limit: str | None, output: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """What the play of the joints does to the accuracy of an output, and which joint to tighten first.
 
@@ -361,7 +401,7 @@ def accuracy(
 
     \b
     Examples: rattle accuracy path_generator --of coupler.P.y -o accuracy.svg
-              rattle accuracy path_generator --of coupler.P.x --of coupler.P.y
+              rattle accuracy path_generator --of coupler.P.x --of coupler.P.y --limit "2 mm"
     """
     from rattle.plots.curves import save_figure
 
@@ -370,9 +410,14 @@ def accuracy(
         raise click.UsageError("accuracy is about play, and --ideal removes all of it; leave --ideal out")
     m = read_model(file, settings, False)
     times = span_times(m, t_end, points)
+    check_deviations(m, curves, limit)
     answers = [m.accuracy(curve, times, extremes=extremes) for curve in curves]
+    verdicts = [] if limit is None else [judge_deviation(answer, limit) for answer in answers]
     if as_json:
         records = [_accuracy_record(answer) for answer in answers]
+        records = (
+            [one | verdict.record for one, verdict in zip(records, verdicts, strict=True)] if verdicts else records
+        )
         click.echo(to_json(records[0] if len(records) == 1 else records))
     else:
         click.echo("\n\n".join(map(str, answers)))
@@ -382,6 +427,7 @@ def accuracy(
         save_figure(answer.plot(), target)
         if not as_json:
             say_written(target)
+    finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
 def _accuracy_record(answer: Accuracy) -> dict[str, Any]:

@@ -11,9 +11,19 @@ import click
 from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time, value
 from rattle.cli.output import STOPPED, as_json, check_files, check_pictures, say_written
-from rattle.cli.requirements import asked_outputs, check_limits, judge_share, of_share, required_share
+from rattle.cli.requirements import (
+    asked_outputs,
+    check_every,
+    check_limits,
+    finish_required,
+    judge_every,
+    judge_share,
+    of_share,
+    required_share,
+)
 
 if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
     from rattle.studies.ensemble.samples import Samples
 
 MOST_VALUES = 2**20  # of one parameter of a sweep
@@ -119,7 +129,9 @@ def ensemble(
     if not outputs:
         raise click.UsageError('--of names what is asked of every mechanism, e.g. --of "max(O3.force)"')
     if limit is not None and len(outputs) > 1:
-        raise click.UsageError("--limit is for one --of; with several it is not clear which is meant")
+        raise click.UsageError(
+            f'--limit is for one --of; with several say what each has to keep: --require "{outputs[0]} <= {limit}"'
+        )
     if histories and folder is None:
         raise click.UsageError("--history keeps curves in a folder: give one with -o")
     _check(file, csv, picture)
@@ -159,36 +171,44 @@ def ensemble(
     help='A parameter and its values: r3=0.001:0.005:21, "r3=1 mm:5 mm:21", or a list r3=0.001,0.002,0.005; '
     "once for each parameter.",
 )  # fmt: skip
-@question_options()
+@question_options(needed=False)
+@click.option(
+    "--require", "required", multiple=True, metavar="CONDITION",
+    help='What every combination has to keep, e.g. "max(B.force) < 2 kN"; exit status 1 where one does not; may be'
+    " given more than once.",
+)  # fmt: skip
 @engine_options
 @click.pass_context
 def sweep(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, ranges: tuple[str, ...],
-    outputs: tuple[str, ...], analysis: str, t_end: float | None, threads: int | None, workers: int | None,
-    scheduler: str | None, folder: str | None, csv: str | None, picture: str | None, json_too: bool,
+    outputs: tuple[str, ...], analysis: str, t_end: float | None, required: tuple[str, ...], threads: int | None,
+    workers: int | None, scheduler: str | None, folder: str | None, csv: str | None, picture: str | None,
+    json_too: bool,
 ) -> None:  # fmt: skip
     """Numbers over all combinations of values of parameters: a curve for one, a map for two.
 
-    FILE is a model file or the name of a shipped example.
+    FILE is a model file or the name of a shipped example.  --over also takes the path of a number of the model, such as
+    joints.B.contact.restitution.
 
     \b
     Examples: rattle sweep slider_crank_play --over "c=0.1 mm:0.5 mm:9" --of "max(B.normal)" --t-end 6ms
               rattle sweep slider_crank --analysis kinematics --over "rod_length=.1:.2:11" --of "max(slider.ax)"
     """
     _check(file, csv, picture)
-    m = read_model(file, settings, ideal)
-    axes: dict[str, list[float | str]] = {}
-    for one in ranges:
-        name, values = axis_values(one)
-        if name in axes:
-            raise click.UsageError(f"--over: '{name}' is given twice")
-        axes[name] = values
+    outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(required)]))
+    if not outputs:
+        raise click.UsageError('--of names what is asked of every combination, e.g. --of "max(O3.force)"')
+    m, axes = axes_of(read_model(file, settings, ideal), ranges)
+    check_every(m, required, list(axes), analysis=analysis, t_end=t_end)
     found = m.sweep(
         axes, list(outputs), analysis=analysis, t_end=t_end, threads=threads, workers=workers, scheduler=scheduler,
         folder=folder, progress=shows_progress(ctx),
     )  # fmt: skip
-    click.echo(as_json(found.record()) if json_too else str(found))
+    verdicts = judge_every(found, required)
+    asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
+    click.echo(as_json(found.record() | asked) if json_too else str(found))
     _keep(ctx, found, csv, picture, lambda: found.plot(outputs[0]))
+    finish_required(ctx, verdicts, None if json_too else click.echo)
 
 
 def _check(file: str, csv: str | None, picture: str | None) -> None:
@@ -233,6 +253,36 @@ def tolerances(varied: tuple[str, ...]) -> Any:
                 raise click.UsageError(f"--vary: '{name}' is given twice")
             found[name] = {"tol": value(tol)} | ({"dist": dist} if dist else {}) if equals else {}
     return found
+
+
+def axes_of(m: Mechanism, ranges: tuple[str, ...]) -> tuple[Mechanism, dict[str, list[float | str]]]:
+    """Parameters of --over and their values, and the mechanism in which a path of --over is a parameter."""
+    axes: dict[str, list[float | str]] = {}
+    for text in ranges:
+        name, values = axis_values(text)
+        if "." in name:
+            m, name = _as_parameter(m, name, values)
+        if name in axes:
+            raise click.UsageError(f"--over: '{name}' is given twice")
+        axes[name] = values
+    return m, axes
+
+
+def _as_parameter(m: Mechanism, path: str, values: list[float | str]) -> tuple[Mechanism, str]:
+    """The mechanism with a parameter in place of the number at a path, and its name.  Raises ModelError."""
+    import json
+    import logging
+
+    name = "_".join(path.split(".")[1:])
+    while name in m.parameters:
+        name += "_"
+    before = json.loads(m.to_json())
+    for key in path.split("."):
+        before = before.get(key) if isinstance(before, dict) else None
+    number = isinstance(before, int | float | str) and not isinstance(before, bool)
+    m = m.set({f"parameters.{name}": before if number else values[0], path: name})
+    logging.getLogger("rattle").info(f"{path} is the parameter {name} here")
+    return m, name
 
 
 def axis_values(text: str) -> tuple[str, list[float | str]]:

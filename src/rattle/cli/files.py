@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, read_result
+from rattle.cli.options import model_options, read_model, read_result, settings_option
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_files, say_written
 
@@ -83,14 +83,19 @@ def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> N
 
 @click.command(cls=Command)
 @click.argument("result")
+@click.argument("names", nargs=-1)
+@settings_option
 @click.option(
     "-o", "--output", metavar="FILE", required=True, help="File to write: .csv with units in its header, .nc or .npz."
 )
-def export(result: str, output: str) -> None:
+def export(result: str, names: tuple[str, ...], settings: tuple[str, ...], output: str) -> None:
     """Write a saved result as CSV, units in the header, or as .nc or .npz.
 
+    NAMES are the curves of a CSV file; without them it has all.
+
     \b
-    Example:  rattle export out.nc -o out.csv
+    Examples: rattle export out.nc -o out.csv
+              rattle export out.nc O3.normal rocker.angle -o two.csv
     """
     from rattle.results import archive
     from rattle.results.result import require_table
@@ -98,8 +103,13 @@ def export(result: str, output: str) -> None:
     check_files(result, output)
     table = Path(output).suffix.lower() not in archive.SUFFIXES
     (require_table if table else archive.require)(output)
-    loaded = read_result(result)
-    (loaded.to_csv if table else loaded.save)(output)
+    if names and not table:
+        raise click.UsageError(f"NAMES are the columns of a CSV file; {output} keeps every curve")
+    loaded = read_result(result, settings)
+    if table:
+        loaded.to_csv(output, names=names or None)
+    else:
+        loaded.save(output)
     say_written(output)
 
 

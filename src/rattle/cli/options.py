@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
@@ -76,6 +77,13 @@ def run_laws(files: Iterable[str]) -> None:
         logging.getLogger("rattle").info(f"{file}: its Python code was run; laws: {', '.join(found)}")
 
 
+settings_option = click.option(
+    "--set", "settings", multiple=True, metavar="NAME=VALUE",
+    help="Where a model is given in place of a result: change a parameter or any entry of it; may be given more than"
+    " once.",
+)  # fmt: skip
+
+
 def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the argument FILE and the options --set, --without, --ideal and --laws to a command."""
     function = click.option(
@@ -120,16 +128,21 @@ def read_model(file: str, settings: tuple[str, ...], ideal: bool) -> Mechanism:
     """
     run_laws(click.get_current_context().meta.get("rattle.laws", ()))
     m = _model(file)
-    changes: dict[str, Any] = {}
-    for one in settings:
-        name, equals, value = one.partition("=")
-        if not equals:
-            raise click.UsageError(f"--set needs NAME=VALUE, got '{one}'")
-        changes[name.strip()] = _value(value.strip(), one)
-    changes |= dict.fromkeys(click.get_current_context().meta.get("rattle.without", ()))
+    changes = _changes(settings) | dict.fromkeys(click.get_current_context().meta.get("rattle.without", ()))
     if changes:
         m = m.set(changes)
     return m.ideal() if ideal else m
+
+
+def _changes(settings: tuple[str, ...]) -> dict[str, Any]:
+    """What --set changes, and to which values.  Raises click.UsageError."""
+    changes: dict[str, Any] = {}
+    for setting in settings:
+        name, equals, value = setting.partition("=")
+        if not equals:
+            raise click.UsageError(f"--set needs NAME=VALUE, got '{setting}'")
+        changes[name.strip()] = _value(value.strip(), setting)
+    return changes
 
 
 def _model(file: str) -> Mechanism:
@@ -149,8 +162,10 @@ def _model(file: str) -> Mechanism:
     return example(file) if file in known and not Path(file).exists() else load(file)
 
 
-def read_result(file: str) -> Result:
+def read_result(file: str, settings: tuple[str, ...] = ()) -> Result:
     """A saved result; of a model file or the name of a shipped example, the motion that `rattle run` computes.
+
+    settings: changes of the model, as --set has them.
 
     Raises click.UsageError, ModelError, InputError.
     """
@@ -160,10 +175,15 @@ def read_result(file: str) -> Result:
     from rattle.results.result import load_result
 
     if Path(file).suffix.lower() not in ("", ".toml", ".json") or (Path(file).suffix == "" and Path(file).exists()):
+        if settings:
+            raise click.UsageError(f"--set changes a model, and {file} is a saved result; run its model with --set")
         return load_result(file)
-    m = _model(file)
+    m = read_model(file, settings, False)
     log = logging.getLogger("rattle")
-    log.info(f"{file}: a model, which is run now; `rattle run {file} -o out.nc` keeps its motion")
+    words = shlex.join(
+        ["rattle", "run", file, *(word for text in settings for word in ("--set", text)), "-o", "out.nc"]
+    )
+    log.info(f"{file}: a model, which is run now; `{words}` keeps its motion")
     result = m.simulate(progress=shows_progress(click.get_current_context()))
     if not result.success:
         log.warning(f"stopped: {result.message}")

@@ -59,6 +59,11 @@ def check_results(read: str, output: str | None, csv: str | None, fallback: str 
     from rattle.results import archive
     from rattle.results.result import require_table
 
+    if output is not None and Path(output).suffix.lower() == ".csv":
+        raise click.UsageError(
+            f"-o {output}: a result is saved as .nc or .npz; --csv {output} writes its curves, and `rattle export` does"
+            " so later"
+        )
     if output is not None:
         archive.require(output)
     if csv is not None:

@@ -51,7 +51,7 @@ def page(
               rattle page slider_crank_play --over "c=0.2 mm:0.6 mm:3" --t-end 6ms -o play.html
               rattle page fourbar --title "Task 3" --curves rocker.angle,O3.normal --no-trust -o task.html
     """
-    from rattle.cli.ensemble import axis_values
+    from rattle.cli.ensemble import axes_of
     from rattle.pages.page import page as write
 
     if not output.lower().endswith((".html", ".htm")):
@@ -59,13 +59,7 @@ def page(
     check_files(file, output)
     if t_end is not None and not t_end > 0.0:
         raise click.UsageError("--t-end must be positive")
-    axes = {}
-    for one in ranges:
-        name, values = axis_values(one)
-        if name in axes:
-            raise click.UsageError(f"--over: '{name}' is given twice")
-        axes[name] = values
-    m = read_model(file, settings, ideal)
+    m, axes = axes_of(read_model(file, settings, ideal), ranges)
     names = [name.strip() for listed in curves for name in listed.split(",") if name.strip()]
     why = write(
         m, output, t_end=t_end, over=axes or None, progress=shows_progress(ctx), title=title, curves=names, trust=trust

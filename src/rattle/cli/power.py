@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rattle.cli.command import Command
-from rattle.cli.options import read_result, run_laws, time
+from rattle.cli.options import read_result, run_laws, settings_option, time
 from rattle.cli.output import check_files, check_pictures, say_written
 from rattle.errors import InputError
 from rattle.studies.power.in_units import in_units, with_units
@@ -33,9 +33,16 @@ ELEMENTS = ("element", "kind", *ENERGIES)
     "--laws", multiple=True, metavar="FILE.py",
     help="Run this Python file, which defines laws of the model; may be given more than once.",
 )  # fmt: skip
+@settings_option
 @click.option("-o", "--output", metavar="FILE", help="Picture (.svg, .png, .pdf) or table (.csv) to write.")
 def power(
-    result: str, cycle: float | None, instant: float | None, curves: bool, laws: tuple[str, ...], output: str | None
+    result: str,
+    cycle: float | None,
+    instant: float | None,
+    curves: bool,
+    laws: tuple[str, ...],
+    settings: tuple[str, ...],
+    output: str | None,
 ) -> None:
     """Where the energy of a saved motion goes: who gives it to which body, and where it is lost.
 
@@ -58,7 +65,7 @@ def power(
     if output is not None:
         (check_files if table else check_pictures)(result, output)
     run_laws(laws)
-    r = read_result(result)
+    r = read_result(result, settings)
     end = r.trust.t_end
     p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < 1e-9 * end else end - cycle)
     if output is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, read_result
+from rattle.cli.options import model_options, read_model, read_result, settings_option
 from rattle.cli.output import check_files, check_pictures, say_written
 
 
@@ -79,6 +79,7 @@ def draw(ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, 
 @click.option("--over", metavar="NAME", help="Put this curve on the horizontal axis, e.g. crank.angle; default: time.")
 @click.option("--spectrum", is_flag=True, help="Draw the amplitude spectra of the curves instead.")
 @click.option("--compare", multiple=True, metavar="[LABEL=]FILE", help="Another saved result, whose curves are dashed.")
+@settings_option
 @click.option(
     "--robust", is_flag=True, help="Leave rare spikes out of the range of the axis; a note says how far they reach."
 )
@@ -92,7 +93,7 @@ def draw(ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, 
 )
 def plot(
     result: str, names: tuple[str, ...], orbit: tuple[str, ...], xy: tuple[str, ...], over: str | None,
-    spectrum: bool, compare: tuple[str, ...], robust: bool, output: str | None,
+    spectrum: bool, compare: tuple[str, ...], settings: tuple[str, ...], robust: bool, output: str | None,
 ) -> None:  # fmt: skip
     """Plot curves, their spectra, paths of points or pin orbits of a saved result; without NAMES lists all names.
 
@@ -126,7 +127,7 @@ def plot(
         raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
     if names or orbit or xy:
         check_pictures(result, target)
-    loaded = read_result(result)
+    loaded = read_result(result, settings)
     if not names and not orbit and not xy:
         for name in loaded.names:
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
@@ -181,10 +182,18 @@ def _labelled(text: str) -> tuple[str, str]:
     metavar="POINT",
     help="Point whose path is drawn, e.g. coupler.P; may be given more than once.",
 )
+@settings_option
 @click.option("--names", is_flag=True, help="Label the bodies with their names.")
 @click.option("--power", is_flag=True, help="Arrows through joints, drivers and loads, as wide as their power.")
 def animate(
-    result: str, output: str, frames: int, speed: float | None, trace: tuple[str, ...], names: bool, power: bool
+    result: str,
+    output: str,
+    frames: int,
+    speed: float | None,
+    trace: tuple[str, ...],
+    settings: tuple[str, ...],
+    names: bool,
+    power: bool,
 ) -> None:
     """Animate a saved result, with the pin in its bush magnified beside it.
 
@@ -202,5 +211,5 @@ def animate(
     if Path(output).suffix.lower() != ".html":
         require_film(output)
     check_files(result, output)
-    read_result(result).animate(output, frames=frames, trace=trace, speed=speed, names=names, power=power)
+    read_result(result, settings).animate(output, frames=frames, trace=trace, speed=speed, names=names, power=power)
     say_written(output)

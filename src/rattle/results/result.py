@@ -9,7 +9,7 @@ import csv
 import difflib
 import functools
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, overload
 
@@ -269,19 +269,21 @@ class Result:
 
     def to_csv(
         self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None,
-        units: str | Iterable[str] | None = None,
+        units: str | Iterable[str] | None = None, names: Sequence[str] | None = None,
     ) -> Path:  # fmt: skip
-        """Write all names as CSV, with a header such as `coupler.x [m]`; numbers in full precision.
+        """Write curves as CSV, with a header such as `coupler.x [m]`; numbers in full precision.
 
         units: such as "mm,deg"; what they leave open is in SI, as everything is without them.
-        fallback, return value: as for `save`.  Raises InputError for a suffix of another format, OSError.
+        names: the curves; None: all, in their order.  fallback, return value: as for `save`.
+        Raises InputError for a suffix of another format, UnknownName, OSError.
         """
         require_table(path)
-        time, shown = column_unit("s", units), [column_unit(self._units[name], units) for name in self.names]
+        columns = self.names if names is None else tuple(names)
+        time, shown = column_unit("s", units), [column_unit(self.unit(name), units) for name in columns]
         header = [f"t [{time.unit}]"] + [
-            f"{name} [{one.unit}]" if one.unit else name for name, one in zip(self.names, shown, strict=True)
+            f"{name} [{one.unit}]" if one.unit else name for name, one in zip(columns, shown, strict=True)
         ]
-        curves = (one.factor * self[name] for name, one in zip(self.names, shown, strict=True))
+        curves = (one.factor * self[name] for name, one in zip(columns, shown, strict=True))
         table = np.column_stack([time.factor * self.t, *curves])
 
         def write(place: Path) -> None:

@@ -76,6 +76,12 @@ class Accuracy:
         return np.asarray(np.sqrt((self.contributions**2).sum(axis=1)))
 
     @property
+    def largest(self) -> float:
+        """Largest deviation to either side [SI]: of the exact extremes, to first order where there are none."""
+        exact = np.fmax(np.abs(self.low - self.nominal), np.abs(self.high - self.nominal))
+        return float(np.max(np.where(np.isnan(exact), self.worst, exact)))
+
+    @property
     def share(self) -> dict[str, float]:
         """Share [-] of each joint in the worst case, at the instant where the band is widest."""
         k = int(np.argmax(self.worst))

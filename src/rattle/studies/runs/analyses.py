@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -27,6 +27,7 @@ from rattle.trace.lane_program import MOST_STEPS
 
 if TYPE_CHECKING:
     from rattle.analyses.accuracy.clearance_error import Accuracy
+    from rattle.analyses.statics.modes import Modes
     from rattle.mechanism import Mechanism
 
 BANDS = ("nominal", "low", "high", "worst", "rss")  # of an output with play, see `Accuracy`
@@ -150,10 +151,14 @@ def _names_of_bands(m: Mechanism) -> dict[str, str]:
 
 # ---------------------------------------------------------------- modes
 def _vibrations(m: Mechanism, times: np.ndarray, names: Collection[str], how: Stepping) -> Result:
+    return modes_table(m, times, [m.modes(t) for t in times.tolist()], names)
+
+
+def modes_table(m: Mechanism, times: np.ndarray, modes: Sequence[Modes], names: Collection[str] = ()) -> Result:
+    """Frequencies, damping and growth of modes at instants (n,) [s] as curves; names: that have to be among them."""
     rows: list[dict[str, float]] = []
     units: dict[str, str] = {}
-    for t in times.tolist():
-        found = m.modes(t)
+    for found in modes:
         values = {"frequency": found.frequency, "damping": found.damping, "growth": found.growth}
         rows.append({f"mode{n + 1}.{key}": float(values[key][n]) for n in range(len(found)) for key in MODE})
         units |= {f"mode{n + 1}.{key}": unit for n in range(len(found)) for key, unit in MODE.items()}
