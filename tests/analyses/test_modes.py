@@ -1,6 +1,7 @@
 """Natural frequencies against closed forms and a matrix problem set up by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -519,3 +520,14 @@ def test_an_equilibrium_that_stays_one_when_the_damping_changes_is_taken():
     calm, damped = (rt.loads(rods(twist(c), second=False)) for c in (0.0, 0.3))
     found = damped.modes(equilibrium=calm.equilibrium()[0])
     assert found.damping[0] == pytest.approx(damped.modes().damping[0], rel=1e-9)
+
+
+def test_damping_that_is_rounding_is_none_in_words():
+    found = rt.loads(rods()).modes()
+    root = complex(found.roots[0, 0])
+    rounded = replace(
+        found, roots=np.array([[-1e-13 * abs(root) + 1j * root.imag, -1e-13 * abs(root) - 1j * root.imag]])
+    )
+    assert rounded.rows()[0][2] == "0 %"
+    damped = replace(found, roots=np.array([[-1e-6 * abs(root) + 1j * root.imag, -1e-6 * abs(root) - 1j * root.imag]]))
+    assert damped.rows()[0][2] == "0.0001 %"

@@ -181,6 +181,11 @@ def test_a_link_that_pulls_is_not_trusted_to_the_end():
             Trust(1e-16, t_end=1.0, horizon=1.0, singular=(0.667,)),
             "trusted over the whole run, but not the forces at singular positions (t = 0.667 s)",
         ),
+        (
+            Trust(1e-16, t_end=1.0, singular=(0.667,)),
+            "how far it can be trusted was not computed (horizon=True does); in no case the forces at singular"
+            " positions (t = 0.667 s)",
+        ),
         (Trust(1e-16, t_end=1.0, horizon=1.0, pulled={"B": 0.0}, first_pull={"B": None}), "trusted over the whole run"),
     ],
 )

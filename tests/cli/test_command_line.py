@@ -502,3 +502,45 @@ def test_a_table_for_o_names_the_option_that_writes_it(tmp_path):
     done = call("run", "double_pendulum", "-o", tmp_path / "x.csv")
     assert done.exit_code == 2
     assert f"--csv {tmp_path / 'x.csv'} writes its curves" in done.output
+
+
+DRIVEN = """
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.weight]
+points = { P = [0, 0] }
+mass = "1 kg"
+inertia = "1 kg*m^2"
+[joints.guide]
+type = "TYPE"
+connect = ["ground.O", "weight.P"]
+[drivers.motor]
+joint = "guide"
+KEY = "LAW"
+[simulate]
+t_end = "10 ms"
+"""
+
+
+def test_a_driver_without_an_end_in_reach_is_said_so_in_one_clause(tmp_path):
+    (tmp_path / "m.toml").write_text(
+        DRIVEN.replace("TYPE", "prismatic").replace("KEY", "position").replace("LAW", "0.1*t")
+    )
+    said = call("check", tmp_path / "m.toml").stdout
+    assert "1 body, 1 joint, mobility 0" in said
+    assert "motor can move as far as was tried, to both sides (now 0 m)" in said
+    assert "beyond" not in said
+
+
+@pytest.mark.parametrize(
+    ("speed", "shown"), [("5000 rpm", "5000 rpm"), ("30 rad/s", "30 rad/s"), ("30", "1718.9 deg/s")]
+)
+def test_speeds_of_bodies_are_in_the_unit_of_the_model_file(tmp_path, speed, shown):
+    text = DRIVEN.replace("TYPE", "revolute").replace("KEY", "angle").replace("LAW", "w*t")
+    (tmp_path / "m.toml").write_text(text + f'[parameters]\nw = "{speed}"\n')
+    said = call("kinematics", tmp_path / "m.toml").stdout
+    line = next(line for line in said.splitlines() if line.startswith("weight.omega"))
+    assert " ".join(line.split()).startswith(f"weight.omega {shown}")
+    in_degrees = call("kinematics", tmp_path / "m.toml", "--units", "deg/s").stdout
+    assert "rpm" not in in_degrees

@@ -266,6 +266,10 @@ def test_demo_shows_how_far_two_loose_pins_put_a_point_off_its_path(tmp_path):
     r, ideal = m.simulate(), m.ideal().simulate()
     off = 1e3 * np.hypot(*(r[f"coupler.P.{axis}"] - ideal[f"coupler.P.{axis}"] for axis in "xy"))
     assert f"P is {off.min():.2f} to {off.max():.2f} mm off its path" in done.stdout
+    assert "\ntrusted over the whole run\n" in done.stdout
+    assert "constraint error" not in done.stdout
+    told = run("-q", "demo", "--why", "-o", tmp_path / "demo")
+    assert "constraint error" in told.stdout
     assert r.trust.pulled == {"A": 0.0, "B": 0.0}  # a mechanism of which every word holds
 
 

@@ -274,7 +274,7 @@ def test_the_command_line_takes_tables_truth_values_and_quotes(tmp_path):
 def test_the_command_line_leaves_out_by_name(tmp_path):
     done = kept(tmp_path, "--without", "arm", "--without", "pin", "--without", "M")
     assert done.exit_code == 0, done.stderr
-    assert "door: 1 bodies, 1 joints" in done.stdout
+    assert "door: 1 body, 1 joint," in done.stdout
     refused = kept(tmp_path, "--without", "arm")
     assert refused.exit_code == 2
     assert "still needed by joints.pin and loads.M" in refused.stderr

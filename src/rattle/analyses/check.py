@@ -66,8 +66,10 @@ class Check:
             if self.mobility == 0
             else f"{self.mobility} degree{'s' if self.mobility > 1 else ''} of freedom left"
         )
+        bodies = f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}"
+        joints = f"{self.joints} joint{'' if self.joints == 1 else 's'}"
         lines = [
-            f"{self.name or 'mechanism'}: {self.bodies} bodies, {self.joints} joints, mobility {self.mobility} ({dof})",
+            f"{self.name or 'mechanism'}: {bodies}, {joints}, mobility {self.mobility} ({dof})",
             "assembled: all joints close",
         ]
         if self.redundant:
@@ -223,6 +225,9 @@ def _reach(system: System, start: Assembled) -> list[str]:
         unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
         if full:
             found.append(f"{name} can turn fully")
+        elif ends == [None, None]:
+            now = f"{at_start[name] * scale:.5g} {unit}"
+            found.append(f"{name} can move as far as was tried, to both sides (now {now})")
         else:
             text = [f"{value * scale:.5g} {unit}" if value is not None else "beyond the range tried" for value in ends]
             found.append(f"{name} can move from {text[1]} to {text[0]} (now {at_start[name] * scale:.5g} {unit})")

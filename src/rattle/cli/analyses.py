@@ -62,7 +62,7 @@ def span_times(m: Mechanism, t_end: float | None, points: int) -> np.ndarray:
     return np.linspace(0.0, end, points)
 
 
-def _ranges(result: Result, names: list[str]) -> str:
+def _ranges(m: Mechanism, result: Result, names: list[str]) -> str:
     """Table of the least and greatest value of curves and their times, interpolated where a curve is smooth.
 
     Instants without a value are left out.
@@ -71,10 +71,12 @@ def _ranges(result: Result, names: list[str]) -> str:
 
     from rattle.results.contact_summary import extreme
     from rattle.results.display import quantity, scale
+    from rattle.results.handy_units import handy_unit, written_units
 
     wide = max([len(name) for name in names] + [8]) + 2
     lines = [f"{'':{wide}s}{'least':>14s} at t{'greatest':>22s} at t"]
     largest: dict[str, float] = {}
+    written = written_units(m.to_json())
     for name in names:
         unit = result.unit(name)
         largest[unit] = max(largest.get(unit, 0.0), float(np.nanmax(np.abs(result[name]), initial=0.0)))
@@ -85,7 +87,8 @@ def _ranges(result: Result, names: list[str]) -> str:
             continue
         (most, late), (least, early) = extreme(result.t, curve), extreme(result.t, -curve)
         floor = ZERO * max(largest[unit], 1.0 if unit == "rad" else 0.0)
-        factor, shown = scale(unit, largest[unit])
+        rates = unit == "rad/s"  # in rpm where the model file writes speeds so
+        factor, shown = handy_unit(unit, largest[unit], written) if rates else scale(unit, largest[unit])
         low, high = factor * zeroed(-least, floor), factor * zeroed(most, floor)
         first, last = quantity(early, "s"), quantity(late, "s")
         lines.append(f"{name:{wide}s}{low:12.5g} {shown:6s}{first:>10s}{high:12.5g} {shown:6s}{last:>10s}")
@@ -170,7 +173,7 @@ def kinematics(
         click.echo(_record(result, verdicts))
     elif len(result.t):
         bodies = list(result.geometry["bodies"])
-        click.echo(_ranges(result, [f"{body}.{key}" for body in bodies for key in ("x", "y", "angle", "omega")]))
+        click.echo(_ranges(m, result, [f"{body}.{key}" for body in bodies for key in ("x", "y", "angle", "omega")]))
         click.echo(_notes(result))
     finish(ctx, result, keep(result, output, csv, fallback))
     finish_required(ctx, verdicts, None if as_json else click.echo)
@@ -212,7 +215,7 @@ def inverse_dynamics(
     elif len(result.t):
         efforts = [name for name in result.stored if name.endswith((".torque", ".thrust", ".power", ".force"))]
         click.echo(joint_table(result))
-        click.echo(_ranges(result, efforts))
+        click.echo(_ranges(m, result, efforts))
         click.echo(_notes(result))
     finish(ctx, result, keep(result, output, csv, fallback))
     finish_required(ctx, verdicts, None if as_json else click.echo)
@@ -285,7 +288,7 @@ def equilibrium(
                 for n in result.stored
                 if n.endswith(wanted) or (n.endswith(".force") and n.partition(".")[0] in m.model.drivers)
             ]
-            click.echo(_ranges(result, [name for name in efforts if abs(result[name]).max() < math.inf]))
+            click.echo(_ranges(m, result, [name for name in efforts if abs(result[name]).max() < math.inf]))
             for event in result.events:
                 click.echo(
                     f"t = {event.t:.8g} s: "

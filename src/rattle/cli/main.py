@@ -50,7 +50,7 @@ COMMANDS = {
     "warmup": "run",
 }
 HELP = {
-    "demo": "Run the paper's four-bar with and without play; write figures, orbits, CSV and GIF.",
+    "demo": "What two loose pins do to a crank-rocker: a table, a picture, a page with sliders, CSV.",
     "example": "List the shipped examples, or print one as a model file.",
     "check": "Is the model as meant? Bodies, joints, mobility, redundant joints, loops, range of the driver.",
     "draw": "The mechanism as put together, before any run: everything in it by name, and what moves freely.",

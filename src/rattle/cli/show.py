@@ -14,7 +14,8 @@ from rattle.cli.output import check_files, check_pictures, say_written
     "-o", "--output", metavar="FOLDER", default="rattle-demo", show_default=True, help="Folder for the files."
 )
 @click.option("--paper", is_flag=True, help="Instead the four-bar of the paper: its Figures 3 to 12, orbits, CSV, GIF.")
-def demo(output: str, paper: bool) -> None:
+@click.option("--why", "-v", is_flag=True, help="Say why the result can be trusted so far.")
+def demo(output: str, paper: bool, why: bool) -> None:
     """What two loose pins do to a crank-rocker: a short table, a picture, a page with sliders, CSV.
 
     \b
@@ -26,7 +27,7 @@ def demo(output: str, paper: bool) -> None:
     else:
         from rattle.plots.demo_page import run_demo
 
-    paths, text = run_demo(output)
+    paths, text = run_demo(output, why=why)
     click.echo(text)
     for path in paths:
         click.echo(f"  {path}")

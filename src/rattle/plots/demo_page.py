@@ -100,10 +100,16 @@ def _draw_forces(ax: Axes, play: Result, ideal: Result) -> None:
     ax.set_title("forces of the loose pins", loc="left")
 
 
-def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
+def trust_lines(result: Result, why: bool) -> str:
+    """How far a result can be trusted, in a word, and what has to be noted or, if asked, why."""
+    return "\n".join([result.trust.word, *(result.trust.why if why else result.trust.notes)])
+
+
+def run_demo(folder: str | os.PathLike[str], *, why: bool = False) -> tuple[list[Path], str]:
     """Run the crank-rocker with and without play, and write a picture, a page that computes, and a table.
 
-    Returns the files written and what is to be said: how far the point is off, the joint forces [N], the trust.
+    Returns the files written and what is to be said: how far the point is off, the joint forces [N], the trust; why:
+    with its reasons.
     Raises OSError if the folder cannot be made or written.
     """
     import rattle
@@ -124,6 +130,7 @@ def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
     calm = max(float(ideal.peaks[f"{joint}.force"].value) for joint in clearance_joints(play))
     text = (
         f"With a radial play of {size:g} mm in two pins, P is {off.min():.2f} to {off.max():.2f} mm off its path;"
-        f" the pins press with up to {largest:.3g} N, without play {calm:.3g} N.\n\n{joint_table(play)}\n{play.trust}"
+        f" the pins press with up to {largest:.3g} N, without play {calm:.3g} N.\n\n{joint_table(play)}"
+        f"\n{trust_lines(play, why)}"
     )
     return [place / name for name in writers], text

@@ -26,7 +26,7 @@ from rattle.plots.curves import (
     save_figure,
     shade_after_horizon,
 )
-from rattle.plots.demo_page import folder_for
+from rattle.plots.demo_page import folder_for, trust_lines
 from rattle.plots.orbit import clearance_joints
 from rattle.results.contact_summary import joint_table
 
@@ -115,10 +115,10 @@ def _head(figure: Figure, play: Result) -> None:
     legend.set_title(f"The paper's four-bar with play: {size}", FontProperties(size=13))
 
 
-def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
+def run_demo(folder: str | os.PathLike[str], *, why: bool = False) -> tuple[list[Path], str]:
     """Run the shipped four-bar with and without play and write page, orbits, CSV and GIF into `folder`.
 
-    Returns the files written and a table of joint forces [N] with the trust lines.
+    Returns the files written and a table of joint forces [N] with the trust lines; why: with its reasons.
     Raises OSError if the folder cannot be made or written.
     """
     import rattle
@@ -136,5 +136,8 @@ def run_demo(folder: str | os.PathLike[str]) -> tuple[list[Path], str]:
     }
     for name, write in writers.items():
         write(place / name)
-    parts = [f"{title}\n{joint_table(r)}\n{r.trust}" for title, r in (("with play", drawn), ("without play", ideal))]
+    parts = [
+        f"{title}\n{joint_table(r)}\n{trust_lines(r, why)}"
+        for title, r in (("with play", drawn), ("without play", ideal))
+    ]
     return [place / name for name in writers], "\n\n".join(parts)

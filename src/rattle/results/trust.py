@@ -65,7 +65,10 @@ class Trust:
     @property
     def word(self) -> str:
         """The answer in one line: trusted, or not, and how far; `why` has the reasons."""
-        return f"{self._verdict()}{self._exceptions()}"
+        verdict = self._verdict()
+        if not self._excepted() or verdict.startswith(("trusted", "positions")):
+            return f"{verdict}{self._exceptions()}"
+        return f"{verdict}; in no case {self._excepted()}"
 
     @property
     def why(self) -> tuple[str, ...]:
@@ -111,17 +114,21 @@ class Trust:
         return f"trusted up to t = {until:.3g} s, after it statistics only"
 
     def _exceptions(self) -> str:
-        """What is not trusted within that time."""
+        """What is not trusted within that time, as the end of a sentence."""
+        return f", but not {self._excepted()}" if self._excepted() else ""
+
+    def _excepted(self) -> str:
+        """What is not trusted within that time, in words."""
         said = [f"the largest forces of {', '.join(self.unread)}"] if self.unread else []
         if self.singular:
             times = ", ".join(f"{t:.4g}" for t in self.singular[:3]) + (", ..." if len(self.singular) > 3 else "")
             said.append(f"the forces at singular positions (t = {times} s)")
-        return f", but not {' and '.join(said)}" if said else ""
+        return " and ".join(said)
 
     def holds(self, size: float = 1.0) -> tuple[str, ...]:
         """What was checked and is well, in sentences; size: of the mechanism [m], which a drift is compared with."""
         said = [] if self._loosely_solved(size) else [f"the equations were solved well: {self._accuracy()}"]
-        if not self._exceptions() and self._reaches_the_end() and not self.stopped:
+        if not self._excepted() and self._reaches_the_end() and not self.stopped:
             said.append(self._reach())
         if self.pulled and not any(self.pulled.values()):
             said.append(self._links())
@@ -142,8 +149,8 @@ class Trust:
         if any(self.pulled.values()):
             said.append(self._links())
         said += self.coarse()
-        if self._exceptions():
-            said.append(f"not to be trusted: {self._exceptions().removeprefix(', but not ')}")
+        if self._excepted():
+            said.append(f"not to be trusted: {self._excepted()}")
         if self.nonunique:
             said.append(f"the reactions of {', '.join(self.nonunique)} are not unique, as constraints are redundant")
         return tuple(said)

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
 FRAMES = 61
 OTHER = 1e-6  # share of size and forces by which an equilibrium may be open or unbalanced, to be one of a mechanism
+ROUNDING = 1e-10  # damping ratio below which it is rounding [-]: what is left of roots without any
 SLOW = 1e-4  # velocity by which damping is found [sizes of the mechanism per second]
 SHARE = 1e-3  # the same as a share of what a film sees
 STEPS = 8  # from the equilibrium outwards, so that pins with clearance keep their side
@@ -156,7 +157,8 @@ class Modes:
         for k in range(len(self)):
             share = np.abs(self.vectors[k, 0] / self.problem.scale).reshape(-1, 3).max(axis=1)
             movers = ", ".join(bodies[int(n)] for n in np.argsort(-share)[:3] if share[n] > 0.1 * share.max())
-            damping = "" if math.isnan(self.omega[k]) else f"{100 * self.damping[k]:.3g} %"
+            ratio = self.damping[k] if abs(self.damping[k]) > ROUNDING else 0.0
+            damping = "" if math.isnan(self.omega[k]) else f"{100 * ratio:.3g} %"
             found.append((str(k + 1), self.behaviour(k), damping, movers))
         return found
 
