@@ -122,7 +122,7 @@ def test_the_colours_of_an_orbit_end_at_the_largest_force_or_say_it():
     figure = r.plot_orbit("B")
     bar = figure.axes[-1]
     want = r.peak(PIN)[0]
-    assert bar.get_ylim()[1] >= want or f"{1e-3 * want:.4g} kN" in bar.get_title()
+    assert bar.get_ylim()[1] >= want or f"{1e-3 * want:.4g} kN" in bar.get_ylabel()
 
 
 INK = """([t, y]) => {

@@ -205,3 +205,16 @@ def test_paper_page_shows_the_papers_ten_figures_with_its_signs():
     forces = [start[f"{symbol} [N]"] for symbol in ("H₂", "V₂", "N₃", "N₄")]
     assert forces == pytest.approx([-16.913254230, 191.806895396, 275.306033837, -212.474678096], rel=1e-8)
     assert [start[f"{symbol} [deg]"] for symbol in ("θ₂", "θ₃")] == pytest.approx([60, -60], abs=1e-9)
+
+
+def test_the_largest_force_stands_beside_its_bar_and_over_nothing():
+    figure = circling(4001).plot_orbit("O")
+    ax, bar = figure.axes
+    figure.canvas.draw()
+    assert bar.get_title() == ""
+    assert ", up to " in bar.get_ylabel()
+    inside, label = ax.get_window_extent(), bar.yaxis.label.get_window_extent()
+    assert label.x0 > bar.get_window_extent().x1 > inside.x1
+    assert label.y1 < figure.bbox.y1
+    ticks = [tick.get_window_extent() for tick in bar.get_yticklabels() if tick.get_text()]
+    assert all(tick.x1 <= label.x0 for tick in ticks)

@@ -300,7 +300,10 @@ def _orbit(run: Result, joint: str) -> Figure:
     picture = style.figure_of(ax)
     for bar in picture.axes[1:]:
         bar.tick_params(labelsize=7.5)
-        bar.set_ylabel(bar.get_ylabel().replace("magnitude of the ", "").replace(", largest on top", ""), fontsize=8)
+        bar.set_ylabel(
+            bar.get_ylabel().replace("magnitude of the ", "").replace("\n", ", ").replace(", largest on top", ""),
+            fontsize=8,
+        )
     return picture
 
 

@@ -153,13 +153,11 @@ def _coloured_by_force(
     lines.set_array(strength[order])
     lines.set_capstyle("round")
     ax.add_collection(lines)
-    bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if most > top or told else "neither", shrink=0.85, pad=0.03)
-    if told:
-        bar.ax.set_title(told, fontsize=8, color=GREY)
-    elif most > top:
-        many, unit = handy_unit("N", most)
-        bar.ax.set_title(f"up to {short(many * most, 4)} {unit}", fontsize=8, color=GREY)
-    bar.set_label("magnitude of the normal force [N], largest on top")
+    beyond = most > top
+    bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if beyond or told else "neither", shrink=0.85, pad=0.03)
+    many, unit = handy_unit("N", most)
+    reach = f", {told}" if told else f", up to {short(many * most, 4)} {unit}" if beyond else ""
+    bar.set_label(f"magnitude of the normal force [N]\nlargest on top{reach}")
 
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")
     pulls = normal < 0
