@@ -373,3 +373,34 @@ def test_a_phone_that_lies_shows_the_mechanism_and_the_whole_player(fourbar_page
         assert tab.evaluate("document.documentElement.scrollWidth") <= width
         assert tab.evaluate("document.documentElement.scrollHeight") <= height + 1
         keep_picture(tab, f"live-{width}x{height}")
+
+
+def test_a_phone_that_stands_begins_with_one_line_of_limits(fourbar_page, open_page):
+    tab = open_page(fourbar_page, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    becomes(tab, READY)
+    becomes(tab, "() => window.rattle.trust.horizon !== null && !window.rattle.trust.pending")
+    frames(tab)
+    shows(tab.get_by_text("With limits", exact=True))
+    assert tab.locator(".trust .lines").is_hidden()
+    assert tab.locator(".trust").bounding_box()["height"] < 50
+    assert "would have to pull" in tab.locator(".trust .first").inner_text()
+    tab.get_by_text("why?").click()
+    shows(tab.locator(".trust .lines"))
+    assert tab.locator(".trust .first").is_hidden()
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
+    keep_picture(tab, "live-phone-limits")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1366, 768), (1100, 700), (390, 844)])
+def test_names_of_parameters_can_be_read_whole(tmp_path, open_page, width, height):
+    page(rt.example("slider_crank").set({"simulate.t_end": 0.006}), tmp_path / "page.html")
+    tab = open_page((tmp_path / "page.html").as_uri(), viewport={"width": width, "height": height})
+    becomes(tab, READY.replace("rocker.angle", "rod.angle"))
+    frames(tab)
+    names = tab.locator(".knob .name")
+    assert {"crank_length", "rod_length"} <= set(names.all_inner_texts())
+    cut = names.evaluate_all("(all) => all.filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.title)")
+    assert cut == []
+    for box in (name.bounding_box() for name in names.all()):
+        assert box["width"] > 60  # room for more than two letters of a line
+    keep_picture(tab, f"live-names-{width}")

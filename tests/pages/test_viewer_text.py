@@ -75,3 +75,16 @@ def test_files_stay_readable():
 def test_viewer_asks_for_nothing_from_outside():
     text = viewer_text().replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r"https?://|\beval\(|new Function|importScripts|@import|fetch\(", text)
+
+
+def test_readouts_keep_their_digits_however_small_the_curve(viewer_in_node):
+    said = viewer_in_node(
+        """
+import { steady } from "./viewer.mjs";
+const small = [[0.00123456, 0.00123456], [0.00123456, -0.0004], [3e-7, 3e-7]];
+const cases = [...small, [0.5, 0.25], [12.5, 12.5], [45870, 45870.4], [0, 0]];
+console.log(JSON.stringify(cases.map(([most, value]) => steady(most)(value).trim())));
+"""
+    )
+    minus = "\N{MINUS SIGN}"
+    assert said == ["0.001235", f"{minus}0.000400", f"3.00e{minus}7", "0.2500", "12.50", "45870", "0.000"]

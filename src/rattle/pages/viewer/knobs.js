@@ -16,6 +16,9 @@ function decoded(text) {
   }
 }
 
+// A name that may be broken behind its underscores.
+const broken = (name) => name.split(/(?<=_)/).flatMap((part, k) => (k ? [make("wbr"), part] : [part]));
+
 export class Knobs {
   // source: {compute(slot, model, parameters, settings) -> promise of a run}; ideal: there is a mechanism without play
   constructor(viewer, source, { ideal = false, model = "", first = null } = {}) {
@@ -75,7 +78,7 @@ export class Knobs {
       title: `Type a number, in ${printed(shown.unit) || "its own unit"} unless you write another unit`,
       onchange: () => this.typed(row), onkeydown: (event) => this.nudge(row, event) });
     const long = name !== knob.name, label = make("label", { class: "name", title: long ? `${name} (${knob.name})` : name,
-      ondblclick: () => this.quietly(this.turned(knob.name, knob.value)) }, name);
+      ondblclick: () => this.quietly(this.turned(knob.name, knob.value)) }, make("span", {}, ...broken(name)));
     const about = knob.description ? make("p", { class: "about quiet", hidden: true }, knob.description) : null;
     if (about) label.append(make("button", { type: "button", class: "ask quiet", "aria-label": `What ${name} is`, "aria-expanded": "false",
       onclick: ({ currentTarget: ask }) => {

@@ -58,15 +58,19 @@ export function sayTrust(element, motion, remarks, lines) {
   const badge = make("span", { class: "badge" }, word);
   element.className = `trust ${level}`;
   if (lines === false) return void element.replaceChildren(badge, ...stopped);
-  const open = element.querySelector("details")?.open ?? (level === "mind" && !isShort());
+  const open = element.querySelector("details")?.open ?? (level === "mind" && !isSmall());
+  const [solved = "", more = ""] = trust.text ?? [], reach = solved.split("; ").slice(1).join("; "); // behind the errors
+  const first = level === "mind" ? trust.limits?.[0] ?? (pulled ? more : reach || more) : ""; // the reason in one line, while it is closed
   const count = remarks.length ? ` · ${remarks.length} note${remarks.length > 1 ? "s" : ""}` : "";
-  element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `why?${count}`)),
-    make("div", { class: "lines" }, ...[...(trust.limits ?? []), ...(trust.contacts ?? []), ...(trust.text ?? [])].map((line) => make("p", {}, line)),
+  const all = [...(trust.limits ?? []), ...(trust.contacts ?? []), ...(trust.text ?? [])];
+  element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `why?${count}`),
+    ...(first ? [make("span", { class: "first quiet" }, first)] : [])),
+    make("div", { class: "lines" }, ...all.map((line) => make("p", {}, line)),
       make("ul", { class: "notes" }, ...remarks.map((line) => make("li", {}, line))))), ...stopped);
 }
 
-// whether a screen is so low that every line counts, as that of a phone that lies
-const isShort = () => Boolean(globalThis.matchMedia?.("(max-height: 520px)").matches);
+// whether a screen is so small that every line counts, as that of a phone
+const isSmall = () => Boolean(globalThis.matchMedia?.("(max-height: 520px), (max-width: 819px)").matches);
 
 // Tabs with their sheets: {tab(name, text, sheet), choose(name), current}; arrows move between them.
 export function tabbed(tabs, sheets, changed) {

@@ -75,7 +75,6 @@ export class Panel {
     this.lines = lines;
     const most = Math.max(0, ...lines.map((one) => one.motion.largest(one.name)));
     this.handy = handyUnit(this.unit, most, this.curves.host.scene.units);
-    this.text = steady(this.handy.factor * most);
     this.fresh = null;
     this.legend.replaceChildren(...names.map((name) => this.entry(name)));
     const quantity = QUANTITY[this.unit] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " ");
@@ -86,6 +85,7 @@ export class Panel {
   entry(name) {
     const lines = this.lines.filter((one) => one.name === name);
     const values = lines.map((one) => {
+      one.text = steady(this.handy.factor * one.motion.largest(one.name)); // a small curve keeps its digits beside a large one
       one.swatch = make("span", { class: one.dash ? "swatch dashed" : "swatch" });
       one.value = make("span", { class: "number" });
       const label = one.label ? make("span", { class: "quiet" }, one.label) : null;
@@ -284,7 +284,7 @@ export class Panel {
       c.fillRect(x - 0.6, TOP - 4, 1.2, bottom - TOP + 4);
       for (const line of this.lines) this.dot(c, theme, line, x, line.motion.at(line.name, time));
     }
-    for (const line of this.lines) if (line.value) say(line.value, this.text(factor * line.motion.at(line.name, time)));
+    for (const line of this.lines) if (line.value) say(line.value, line.text(factor * line.motion.at(line.name, time)));
     if (this.over !== null && this.over !== undefined) this.hover(c, theme, bottom);
   }
 
@@ -307,7 +307,7 @@ export class Panel {
     for (const line of this.lines) this.dot(c, theme, line, x, line.motion.at(line.name, t));
     const near = this.curves.motion.events.filter((one) => Math.abs(this.X(one.t) - x) < 4).slice(0, 3);
     const rows = [`t = ${timeText(this.curves.span)(t)} s`,
-      ...this.lines.map((one) => `${one.name}${one.label ? `, ${one.label}` : ""} = ${this.text(this.handy.factor * one.motion.at(one.name, t)).trim()} ${this.handy.unit}`),
+      ...this.lines.map((one) => `${one.name}${one.label ? `, ${one.label}` : ""} = ${one.text(this.handy.factor * one.motion.at(one.name, t)).trim()} ${this.handy.unit}`),
       ...near.map((one) => `${one.joint}: ${one.kind}`)];
     say(this.tip, rows.join("\n"));
     this.tip.hidden = false;

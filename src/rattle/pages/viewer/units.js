@@ -47,9 +47,9 @@ export function short(value, digits = 3) {
 // A function that writes numbers up to this size with constant width: figure spaces in front.
 export function steady(most, digits = 4) {
   const size = Math.abs(most) || 1;
-  const before = Math.max(1, Math.floor(Math.log10(size) + 1e-9) + 1);
+  const first = Math.floor(Math.log10(size) + 1e-9) + 1, before = Math.max(1, first); // small ones keep their digits
   const wild = before > 7 || size < 1e-4;
-  const after = wild ? digits - 2 : Math.max(0, Math.min(6, digits - before));
+  const after = wild ? digits - 2 : Math.max(0, digits - first);
   const width = wild ? after + 7 : 1 + before + (after ? 1 + after : 0);
   return (value) => {
     if (!Number.isFinite(value)) return "–".padStart(width, "\u2007");
