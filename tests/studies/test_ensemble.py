@@ -206,3 +206,10 @@ def test_a_table_of_samples_is_a_file(tmp_path):
     assert e.record()["outputs"][OF]["mean"] == pytest.approx(e[OF].mean())
     with pytest.raises(ValueError, match=r"\.csv"):
         e.to_csv(tmp_path / "e.xlsx")
+
+
+@pytest.mark.nojit
+def test_that_no_bush_has_to_pull_is_no_remark_about_an_ensemble():
+    m = rt.example("crank_rocker_play")
+    assert m.simulate(2e-3).trust.pulled == {"A": 0.0, "B": 0.0}
+    assert m.ensemble(2, ["max(A.normal)"], {"c": "0.01 mm"}, t_end=2e-3).notes == ()

@@ -340,7 +340,7 @@ def modes(
 
     \b
     Examples: rattle modes balanced_arm -o mode.svg
-              rattle modes balanced_arm --require "final(mode1.frequency) > 0.2 Hz"
+              rattle modes balanced_arm --require "final(mode1.frequency) >= 0.2 Hz"
     """
     from rattle.plots.curves import SUFFIXES, save_figure
 

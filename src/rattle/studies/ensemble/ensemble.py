@@ -268,6 +268,10 @@ def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:
         return (math.nan,) * len(task.outputs), (f"without deviations: {error}",)
     trust = result.trust
     of_start = task.mechanism.start.notes  # how given start values were taken: the same for every sample
-    remarks = replace(trust, notes=tuple(note for note in trust.notes if note not in of_start)).remarks()
+    remarks = replace(
+        trust,
+        notes=tuple(note for note in trust.notes if note not in of_start),
+        pulled={joint: share for joint, share in trust.pulled.items() if share > 0.0},  # good news is no remark
+    ).remarks()
     notes = [one for one in ("; ".join(task.unread(result)), remarks) if one]
     return tuple(values), tuple(f"without deviations: {note}" for note in notes)
