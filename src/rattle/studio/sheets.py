@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,7 +17,8 @@ from rattle.plots.curves import CURVES, MORE
 Content = dict[str, Any]
 Pick = Callable[[dict[str, Any]], None]
 HEIGHT = 290  # of a figure [px]
-LEGEND_LINE = 24  # height of one name below the curves [px]
+LEGEND_LINE = 24  # height of one name above the curves [px]
+LEGEND_WIDTH, LEGEND_LETTERS = 36, 5  # letters in its line on a phone, and those that the sign of a curve takes
 FEW_BARS = 8  # fewer leave room beside them, so that they do not become broad
 
 
@@ -159,10 +161,12 @@ def _curves(block: Content, look: Look, pick: Pick) -> Any:
         plot.title.text += "  (grey: after the horizon, statistics only)"
     if plot.legend:
         legend = plot.legend[0]
-        if look.narrow:
-            plot.height += LEGEND_LINE * len(legend.items)
+        if look.narrow:  # above, as the sheet ends soon below the curves
+            legend.ncols = max(1, LEGEND_WIDTH // (LEGEND_LETTERS + max(len(line["name"]) for line in block["lines"])))
+            plot.height += LEGEND_LINE * math.ceil(len(legend.items) / legend.ncols)
             legend.location = "top_left"
-        plot.add_layout(legend, "below" if look.narrow else "right")
+            legend.orientation = "horizontal"
+        plot.add_layout(legend, "above" if look.narrow else "right")
         legend.click_policy = "hide"
         legend.background_fill_alpha = 0.0
         legend.border_line_color = None
