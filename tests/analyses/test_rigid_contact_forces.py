@@ -17,6 +17,7 @@ from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.trust import Trust
 from rattle.results.within_steps import bursts, largest, summit
 from rattle.studio.jobs.blocks import of_result
+from rattle.studio.jobs.motion import _said
 from wiper import ARM_CENTRE, ARM_INERTIA, ARM_MASS, PIN, ROD, WIPER, C, wiper
 
 
@@ -269,3 +270,9 @@ def test_the_largest_impulse_can_be_asked_for(runs):
     assert found["max(B.impulse)"][0] == pytest.approx(hardest, rel=1e-6)
     with pytest.raises(rt.ModelError, match=r"write max\(B\.impulse\) alone"):
         judge(r, ["rms(B.impulse) < 1"])
+
+
+def test_the_studio_says_what_is_not_to_be_trusted(runs):
+    told = _said(runs[0.0])
+    assert told["limited"]
+    assert told["trust"][0] == "not to be trusted: the largest forces of M, A, B, W"

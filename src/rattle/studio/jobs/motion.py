@@ -55,7 +55,9 @@ def trust(shelf: Shelf, source: Source) -> dict[str, Any]:
 
 
 def _said(r: Result) -> dict[str, Any]:
-    return {"success": r.success, "message": r.message, "trust": str(r.trust).splitlines()}
+    excepted = [line for line in r.trust.doubts() if line.startswith("not to be trusted")]
+    lines = [*excepted, *str(r.trust).splitlines()]
+    return {"success": r.success, "message": r.message, "trust": lines, "limited": r.trust.excepts}
 
 
 def forces(shelf: Shelf, source: Source) -> Content:

@@ -212,8 +212,8 @@ class Page {
   // The page itself has computed a motion: it says how far that can be trusted, until the studio has checked it.
   computed(run) {
     if (this.checked) return;
-    const lines = run.trust?.text ?? [];
-    if (lines.length) this.status.say(stateOf({ success: run.success !== false, trust: lines }), [...(run.success === false ? [run.message] : []), ...lines]);
+    const lines = run.trust?.text ?? [], limited = (run.trust?.limits ?? []).length > 0;
+    if (lines.length) this.status.say(stateOf({ success: run.success !== false, trust: lines, limited }), [...(run.success === false ? [run.message] : []), ...lines]);
   }
 
   on_trouble(message) {

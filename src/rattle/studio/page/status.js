@@ -75,6 +75,7 @@ function answerFirst(lines) {
 // The sign of what a run says of itself.
 export function stateOf(value) {
   if (!value.success) return "bad";
+  if (value.limited) return "care";
   const text = value.trust.join(" ");
   if (/would have to pull|does not hold|statistics only|too few|up to t =/.test(text) && !/over the whole run/.test(text)) return "care";
   if (/would have to pull|does not hold|too few/.test(text)) return "care";
