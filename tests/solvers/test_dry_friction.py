@@ -328,6 +328,96 @@ door = { angle = 0.5, omega = 0 }
     assert abs(run["hinge.stop"][1] - 3.0) < 1e-9  # no weight, no reaction, no friction
 
 
+def two_doors(law: str, e: float) -> str:
+    """Doors of 1 kg, 1 m and 2 m long, that hit their stops at the same instant with 1 rad/s; no weight."""
+    doors = "".join(
+        f"""
+[bodies.{name}]
+bar = ["A", "B"]
+length = {length}
+mass = 1
+[joints.{name}_hinge]
+type = "revolute"
+connect = ["ground.{place}", "{name}.A"]
+friction = {{ mu = 0.3, pin_radius = "50 mm" }}
+stop = {{ min = 0, contact = {{ model = "impact", restitution = {e}, restitution_law = "{law}" }} }}
+"""
+        for name, place, length in (("left", "O", 1), ("right", "P", 2))
+    )
+    start = "angle = 1e-12, omega = -1"
+    return f"""
+format = 1
+[ground.points]
+O = [0, 0]
+P = [5, 0]
+{doors}
+[initial]
+left = {{ {start} }}
+right = {{ {start} }}
+"""
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_doors_that_hit_their_stops_together_rub_in_their_hinges_as_each_does_alone(law, e):
+    """A hinge gives m r (1 + e) w, so that its friction takes mu R times that from the impulse of the stop.
+
+    A door that bounces rubs against its rate after the impact and adds it instead.
+    """
+    run = rt.loads(two_doors(law, e)).simulate(1e-6, t_eval=[0, 1e-6], **FINE)
+    hits = {event.joint: event.impulse for event in run.events if event.kind == "impact"}
+    for name, length in (("left_hinge", 1.0), ("right_hinge", 2.0)):
+        rubbing = 0.3 * 0.05 * 0.5 * length
+        expected = (1 + e) * (length**2 / 3 + (rubbing if e > 0 else -rubbing))
+        assert hits[name] == pytest.approx(expected, rel=1e-9)
+
+
+def carriage(law: str, mu: float) -> str:
+    """A carriage of 1 kg at 1 m/s with two bars that reach their stops on it at once and press it on its rail."""
+    bars = "".join(
+        f"""
+[bodies.{name}]
+bar = ["A", "B"]
+length = 0.5
+mass = 1
+[joints.{name}_pin]
+type = "revolute"
+connect = ["carriage.{place}", "{name}.A"]
+stop = {{ min = 0, contact = {{ model = "impact", restitution = 0, restitution_law = "{law}" }} }}
+"""
+        for name, place in (("left", "L"), ("right", "R"))
+    )
+    return f"""
+format = 1
+[ground.points]
+O = [0, 0]
+[bodies.carriage]
+points = {{ C = [0, 0], L = [-0.3, 0], R = [0.2, 0] }}
+mass = 1
+inertia = 1
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "carriage.C"]
+angle = 0
+friction = {{ mu = {mu} }}
+{bars}
+[initial]
+carriage = {{ x = 0, vx = 1 }}
+left = {{ angle = 1e-12, omega = -2 }}
+right = {{ angle = 1e-12, omega = -2 }}
+"""
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+def test_a_carriage_is_slowed_by_the_impulse_with_which_two_stops_press_it_on_its_rail(law):
+    """Each bar loses m (l / 2) w of its momentum across the rail: 1 N s together, of which mu is lost along it.
+
+    Bars along the rail turn no momentum along it into another one: 3 kg are slowed.
+    """
+    run = rt.loads(carriage(law, 0.2)).simulate(1e-6, t_eval=[0, 1e-6], **FINE)
+    assert run["carriage.vx"][-1] == pytest.approx(1 - 0.2 * 1.0 / 3, abs=1e-5)
+
+
 def test_a_clutch_drives_a_wheel_against_the_friction_of_its_pin():
     pair = """
 format = 1

@@ -36,6 +36,7 @@ from rattle.equations.complementarity import (
 from rattle.jit import layout as at
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, kernel
+from rattle.solvers.nonsmooth.rubbing_impacts import rub
 
 # rows of `bounce`, two columns for every contact of the model: restitution e and rate of the gap before the impact
 # (first column), impulses so far, present rates, work of N in this phase (first column) and the work it may still do
@@ -97,6 +98,8 @@ def as_full_matrix(m, count):
 def sort_contacts(m, count, expands):
     """Sort the active contacts: first those that press or may press, then those that open. Forms their rows of W.
 
+    The responses are formed anew with the rows, and the friction of joints in an impact belongs to them.
+
     Returns the number of the first.
     """
     active, bounce = m.active, m.bounce
@@ -108,6 +111,8 @@ def sort_contacts(m, count, expands):
             moving += 1
     call_problem(m.problem_table[ROWS_OF], (m, count))
     as_full_matrix(m, count)
+    if m.dry.shape[0] > 0:
+        rub(m, count)
     return moving
 
 

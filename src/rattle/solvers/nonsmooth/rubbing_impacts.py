@@ -62,9 +62,14 @@ def grip(m, n):
 
 @native("void", "h")
 def begin_rubbing(m):
-    """Rows and responses of friction at these positions; joints that slip go on at first, others rest."""
+    """Rows and responses of friction at these positions; joints that slip go on at first, others rest.
+
+    The directions of the reactions are open: those of the impact before would act where none has been computed yet.
+    """
     memory = m.dry_memory
     prepare_rows(m)
+    for row in range(m.impact_reaction.shape[0]):
+        m.impact_reaction[row] = 0.0
     for n in range(memory.shape[0]):
         rate = memory[n, at.DRY_RATE]
         moves = abs(rate) > rounding(m, n)
