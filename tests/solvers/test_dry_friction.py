@@ -418,6 +418,60 @@ def test_a_carriage_is_slowed_by_the_impulse_with_which_two_stops_press_it_on_it
     assert run["carriage.vx"][-1] == pytest.approx(1 - 0.2 * 1.0 / 3, abs=1e-5)
 
 
+def lever(mu: float, law: str = "newton", e: float = 0.0, driven: bool = True) -> str:
+    """A pin on a crank is about to strike the slot of a lever at rest, whose shaft rubs."""
+    moves = '[drivers.motor]\njoint = "axis"\nangle = "0.3 + 2*t"' if driven else ""
+    pushed = "" if driven else '[loads.push]\ntype = "torque"\nbody = "crank"\ntorque = 0.1'
+    return f"""
+format = 1
+[ground.points]
+O = [0, 0]
+W = [0.07, 0]
+[bodies.crank]
+points = {{ O = [0, 0], P = [0.05, 0] }}
+mass = 0.3
+inertia = 2e-4
+[bodies.lever]
+points = {{ W = [0, 0], S = [0.03, 0] }}
+mass = 0.6
+inertia = 2e-3
+[joints.axis]
+type = "revolute"
+connect = ["ground.O", "crank.O"]
+[joints.shaft]
+type = "revolute"
+connect = ["ground.W", "lever.W"]
+friction = {{ mu = {mu}, pin_radius = "8 mm" }}
+[joints.slot]
+type = "slot"
+connect = ["lever.S", "crank.P"]
+length = 0.06
+open = true
+clearance = "0.1 mm"
+contact = {{ model = "impact", restitution = {e}, bush_radius = "4 mm", restitution_law = "{law}" }}
+{moves}
+{pushed}
+[initial]
+crank = {{ angle = 0.3{"" if driven else ", omega = 2"} }}
+lever = {{ angle = 2.555 }}
+"""
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+@pytest.mark.parametrize("e", [0.0, 0.4])
+def test_a_driven_pin_strikes_a_lever_out_of_the_hold_of_its_shaft(law, e):
+    """Across the slot the lever gets 1 + e times the rate of the pin, whatever its shaft takes."""
+    model = rt.loads(lever(0.1, law, e))
+    hit = kinds(model.simulate(0.05, **FINE), "slot", "impact")[0]
+    run = model.simulate(hit + 1e-7, t_eval=[0, hit + 1e-7], **FINE)
+    assert run.success, run.message
+    pin = 0.05 * np.array([cos(0.3 + 2 * hit), sin(0.3 + 2 * hit)])
+    angle = run["lever.angle"][0]
+    rate = 2 * np.array([-pin[1], pin[0]]) @ [-sin(angle), cos(angle)]
+    reach = (pin - [0.07, 0]) @ [cos(angle), sin(angle)]
+    assert run["lever.omega"][-1] == pytest.approx((1 + e) * rate / reach, rel=1e-4)
+
+
 def test_a_clutch_drives_a_wheel_against_the_friction_of_its_pin():
     pair = """
 format = 1

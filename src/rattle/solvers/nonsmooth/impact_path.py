@@ -47,7 +47,10 @@ ZERO = 1e-13  # share of the largest rate below which a rate is zero
 
 @compiled
 def follow_path(m):
-    """Impulses f [N s] of the only active contact, from the rates b [m/s] before the impact; e is in `bounce`."""
+    """Impulses f [N s] of the only active contact, from the rates b [m/s] before the impact; e is in `bounce`.
+
+    False if its compression does not end: joints that stick hold the contact, and one of them has to slip.
+    """
     side, g, e = m.side, m.delassus, m.bounce[E, 2 * m.active[0]]
     mu = friction_of(m, m.active[0])
     rate, w = side[B, 0], side[B, 1]  # g' and -slip
@@ -84,6 +87,7 @@ def follow_path(m):
     side[F, 0], side[F, 1] = pressed, held
     for r in range(2):
         side[A, r] = side[B, r] + g[r, 0] * pressed + g[r, 1] * held
+    return expands or side[B, 0] >= 0.0
 
 
 @compiled
@@ -231,7 +235,8 @@ def path_kernel(m, count):
     """Impulses f of an impact under the energetic law, and rates a after it, from the rates in b; 0: none found."""
     side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
     if count == 1:
-        follow_path(m)
+        if not follow_path(m):
+            return 0
     else:
         largest = 0.0
         for k in range(count):
