@@ -164,6 +164,7 @@ ARRAYS = {
     "dry_reaction": Array("f2", "nd, nr", "", "Z: multipliers caused by unit forces"),
     "dry_share": Array("f2", "nd, 2 nc", "", "tau per unit force of a row of the active contacts"),
     "impact_reaction": Array("f1", "nr", "N*s or N*m*s", "impulses of the joints in an impact with their friction"),
+    "expected_force": Array("f1", "2 nc", "N", "forces of contacts, friction of joints being linearised there"),
     "dry_system": Array("f2", "nd, nd + 1", "", "scratch"),
     # time integration
     "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),

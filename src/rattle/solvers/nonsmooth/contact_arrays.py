@@ -31,6 +31,7 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
         "pivots": np.zeros(2 * nc, np.int64),
         "row_fixed": np.zeros(2 * nc, np.int64),
         "impact_reaction": np.zeros(nr),
+        "expected_force": np.zeros(2 * nc),
         "contact_jacobian": np.zeros((2 * nc, 6)),
         "velocity_response": np.zeros((2 * nc, 3 * nb)),
         "multiplier_response": np.zeros((2 * nc, nr)),

@@ -51,6 +51,14 @@ from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
 from rattle.solvers.nonsmooth.idle_contacts import held_by_closed, let_idle
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
+from rattle.solvers.nonsmooth.rubbing_contacts import (
+    MOST_LINEARISED,
+    agrees_with_joints,
+    expect_nothing,
+    expect_solution,
+    linearise_at_expected,
+    rubs,
+)
 from rattle.solvers.nonsmooth.uniqueness import lasts
 
 NOTHING, HIT, LET_GO, BREAK_AWAY, TURN, DROP, MEETS = range(7)  # what an event is; MEETS: a compliant contact changes
@@ -59,6 +67,7 @@ MOST_RETURNS = 20  # times that clutches which begin to slip together are decide
 CREEP = 1e-6  # share of the largest slip at one instant below which the direction of a slip is not resolved
 AHEAD = 1e-6  # share by which the required friction force exceeds the limit shortly after a breakaway
 CREEPS = 30  # see regroup
+NOT_LINEARISED = MOST_LINEARISED + 1  # rounds: the first solution is taken, linearised at no forces
 SLIGHT = 1e-7  # share of its largest force below which a contact opens together with another one
 SLOWLY = 1e-4  # largest acceleration with which it then opens, as a share of the largest acceleration
 
@@ -154,10 +163,11 @@ def update_modes(m, t, y, apart, kind):
 
     A contact that has just opened or broken away stays so unless the others then press it back; contacts that
     are about to open do so with it if all of them then separate, so that a block parallel to its wall leaves it
-    parallel.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, if some now stick and the caller must
-    try again.
+    parallel.  Beside joints that rub the problem is solved until it is linearised where it leads, see
+    `rubbing_contacts`.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, if some now stick and the caller
+    must try again.
     """
-    kinematics, attempt, slipping, returns = m.contact_kinematics, KEPT, False, 0
+    kinematics, attempt, slipping, returns, rounds = m.contact_kinematics, KEPT, False, 0, 0
     pulling = kinematics[apart, at.TANGENT] if apart >= 0 else 0.0
     if kind == LET_GO:
         attempt = ALONE
@@ -167,9 +177,13 @@ def update_modes(m, t, y, apart, kind):
     broken = apart if clutch and kind == BREAK_AWAY else -1
     settle_slips(m, broken)
     kind = NOTHING if clutch and kind == BREAK_AWAY else kind
+    expect_nothing(m)
     while True:
         motion_without(m, t, y)
         closed = choose_closed(m, apart, kind, attempt, pulling)
+        if 0 < rounds <= MOST_LINEARISED and not linearise_at_expected(m, closed):
+            rounds = NOT_LINEARISED
+            continue
         lasting_side(m, closed)
         floor_of_accelerations(m)
         if driven_on(m, closed):
@@ -195,12 +209,20 @@ def update_modes(m, t, y, apart, kind):
                 status = NOT_UNIQUE
             if kind == BREAK_AWAY and (status != OK or linear(m, closed) < 0 or not lasts(m, closed)):
                 status = go_beyond(m, closed, apart, pulling)
+            if status != OK and 0 < rounds <= MOST_LINEARISED:
+                rounds = NOT_LINEARISED
+                continue
             if status != OK and attempt == KEPT:
                 return status
             solved = status == OK  # without the contact that opens: with it the problem may have a solution, or one
         if attempt == KEPT or (solved and part(m, closed, apart, attempt)):
+            if rounds < MOST_LINEARISED and rubs(m) and expect_solution(m, closed):
+                rounds += 1
+                continue
             break
         attempt += 1
+    if not agrees_with_joints(m, closed, attempt != KEPT):
+        return NO_SOLUTION
     let_idle(m, closed)
     change_modes(m, t, y, closed)
     return OK
