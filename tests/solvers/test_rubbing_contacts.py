@@ -11,6 +11,43 @@ SPEED = 1500 * np.pi / 30
 TURN = 2 * np.pi / SPEED
 
 
+def lever(friction: str) -> str:
+    """A torque on a crank, whose pin plays in the slot of a lever that rubs in its shaft."""
+    return f"""
+format = 1
+[ground.points]
+O = [0, 0]
+W = [0.07, 0]
+[bodies.crank]
+points = {{ O = [0, 0], P = [0.05, 0] }}
+mass = 0.3
+inertia = 2e-4
+[bodies.lever]
+points = {{ W = [0, 0], S = [0.03, 0] }}
+mass = 0.6
+inertia = 2e-3
+[joints.axis]
+type = "revolute"
+connect = ["ground.O", "crank.O"]
+[joints.shaft]
+type = "revolute"
+connect = ["ground.W", "lever.W"]
+{friction}
+[joints.slot]
+type = "slot"
+connect = ["lever.S", "crank.P"]
+clearance = "0.1 mm"
+contact = {{ model = "impact", restitution = 0, bush_radius = "4 mm" }}
+[loads.push]
+type = "torque"
+body = "crank"
+torque = 0.1
+[initial]
+crank = {{ angle = 0.3, omega = 2 }}
+lever = {{ angle = 2.5 }}
+"""
+
+
 def slider_crank(guide: float, pin: float, e: float) -> str:
     """A slider-crank at 1500/min with 0.1 mm of play at the slider; friction in its guide and in the loose pin."""
     return f"""
@@ -54,6 +91,40 @@ rod = {{ angle = 0 }}
 slider = {{ x = "170 mm" }}
 B = {{ offset = [0, 0] }}
 """
+
+
+def test_a_lever_turns_back_under_the_pin_that_presses_on_it_as_without_friction_if_that_is_weak():
+    """Where its rate is zero the pin still pushes: no joint at rest may hold it."""
+    times = np.linspace(0, 0.08, 9)
+    dry, smooth = (
+        rt.loads(lever(friction)).simulate(times[-1], t_eval=times, rtol=1e-9)
+        for friction in ('friction = { mu = 1e-6, pin_radius = "8 mm" }', "")
+    )
+    assert dry.success, dry.message
+    assert smooth["lever.omega"][0] < 0 < smooth["lever.omega"][-1]
+    assert dry["lever.omega"] == pytest.approx(smooth["lever.omega"], abs=1e-3)
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.2])
+def test_a_lever_that_rubs_in_its_shaft_turns_back_at_the_end_of_its_way(mu):
+    run = rt.loads(lever(f'friction = {{ mu = {mu}, pin_radius = "8 mm" }}')).simulate(0.3)
+    assert run.success, run.message
+    assert run["lever.omega"][0] < 0 < run["lever.omega"][-1]
+    force = np.hypot(run["shaft.fx"], run["shaft.fy"])
+    slips = abs(run["lever.omega"]) > 1e-6
+    assert abs(run["shaft.friction"])[slips] == pytest.approx(mu * 8e-3 * force[slips], rel=1e-9)
+    assert abs(run["energy.balance"]).max() < 1e-7
+
+
+def test_a_slider_goes_with_the_first_impact_of_its_pin_as_without_friction_if_that_is_weak():
+    """It was at rest: after the impact it slips, and would jam the contact if it still stuck."""
+    times = np.linspace(0, 0.1 * TURN, 11)
+    dry, smooth = (
+        rt.loads(slider_crank(mu, 0.1, 0.0)).simulate(times[-1], t_eval=times, rtol=1e-9) for mu in (1e-6, 0.0)
+    )
+    assert dry.success, dry.message
+    assert min(smooth["slider.vx"]) < -1.0
+    assert dry["slider.vx"] == pytest.approx(smooth["slider.vx"], abs=1e-3)
 
 
 def test_friction_of_a_guide_and_of_a_loose_pin_follow_their_forces_through_three_turns():

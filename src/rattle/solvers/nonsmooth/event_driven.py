@@ -41,7 +41,7 @@ from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall, s
 from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.nonsmooth.contact_modes import HIT, MEETS, NOTHING
 from rattle.solvers.nonsmooth.contact_projection import noise, project_on_contacts
-from rattle.solvers.nonsmooth.event_handling import agree_with_friction, handle_event, new_modes, remember
+from rattle.solvers.nonsmooth.event_handling import handle_event, modes_with_friction, remember
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.climb import end_step
@@ -112,9 +112,7 @@ def go_on(m, t, jolted):
     if jolted == 0:
         status = handle_event(m, t, y, -1, NOTHING)
     else:
-        status = new_modes(m, t, y, -1, HIT)
-        if status == OK and m.dry.shape[0] > 0:
-            status = agree_with_friction(m, t, y)
+        status = modes_with_friction(m, t, y, -1, HIT)
     remember(m)
     return status
 

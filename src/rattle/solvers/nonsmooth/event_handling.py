@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 from rattle.equations.complementarity import FORWARD, OFF, STICK
+from rattle.equations.dry_friction import rounding
 from rattle.equations.motion import OK, solve_motion
 from rattle.equations.state import take_states
-from rattle.equations.unilateral import NOT_FOUND
+from rattle.equations.unilateral import NOT_FOUND, NOT_UNIQUE
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.contact_events import pass_on, remember_end, turn, turn_clutches
 from rattle.solvers.contacts.pawls import drop_pawl
-from rattle.solvers.dry_friction_modes import KEEP, decide, modes_changed, stay_at_rest
+from rattle.solvers.dry_friction_modes import KEEP, decide, decided, modes_changed, solve_at, stay_at_rest, tell
 from rattle.solvers.nonsmooth.contact_modes import CREEPS, DROP, HIT, MEETS, NOTHING, TURN, update_modes
 from rattle.solvers.nonsmooth.contact_projection import note_open, project_on_contacts
 from rattle.solvers.nonsmooth.idle_contacts import note_pressed
 from rattle.solvers.nonsmooth.impacts import collide
 
 MOST_TURNS = 20  # between modes of contacts and of friction of joints
+MOST_TRIED = 6  # joints at rest up to which all their modes are tried: 729 contact problems
 
 
 @compiled
@@ -78,6 +82,8 @@ def handle_event(m, t, y, who, what):
         if status != OK:
             return status
         turn_clutches(m, t, y)
+        if m.dry.shape[0] > 0:
+            slip_as_they_move(m, t, y)
         who = who if what == HIT else -1  # it is at its wall, even if another contact holds it off by rounding
         what = HIT
     else:
@@ -92,12 +98,79 @@ def handle_event(m, t, y, who, what):
             # closed contacts and drivers hold the rate of the clutch at less than zero, by the error of the step
             status = collide(m, t, y, who)
             turn_clutches(m, t, y)
-            status = new_modes(m, t, y, -1, HIT) if status == OK else status
-            return agree_with_friction(m, t, y) if status == OK and m.dry.shape[0] > 0 else status
+            return modes_with_friction(m, t, y, -1, HIT) if status == OK else status
         take_states(m, y)
         solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+    return modes_with_friction(m, t, y, who, what)
+
+
+@compiled
+def slip_as_they_move(m, t, y):
+    """Joints that an impact has set going slip, before the contacts are decided: sticking would jam them."""
+    memory = m.dry_memory
+    solve_at(m, t, y)
+    for n in range(memory.shape[0]):
+        rate, before = memory[n, at.DRY_RATE], memory[n, at.DRY_MODE]
+        free = m.dry[n, at.DRY_LAW] < 0 and memory[n, at.DRY_HELD] == 0.0
+        if free and abs(rate) > rounding(m, n):
+            memory[n, at.DRY_MODE], memory[n, at.DRY_BEFORE] = math.copysign(1.0, rate), before
+            tell(m, t, n)
+
+
+@compiled
+def modes_with_friction(m, t, y, who, what):
+    """`new_modes` of contacts and of the joints with friction that go with them. Returns a status."""
     status = new_modes(m, t, y, who, what)
-    return agree_with_friction(m, t, y) if status == OK and m.dry.shape[0] > 0 else status
+    if m.dry.shape[0] == 0:
+        return status
+    if status == OK:
+        status, who, what = agree_with_friction(m, t, y), -1, NOTHING
+    if status != OK and status != NOT_UNIQUE and try_joints(m, t, y, who, what):
+        return agree_with_friction(m, t, y)
+    return status
+
+
+@compiled
+def take_joint_modes(m, code):
+    """Combination number `code` of the modes of the joints that are being tried."""
+    memory = m.dry_memory
+    for n in range(memory.shape[0]):
+        if memory[n, at.DRY_REST] == 1.0:
+            digit = code % 3
+            code //= 3
+            memory[n, at.DRY_MODE] = -1.0 if digit == 2 else float(digit)
+
+
+@compiled
+def try_joints(m, t, y, who, what):
+    """Try all modes of joints at rest with `new_modes`; False if none go with modes of contacts, then they stay.
+
+    A contact that presses may set a joint going: as long as that sticks, the contact has no mode.  One that has come
+    to stick in this event may have got back, with the rate of the contact, what the error of the event is.
+    """
+    memory, tried, combinations, chosen = m.dry_memory, 0, 1, False
+    solve_at(m, t, y)
+    for n in range(memory.shape[0]):
+        memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
+        sticks = m.dry[n, at.DRY_LAW] < 0 and memory[n, at.DRY_MODE] == at.DRY_STICKS
+        rests = memory[n, at.DRY_HELD] == 0.0 and (sticks or decided(m, t, n))
+        memory[n, at.DRY_REST] = 1.0 if rests else 0.0
+        tried += 1 if rests else 0
+        combinations *= 3 if rests else 1
+    if 0 < tried <= MOST_TRIED:
+        for code in range(combinations):
+            take_joint_modes(m, code)
+            chosen = new_modes(m, t, y, who, what) == OK
+            if chosen:
+                break
+    for n in range(memory.shape[0]):
+        if not chosen:
+            memory[n, at.DRY_MODE] = memory[n, at.DRY_BEFORE]
+        elif memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_MODE] != at.DRY_STICKS:
+            memory[n, at.DRY_SINCE] = t
+        memory[n, at.DRY_REST] = 0.0
+        tell(m, t, n)
+    return chosen
 
 
 @compiled
