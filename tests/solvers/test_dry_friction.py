@@ -608,3 +608,51 @@ def test_joints_that_stick_do_not_slip_by_the_error_of_the_steps():
     assert [(e.kind, e.joint) for e in loose] == [(e.kind, e.joint) for e in tight]
     assert [e.t for e in loose] == pytest.approx([e.t for e in tight], abs=1e-3)
     assert [e.kind for e in tight].count("stick") == 2
+
+
+def two_guides(share: float) -> str:
+    """A block on a steep guide bears the guide of a second one; both are loaded beside their middles."""
+    return f"""
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0.105, -0.331]
+[bodies.lower]
+points = {{ O = [-0.393, 0.175], P = [0.096, -0.011], H = [-0.022, -0.058] }}
+mass = 2.75
+inertia = 0.073
+[bodies.upper]
+points = {{ P = [-0.678, -0.215] }}
+mass = 0.72
+inertia = 0.092
+[joints.first]
+type = "prismatic"
+connect = ["ground.O", "lower.O"]
+friction = {share * 0.338}
+block = {{ length = 0.3, height = 0.05 }}
+axis = 2.969
+angle = 0.26
+[joints.second]
+type = "prismatic"
+connect = ["lower.P", "upper.P"]
+friction = {share * 0.338}
+block = {{ length = 0.3, height = 0.05 }}
+axis = 1.2526
+angle = 1.6521
+[loads.hand]
+type = "force"
+at = "lower.H"
+force = [0.22, 2.63]
+[initial]
+lower = {{ x = 0.453, y = -0.386, angle = 0.26 }}
+upper = {{ x = 0.119, y = 0.2, angle = 1.912 }}
+"""
+
+
+def test_blocks_on_each_other_move_at_the_end_of_growing_friction_as_just_before():
+    """Their forces have a second solution, of fifty times the size, where friction locks."""
+    shares = np.linspace(0.9, 1.0, 11)
+    runs = [rt.loads(two_guides(share)).simulate(1e-6, t_eval=[0, 1e-6]) for share in shares]
+    assert all(run.success for run in runs), [run.message for run in runs]
+    forces = np.array([[run["first.friction"][0], run["second.friction"][0]] for run in runs])
+    assert abs(np.diff(forces, axis=0) / forces[1:]).max() < 0.02

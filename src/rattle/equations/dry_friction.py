@@ -34,6 +34,7 @@ from rattle.jit.families import call_friction, call_joint
 from rattle.jit.functions import compiled, native
 
 ROUNDS = 40  # Newton steps after which there is no solution
+GRIPS = 16  # parts in which friction is let grow where Newton's method alone finds no solution
 CLOSE = 4e-16  # share of tau that ends them
 TILT = 1e-6  # share of N by which the slope of a law is measured
 FIRM = 1e-12  # share of its own mobility below which other joints or drivers hold a coordinate, beside massless bodies
@@ -208,8 +209,11 @@ def sense_of(m, n):
 
 
 @compiled
-def set_up(m):
-    """Residual and Jacobian of the equations of all tau at the present estimate, into `dry_system`."""
+def set_up(m, grip):
+    """Residual and Jacobian of the equations of all tau at the present estimate, into `dry_system`.
+
+    grip: share of all friction that slips.
+    """
     memory, system, multiplier = m.dry_memory, m.dry_system, m.multiplier
     count = memory.shape[0]
     for n in range(count):
@@ -227,7 +231,7 @@ def set_up(m):
                 value += system[n, o] * (memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED])
             system[n, count] = value
             continue
-        sign = sense_of(m, n)
+        sign = grip * sense_of(m, n)
         first, second = bearing(m, n, multiplier, at.DRY_ADDED)
         for o in range(count):
             more = memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED]
@@ -282,12 +286,29 @@ def eliminate(system, count):
 
 @compiled
 def find_forces(m):
-    """tau of every joint into `dry_memory`, from its present estimate; False if there is none."""
+    """tau of every joint into `dry_memory`; False if there is none.
+
+    Several joints may have several solutions, and Newton's method from the present estimate may end at one where
+    friction locks.  The one to which tau grows with all coefficients of friction is then followed from none of them.
+    """
+    if improve_forces(m, 1.0):
+        return True
+    for n in range(m.dry_memory.shape[0]):
+        m.dry_memory[n, at.DRY_FORCE] = 0.0
+    for part in range(GRIPS + 1):
+        if not improve_forces(m, part / GRIPS):
+            return False
+    return True
+
+
+@compiled
+def improve_forces(m, grip):
+    """Newton's method for tau, from its present estimate; False if it ends nowhere or where friction locks."""
     memory, system = m.dry_memory, m.dry_system
     count = memory.shape[0]
     last = math.inf
     for _ in range(ROUNDS):
-        set_up(m)
+        set_up(m, grip)
         sign = eliminate(system, count)
         if sign == 0.0:
             return False

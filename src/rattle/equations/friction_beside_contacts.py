@@ -59,7 +59,7 @@ def couple(m, count):
             share[n, r] = 0.0
         if r % 2 == 1 and friction_of(m, active[r // 2]) == 0.0:
             continue
-        set_up(m)
+        set_up(m, 1.0)
         for n in range(joints):
             system[n, joints] = pull(m, r, n)
         eliminate(system, joints)
