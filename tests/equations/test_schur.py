@@ -42,6 +42,7 @@ def system(joints, rows, weight):
         "schur": np.zeros(nr + len(pattern.below)),
         "inverse": np.zeros(nr),
         "redundant": np.zeros(nr, np.int64),
+        "pivots_of_row": np.zeros((nr, at.width("pivots_of_row"))),
         "solution": np.zeros(nr),
         "power": np.ones(4),
     }

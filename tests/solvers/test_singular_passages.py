@@ -206,3 +206,61 @@ def test_a_position_that_is_nearly_singular_keeps_its_peak():
     assert all(r.success for r in ways), [r.message for r in ways]
     assert not any(r.trust.singular for r in ways)
     assert ways[0].peak("L1.force")[0] == pytest.approx(ways[1].peak("L1.force")[0], rel=1e-4)
+
+
+PARALLELOGRAM = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+Q = [0.3, 0]
+[bodies.crank]
+bar = ["O", "A"]
+length = 0.1
+mass = 1
+[bodies.coupler]
+bar = ["A", "B"]
+length = 0.3
+mass = 1
+[bodies.rocker]
+bar = ["Q", "B"]
+length = 0.1
+mass = 1
+[joints]
+O = { type = "revolute", connect = ["ground.O", "crank.O"] }
+A = { type = "revolute", connect = ["crank.A", "coupler.A"] }
+B = { type = "revolute", connect = ["coupler.B", "rocker.B"] }
+Q = { type = "revolute", connect = ["ground.Q", "rocker.Q"] }
+[drivers.motor]
+joint = "O"
+angle = "PHASE deg + SPEED*t"
+[initial]
+coupler = { angle = 0 }
+rocker = { angle = "PHASE deg" }
+"""
+DRIVEN_ISOSCELES = (
+    ISOSCELES.replace('crank = { angle = "30 deg", omega = 9 }\n', "").replace("30 deg", "PHASE deg")
+    + '[drivers.motor]\njoint = "O"\nangle = "PHASE deg + SPEED*t"\n'
+)
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 2e-6, 1e-7, 1e-8, 1e-9, 1e-11])
+@pytest.mark.parametrize(("speed", "phase"), [(5, 75), (6, 30), (7, 33), (7, 60), (10, 60), (13, 20), (20, 75)])
+@pytest.mark.parametrize(("text", "first"), [(PARALLELOGRAM, 180), (DRIVEN_ISOSCELES, 90)])
+def test_driven_motion_passes_and_names_every_singular_position(text, first, speed, phase, rtol):
+    """Steps of a driven motion are longer than what its forces need: no stage need be near the instant."""
+    m = rt.loads(text.replace("PHASE", str(phase)).replace("SPEED", str(speed)))
+    r = m.simulate(0.55, t_eval=[0.0, 0.55], rtol=rtol)
+    assert r.success, r.message
+    instants = [np.radians(first + 180 * k - phase) / speed for k in range(8)]
+    assert r.trust.singular == pytest.approx([t for t in instants if t < 0.55], abs=1e-5)
+    # accelerations of some l w^2 on a few kg, and weights of 60 N: 1/(t - t*) is cut where the root is 0.03
+    assert r.peak("O.force")[0] < 3e3 + 60 * speed**2
+
+
+def test_coarse_steps_of_half_a_turn_name_every_singular_position():
+    m = rt.loads(PARALLELOGRAM.replace("PHASE", "150").replace("SPEED", "7"))
+    r = m.simulate(4.0, t_eval=[0.0, 4.0], rtol=1e-3)
+    assert r.success, r.message
+    instants = [np.radians(180 * k - 150) / 7 for k in range(1, 12)]
+    assert r.trust.singular == pytest.approx([t for t in instants if t < 4.0], abs=1e-4)

@@ -121,11 +121,12 @@ def factorise(m):
     """Fill S from the rows and factor it in place; returns the number of redundant rows.
 
     inverse[k] becomes 1 / pivot, or 0 for a redundant row: its multiplier is then zero.
-    power[at.PIVOT_SHARE] becomes the smallest ratio of a pivot to its diagonal, if it is smaller than before.
+    power[at.PIVOT_SHARE] becomes the smallest ratio of a pivot to its diagonal, if it is smaller than before;
+    pivots_of_row has the ratios of all rows, and their ranges.
     """
     first, target, pairs = m.first, m.target, m.pairs
     weight, rows = m.weight, m.rows
-    s, inverse, redundant = m.schur, m.inverse, m.redundant
+    s, inverse, redundant, shares = m.schur, m.inverse, m.redundant, m.pivots_of_row
     nr = inverse.shape[0]
     for n in range(s.shape[0]):
         s[n] = 0.0
@@ -146,13 +147,18 @@ def factorise(m):
     for k in range(nr):
         pivot = s[k]
         if assume(pivot > PIVOT * inverse[k]):
-            weakest = min(weakest, pivot / inverse[k])
+            share = pivot / inverse[k]
+            weakest = min(weakest, share)
             inverse[k] = 1.0 / pivot
             redundant[k] = 0
         else:
+            share = 0.0
             inverse[k] = 0.0
             redundant[k] = 1
             lost += 1
+        shares[k, at.SHARE_NOW] = share
+        shares[k, at.SHARE_LEAST] = min(shares[k, at.SHARE_LEAST], share)
+        shares[k, at.SHARE_MOST] = max(shares[k, at.SHARE_MOST], share)
         for a in range(nr + first[k], nr + first[k + 1]):
             x = s[a] * inverse[k]
             for b in range(a, nr + first[k + 1]):

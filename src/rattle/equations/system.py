@@ -152,6 +152,7 @@ class System:
             "schur": (nr + self.arrays["below"].shape[0],),
             "inverse": (nr,),
             "redundant": (nr,),
+            "pivots_of_row": (nr, at.width("pivots_of_row")),
             "solution": (nr,),
             "multiplier": (nr,),
             "acceleration": (nb, 3),

@@ -65,6 +65,15 @@ declare("power", """
     PIVOT_SHARE [] least pivot / its diagonal since it was set to 1
 """)
 POTENTIAL_ENERGY, WORK_RATE, LOSS_RATE, PIVOT_SHARE = range(4)
+declare("pivots_of_row", """
+    SHARE_NOW [] pivot / its diagonal, as factored last; 0 if the row is redundant
+    SHARE_LEAST [] smallest so far in the present step
+    SHARE_MOST [] largest
+    SHARE_BEFORE [] at the start of the step
+    SHARE_AFTER [] at its end
+    MAY_VANISH [] 1 if the pivot may vanish inside the step
+""")
+SHARE_NOW, SHARE_LEAST, SHARE_MOST, SHARE_BEFORE, SHARE_AFTER, MAY_VANISH = range(6)
 declare("joint", """
     KERNEL [] number of its kernel; -1: only contacts act on it
     END_A [] body A

@@ -50,9 +50,10 @@ declare("passage", """
     PASSED [] singular positions passed
     CLOSEST_ROOT [] least root since it is not AWAY
     NEAR_SINCE [s] time since when it is not AWAY
+    SUSPECTS [] rows whose pivot may vanish inside the step
 """)
 ROOT_BEFORE, ROOT_WITHIN, ROOT_AFTER, TRIED_AT, USUAL_LOST, ROOT_SLOPE, PASSED_SHARE, ROOT_THERE, NEARBY = range(9)
-PASSED, CLOSEST_ROOT, NEAR_SINCE = range(9, 12)
+PASSED, CLOSEST_ROOT, NEAR_SINCE, SUSPECTS = range(9, 13)
 declare("passages", """
     PASSED_AT [s] instant
     PASSED_ROOT [] root there

@@ -44,7 +44,17 @@ from rattle.solvers.output_row import record
 from rattle.solvers.peaks.samples import END, START, gauge, may_rise
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
-from rattle.solvers.singular_passage import come_near, count_step, ends_beside, passes, straddle
+from rattle.solvers.singular_passage import (
+    come_near,
+    comes_or_leaves,
+    count_step,
+    ends_beside,
+    keep_pivots,
+    pass_pivots_on,
+    passes,
+    straddle,
+    watch_pivots,
+)
 from rattle.solvers.step_audit import stands
 from rattle.solvers.step_control import (
     SHORT,
@@ -97,6 +107,7 @@ def begin(m, t, t_end, rtol, atol, h_max):
         start_contacts(m, t, y)
     m.power[at.PIVOT_SHARE] = 1.0
     tally[at.LOST_ROWS] = derivative(m, t, y, f)
+    keep_pivots(m, at.SHARE_BEFORE)
     m.passage[at.USUAL_LOST] = tally[at.LOST_ROWS]
     m.passage[at.ROOT_BEFORE] = math.sqrt(m.power[at.PIVOT_SHARE])
     if m.power[at.PIVOT_SHARE] < WEAK:
@@ -143,6 +154,7 @@ def search_step_for_events(m, t, t_new, changed, passed, t_out, out):
     peak = m.wear_work.shape[0] == 0 and near_peak(m)
     samples = m.stepper[SAMPLES]
     dense = suspect or peak or output_due(m, t_new, t_out) or changed or passed == 1 or may_rise(m, h, samples)
+    dense = dense or comes_or_leaves(m)
     if dense:
         prepare_dense(m, t, h)
         tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
@@ -181,6 +193,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
     """Step from t of length h into y_new; OK, TRY_AGAIN or NOT_FINITE, its error, True if watched signs changed."""
     tally, power, stepper = m.tally, m.power, m.stepper
     power[at.PIVOT_SHARE] = 1.0
+    watch_pivots(m)
     error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[at.TAME]))
     tally[at.EVALUATIONS] += stepper[STAGES] - 1
     m.passage[at.ROOT_WITHIN] = math.sqrt(power[at.PIVOT_SHARE])
@@ -231,6 +244,7 @@ def end_on_constraints(m, t, h, t_new, t_end, rtol, atol):
     m.power[at.PIVOT_SHARE] = 1.0
     finish_step(m, t_new, m.state_new, m.rate_new)
     passage[at.ROOT_AFTER] = math.sqrt(m.power[at.PIVOT_SHARE])
+    keep_pivots(m, at.SHARE_AFTER)
     m.power[at.PIVOT_SHARE] = min(share, m.power[at.PIVOT_SHARE])
     if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
         m.tally[at.REJECTED] += 1
@@ -300,8 +314,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             continue
         if status == OK:
             passed = passes(m, t, t_new - t, rtol)
-            if passed == 0 and m.passage[at.TRIED_AT] == t:  # laid across what is only nearly singular: to be resolved
-                passed = -1
+            if passed == 0 and m.passage[at.TRIED_AT] == t and m.passage[at.SUSPECTS] > 0.0:
+                passed = -1  # laid across what is only nearly singular: to be resolved
             if passed < 0 and h > SHORT * (t_end - t):
                 quarter(m, h)
                 continue
@@ -321,6 +335,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             clock[at.TROUBLE] = t_new
             return ESCAPED
         m.passage[at.ROOT_BEFORE] = m.passage[at.ROOT_AFTER]
+        pass_pivots_on(m)
         bends = keeps_breaks(m) and (who >= 0 or m.landing[at.LANDS] > 0.0)
         if bends:
             write_before(m, t_new, y_new)

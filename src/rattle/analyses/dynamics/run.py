@@ -134,7 +134,7 @@ class Run(ABC):
         if self.ports:
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
         peaks = {} if self.wear else peak_arrays(self.system)
-        arrays |= passage_arrays(len(y), len(peaks["peaks"]) if peaks else 0)
+        arrays |= passage_arrays(len(y), self.system.row_count, len(peaks["peaks"]) if peaks else 0)
         return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
 
     def break_arrays(self) -> dict[str, np.ndarray]:

@@ -51,7 +51,17 @@ from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, gauge
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
-from rattle.solvers.singular_passage import AWAY, NEAR, count_step, ends_beside, passes, root_at
+from rattle.solvers.singular_passage import (
+    AWAY,
+    NEAR,
+    count_step,
+    ends_beside,
+    keep_pivots,
+    pass_pivots_on,
+    passes,
+    root_at,
+    suspect_pivots,
+)
 from rattle.solvers.step_control import (
     SHORT,
     TRY_AGAIN,
@@ -176,6 +186,7 @@ def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
     m.power[at.PIVOT_SHARE] = 1.0
     derivative(m, t_new, y_new, m.rate_new)
     m.passage[at.ROOT_AFTER] = math.sqrt(m.power[at.PIVOT_SHARE])
+    keep_pivots(m, at.SHARE_AFTER)
     if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
         m.tally[at.REJECTED] += 1
         m.landing[at.LANDS] = 0.0
@@ -324,13 +335,13 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if ends_beside(m, t, t_new - t) == 1:
             continue
         passed = -1
-        if comes_near(m):
+        if comes_near(m) or suspect_pivots(m) > 0.0:
             passed = passes(m, t, t_new - t, rtol)
             if passed < 0 and h > SHORT * (t_end - t):
                 m.landing[at.LANDS] = 0.0
                 quarter(m, h)
                 continue
-            passed = max(passed, 0)
+            passed = 1 if passed == 1 else (0 if comes_near(m) else -1)
         low, high = in_doubt(m, error)
         calm = passed < 0 and low == LAST and not changed and never_switches(m) and none_may_hit(m, t_new - t)
         counted = calm and end_step(m, t, t_new - t, 1.0, m.stepper[SAMPLES], -1) >= 0  # no peak of a force in it
@@ -364,6 +375,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             clock[at.T] = t_until
             return status
         m.passage[at.ROOT_BEFORE] = root_at(m, t_until, y_new) if met and passed >= 0 else m.passage[at.ROOT_AFTER]
+        pass_pivots_on(m)
         start_next(m, t_until, t_end, met, quiet, rtol, atol)
         rows_at_end(m, t_until, met or turns, written)
         if m.held[at.DETERMINANT] < 0.0:
