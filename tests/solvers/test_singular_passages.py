@@ -264,3 +264,19 @@ def test_coarse_steps_of_half_a_turn_name_every_singular_position():
     assert r.success, r.message
     instants = [np.radians(180 * k - 150) / 7 for k in range(1, 12)]
     assert r.trust.singular == pytest.approx([t for t in instants if t < 4.0], abs=1e-4)
+
+
+def test_inverse_dynamics_leaves_out_the_forces_beside_branch_points():
+    m = rt.loads(PARALLELOGRAM.replace("PHASE", "60").replace("SPEED", "10"))
+    run = m.simulate(0.6, t_eval=np.linspace(0.0, 0.6, 601))
+    r = m.inverse_dynamics(np.linspace(0.0, 0.6, 601))
+    instants = [np.radians(180 * k - 60) / 10 for k in (1, 2)]
+    assert r.trust.singular == pytest.approx(instants, abs=1e-6)
+    left = np.isnan(r["O.force"])
+    assert left.any()
+    assert all(np.abs(r.t[left] - t).min() < 2e-3 for t in instants)
+    # rods of some N w^2 l: what rounding makes of 0/0 is 20 kN
+    assert np.nanmax(r["O.force"]) < 1.1 * run.peak("O.force")[0]
+    assert not np.isnan(r["coupler.x"]).any()
+    with pytest.raises(rt.InputError, match="not determined"):
+        evaluate(read("at(O.force, 0.2094)", Known.of(r)), r)

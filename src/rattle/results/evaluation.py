@@ -187,6 +187,13 @@ def _at(one: Reduction, curve: SampledCurve, known: _Curves) -> float:
     """Value at an instant; nan after the end of a run that stopped early."""
     t, first, last = argument(one, known.parameters), float(curve.t[0]), float(curve.t[-1])
     if first <= t <= last:
+        k = int(np.searchsorted(curve.t, t))
+        beside = (known.t > curve.t[max(k - 1, 0)]) & (known.t < curve.t[k])
+        if curve.t[k] != t and known.left_out[beside].any():
+            raise InputError(
+                f"at(..., {t:g}): forces are not determined from {curve.t[k - 1]:.6g} to {curve.t[k]:.6g} s, next to a"
+                " singular position; ask for another instant"
+            )
         return curve.at(t)
     if t > last and not known.whole:
         return math.nan

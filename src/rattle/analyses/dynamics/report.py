@@ -67,7 +67,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *run.remarks(),
     )
     balance = float(np.abs(curve["balance"]).max()) if n else math.nan
-    _leave_out(system, passed, run.t_eval[:n], data, units)
+    leave_out(system, passed, run.t_eval[:n], data, units)
     result = build_result(
         system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
         trust=_trust(run, reach, contacts, balance, nonunique, notes, passed), stats=_stats(run), message=run.message,
@@ -87,11 +87,11 @@ def _breaks(run: Run, passed: tuple[Passage, ...]) -> Breaks | None:
         return None
     times, rows = (np.concatenate(parts) for parts in zip(*run.breaks, strict=True))
     data, _, units = columns(run.system, rows)
-    _leave_out(run.system, passed, times, data, units)
+    leave_out(run.system, passed, times, data, units)
     return Breaks(times, data)
 
 
-def _leave_out(
+def leave_out(
     system: System, passed: tuple[Passage, ...], t: np.ndarray, data: np.ndarray, units: Mapping[str, str]
 ) -> None:
     """Forces, moments and powers of joints and drivers become nan where they have no part in peaks.

@@ -14,9 +14,11 @@ from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.analyses.clutches import require_known_torques, run_backwards
+from rattle.analyses.dynamics.report import leave_out
+from rattle.analyses.dynamics.singular_passages import Passage
 from rattle.analyses.grip import grip_notes
 from rattle.analyses.kinematics.motors import motors_at, without_effort
-from rattle.analyses.kinematics.singular_positions import blocking, branch_points, why_stuck
+from rattle.analyses.kinematics.singular_positions import blocking, branch_points, passed_there, why_stuck
 from rattle.analyses.kinematics.sweep import Sweep, begin, unjoined
 from rattle.analyses.own_states import require_no_states
 from rattle.analyses.timetable import jump_notes, timetable
@@ -148,6 +150,7 @@ def analyse(
             f"no joint and no driver holds {', '.join(map(repr, alone))}: kinematics leaves it where it is",
             *notes,
         ]
+    passed = passed_there(first, times, raw, events) if forces else ()
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
     notes += out_of_place(system, reached, places(system, raw))
     notes += past_stops(given, reached, places(system, raw), rates(system, raw))
@@ -160,7 +163,7 @@ def analyse(
     notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
     spent = time.perf_counter() - began
     sides = _sides(first, reached, table.instants, forces)
-    result = _result(given.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides)
+    result = _result(given.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides, passed)
     if message and strict:
         raise SolverError(message, result)
     if message:
@@ -212,6 +215,7 @@ def instants(t_eval: float | Sequence[float] | np.ndarray) -> np.ndarray:
 def _result(
     model: Model, sweep: Sweep, t: np.ndarray, raw: np.ndarray, forces: bool, motors: list[tuple[int, str]],
     message: str, events: list[Event], notes: list[str], wall: float, sides: tuple[np.ndarray, np.ndarray] | None,
+    passed: tuple[Passage, ...],
 ) -> Result:  # fmt: skip
     nonunique: tuple[str, ...] = ()
     data, names, units = _curves(model, sweep, raw, forces, motors)
@@ -220,10 +224,12 @@ def _result(
         nonunique = nonunique_reactions(sweep.system, sweep.workspace)
     if forces:
         notes = [*notes, *grip_notes(sweep.system, t, places(sweep.system, raw), data, names)]
+        leave_out(sweep.system, passed, t, data, {name: units.get(name, "") for name in names})
     breaks = None if sides is None else Breaks(sides[0], _curves(model, sweep, sides[1], forces, motors)[0])
     trust = Trust(
         drift=float(sweep.clock[swept.GAP]), energy_balance=math.nan, t_end=float(t[-1]) if len(t) else 0.0,
         horizon=float(t[-1]) if len(t) else 0.0, nonunique=nonunique, notes=tuple(notes),
+        singular=tuple(passage.t for passage in passed),
     )  # fmt: skip
     stats = {
         "positions": len(t),

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, scaled_rows
+from rattle.analyses.dynamics.singular_passages import Passage
 from rattle.analyses.kinematics.sweep import Sweep
 from rattle.analyses.undefined import driver_left_a_table
 from rattle.equations.closure import open_by
@@ -15,6 +16,10 @@ from rattle.equations.motion import drive
 from rattle.results.columns import motion
 from rattle.results.event import Event
 from rattle.solvers.positions import position_sweep as swept
+from rattle.solvers.singular_passage import NEAR
+
+FIRST_LOOK = 1e-3  # share of the time beside a branch point at which the root is first looked at
+LOOKS = 3  # each puts the next where a straight line has the root NEAR
 
 
 def why_stuck(sweep: Sweep) -> str:
@@ -72,6 +77,29 @@ def branch_points(
             " another motion starts there; the smooth one was followed, forces are not determined at that instant"
         )
     return events, notes
+
+
+def passed_there(first: Sweep, times: np.ndarray, raw: np.ndarray, events: list[Event]) -> tuple[Passage, ...]:
+    """The branch points among the events, with the times around them in which forces are not to be trusted."""
+    passed = []
+    for event in events:
+        if event.kind == "branch point":
+            half = _reach(first, times, raw, event.t)
+            passed.append(Passage(event.t, (), event.t - half, event.t + half))
+    return tuple(passed)
+
+
+def _reach(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> float:
+    """Time [s] from a branch point at t [s] to where the root, a straight line there, is NEAR."""
+    low, high = float(min(times[0], times[-1])), float(max(times[0], times[-1]))
+    room = max(high - t, t - low)
+    side = 1.0 if high - t >= t - low else -1.0
+    half = FIRST_LOOK * room
+    for _ in range(LOOKS):
+        aside = _at(first, times, raw, t + side * half)
+        _, root, _, _ = swept.closed_at(aside.workspace, t + side * half, aside.node, first.system.size)
+        half = min(half * NEAR / root, room) if root > 0.0 else min(2.0 * half, room)
+    return half
 
 
 def _independent(first: Sweep) -> np.ndarray:
