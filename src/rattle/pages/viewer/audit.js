@@ -115,8 +115,9 @@ export function trustOf(s, reach) {
 function besideSingular({ near }) {
   if (!near.length) return [];
   const [from, to] = near[0].map((t) => general(t, 6)), more = near.length > 1 ? ` and ${near.length - 1} more times` : "";
-  return [`the motion comes next to a singular position at t = ${from} s${more}; forces there are not determined, or grow`
-    + ` without bound: curves and largest values leave out ${from} to ${to} s${more ? " and so on" : ""}`];
+  return [`the motion comes next to a singular position near t = ${from} to ${to} s${more}; forces there are not determined,`
+    + ` or grow without bound: curves and largest values leave out ${from} to ${to} s${more ? " and so on" : ""}. A page does not`
+    + " locate such positions and may miss others: rattle run names their instants"];
 }
 
 function pulls(s) {
