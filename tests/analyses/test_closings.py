@@ -317,6 +317,56 @@ def test_samples_with_pins_at_given_offsets_start_side_by_side_and_as_each_alone
         )
 
 
+CONTACTS: list[dict[str, Any]] = [
+    {},
+    {"clearance": 1e-4, "contact": "massless-link"},
+    {"clearance": 1e-4, "contact": {"model": "impact", "restitution": 0.5}},
+]
+
+
+@pytest.mark.parametrize("contact", CONTACTS, ids=["ideal", "massless-link", "impact"])
+@pytest.mark.parametrize("output", ["at({}, 0)", "quantile({}, 0.5)"], ids=["at", "quantile"])
+def test_samples_start_on_the_branch_and_in_the_turn_of_the_mechanism_that_they_vary(contact, output):
+    """However they are run: where both closings are as near to 0, and where an angle passes 180 deg."""
+    alike = fourbar(np.array([3.0, 1.0, 2.8, 1.6]), 0.0, {}, np.ones(3)).set({"joints.C": joint_c(contact)})
+    alike = alike.parameter("y", 0.0).set({"ground.points.D": [3.0, "y"]})
+    pin = along(math.radians(120))
+    length = float(np.hypot(*(pin - [1.4, 0.2])))  # the rocker points to 180 deg
+    turned = fourbar(np.array([3.0, 1.0, length, 1.6]), math.radians(120), {"coupler": -0.34}, np.ones(3))
+    turned = turned.parameter("y", 0.2).set({"ground.points.D": [3.0, "y"], "joints.C": joint_c(contact)})
+    for m, middle in ((alike, 0.0), (turned, 0.2)):
+        for body in ("coupler", "rocker"):
+            text = output.format(f"{body}.angle")
+            values = m.many({"y": middle + np.array([-1e-3, -1e-5, 0.0, 1e-5, 1e-3])}, [text], 1e-5)[text]
+            assert np.ptp(values) < 0.01
+            assert values[2] == pytest.approx(m.simulate(1e-5)[f"{body}.angle"][0], abs=1e-3)
+
+
+def joint_c(contact: dict[str, Any]) -> dict[str, Any]:
+    """The joint between coupler and rocker."""
+    return {"type": "revolute", "connect": ["coupler.C", "rocker.C"], **contact}
+
+
+def test_a_sample_of_an_ensemble_starts_as_in_its_row():
+    m = fourbar(np.array([3.0, 1.0, 2.8, 1.6]), 0.0, {}, np.ones(3)).parameter("y", 0.0, tol=1e-3)
+    m = m.set({"ground.points.D": [3.0, "y"]})
+    samples = m.ensemble(8, ["at(coupler.angle, 0)"], t_end=1e-4)
+    for number, angle in enumerate(samples["at(coupler.angle, 0)"]):
+        assert angles_of(samples.sample(number))["coupler"] == pytest.approx(angle, abs=1e-9)
+
+
+def test_designs_start_on_the_branch_of_the_mechanism_that_is_optimised():
+    """The angle is met at y = 0, and on the other branch nowhere."""
+    m = fourbar(np.array([3.0, 1.0, 2.8, 1.6]), 0.0, {}, np.ones(3)).parameter("y", 5e-4)
+    m = m.set({"ground.points.D": [3.0, "y"]})
+    asked = angles_of(m.neighbour({"y": 0.0}))["coupler"]
+    best = m.optimise(
+        f"abs(at(coupler.angle, 0) - {asked!r})", {"y": (-1e-3, 1e-3)}, analysis="kinematics", t_end=1e-3, starts=1
+    )
+    assert angles_of(best.mechanism)["coupler"] == pytest.approx(asked, abs=1e-6)
+    assert best.values["y"] == pytest.approx(0.0, abs=1e-5)
+
+
 def test_the_closing_that_is_taken_does_not_change_with_the_masses_nor_jump_with_a_length():
     """Nothing is given but the driver: of both closings the one whose angles are nearer to 0."""
     rng = np.random.default_rng(8)

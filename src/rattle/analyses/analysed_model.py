@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, Self, overload
 
 from rattle.analyses import arguments
 from rattle.description.written_model import WrittenModel
@@ -50,6 +50,25 @@ class AnalysedModel(WrittenModel):
         system = self.system
         with computable(self._file):
             return assemble(system)
+
+    def neighbour(self, values: Mapping[str, Any]) -> Self:
+        """As `set`, but what is not given of the start is looked for near the start of this mechanism.
+
+        So samples of one study start on one branch, and none of them a turn away.  Raises ModelError.
+        """
+        return self._beside_its_start.set(values)
+
+    @cached_property
+    def _beside_its_start(self) -> Self:
+        """This mechanism, so that those that `set` makes of it start near its start; itself if it has none."""
+        start = self._start_or_none()
+        if start is None:
+            return self
+        from rattle.analyses.assembly.start_values import places
+
+        made = self.set()
+        made._near = places(self.system, start.q)
+        return made
 
     def recorded(self, parameters: Sequence[str] = ()) -> RecordedModel:
         """The model as a graph whose inputs are time, state and these parameters.

@@ -27,6 +27,7 @@ class Building:
         self._text: str | None = None
         self._file = ""
         self._changes: list[Change] = []
+        self._near: Mapping[str, tuple[float, float, float]] = {}  # see `model.Initial`
 
     def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Self:
         entries = self._document.setdefault(table, {})
@@ -38,7 +39,7 @@ class Building:
 
     def _forget(self) -> None:
         self._text = None
-        for key in ("model", "system", "start"):
+        for key in ("model", "system", "start", "_beside_its_start"):
             self.__dict__.pop(key, None)
 
     def parameter(self, name: str, value: float | str, **more: Any) -> Self:

@@ -343,6 +343,8 @@ class Initial:
 
     bodies: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     offsets: Mapping[str, Vector] = field(default_factory=dict)
+    near: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    """x, y [m] and angle [rad] per body of a start on whose branch, and in whose turn, this one is looked for."""
 
 
 @dataclass(frozen=True)

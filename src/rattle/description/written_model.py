@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -44,9 +45,10 @@ class WrittenModel(Building):
         from rattle.description.reader import read
 
         try:
-            return read(self._document, self._file)
+            model = read(self._document, self._file)
         except ModelError as error:
             raise (model_file.point_out(error, self._text) if self._text else error) from None
+        return replace(model, initial=replace(model.initial, near=self._near)) if self._near else model
 
     @property
     def name(self) -> str:
@@ -155,7 +157,7 @@ class WrittenModel(Building):
         """
         made = type(self)()
         made._document, made._text, made._file = copied(self._document), self._text, self._file
-        made._changes = list(self._changes)
+        made._changes, made._near = list(self._changes), self._near
         asked = {**(values or {}), **parameters}
         for name, value in asked.items():
             if not isinstance(name, str):

@@ -41,7 +41,7 @@ def sweep_scene(
     for plan in _counted(plans, progress):
         label = _label(m, plan)
         try:
-            changed = m.set(**plan) if plan else m
+            changed = m.neighbour(plan) if plan else m
             result = changed.simulate(t_end, horizon=not plan).whole()
         except (ModelError, AssemblyError) as error:
             if not plan:

@@ -93,7 +93,7 @@ def bifurcation(
     given = np.asarray(values, dtype=float)
     if not given.size or given.ndim != 1:
         raise InputError("values of the parameter: expected a one-dimensional array with at least one value")
-    changed = [m.set({parameter: float(value)}) for value in given]
+    changed = [m.neighbour({parameter: float(value)}) for value in given]
 
     def run(one: Mechanism) -> tuple[np.ndarray, Result]:
         if stop.is_set():

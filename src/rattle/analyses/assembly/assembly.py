@@ -50,6 +50,7 @@ KEPT = (
 )
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
+BESIDE = 0.5  # change from a start near by [rad, mechanism sizes] up to which this one is on its branch, as recorded
 HARD = 8  # guesses from which it is tried hard to close, until one does
 LOOKED = 6  # closings that are looked at more closely, at most
 NUDGE = 1e-5  # of differences, as a share of the mechanism's size
@@ -363,6 +364,10 @@ def _positions(
     """
     given = given_values(system, 0)
     small, tolerance = system.row_count <= LARGE, 1e-12 * system.size
+    if small and not offsets and t == 0.0 and system.model.initial.near:
+        q, iterations = _near_by(system, workspace, given)
+        if q is not None:
+            return q, iterations
     closings: list[tuple[float, np.ndarray]] = []  # the squared change of given values, positions
     least_gap, total, search = None, 0, Guesses(system, workspace, t, offsets, None if ideal is None else ideal.q)
     for number, q in enumerate(search):
@@ -393,6 +398,26 @@ def _positions(
     assert least_gap is not None
     _without_drivers(system, workspace, t)
     raise AssemblyError(why_open_from(system, workspace, t, least_gap[1]))
+
+
+def _near_by(system: System, workspace: Workspace, given: np.ndarray) -> tuple[np.ndarray | None, int]:
+    """Closed positions (3 nb,) beside a start near by, and the number of iterations; None if they are far from it.
+
+    Given values are kept as well as that start has them.
+    """
+    near = system.model.initial.near
+    if any(name not in near for name in system.bodies):
+        return None, 0
+    start = np.array([near[name] for name in system.bodies]).ravel()
+    q, least = start.copy(), 1e-9 * system.size
+    gap, iterations = close_position(workspace, 0.0, q, np.empty_like(q), 1e-3 * least, 60)
+    if not gap <= least:
+        return None, iterations
+    q = keep_positions(system, workspace, 0.0, q, given)
+    size = np.tile([system.size, system.size, 1.0], system.body_count)
+    allowed = max(KEPT**2, WORTH * change_of_given(system, start, given))
+    beside = np.abs((q - start) / size).max() <= BESIDE and change_of_given(system, q, given) <= allowed
+    return (q if beside else None), iterations
 
 
 def _nearest(

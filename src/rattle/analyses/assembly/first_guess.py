@@ -53,7 +53,9 @@ def leaves_place(joint: Joint) -> bool:
 
 
 def passed_angles(model: Model, functions: dict[str, float]) -> tuple[dict[str, float], list[str]]:
-    """Angle [rad] of every body: given, passed on by joints that fix it, or else 0; and the bodies of the last sort.
+    """Angle [rad] of every body: given, passed on by joints that fix it, or else of a start near by, or 0.
+
+    And the bodies that have neither of the first two.
 
     functions: value of every driver's function [rad or m].
     """
@@ -74,7 +76,8 @@ def passed_angles(model: Model, functions: dict[str, float]) -> tuple[dict[str, 
             elif other in angles and one not in angles:
                 angles[one] = angles[other] - angle
     free = [name for name in model.bodies if name not in angles]
-    return {**dict.fromkeys(free, 0.0), **angles}, free
+    near = model.initial.near
+    return {**{name: near[name][2] if name in near else 0.0 for name in free}, **angles}, free
 
 
 def place_positions(

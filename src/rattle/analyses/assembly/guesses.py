@@ -71,9 +71,9 @@ class Guesses:
     def away(self, q: np.ndarray) -> tuple[float, float]:
         """How far angles that are sought are from 0, squared, without whole turns and with them [rad^2].
 
-        Rounded, for those that are equal but for rounding.
+        From those of a start near by where there is one.  Rounded, for those that are equal but for rounding.
         """
-        sought = [float(q[3 * self.system.bodies.index(name) + 2]) for name in self.free]
+        sought = [float(q[3 * self.system.bodies.index(name) + 2]) - self.angles[name] for name in self.free]
         every = (sum(math.remainder(angle, math.tau) ** 2 for angle in sought), sum(angle**2 for angle in sought))
         return round(every[0], 9), round(every[1], 9)
 

@@ -36,6 +36,11 @@ def given_values(system: System, turn: int) -> np.ndarray:
     return given
 
 
+def places(system: System, q: np.ndarray) -> dict[str, tuple[float, float, float]]:
+    """Positions (3 nb,) as x, y [m] and angle [rad] of every body, for starts that are looked for near them."""
+    return {name: (x, y, angle) for name, (x, y, angle) in zip(system.bodies, q.reshape(-1, 3).tolist(), strict=True)}
+
+
 def change_of_given(system: System, q: np.ndarray, given: np.ndarray) -> float:
     """Sum of the squared changes of given positions, angles in rad and lengths in sizes of the mechanism."""
     change = (q - given) / np.tile([system.size, system.size, 1.0], system.body_count)

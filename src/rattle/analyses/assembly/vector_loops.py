@@ -86,6 +86,7 @@ class VectorLoops:
         group, ahead = self._groups[GROUND]
         self._known = Found({group: -ahead}, _driven_slides(self.model, functions))
         self._given: dict[str, float] = {}  # angles of groups [rad]
+        self._near = self._angles_near_by()
         places: dict[str, dict[str, float]] = {}
         for body, values in self.model.initial.bodies.items():
             group, ahead = self._groups[body]
@@ -93,6 +94,7 @@ class VectorLoops:
                 self._given.setdefault(group, values["angle"] - ahead)
             places[body] = {key: values[key] for key in ("x", "y") if key in values}
         near = _neighbours(self.model)
+        self._near |= self._given
         self._loops = [self._around(steps) for steps in _cycles(self.model, near)]
         for driver in self.model.drivers.values():
             if driver.point is not None and driver.kind in ("body-x", "body-y"):
@@ -115,6 +117,15 @@ class VectorLoops:
                 if all(np.abs(q - other).max() > 1e-9 * self.system.size for other in seen):
                     seen.append(q)
                     yield q
+
+    def _angles_near_by(self) -> dict[str, float]:
+        """Angles [rad] of groups in a start near by."""
+        angles: dict[str, float] = {}
+        for body, (_, _, angle) in self.model.initial.near.items():
+            if body in self._groups:
+                group, ahead = self._groups[body]
+                angles.setdefault(group, angle - ahead)
+        return angles
 
     # ---------------------------------------------------------------- loops
     def _around(self, steps: list[tuple[Joint, str, str]]) -> Loop:
@@ -208,13 +219,14 @@ class VectorLoops:
         unknown = self._unknown(loop, node.found)[0]
         if isinstance(unknown, Slide):
             return node._replace(found=node.found._replace(slides={**node.found.slides, unknown.name: 0.0}))
-        return node._replace(found=node.found._replace(angles={**node.found.angles, unknown: 0.0}))
+        angles = {**node.found.angles, unknown: self._near.get(unknown, 0.0)}
+        return node._replace(found=node.found._replace(angles=angles))
 
     def _judged(self, solution: Found) -> tuple[float, float]:
         """How far angles are from the given ones, and from where they are looked for [rad^2]."""
         change = away = 0.0
         for group, angle in solution.angles.items():
-            miss = math.remainder(angle - self._given.get(group, 0.0), math.tau) ** 2
+            miss = math.remainder(angle - self._near.get(group, 0.0), math.tau) ** 2
             away += miss
             change += miss if group in self._given else 0.0
         return change, away
@@ -278,7 +290,8 @@ class VectorLoops:
         """Positions (3 nb,) [m, m, rad] of a closing, with the turns of given angles."""
         angles: dict[str, float] = {}
         for body, (group, ahead) in self._groups.items():
-            angle, near = found.angles.get(group, self._given.get(group, 0.0)), self._given.get(group, 0.0)
+            near = self._near.get(group, 0.0)
+            angle = found.angles.get(group, near)
             if group not in self._known.angles:
                 angle += math.tau * round((near - angle) / math.tau)
             angles[body] = angle + ahead

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled, assemble, put_together
 from rattle.analyses.assembly.start_constants import constants_of, flat
+from rattle.analyses.assembly.start_values import places
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
 from rattle.equations.system import System
@@ -81,7 +83,9 @@ class Starts:
 
     def assemble(self, values: np.ndarray) -> tuple[System, Assembled]:
         """The model with values (np,) of the chosen parameters [SI], assembled.  Raises ModelError, AssemblyError."""
-        system = put_together(read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True))))
+        model = read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True)))
+        near = places(self.model.system, self.model.start.q)  # all starts are on the branch of the recorded one
+        system = put_together(replace(model, initial=replace(model.initial, near=near)))
         return system, assemble(system)
 
     def solve(self, y: np.ndarray, values: np.ndarray, constants: np.ndarray | None = None) -> np.ndarray:

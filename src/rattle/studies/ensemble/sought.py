@@ -205,7 +205,7 @@ class _Clearance(Sought):
     def limits(self, x: float) -> Limits:
         """Those about the output without play."""
         if x not in self._known:
-            made = self._reference.mechanism.set({self.parameter.name: x}).ideal()
+            made = self._reference.mechanism.neighbour({self.parameter.name: x}).ideal()
             (value,), _ = self._reference.look(made)
             self._known[x] = limits_about(self._within, value, self._reference.outputs[0].unit)
         return self._known[x]

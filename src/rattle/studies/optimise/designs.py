@@ -118,7 +118,7 @@ class Designs:
         self.on_run()
         design = Design(x)
         try:
-            m = question.mechanism.set(question.values(x))
+            m = question.mechanism.neighbour(question.values(x))
             result = _whole(question.run(m))
             ideal = m.ideal() if question.ideal_curves else None
             design.run = Run(m, result, ideal, None if ideal is None else _whole(question.run(ideal)))

@@ -150,7 +150,7 @@ def _written(asked: Question, design: Design) -> Mechanism:
     for name, value in asked.values(design.x).items():
         scale, unit = asked.mechanism.written_unit(name)
         written[name] = f"{value / scale!r} {unit}" if unit else value
-    return asked.mechanism.set(written)
+    return asked.mechanism.neighbour(written)
 
 
 def _checked(asked: Question, m: Mechanism, sizes: np.ndarray) -> Check:

@@ -63,7 +63,7 @@ class Task:
         bad = next((name for name, value in given.items() if not math.isfinite(value)), "")
         if bad:
             raise ModelError([Problem(("parameters", bad), f"{given[bad]} is not a finite number")])
-        return self.mechanism.set(given)
+        return self.mechanism.neighbour(given)
 
     @property
     def history_times(self) -> np.ndarray:
