@@ -266,6 +266,28 @@ def test_angles_of_a_fivebar_that_fit_together_are_kept(way):
         assert kept(m, {body: {"angle": every[body]} for body in names.split()})
 
 
+@pytest.mark.parametrize("between", ["rod", "cylinder"])
+def test_values_of_a_mechanism_on_a_floating_base_that_fit_together_are_kept(between):
+    """No joint leads from the ground to the base: it stands where it is given."""
+    place, crank, lever = np.array([2.0, 0.3]), math.radians(65), math.radians(95)
+    m = rt.Mechanism("floating").ground(G=[0, 0]).body("base", points={"A": [0, 0], "D": [1, 0]}, mass=5, inertia=1)
+    m.bar("crank", "A", "B", length=0.3, mass=1).bar("lever", "D", "C", length=0.6, mass=1)
+    m.revolute("A", "base.A", "crank.A").revolute("D", "base.D", "lever.D")
+    pins = along(crank, 0.3), np.array([1.0, 0.0]) + along(lever, 0.6)
+    given = {"base": {"x": 2.0, "y": 0.3, "angle": 0.0}, "crank": {"angle": crank}, "lever": {"angle": lever}}
+    if between == "rod":
+        m.rod("rod", "crank.B", "lever.C", length=float(np.hypot(*(pins[0] - pins[1]))))
+    else:
+        arm = direction(pins[1] - pins[0])
+        m.body("barrel", points={"P": [0, 0]}, mass=1, inertia=0.1).revolute("B", "crank.B", "barrel.P")
+        m.body("piston", points={"Q": [0, 0]}, mass=1, inertia=0.1).revolute("C", "lever.C", "piston.Q")
+        m.prismatic("P", "barrel.P", "piston.Q")
+        given["barrel"] = {"angle": arm}
+    m.load("spring", type="spring", connect=["ground.G", "base.A"], stiffness=100, free_length=0)
+    assert kept(m, given)
+    assert m.start.q[:2] == pytest.approx(place, abs=1e-9)
+
+
 def test_slopes_are_those_of_the_closing_that_was_asked_for():
     """Independent reference: the triangle of coupler and rocker, differenced."""
     sizes, crank = np.array([4.0, 1.0, 2.99, 2.1]), math.radians(30)

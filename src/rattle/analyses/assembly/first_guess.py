@@ -16,10 +16,11 @@ from rattle.equations.placement import turned
 from rattle.equations.system import System
 
 
-def outward(model: Model) -> list[tuple[str, str, Joint]]:
+def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]:
     """(body, its parent, joint between them) from the ground outwards: bodies behind few loose joints first, then few.
 
     A joint is loose if it does not determine the position of B: one with clearance, a line to slide along, a rod.
+    islands: and then from bodies outwards that no joints lead to; these have no parent, and stand where they are given.
     """
     driven = {driver.joint for driver in model.drivers.values()}
     near: dict[str, list[Joint]] = {}
@@ -27,11 +28,17 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
         if joint.leaf.places:
             near.setdefault(joint.a.body, []).append(joint)
             near.setdefault(joint.b.body, []).append(joint)
-    order = []
+    order: list[tuple[str, str, Joint]] = []
     done = set()
     number = itertools.count()
     queue: list[Any] = [(0, 0, next(number), "ground", "", None)]
-    while queue:
+    roots = _places_given_first(model) if islands else []
+    while True:
+        if not queue:
+            root = next((body for body in roots if body not in done), None)
+            if root is None:
+                return order
+            queue.append((0, 0, next(number), root, "", None))
         slack, depth, _, body, parent, via = heapq.heappop(queue)
         if body in done:
             continue
@@ -44,7 +51,11 @@ def outward(model: Model) -> list[tuple[str, str, Joint]]:
                 loose = joint.contact is not None and not joint.contact.closed
                 loose |= joint.name not in driven and leaves_place(joint)
                 heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
-    return order
+
+
+def _places_given_first(model: Model) -> list[str]:
+    """Bodies, those first of which x and y are given."""
+    return sorted(model.bodies, key=lambda body: -len({"x", "y"} & model.initial.bodies.get(body, {}).keys()))
 
 
 def leaves_place(joint: Joint) -> bool:
@@ -93,7 +104,9 @@ def place_positions(
     given = {
         name: np.array([one.get("x", math.nan), one.get("y", math.nan)]) for name, one in model.initial.bodies.items()
     }
-    for body, parent, joint in outward(model):
+    for body, parent, joint in outward(model, islands=True):
+        if parent not in at:
+            at[parent] = np.nan_to_num(given.get(parent, np.zeros(2)))
         wanted = given.get(body, np.full(2, math.nan))
         arm_a, arm_b = turned(angles[joint.a.body], joint.a.at), turned(angles[joint.b.body], joint.b.at)
         gap = np.array(offsets.get(joint.name, (0.0, 0.0)))  # point of B minus point of A

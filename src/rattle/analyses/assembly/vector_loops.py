@@ -296,7 +296,10 @@ class VectorLoops:
                 angle += math.tau * round((near - angle) / math.tau)
             angles[body] = angle + ahead
         at: dict[str, complex] = {GROUND: 0.0j}
-        for body, parent, joint in outward(self.model):
+        for body, parent, joint in outward(self.model, islands=True):
+            if parent not in at:
+                values = self.model.initial.bodies.get(parent, {})
+                at[parent] = complex(values.get("x", 0.0), values.get("y", 0.0))
             sign = 1.0 if body == joint.b.body else -1.0
             own, other = (joint.b, joint.a) if body == joint.b.body else (joint.a, joint.b)
             gap = 0.0j
