@@ -288,6 +288,24 @@ def test_values_of_a_mechanism_on_a_floating_base_that_fit_together_are_kept(bet
     assert m.start.q[:2] == pytest.approx(place, abs=1e-9)
 
 
+@pytest.mark.parametrize("turns", [0, -1, 2])
+@pytest.mark.parametrize("driven", [False, True])
+def test_angles_of_bodies_that_turn_together_may_be_given_in_different_turns(turns, driven):
+    """A boom on a cylinder: the first of them counts, and a driver before all."""
+    m = rt.Mechanism("cylinder").ground(O=[0, 0], C=[1, 0]).bar("boom", "O", "A", length=1, mass=5)
+    m.body("barrel", points={"C": [0, 0]}, center=[0.3, 0], mass=2, inertia=0.1)
+    m.body("piston", points={"A": [0, 0]}, center=[-0.3, 0], mass=1, inertia=0.1)
+    m.revolute("O", "ground.O", "boom.O").revolute("C", "ground.C", "barrel.C").revolute("A", "boom.A", "piston.A")
+    m.prismatic("P", "barrel.C", "piston.A")
+    if driven:
+        m.driver("motor", "O", angle="90 deg + t")
+    given = {"boom": 90.0 + 360 * turns * driven, "barrel": 135.0, "piston": 135.0 + 360 * turns}
+    for body, angle in given.items():
+        m.initial(body, angle=math.radians(angle))
+    assert np.degrees(list(angles_of(m).values())) == pytest.approx([90, 135, 135], abs=1e-9)
+    assert bool(m.start.notes) == bool(turns)
+
+
 def test_slopes_are_those_of_the_closing_that_was_asked_for():
     """Independent reference: the triangle of coupler and rocker, differenced."""
     sizes, crank = np.array([4.0, 1.0, 2.99, 2.1]), math.radians(30)

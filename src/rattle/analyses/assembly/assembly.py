@@ -32,6 +32,7 @@ from rattle.analyses.assembly.start_values import (
     keep_positions,
     keep_rates,
 )
+from rattle.analyses.assembly.vector_loops import given_in_one_turn
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
 from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
@@ -216,7 +217,7 @@ def _closed(
 
     Also returns the number of iterations.
     """
-    q, given = None, given_values(system, 0)
+    q, given = None, given_in_one_turn(system, t)
     if held and ideal is not None:
         try:
             joints = {
@@ -362,7 +363,7 @@ def _positions(
 
     Where several do, the first of them.
     """
-    given = given_values(system, 0)
+    given = given_in_one_turn(system, t)
     small, tolerance = system.row_count <= LARGE, 1e-12 * system.size
     if small and not offsets and t == 0.0 and system.model.initial.near:
         q, iterations = _near_by(system, workspace, given)

@@ -35,6 +35,7 @@ NEAR = 0.01  # mechanism sizes up to which a position that a driver gives throug
 ACROSS = 2.0  # plays, all together, by which a body may move where pins go from one side of their bushes to the other
 AT_ODDS, HELD = "the given values contradict each other", "the joints hold it"
 UNREACHED = "the joints do not let it get there"
+TURNED = "bodies that turn together start in the same turn"
 
 
 class Change(NamedTuple):
@@ -106,6 +107,8 @@ def _changes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarra
             why = _holder(shut, free(), k)
             if why == AT_ODDS and alone and turn == 0:
                 why = UNREACHED
+            if why == AT_ODDS and key == "angle" and abs(math.remainder(got - given, math.tau)) <= SEEN:
+                why = TURNED
             if turn == 1:
                 limit = math.inf if played().held[k] else 0.0
             elif key == "angle":

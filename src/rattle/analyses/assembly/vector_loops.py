@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.first_guess import driver_functions, outward
+from rattle.analyses.assembly.start_values import given_values
 from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations.system import System
 
@@ -344,6 +345,24 @@ def _onto_circle(start: complex, u: complex, radius: float) -> tuple[list[float]
 def groups_at(system: System, t: float) -> dict[str, tuple[str, float]]:
     """Of every body, and of the ground, the group that turns with it at t [s], and how far it is ahead of it [rad]."""
     return _groups(system.model, driver_functions(system, t))
+
+
+def given_in_one_turn(system: System, t: float) -> np.ndarray:
+    """(3 nb,) given positions [m, m, rad], nan if not given; angles of bodies that turn together are in one turn.
+
+    It is that of the first of them, or that in which a driver holds them at t [s].
+    """
+    given, groups = given_values(system, 0), groups_at(system, t)
+    first, ahead = groups[GROUND]
+    turns = {first: -ahead}
+    for n, body in enumerate(system.bodies):
+        angle = float(given[3 * n + 2])
+        if math.isnan(angle):
+            continue
+        group, ahead = groups[body]
+        kept = turns.setdefault(group, angle - ahead) + ahead
+        given[3 * n + 2] += math.tau * round((kept - angle) / math.tau)
+    return given
 
 
 def _groups(model: Model, functions: Mapping[str, float]) -> dict[str, tuple[str, float]]:
