@@ -131,6 +131,20 @@ def test_rough_angles_of_a_free_fourbar_change_least_of_all_positions_by_inertia
         assert change(angles_of(fourbar(sizes, None, asked, masses))) < 1.01 * least + 1e-7
 
 
+@pytest.mark.parametrize(
+    ("sizes", "masses", "asked", "bend"),
+    [
+        ([1.882, 0.623, 2.869, 1.845], [1.01, 3.69, 2.52], {"crank": -1.9621, "coupler": 0.4761}, 1),
+        ([2.12, 0.544, 2.661, 1.753], [0.8, 4.81, 3.35], {"crank": 2.4764, "coupler": -0.2827}, -1),
+    ],
+)
+def test_rough_angles_of_a_free_fourbar_take_the_nearer_branch_whatever_the_masses(sizes, masses, asked, bend):
+    """On the other branch they change three times as much; bend: side of the line to D where the coupler is."""
+    q = angles_of(fourbar(np.array(sizes), None, asked, np.array(masses)))
+    line = direction(np.array([sizes[0], 0.0]) - along(q["crank"], sizes[1]))
+    assert math.copysign(1.0, math.sin(q["coupler"] - line)) == bend
+
+
 # ---------------------------------------------------------------- other loops
 def kept(m: rt.Mechanism, given: dict[str, dict[str, float]]) -> bool:
     """True if the start has all given values, angles but for whole turns, and says nothing of them."""

@@ -434,7 +434,7 @@ def _nearest(
         if closings[n][0] > WORTH * best[0]:
             break
         q = keep_positions(system, workspace, t, closings[n][1], given)
-        change = change_of_given(system, q, given)
+        change = min(closings[n][0], change_of_given(system, q, given))  # moved by mass, it may count more than before
         if change < (1.0 - ALIKE) * best[0]:
             best = (change, q)
     return best[1]
