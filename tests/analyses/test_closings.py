@@ -280,6 +280,30 @@ def test_angles_of_a_fivebar_that_fit_together_are_kept(way):
         assert kept(m, {body: {"angle": every[body]} for body in names.split()})
 
 
+def fourbars_in_a_row(count: int, seed: int) -> tuple[rt.Mechanism, float]:
+    """Every rocker moves the next coupler; and the angle of the last of them [rad]."""
+    rng = np.random.default_rng(seed)
+    m = rt.Mechanism("row").ground(O=[0, 0]).bar("rocker0", "O", "E", length=0.5, mass=1)
+    m.revolute("O", "ground.O", "rocker0.O").driver("motor", "O", angle="0.4 + t")
+    pin, angle = along(0.4, 0.5), 0.4
+    for n in range(1, count + 1):
+        pivot, angle = np.array([2.0 * n, 0.0]), float(rng.uniform(-3.0, 3.0))
+        joint = pivot + along(angle, 0.9)
+        m.ground(**{f"D{n}": pivot.tolist()})
+        m.bar(f"coupler{n}", "B", "C", length=float(np.hypot(*(joint - pin))), mass=1)
+        m.body(f"rocker{n}", points={"D": [0, 0], "C": [0.9, 0], "E": [0.5, 0.2]}, mass=1, inertia=0.1)
+        m.revolute(f"B{n}", f"rocker{n - 1}.E", f"coupler{n}.B").revolute(f"C{n}", f"coupler{n}.C", f"rocker{n}.C")
+        m.revolute(f"D{n}", f"ground.D{n}", f"rocker{n}.D")
+        pin = pivot + along(angle, 0.5) + along(angle + math.pi / 2, 0.2)
+    return m, angle
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_value_at_the_end_of_a_long_row_of_fourbars_is_kept(seed):
+    m, last = fourbars_in_a_row(10, seed)
+    assert kept(m, {"rocker10": {"angle": last}})
+
+
 @pytest.mark.parametrize("between", ["rod", "cylinder"])
 def test_values_of_a_mechanism_on_a_floating_base_that_fit_together_are_kept(between):
     """No joint leads from the ground to the base: it stands where it is given."""
