@@ -304,6 +304,22 @@ def test_a_value_at_the_end_of_a_long_row_of_fourbars_is_kept(seed):
     assert kept(m, {"rocker10": {"angle": last}})
 
 
+def test_angles_of_more_loops_than_dense_matrices_are_made_for_are_kept():
+    """Seventy couplers and rockers side by side: 423 rows; every second coupler on either branch."""
+    m = rt.Mechanism("fan").ground(O=[0, 0], D=[3.0, 0.0]).bar("crank", "O", "E", length=1.0, mass=1)
+    m.revolute("O", "ground.O", "crank.O").driver("motor", "O", angle="0.5 + t")
+    given, fits = {}, {}
+    for n in range(70):
+        coupler, rocker = dyad(along(0.5), np.array([3.0, 0.0]), 1.6 + 0.01 * n, 1.5)[n % 2]
+        m.bar(f"c{n}", "E", "C", length=1.6 + 0.01 * n, mass=1).bar(f"r{n}", "D", "C", length=1.5, mass=1)
+        m.revolute(f"E{n}", "crank.E", f"c{n}.E").revolute(f"C{n}", f"c{n}.C", f"r{n}.C")
+        m.revolute(f"D{n}", "ground.D", f"r{n}.D")
+        given[f"c{n}"], fits[f"r{n}"] = {"angle": coupler}, rocker
+    assert kept(m, given)
+    q = angles_of(m)
+    assert max(apart(q[body], angle) for body, angle in fits.items()) < 1e-9
+
+
 @pytest.mark.parametrize("between", ["rod", "cylinder"])
 def test_values_of_a_mechanism_on_a_floating_base_that_fit_together_are_kept(between):
     """No joint leads from the ground to the base: it stands where it is given."""

@@ -381,9 +381,9 @@ def _positions(
             iterations += more
         total += iterations
         if gap <= 1e-9 * system.size:
-            if ideal is not None or not small:
+            if ideal is not None or (not small and change_of_given(system, q, given) <= KEPT**2):
                 return q, total
-            if not closings:
+            if not closings and small:
                 q = keep_positions(system, workspace, t, q, given)
             closings.append((change_of_given(system, q, given), q))
             if closings[0][0] <= KEPT**2 and (search.settled or closings[-1][0] > KEPT**2):
@@ -393,6 +393,8 @@ def _positions(
         elif least_gap is None or gap < least_gap[0]:
             least_gap = (gap, q)
     if closings:
+        if not small:
+            return min(closings, key=lambda closing: closing[0])[1], total
         if search.discrete and (kept := [q for change, q in closings if change <= KEPT**2]):
             return min(kept, key=search.away), total
         return _nearest(system, workspace, t, given, closings), total

@@ -19,6 +19,7 @@ from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
+LONG = 3000  # rows above which no closings are looked for: lists of ways through long chains take the square of it
 STARTS = 48  # guesses that are tried for angles that are not given
 
 
@@ -50,14 +51,14 @@ class Guesses:
             yield place_positions(system, {**rough, **closed}, self.offsets, self.functions)
             return
         yield place_positions(system, angles, self.offsets, self.functions)
-        if system.row_count > LARGE:
+        if system.row_count > LONG:
             return
         loops = VectorLoops(system, self.functions)
         for q in loops:
             self.settled, self.discrete = not free or not loops.complete, loops.complete
             yield q
         self.discrete = loops.complete
-        if not free or loops.complete:
+        if not free or loops.complete or system.row_count > LARGE:
             return
         turns = [math.radians(x) for x in (60, -60, 120, -120, 180, 30, -30)]
         tried: Iterator[tuple[float, ...]] = itertools.product(turns, repeat=len(free))
