@@ -1,11 +1,13 @@
 """Many samples of one mechanism: side by side, one by one, and what cannot be run."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.analyses.straight_line import starts
 from rattle.errors import ModelError, SolverError
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, read
@@ -261,6 +263,17 @@ def test_an_instant_may_follow_from_parameters_that_differ():
 
 
 @pytest.mark.nojit
+@pytest.mark.parametrize(("example", "name", "compiled"), [("path_generator", "a", True), ("fourbar", "l2", False)])
+def test_starts_that_are_found_one_by_one_use_machine_code_and_recorded_ones_need_none(
+    example, name, compiled, monkeypatch
+):
+    asked: list[bool] = []
+    monkeypatch.setattr(starts, "functions", SimpleNamespace(start=lambda: asked.append(True)))
+    m = rt.example(example)
+    m.many({name: m.parameters[name] * np.array([0.999, 1.001])}, ["final(energy.kinetic)"], 1e-3)
+    assert bool(asked) == compiled
+
+
 def test_an_output_without_a_value_leaves_the_others_alone():
     """Never is an answer; a division by zero is none."""
     outputs = ["first(block.x < 0.4)", "final(block.x)", "1/at(block.vx, 0)"]

@@ -14,6 +14,7 @@ from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError
+from rattle.jit import functions
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
 from rattle.trace.lane_program import Compile, filled
@@ -54,6 +55,8 @@ class Starts:
             good[:] = False
         messages: dict[int, str] = {}
         alike = self._alike(values)
+        if not good.all():
+            functions.start()  # for one of them already: a sample has the same bits however many there are beside it
         for n in np.flatnonzero(~good):
             try:
                 system, start = self.assemble(values[:, n])
