@@ -364,6 +364,17 @@ def test_ratchet_goes_on_by_whole_teeth(method, accuracy):
 
 
 @nojit
+def test_ratchet_may_start_behind_any_of_its_teeth():
+    """Whole pitches behind or ahead of where it is given, it moves alike."""
+    m = rt.example("ratchet")
+    pitch, t = 360.0 / m.parameters["teeth"], np.linspace(0.0, 0.05, 6)
+    turned = [
+        m.set({"initial.wheel.angle": f"{angle!r} deg"}).simulate(t_eval=t)["wheel.angle"] - math.radians(angle)
+        for angle in (-3.0, pitch - 3.0, -2.0 * pitch - 3.0)
+    ]
+    np.testing.assert_allclose(turned[1:], [turned[0]] * 2, atol=1e-9)
+
+
 def test_pick_up_of_a_ratchet_is_an_impact_at_its_tooth():
     r = rocking()
     first = next(event for event in r.events if event.joint == "pawl" and event.kind == "impact")

@@ -29,6 +29,8 @@ def outside(system: System, workspace: Workspace) -> str:
         if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
             if joint.stop.contact.rigid:
                 return _beyond(joint, int(entry[at.SENSE]), float(gap))
+        elif one[at.ANGULAR] > 0.0:
+            continue  # teeth: a run begins behind the tooth that is there
         else:
             clearance = joint.clearance
             if joint.one_sided is not None and joint.contact is not None and not joint.contact.rigid:
