@@ -233,7 +233,9 @@ def test_the_head_of_the_file_says_which_parameters_are_fixed_and_why(tmp_path):
         float(curves[f"{body}.{key}"][0]) for body in ("crank", "coupler", "rocker") for key in ("x", "y", "angle")
     ]
     assert start[:9] == pytest.approx(wanted, abs=1e-12)  # one length alone: put together as the package does
-    assert written(tmp_path, "path_generator", name="model.mjs").exit_code == 0
+    done = written(tmp_path, "path_generator", name="model.mjs")
+    assert done.exit_code == 0
+    assert "note: omega stays fixed: the start does not follow from given values alone" in done.stderr
     text = (tmp_path / "model.mjs").read_text()
     assert "Fixed parameters: a, c, c_q, omega (the start does not follow from given values alone" in text
     assert in_node(tmp_path, "m.parameters") == [{}]

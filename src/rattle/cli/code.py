@@ -69,9 +69,12 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
         _write_fmu(m, Path(file).stem, until, output)
         return
     write = c_program if ending == ".c" else javascript_module
-    text = write(program(m.recorded()), m.name or "A mechanism", until, longest)
+    made = program(m.recorded())
+    text = write(made, m.name or "A mechanism", until, longest)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
+    for name, why in made.constants.items():
+        click.echo(f"note: {name} stays fixed: {why}", err=True)
     say_written(output)
 
 
