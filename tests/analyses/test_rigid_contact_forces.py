@@ -208,7 +208,7 @@ def test_pictures_have_the_scale_of_what_can_be_read_and_say_that_they_are_cut(r
     words = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert all("cut where it towers" in word for word in words)
     orbit = r.plot_orbit("B")
-    assert "cut where it towers" in orbit.axes[1].get_title()
+    assert "cut where it towers" in orbit.axes[1].get_ylabel()
     assert orbit.axes[1].get_ylim()[1] < LARGEST
 
 

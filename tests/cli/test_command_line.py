@@ -77,7 +77,7 @@ def never(monkeypatch):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("run model.toml -o out.csv", "saved as .nc (netCDF) or .npz"),
+        ("run model.toml -o out.csv", "a result is saved as .nc or .npz; --csv out.csv writes its curves"),
         ("run model.toml --csv nowhere/x.csv", "the folder nowhere does not exist"),
         ("run model.toml --csv x.xlsx", "give a name ending in .csv"),
         ("run model.toml --csv model.toml.csv", "it is the input file"),
@@ -242,7 +242,7 @@ def test_a_section_stopped_before_its_first_point_is_no_picture(tmp_path, monkey
 
 
 # ---------------------------------------------------------------- runs that stop early
-SECTION = ("poincare", "m.toml", "--of", "upper.angle", "--of", "upper.omega", "--period", 0.01, "--points", 20)
+SECTION = ("poincare", "m.toml", "--of", "upper.angle", "--period", 0.01, "--points", 20)
 
 
 def write_pendulum_torn_at(t):
