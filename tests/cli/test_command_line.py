@@ -243,6 +243,7 @@ def test_a_section_stopped_before_its_first_point_is_no_picture(tmp_path, monkey
 
 # ---------------------------------------------------------------- runs that stop early
 SECTION = ("poincare", "m.toml", "--of", "upper.angle", "--period", 0.01, "--points", 20)
+OF_TWO = ("--of", "upper.omega")  # a section draws one curve over another
 
 
 def write_pendulum_torn_at(t):
@@ -255,9 +256,12 @@ def write_pendulum_torn_at(t):
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (("--skip", 9), "the run stopped at t = 0.045 s, .*; the first point is that at t = 0.09 s, after 9 periods"),
         (
-            ("--crossing", "upper.x", "--skip", 2),
+            (*OF_TWO, "--skip", 9),
+            "the run stopped at t = 0.045 s, .*; the first point is that at t = 0.09 s, after 9 periods",
+        ),
+        (
+            (*OF_TWO, "--crossing", "upper.x", "--skip", 2),
             "the run stopped at t = 0.045 s, .*; upper.x goes from 0.1.* never rises",
         ),
         (
@@ -279,7 +283,7 @@ def test_a_section_whose_run_stops_before_its_first_point_says_why_and_draws_not
 def test_a_section_whose_run_stops_shows_the_points_it_has_and_fails(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_pendulum_torn_at(0.045)
-    found = call(*SECTION, "--skip", 1)
+    found = call(*SECTION, *OF_TWO, "--skip", 1)
     assert found.exit_code == 1
     assert "4 points, every 0.01 s, stopped at t = 0.045 s" in found.stdout  # at 10, 20, 30 and 40 ms
     assert Path("poincare.png").exists()
