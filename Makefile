@@ -5,7 +5,7 @@ PYTEST = $(BIN)/python -m pytest -q -n 2
 OLDEST := $(VENV)-oldest
 WHEEL := $(VENV)-wheel
 # tests of rooms that have kernels; the others would run the same Python twice
-KERNELS := $(addprefix tests/, analyses elements equations jit language solvers trace)
+KERNELS := $(addprefix tests/, analyses elements equations jit language solvers)
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 .DEFAULT_GOAL := help

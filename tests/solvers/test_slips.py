@@ -36,6 +36,7 @@ def test_a_point_that_is_not_there_is_named_as_it_was_written(saved, tmp_path, m
     assert "arm.Q.x" not in text
 
 
+@pytest.mark.machine
 @pytest.mark.nojit
 def test_model_files_and_results_are_told_apart(saved, tmp_path):
     model = tmp_path / "fourbar.toml"
