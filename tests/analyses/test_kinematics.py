@@ -24,6 +24,14 @@ def rocker_angle(angle, a, b, c, d, side):
     return np.arctan2(y, x) + np.pi - side * at_rocker
 
 
+@nojit
+def test_what_is_not_driven_is_named_beside_a_body_that_nothing_joins():
+    m = rt.Mechanism("pendulum").ground(O=[0, 0]).body("rod", mass=1, inertia=1, points={"A": [0, 0]})
+    m.body("alone", mass=1, inertia=1, points={"C": [0, 0]}).revolute("O", "ground.O", "rod.A")
+    with pytest.raises(rt.ModelError, match=r"1 degree of freedom is left \(can still move: rod\)"):
+        m.kinematics([0.0, 0.1])
+
+
 # ---------------------------------------------------------------- closed forms
 @nojit
 def test_slider_crank_moves_as_its_closed_form():

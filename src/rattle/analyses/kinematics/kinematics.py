@@ -60,7 +60,7 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     ):
         where = describe_rank_loss(system, workspace)
         raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
-    free = np.abs(right[independent:]).reshape(left, -1, 3).max(axis=(0, 2))
+    free = np.abs(right[independent:]).reshape(-1, system.body_count, 3).max(axis=(0, 2))
     movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6 and name not in alone]
     loose = _loose(system)
     dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
