@@ -531,3 +531,12 @@ def test_damping_that_is_rounding_is_none_in_words():
     assert rounded.rows()[0][2] == "0 %"
     damped = replace(found, roots=np.array([[-1e-6 * abs(root) + 1j * root.imag, -1e-6 * abs(root) - 1j * root.imag]]))
     assert damped.rows()[0][2] == "0.0001 %"
+
+
+@nojit
+@pytest.mark.parametrize(("heavy", "light"), [(1e12, 1e-9), (1.0, 1e-30)])
+def test_masses_too_unlike_for_modes_are_named(heavy, light):
+    m = rt.loads(rods())
+    unlike = m.set({"bodies.rod.mass": heavy, "bodies.low.mass": light})
+    with pytest.raises(rt.InputError, match=r"modes cannot be computed: 'rod' has .* times the mass of 'low'"):
+        unlike.modes()

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rattle.analyses.assembly.rank import unlike_masses
 from rattle.analyses.clutches import require_known_torques
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibria import static_problem
@@ -232,7 +233,10 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
         return Modes(one, np.zeros((0, 2), complex), np.zeros((0, 2, len(one.q)), complex), problem, note)
     stiffness, damping, how, error = _matrices(problem, one.q, null)
     mass = null.T @ (problem.system.arrays["mass"][1:].ravel()[:, None] * null)
-    roots, shapes = small_motions(stiffness, damping, mass, error)
+    try:
+        roots, shapes = small_motions(stiffness, damping, mass, error)
+    except np.linalg.LinAlgError as failure:
+        raise InputError(f"modes cannot be computed: {_why_singular(problem.system)}") from failure
     vectors = shapes @ null.T
     displacement = vectors / problem.scale
     place = np.abs(displacement).argmax(axis=2)[:, :, None]
@@ -240,6 +244,12 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     turned = np.where(np.isreal(largest), np.abs(largest), largest)  # a real shape keeps its sign
     found = whirls(problem, one.q, roots, vectors)
     return Modes(one, roots, problem.system.size * vectors / turned, problem, note, how, found)
+
+
+def _why_singular(system: System) -> str:
+    """Why the mass of the free motions is not positive definite to double precision, in words."""
+    unlike = unlike_masses(system)
+    return unlike or "masses, inertias and lengths differ too much for double precision; are their units as meant?"
 
 
 def own_problem(system: System, one: Equilibrium) -> StaticProblem:
