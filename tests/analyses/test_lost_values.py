@@ -57,6 +57,16 @@ def test_start_without_a_value_is_named():
         _ = spinning().driver("motor", "O", angle="log(t - 1)").start
 
 
+@pytest.mark.parametrize("angle", ["log(t)", "1/t", "t**-1"])
+@pytest.mark.parametrize("analysis", ["kinematics", "inverse_dynamics", "equilibrium", "modes"])
+def test_every_analysis_names_a_driver_without_a_value_at_its_start(analysis, angle):
+    m = rt.Mechanism("rod").ground(O=[0, 0]).body("rod", mass=1, inertia=1, points={"A": [0, 0]})
+    m.revolute("O", "ground.O", "rod.A").driver("motor", "O", angle=angle)
+    times = ([0.0, 0.1],) if analysis in ("kinematics", "inverse_dynamics") else ()
+    with pytest.raises(rt.AssemblyError, match="the function of driver 'motor' has no finite value at t = 0 s"):
+        getattr(m, analysis)(*times)
+
+
 def test_strict_run_raises_with_the_result():
     with pytest.raises(rt.SolverError, match="no finite value") as caught:
         moment(strict=True)

@@ -32,6 +32,7 @@ from rattle.analyses.assembly.start_values import (
     keep_positions,
     keep_rates,
 )
+from rattle.analyses.assembly.unclosed import without_value
 from rattle.analyses.assembly.vector_loops import given_in_one_turn
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
 from rattle.description.model import Contact, Joint, Model
@@ -150,6 +151,8 @@ def ideal_system(model: Model) -> System:
 def consistent_start(system: System, t: float, ideal: Assembled | None = None) -> Assembled:
     """As `assemble`, without notes on what could not be kept."""
     model = system.model
+    workspace = system.workspace()
+    _require_values(system, workspace, t)
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if _has_play(one)}
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
@@ -168,7 +171,6 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
             offsets.update(along_reactions(shut, t, ideal.q, ideal.v, pressed))
         if ideal is not None:
             held = [*links, *held]  # closing would move the pins away from their offsets, given or along the reactions
-    workspace = system.workspace()
     q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, shut)
     pins = any(one.one_sided is None for one in (*links.values(), *open_.values()))
     if ideal is not None and pins and _beyond(system, workspace, t, q):
@@ -187,6 +189,13 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     if beyond := outside(system, workspace):
         raise AssemblyError(beyond)
     return Assembled(t, q, v, residual, iterations)
+
+
+def _require_values(system: System, workspace: Workspace, t: float) -> None:
+    """Raise AssemblyError if a driver has no finite value at t [s]: no body can be placed at it."""
+    drive(workspace, t)
+    if why := without_value(system, workspace, t):
+        raise AssemblyError(why)
 
 
 def _has_play(joint: Joint) -> bool:
