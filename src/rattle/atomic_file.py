@@ -16,12 +16,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from rattle.user_paths import expanded
+
 TERMINATED = 128 + 15  # exit status of a program that SIGTERM ended
 
 
 def writable(path: str | os.PathLike[str]) -> Path:
     """The file that `path` refers to.  Raises an OSError that says why it cannot be written and what to do."""
-    target = Path(path).expanduser()
+    target = expanded(path)
     if is_special(target):
         return _special(target)
     target = Path(os.path.realpath(target)) if target.is_symlink() else target

@@ -153,9 +153,10 @@ def _model(file: str) -> Mechanism:
     from pathlib import Path
 
     from rattle.loading import example, examples, load
+    from rattle.user_paths import expanded
 
     known = examples()
-    if file not in known and not Path(file).expanduser().exists() and Path(file).suffix == "":
+    if file not in known and not expanded(file).exists() and Path(file).suffix == "":
         from rattle.errors import suggest
 
         raise click.UsageError(f"there is no file {file!r} and no example of that name{suggest(file, known)}")

@@ -58,6 +58,7 @@ def check_results(read: str, output: str | None, csv: str | None, fallback: str 
     """Refuse file names under which a result cannot be saved. Raises InputError, OSError, click.UsageError."""
     from rattle.results import archive
     from rattle.results.result import require_table
+    from rattle.user_paths import expanded
 
     if output is not None and Path(output).suffix.lower() == ".csv":
         raise click.UsageError(
@@ -69,7 +70,7 @@ def check_results(read: str, output: str | None, csv: str | None, fallback: str 
     if csv is not None:
         require_table(csv)
     check_files(read, output, csv)
-    if fallback is not None and not Path(fallback).expanduser().is_dir():
+    if fallback is not None and not expanded(fallback).is_dir():
         raise click.UsageError(f"--fallback needs a folder; {fallback} is not one")
 
 

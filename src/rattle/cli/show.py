@@ -110,7 +110,8 @@ def plot(
 
     from rattle.plots.curves import save_figure
 
-    target = Path(output) if output else Path(result).with_suffix(".png")
+    read = Path(result)
+    target = Path(output) if output else read.with_suffix(".png") if read.name else Path("result.png")
     for option, given in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
         if any(one.startswith("-") for one in given):
             raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")

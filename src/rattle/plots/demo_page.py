@@ -14,6 +14,7 @@ from rattle.plots.curves import BLACK, BLUE, RED, new_figure, save_figure, tidy
 from rattle.plots.orbit import clearance_joints, plot_orbit
 from rattle.plots.sketch import draw_at
 from rattle.results.contact_summary import joint_table
+from rattle.user_paths import expanded
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +30,7 @@ DASHED = (0, (5, 2))
 
 def folder_for(folder: str | os.PathLike[str]) -> Path:
     """The folder, made if it is not there.  Raises OSError with a sentence."""
-    place = Path(folder).expanduser()
+    place = expanded(folder)
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from rattle.atomic_file import atomic, is_special
 from rattle.errors import InputError, MissingPackage, WrongType, shown
 from rattle.results.record_schema import misfit_of
+from rattle.user_paths import expanded
 
 Array = NDArray[np.float64]
 FORMAT = 2  # 1: without checksum, netCDF only
@@ -142,7 +143,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
     Raises FileNotFoundError, OSError if the file cannot be opened, MissingPackage, and ValueError for a file that
     is damaged or is not a result.
     """
-    file = Path(path).expanduser()
+    file = expanded(path)
     if not file.is_file():
         raise FileNotFoundError(f"no such file: {file}")
     with file.open("rb") as opened:
@@ -322,6 +323,6 @@ def first_place(
     except OSError:
         if fallback is None:
             raise
-    place = Path(fallback).expanduser() / Path(path).name
+    place = expanded(fallback) / Path(path).name
     write(place)
     return place

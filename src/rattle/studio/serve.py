@@ -17,6 +17,7 @@ from rattle.studio.desk import Desk, example_text
 from rattle.studio.folder import Folder
 from rattle.studio.page import Studio, aside
 from rattle.studio.server import Server
+from rattle.user_paths import expanded
 
 SWITCH = (
     5e-4  # how soon a thread that reads a long text lets the server answer other pages [s]; Python's is ten times that
@@ -37,7 +38,7 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
     if file is None or (file in examples() and not Path(file).exists()):
         text = example_text(examples()[file or FIRST])
     else:
-        place = Path(file).expanduser().resolve()
+        place = expanded(file).resolve()
         root = root if place.is_relative_to(root) else place.parent
         name = place.relative_to(root).as_posix()
         text = Folder(root).read(name)

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from rattle import registry
 from rattle.errors import InputError
+from rattle.user_paths import expanded
 
 FAMILIES = {"load": "load", "normal": "normal force law", "friction": "friction law"}  # that have laws, in words
 
@@ -25,7 +26,7 @@ def run_law_file(path: str | os.PathLike[str]) -> list[str]:
     Modules beside the file can be imported in it.  Raises InputError, with the line, if it cannot be read, raises an
     exception or defines no law.
     """
-    file = Path(path).expanduser()
+    file = expanded(path)
     if not file.is_file():
         raise InputError(f"no file {str(path)!r} with laws; expected a Python file that defines some with @rt.load_law")
     before = {family: dict(registry.kinds(family)) for family in FAMILIES}

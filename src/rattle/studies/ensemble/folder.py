@@ -34,6 +34,7 @@ from rattle.studies.ensemble.pieces import OWN, STATUS, WAITING, Piece, column_n
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.ensemble.store import Memory, Store, add_counts
 from rattle.studies.runs.task import Task
+from rattle.user_paths import expanded
 
 log = logging.getLogger("rattle")
 
@@ -74,7 +75,7 @@ class Folder:
         Raises InputError for a folder of another run, OSError for one that cannot be used, MissingPackage.
         """
         package("pyarrow", "a folder of samples")
-        self.path = Path(path).expanduser()
+        self.path = expanded(path)
         self._plan, self._count = plan, plan.count
         self._units = {name: one.unit for name, one in task.mechanism.model.parameters.items() if name in plan.names}
         self._units |= {one.text: one.unit for one in task.outputs}

@@ -25,6 +25,7 @@ from rattle.studies.ensemble.identity import python_laws
 from rattle.studies.wear.cycle import Sliding, State
 from rattle.studies.wear.pins import Depths, Pin, as_documents
 from rattle.studies.wear.worn import Reached
+from rattle.user_paths import expanded
 from rattle.version import __version__
 
 FORMAT = 1
@@ -40,7 +41,7 @@ class Folder:
         self, path: str | os.PathLike[str], m: Mechanism, asked: Mapping[str, float], pins: Sequence[Pin]
     ) -> None:
         """Open a folder, made if it is not there.  Raises InputError for one of another study, OSError."""
-        self.path, self._pins = Path(path).expanduser(), pins
+        self.path, self._pins = expanded(path), pins
         if self.path.exists() and not self.path.is_dir():
             raise NotADirectoryError(f"{self.path} is a file; give the name of a folder")
         self.path.mkdir(parents=True, exist_ok=True)
