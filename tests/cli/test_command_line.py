@@ -354,6 +354,29 @@ def test_a_report_is_not_written_of_a_motion_that_was_cut_and_the_old_one_stays(
         assert [one.name for one in tmp_path.iterdir()] == ["r.html"]
 
 
+def interrupted(*_, **__):
+    raise KeyboardInterrupt
+
+
+def test_ctrl_c_at_a_question_ends_with_the_status_of_shells(monkeypatch):
+    monkeypatch.setattr("click.termui.visible_prompt_func", interrupted)
+    monkeypatch.setattr("rattle.studio.serve.serve", lambda *_: pytest.fail("it listens"))
+    with pytest.raises(SystemExit) as end:
+        main(["studio", "--address", "0.0.0.0"])
+    assert end.value.code == 130
+
+
+def test_a_question_left_by_the_end_of_the_input_is_no_ctrl_c():
+    found = CliRunner().invoke(main, ["studio", "--address", "0.0.0.0"], input="")
+    assert found.exit_code == 1
+    assert "Aborted" in found.output
+
+
+def test_ctrl_c_while_options_are_parsed_ends_with_the_status_of_shells(monkeypatch):
+    monkeypatch.setattr(type(main), "parse_args", interrupted)
+    assert call("check", "fourbar").exit_code == 130
+
+
 RUNNING = """
 import sys
 from rattle.analyses.dynamics import run

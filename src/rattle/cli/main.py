@@ -135,12 +135,24 @@ class Lazy(click.Group):
         with formatter.section("Commands"):
             formatter.write_dl([(name, HELP[name]) for name in COMMANDS])
 
+    def make_context(self, *args: Any, **options: Any) -> click.Context:
+        """As in click, but Ctrl-C while it parses gives the exit status that shells use."""
+        try:
+            return super().make_context(*args, **options)
+        except (KeyboardInterrupt, click.Abort) as stop:
+            if not _by_ctrl_c(stop):
+                raise
+            click.echo("stopped", err=True)
+            raise click.exceptions.Exit(STOPPED) from None
+
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
-        except (click.ClickException, click.exceptions.Exit, click.Abort):
+        except (click.ClickException, click.exceptions.Exit):
             raise
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, click.Abort) as stop:
+            if not _by_ctrl_c(stop):
+                raise
             click.echo("stopped", err=True)
             ctx.exit(STOPPED)
         except Exception as error:
@@ -164,6 +176,11 @@ class Lazy(click.Group):
             if isinstance(context, click.Abort) and isinstance(context.__cause__, KeyboardInterrupt):
                 raise SystemExit(STOPPED) from None
             raise
+
+
+def _by_ctrl_c(stop: BaseException) -> bool:
+    """True unless a question was left otherwise: click answers Ctrl-C at one with an Abort that hides it."""
+    return isinstance(stop, KeyboardInterrupt) or isinstance(stop.__context__, KeyboardInterrupt)
 
 
 def _open_streams() -> None:
