@@ -216,7 +216,9 @@ class WrittenModel(Building):
         document, also = copied(self._document), list[tuple[Any, Any]]()
         while error.problems:
             entries = {(*one.path[:2], "", "")[:2]: None for one in error.problems}
-            if any(table not in (*ENTRIES, "initial") or name not in document[table] for table, name in entries):
+            if any(
+                table not in (*ENTRIES, "initial") or name not in document.get(table, {}) for table, name in entries
+            ):
                 return []
             for table, name in entries:
                 also.append((table, name))
