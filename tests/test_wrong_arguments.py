@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.analyses.statics.modes import Modes
 from rattle.errors import ANSWERS
+from rattle.studies.ensemble.ensemble import Ensemble
+from rattle.studies.ensemble.sweep import Sweep
+from rattle.studies.film.bearing import Film
+from rattle.studies.many import Many
+from rattle.studies.power.power import Power
 from rattle.wrong_arguments import fits
 
 pytestmark = pytest.mark.nojit
@@ -94,12 +100,35 @@ def test_wrong_arguments_are_answered_in_words(owner, name, objects, tmp_path, m
         (lambda m, r: m.orbit(5), "joint: expected a text"),
         (lambda m, r: r.plot(None), "expected a text"),
         (lambda m, r: r.save(5), "path: expected a text"),
+        (lambda m, r: m.bifurcation("l", [10**400], "rod.angle"), "values: expected a list, each a number"),
+        (lambda m, r: rt.Mechanism().set(), "at least one body"),
+        (lambda m, r: rt.Mechanism().ideal(), "at least one body"),
+        (lambda m, r: rt.load_result(None), "path: expected a text"),
+        (lambda m, r: rt.example([1]), "name: expected a text"),
+        (lambda m, r: rt.load_law([1]), "name: expected a text"),
+        (lambda m, r: rt.normal_law([1]), "name: expected a text"),
+        (lambda m, r: rt.friction_law([1]), "name: expected a text"),
     ],
 )
 def test_what_is_wanted_is_named(call, words, objects):
     with pytest.raises(rt.InputError) as caught:
         call(objects["Mechanism"].set(), objects["Result"])
     assert words in str(caught.value)
+
+
+def test_what_no_result_can_hold_is_not_in_it(objects):
+    assert [1] not in objects["Result"]
+    assert "rod.angle" in objects["Result"]
+
+
+@pytest.mark.parametrize("owner", [Film, Many, Ensemble, Sweep, Modes, Power, rt.Trust])
+def test_public_methods_of_answers_blame_wrong_arguments_too(owner):
+    assert all(hasattr(getattr(owner, name), "__wrapped__") for name in public(owner))
+
+
+def test_a_mode_that_is_no_number_is_named(objects):
+    with pytest.raises(rt.InputError, match="mode: expected a whole number"):
+        objects["Mechanism"].modes().behaviour("x")
 
 
 def test_a_fault_of_our_own_is_not_put_down_to_sound_arguments(objects, monkeypatch):
@@ -129,6 +158,8 @@ def test_a_fault_of_our_own_is_not_put_down_to_sound_arguments(objects, monkeypa
         (np.float64(1), list[float], False),
         ({"a": 1}, dict[str, float], True),
         ({"a": "x"}, dict[str, float], False),
+        (10**400, float, False),
+        (10**400, int, True),
         ((1, 2), tuple[float, float], True),
         ((1, 2, 3), tuple[float, float], False),
     ],

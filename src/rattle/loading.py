@@ -8,6 +8,7 @@ from pathlib import Path
 from rattle.description import file as model_file
 from rattle.errors import InputError, suggest
 from rattle.mechanism import Mechanism
+from rattle.wrong_arguments import answer_in_words
 
 
 def load(path: str | os.PathLike[str]) -> Mechanism:
@@ -26,6 +27,7 @@ def examples() -> dict[str, Path]:
     return {path.stem: path for path in sorted((Path(__file__).parent / "examples").glob("*.toml"))}
 
 
+@answer_in_words
 def example(name: str) -> Mechanism:
     """A shipped example. Raises InputError for an unknown name."""
     known = examples()

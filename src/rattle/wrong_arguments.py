@@ -15,11 +15,12 @@ import sys
 import types
 import typing
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from rattle.errors import ANSWERS, WrongType
 
 C = TypeVar("C", bound=type)
+F = TypeVar("F", bound=Callable[..., Any])
 WORDS = {
     str: "a text", bool: "True or False", int: "a whole number", float: "a number", types.NoneType: "None",
     collections.abc.Callable: "a function",
@@ -31,12 +32,12 @@ def answers_in_words(cls: C) -> C:
     """Class decorator: every public method, inherited ones too, blames the argument that does not fit."""
     for name, one in inspect.getmembers_static(cls, inspect.isfunction):
         if not name.startswith("_") and one.__module__.startswith("rattle."):
-            setattr(cls, name, _blaming(one))
+            setattr(cls, name, answer_in_words(one))
     return cls
 
 
-def _blaming(method: Callable[..., Any]) -> Callable[..., Any]:
-    """The method, whose foreign errors become WrongType where an argument does not fit."""
+def answer_in_words(method: F) -> F:
+    """Decorator: foreign errors of a method or function become WrongType where an argument does not fit."""
 
     @functools.wraps(method)
     def called(*args: Any, **options: Any) -> Any:
@@ -50,7 +51,7 @@ def _blaming(method: Callable[..., Any]) -> Callable[..., Any]:
                 raise
             raise WrongType(blame) from error
 
-    return called
+    return cast(F, called)
 
 
 def _blame(method: Callable[..., Any], args: tuple[Any, ...], options: Mapping[str, Any]) -> str:
@@ -104,7 +105,7 @@ def fits(value: Any, wanted: Any) -> bool:
         return value is None
     if kind in (float, int):
         number = numbers.Real if kind is float else numbers.Integral
-        return isinstance(value, number) and not isinstance(value, bool)
+        return isinstance(value, number) and not isinstance(value, bool) and (kind is int or _has_a_float(value))
     if not isinstance(kind, type):
         return True
     if issubclass(kind, str):
@@ -114,6 +115,15 @@ def fits(value: Any, wanted: Any) -> bool:
     if not isinstance(value, kind) or (isinstance(value, str | bytes) and kind is not bytes and parts):
         return False
     return _parts_fit(value, kind, parts)
+
+
+def _has_a_float(number: Any) -> bool:
+    """False for a whole number beyond all floats."""
+    try:
+        float(number)
+    except OverflowError:
+        return False
+    return True
 
 
 def _parts_fit(value: Any, kind: type, parts: tuple[Any, ...]) -> bool:

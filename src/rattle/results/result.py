@@ -24,7 +24,7 @@ from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture
 from rattle.results.event import Breaks, Event, Peak
 from rattle.results.trust import Trust
-from rattle.wrong_arguments import answers_in_words
+from rattle.wrong_arguments import answer_in_words, answers_in_words
 
 if TYPE_CHECKING:
     import xarray
@@ -111,7 +111,7 @@ class Result:
         return self.stored + tuple(self._derived)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._column or name in self._derived
+        return isinstance(name, str) and (name in self._column or name in self._derived)
 
     @property
     def interrupted(self) -> bool:
@@ -428,6 +428,7 @@ class Result:
         return Picture(Path(path))
 
 
+@answer_in_words
 def load_result(path: str | os.PathLike[str]) -> Result:
     """Read a result that `Result.save` wrote (SI units).
 

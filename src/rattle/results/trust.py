@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.results.display import card, marks
+from rattle.wrong_arguments import answers_in_words
 
 Array = NDArray[np.float64]
 LOOSE = 1e-6  # drift over the size of the mechanism, and share of the energy, above which a solution is loose
@@ -19,6 +20,7 @@ FEW = 6  # steps in the shortest contact below which its forces are coarse
 HOW = " (horizon=True does)"  # what computes the horizon, for those who write Python; pages leave it out
 
 
+@answers_in_words
 @dataclass(frozen=True, eq=False, repr=False)
 class Trust:
     """How far a result can be trusted, units as stated at each field; `str()` says it in a few lines."""

@@ -20,11 +20,13 @@ from rattle.results.result import UnknownName
 from rattle.studies.runs.progress import Bar
 from rattle.studies.runs.runner import Batch, Runner, cores
 from rattle.studies.runs.task import Task, task_of
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
 
+@answers_in_words
 @dataclass(frozen=True, eq=False)
 class Many:
     """Outputs of many samples: `found["max(O3.force)"]` is an array (n,) [SI], nan where it has no finite value."""

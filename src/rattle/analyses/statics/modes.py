@@ -31,6 +31,7 @@ from rattle.results.build import build_result
 from rattle.results.display import table
 from rattle.results.result import Result
 from rattle.results.trust import Trust
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,6 +46,7 @@ SHARE = 1e-3  # the same as a share of what a film sees
 STEPS = 8  # from the equilibrium outwards, so that pins with clearance keep their side
 
 
+@answers_in_words
 @dataclass(repr=False)
 class Modes:
     """Natural modes about an equilibrium, lowest first: frequencies, damping ratios, rates of growth, and shapes.

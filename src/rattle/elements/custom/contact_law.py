@@ -30,6 +30,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction, users_law
 from rattle.language.units import dimension_of
 from rattle.registry import Field
+from rattle.wrong_arguments import answer_in_words
 
 Law = Callable[..., Any]
 LIGHT = 1e-30  # normal force [N] with which a law of friction is asked where damping has brought it to zero
@@ -42,6 +43,7 @@ TAKEN = {
 }  # fmt: skip
 
 
+@answer_in_words
 def normal_law(name: str, **fields: str) -> Callable[[Law], Law]:
     """Decorator: register a function as a normal force law of compliant contacts.
 
@@ -56,6 +58,7 @@ def normal_law(name: str, **fields: str) -> Callable[[Law], Law]:
     return _enter("normal", name, fields, 0)
 
 
+@answer_in_words
 def friction_law(name: str, *, memory: bool = False, states: int = 0, **fields: str) -> Callable[[Law], Law]:
     """Decorator: register a function as a friction law of compliant contacts.
 

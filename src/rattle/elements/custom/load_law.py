@@ -37,6 +37,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction, users_law
 from rattle.language.units import dimension_of
 from rattle.registry import Field
+from rattle.wrong_arguments import answer_in_words
 
 log = logging.getLogger("rattle")
 
@@ -45,6 +46,7 @@ FIELDS = ("type", "body", "connect")  # keys of loads, not available as fields o
 _raised = threading.local()  # the exception that a law raised while machine code called it
 
 
+@answer_in_words
 def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: str) -> Callable[[Law], Law]:
     """Decorator: register a function as a kind of load on one body, or between two.
 

@@ -33,6 +33,7 @@ from rattle.studies.ensemble.shown import aligned, number, scale_of
 from rattle.studies.ensemble.statistics import Bounded, Statistics
 from rattle.studies.ensemble.work import run_missing
 from rattle.studies.runs.task import Task, task_of
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 Limit = float | str | tuple[float | str | None, float | str | None] | None  # upper one, or (lower, upper)
 
 
+@answers_in_words
 @dataclass(frozen=True, eq=False, repr=False)
 class Ensemble(Samples):
     """n samples whose parameters were drawn from their fields, with statistics of the outputs."""

@@ -21,6 +21,7 @@ from rattle.studies.ensemble.samples import Samples
 from rattle.studies.ensemble.shown import aligned, in_one_unit
 from rattle.studies.ensemble.work import run_missing
 from rattle.studies.runs.task import task_of
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +33,7 @@ MOST = 2**30  # combinations
 HEADER = ("output", "unit", "least", "at", "greatest", "at")
 
 
+@answers_in_words
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep(Samples):
     """Outputs over a grid; the last parameter changes fastest."""

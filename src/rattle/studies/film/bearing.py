@@ -16,6 +16,7 @@ from rattle.results.archive import package
 from rattle.results.display import quantity, table
 from rattle.studies.film.journal import JournalPosition, located, position_at, threshold
 from rattle.studies.film.locus import locus
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,6 +40,7 @@ EXAMPLES = {  # argument -> SI unit, how it may be written
 }
 
 
+@answers_in_words
 class Film:
     """An oil film between a pin (journal) and its bush, on its own: a calculator of journal bearings.
 

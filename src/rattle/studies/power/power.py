@@ -27,6 +27,7 @@ from rattle.studies.power.cycle import Cycle, cycle
 from rattle.studies.power.in_units import with_units
 from rattle.studies.power.ports import Ports
 from rattle.studies.power.steps import rows_at, settings_of
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,6 +61,7 @@ def _window(r: Result, m: Mechanism, t0: float | None, t1: float | None) -> tupl
     return first, min(last, end)
 
 
+@answers_in_words
 class Power:
     """Powers between elements and bodies in one run, and their energies from t0 to t1 [s].
 
