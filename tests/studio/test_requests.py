@@ -37,6 +37,26 @@ def test_a_token_opens_the_page_once_and_a_cookie_of_its_place_after_that(studio
     assert "press Enter in the terminal" in again.text  # how to get another
 
 
+@pytest.mark.parametrize(
+    "around",
+    [
+        "theme=dark mode; {}",
+        "novalue; {}",
+        "{}; novalue",
+        "{}; {name}=of-another-port",
+        "{name}=of-another-port; {}",
+        '{name}="; {}; x="',
+        "bad[]name=1;{} ;;",
+    ],
+)
+def test_cookies_of_other_ports_do_not_lock_the_page_out(studio, around):
+    """Cookies do not know ports: whatever another page of this computer sets is sent to ours too."""
+    name = studio.cookie.partition("=")[0]
+    sent = around.format(studio.cookie, name=name)
+    assert studio.ask(f"{studio.place}/", Cookie=sent).status == 200
+    assert studio.ask(f"{studio.place}/", Cookie=sent.replace(studio.cookie, f"{studio.cookie}x")).status == 403
+
+
 def test_looking_ahead_does_not_spend_the_token(studio):
     token = studio.new_token()
     assert studio.ask(f"/?token={token}", "HEAD").status == 403

@@ -21,7 +21,6 @@ import hmac
 import secrets
 import time
 from collections.abc import Awaitable, Collection
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, unquote, urlsplit
 
@@ -152,11 +151,11 @@ class Guard(HTTPServerConnectionDelegate):
         )
 
     def _has_cookie(self, headers: HTTPHeaders) -> bool:
-        try:
-            found = SimpleCookie("; ".join(headers.get_list("Cookie"))).get(self.cookie_name)
-        except CookieError:
-            return False
-        return found is not None and _same(found.value, self.keys.cookie)
+        """True if any cookie is ours; pages of other ports may have set more, of the same name or not well-formed."""
+        pairs = [pair.partition("=") for header in headers.get_list("Cookie") for pair in header.split(";")]
+        return any(
+            name.strip() == self.cookie_name and _same(value.strip(), self.keys.cookie) for name, _, value in pairs
+        )
 
     # ------------------------------------------------------------ what is said
     def headers(self) -> dict[str, str]:
