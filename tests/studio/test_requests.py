@@ -1,5 +1,7 @@
 """Who may ask the studio: only the page at the address that it printed."""
 
+import base64
+import json
 import re
 import socket
 from pathlib import Path
@@ -142,6 +144,15 @@ def test_a_web_socket_of_our_own_page_passes(studio):
 def test_a_web_socket_without_the_token_of_a_session_is_refused(studio, protocol):
     given = {"Origin": f"http://127.0.0.1:{studio.port}", "Cookie": studio.cookie}
     given["Sec_WebSocket_Protocol"] = protocol.format(token=session_token(studio))
+    assert studio.ask(f"{studio.place}/ws", **UPGRADE, **given).status == 403
+
+
+@pytest.mark.parametrize("session", [[1], None, "", 5, {"a": 1}])
+def test_a_web_socket_whose_session_has_no_name_is_refused(studio, session):
+    payload = json.dumps({"session_id": session, "session_expiry": 10**10}).encode()
+    token = base64.urlsafe_b64encode(payload).decode().rstrip("=")
+    given = {"Origin": f"http://127.0.0.1:{studio.port}", "Cookie": studio.cookie}
+    given["Sec_WebSocket_Protocol"] = f"bokeh, {token}"
     assert studio.ask(f"{studio.place}/ws", **UPGRADE, **given).status == 403
 
 

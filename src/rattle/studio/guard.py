@@ -193,7 +193,8 @@ def _names_session(headers: HTTPHeaders) -> bool:
         return False
     try:
         expiry = get_token_payload(words[1])["session_expiry"]
-        return bool(get_session_id(words[1])) and expiry > time.time()
+        session = get_session_id(words[1])
+        return isinstance(session, str) and session != "" and expiry > time.time()
     except Exception:  # of its base64, its zlib, its JSON, or what that holds
         return False
 
