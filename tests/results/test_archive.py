@@ -271,7 +271,35 @@ def in_trust(**more):
     return lambda given: given["trust"].update(more)
 
 
+def in_provenance(**more):
+    return lambda given: given["provenance"].update(more)
+
+
+def film_without_oil(given):
+    name = given["names"][0]
+    given["names"][0] = "O.film_thickness"
+    given["units"]["O.film_thickness"] = given["units"].pop(name)
+    in_joint()(given)
+
+
 RECORDS = {
+    "parameters a text": in_provenance(parameters="x"),
+    "parameters of texts": in_provenance(parameters={"c": "1"}),
+    "document no text": in_provenance(document=5),
+    "document no JSON": in_provenance(document="x"),
+    "document no table": in_provenance(document="[1]"),
+    "document without end": in_provenance(document="[" * 100_000),
+    "method a list": in_provenance(method=[1]),
+    "end a text": in_provenance(t_end="x"),
+    "tolerance a text": in_provenance(rtol="x"),
+    "derivatives of numbers": in_provenance(of=[5]),
+    "changes without size": in_provenance(changes={"c": {"unit": "m", "words": ""}}),
+    "drift beyond all numbers": in_trust(drift=10**400),
+    "impacts beyond all numbers": in_trust(impacts=-(10**400)),
+    "event beyond all numbers": put(events=[[10**400, "O", "impact"]]),
+    "peaks beyond all numbers": put(peaks={"O.normal": [10**400, 0, 0]}),
+    "steps beyond all numbers": put(stats={"steps": 10**400}),
+    "film without oil": film_without_oil,
     "drift no number": in_trust(drift=None),
     "drift of angles a text": in_trust(drift_angle="=1"),
     "horizon a list": in_trust(horizon=[1]),
@@ -327,13 +355,23 @@ def test_records_that_no_result_has_are_refused(tmp_path, monkeypatch, case, suf
     RECORDS[case](given)
     units = {"units": {}} if not isinstance(given.get("units"), dict) else {}
     text = json.dumps({"format": archive.FORMAT, **given})
-    curves = {name: r[name] for name in r.stored}
+    curves = {name: r[stored] for name, stored in zip(given["names"], r.stored, strict=True)}
     digest = archive._digest(text, r.t, list(curves.values()))
     make = archive._netcdf if suffix == "nc" else archive._npz
     names = {name: str(one) for name, one in {**dict.fromkeys(r.stored, ""), **given.get("units", units)}.items()}
     (tmp_path / f"h.{suffix}").write_bytes(make(text, digest, r.t, curves, names))
     with pytest.raises(ValueError, match="not a result of rattle"):
         load_result(tmp_path / f"h.{suffix}")
+
+
+@pytest.mark.parametrize(
+    "t",
+    [[0.0, 1.0, np.nan, 3.0, 4.0], [np.nan] * 5, [0.0] * 5, [4.0, 3.0, 2.0, 1.0, 0.0], [0.0, 1.0, 2.0, 3.0, np.inf]],
+)
+def test_instants_that_are_not_in_order_are_refused(tmp_path, t):
+    archive.write(tmp_path / "h.npz", record(), np.array(t), circling(5)._data)
+    with pytest.raises(ValueError, match="instants are not in order"):
+        load_result(tmp_path / "h.npz")
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ RECORD, DIGEST = "rattle.record", "sha256"
 SUFFIXES = (".nc", ".npz")
 TRAILER = b"\nrattle sha256 "  # after the HDF5 data, followed by 64 hexadecimal digits and a line end
 PACKED = 1100  # largest compression ratio that deflate can reach, in a netCDF file
+LARGEST = 1e300  # whole number in a record: Python reads larger ones than it can turn into a float
 NETCDF = b"\x89HDF\r\n\x1a\n"
 ZIP = b"PK\x03\x04"
 HINT = "pip install h5netcdf h5py xarray pandas"
@@ -160,6 +161,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
         text, record, digest, t, curves = reader(file)
         _require_not_later(record)
         _require_plain(record, len(curves))
+        _require_in_order(t)
     except Damaged as error:
         raise InputError(f"{file} {error}") from None
     except Exception as error:  # h5py, zipfile and json raise many kinds of errors; all mean the same here
@@ -304,13 +306,21 @@ def _require_plain(record: Any, count: int) -> None:
             ahead += [*one, *one.values()] if isinstance(one, dict) else one
         elif isinstance(one, str) and not one.isprintable() and shown(one) != one:
             raise InputError("texts with control characters")
+        elif type(one) is int and abs(one) > LARGEST:
+            raise InputError("a whole number that is too large to be computed with")
     for event in record["events"]:
         _, joint, kind, *numbers = event
         texts = isinstance(joint, str) and isinstance(kind, str)
         if not texts or not all(type(one) in (int, float) for one in (event[0], *numbers)):
             raise InputError("an event is a time, a joint, a kind and numbers")
-    if where := misfit_of(record["geometry"], record["trust"], record.get("peaks", {})):
+    if where := misfit_of(record):
         raise Damaged(f"{NO_RESULT}: {where} in its record is not as a result has it")
+
+
+def _require_in_order(t: Array) -> None:
+    """Refuse instants that are no numbers, go back or stand still; one may be there twice, on both sides of a jump."""
+    if not (np.isfinite(t).all() and (np.diff(t) >= 0.0).all() and (len(t) < 2 or t[0] < t[-1])):
+        raise Damaged(f"{NO_RESULT}: its instants are not in order")
 
 
 def first_place(

@@ -46,7 +46,7 @@ class FilmSummary(NamedTuple):
 
 def films(result: Curves) -> dict[str, FilmSummary]:
     """Summary of every joint with oil; units as in `FilmSummary`."""
-    joints = result.geometry["joints"].items() if len(result.t) else ()
+    joints = result.geometry.get("joints", {}).items() if len(result.t) else ()
     return {name: _summary(result, name, form) for name, form in joints if f"{name}.film_thickness" in result}
 
 

@@ -4,7 +4,8 @@ The types of `Trust` are those of its fields; those of the geometry stand here, 
 """
 
 # no postponed annotations here: TypedDict would not see which keys are NotRequired
-from collections.abc import Mapping
+import json
+from collections.abc import Collection, Mapping
 from types import NoneType, UnionType
 from typing import Any, NotRequired, TypedDict, Union, get_args, get_origin, get_type_hints, is_typeddict
 
@@ -78,6 +79,31 @@ class Geometry(TypedDict):
     driven: NotRequired[list[str]]
 
 
+class Change(TypedDict):
+    """By how much a parameter is changed in one derivative: in its unit, and in words."""
+
+    size: float
+    unit: str
+    words: str
+
+
+class Provenance(TypedDict):
+    """How a result came to be; which settings there are depends on the analysis."""
+
+    model: NotRequired[str | None]
+    program: NotRequired[str]
+    analysis: NotRequired[str]
+    method: NotRequired[str | None]
+    rtol: NotRequired[float | None]
+    atol: NotRequired[float | None]
+    step: NotRequired[float | None]
+    t_end: NotRequired[float | None]
+    of: NotRequired[list[str]]
+    changes: NotRequired[dict[str, Change]]
+    parameters: NotRequired[dict[str, float]]
+    document: NotRequired[str]
+
+
 def misfit(value: Any, wanted: Any, where: str) -> str:
     """Where a value of JSON is not of a type, such as "geometry.joints.O.clearance"; "" if all of it is."""
     if is_typeddict(wanted):
@@ -117,14 +143,22 @@ def _table_misfit(value: Any, wanted: Any, where: str) -> str:
     return ""
 
 
-def misfit_of(geometry: Any, trust: Any, peaks: Any) -> str:
-    """Where these parts of a record are not as a result is written; "" if they are."""
+def misfit_of(record: Mapping[str, Any]) -> str:
+    """Where a record is not as a result is written; "" if it is.  Its names are checked before."""
+    trust, geometry, provenance = record["trust"], record["geometry"], record["provenance"]
     hints = get_type_hints(Trust)
     if not isinstance(trust, dict):
         return "trust"
     found = next(filter(None, (misfit(trust[key], hints[key], f"trust.{key}") for key in trust if key in hints)), "")
-    found = found or misfit(geometry, Geometry, "geometry") or misfit(peaks, dict[str, list[float]], "peaks")
-    return found or _stranger(geometry)
+    return (
+        found
+        or misfit(geometry, Geometry, "geometry")
+        or misfit(record.get("peaks", {}), dict[str, list[float]], "peaks")
+        or misfit(provenance, Provenance, "provenance")
+        or _stranger(geometry)
+        or _film_without_oil(geometry, record["names"])
+        or _no_document(provenance)
+    )
 
 
 def _stranger(geometry: Geometry) -> str:
@@ -135,3 +169,19 @@ def _stranger(geometry: Geometry) -> str:
             if not bodies.issuperset(form["bodies"]):
                 return f"geometry.{family}.{name}.bodies"
     return "" if joints.keys() >= {*geometry.get("driven", ())} else "geometry.driven"
+
+
+def _film_without_oil(geometry: Geometry, names: Collection[str]) -> str:
+    """Where a joint has the curve of an oil film, but not the oil that is needed to read it."""
+    dry = [name for name, form in geometry.get("joints", {}).items() if "oil" not in form]
+    return next((f"geometry.joints.{name}.oil" for name in dry if f"{name}.film_thickness" in names), "")
+
+
+def _no_document(provenance: Provenance) -> str:
+    """Where the model that a result holds is no table."""
+    if document := provenance.get("document"):
+        try:
+            return "" if isinstance(json.loads(document), dict) else "provenance.document"
+        except (ValueError, RecursionError):
+            return "provenance.document"
+    return ""

@@ -63,7 +63,7 @@ class Effect(NamedTuple):
 def effects(result: Result) -> list[Effect]:
     """All derivatives of a result of `sensitivity`.  Raises InputError for another result."""
     ran = result.provenance
-    if ran.get("analysis") != "sensitivity":
+    if ran.get("analysis") != "sensitivity" or not {"of", "changes"} <= ran.keys():
         raise InputError("this result holds no sensitivities")
     return [
         Effect(

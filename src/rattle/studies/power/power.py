@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 NOISE = 1e-9  # share of the largest energy into a body below which one is rounding
+NEEDED = ("document", "t_end", "method", "rtol", "atol")  # in the provenance: the run is gone through again
 RUN_AGAIN = "run it again with this version"
 
 
@@ -42,7 +43,7 @@ def power(r: Result, t0: float | None = None, t1: float | None = None) -> Power:
     """Powers of a run between t0 and t1 [s]; see `Result.power`."""
     if r.provenance.get("analysis") != "simulate":
         raise InputError("power is that of a motion in time, m.simulate(...); this result is of another analysis")
-    if not {"document", "t_end", "method"} <= r.provenance.keys():
+    if any(r.provenance.get(key) is None for key in NEEDED):
         raise InputError(f"this result does not hold its model, from which powers follow; {RUN_AGAIN}")
     m = loads(str(r.provenance["document"]))
     first, last = _window(r, m, t0, t1)

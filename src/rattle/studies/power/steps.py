@@ -18,7 +18,7 @@ from rattle.analyses.dynamics.run import How, Run
 from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, PAUSED
 from rattle.equations.state import LOSS, STORED, state_layout
-from rattle.errors import SolverError
+from rattle.errors import InputError, SolverError, suggest
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.mechanism import Mechanism
@@ -52,7 +52,10 @@ class Settings(NamedTuple):
 
 def settings_of(ran: Mapping[str, Any]) -> Settings:
     """Settings of a run from the provenance of its result."""
-    how = How(kinds("stepper")[ran["method"]], ran["rtol"], ran["atol"], ran["step"], True)
+    method, steppers = ran["method"], kinds("stepper")
+    if method not in steppers:
+        raise InputError(f"the run used a method that is not known here, '{method}'{suggest(method, steppers)}")
+    how = How(steppers[method], ran["rtol"], ran["atol"], ran.get("step"), True)
     whole = how.stepper.leaf.loop == TIME_STEPPING  # rows hold mean values of whole steps
     return Settings(how, ran["t_end"], *np.polynomial.legendre.leggauss(1 if whole else GAUSS))
 
