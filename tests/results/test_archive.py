@@ -148,7 +148,22 @@ def no_text(file, other):
     file[archive.RECORD] = 5
 
 
-HARM = [leads_elsewhere, lies_elsewhere, made_of_others, soft_link, empty_but_endless, no_numbers, a_group, no_text]
+def twice_the_same(file, other):
+    del file["lift"]
+    file["lift"] = file["O.normal"]
+
+
+HARM = [
+    twice_the_same,
+    leads_elsewhere,
+    lies_elsewhere,
+    made_of_others,
+    soft_link,
+    empty_but_endless,
+    no_numbers,
+    a_group,
+    no_text,
+]
 
 
 @pytest.mark.parametrize("harm", HARM)
@@ -159,6 +174,38 @@ def test_netcdf_files_that_lead_elsewhere_or_lie_about_their_size_are_refused(tm
     with h5py.File(tmp_path / "r.nc", "r+") as file:
         harm(file, tmp_path / "other.nc")
     with pytest.raises(ValueError, match=r"r\.nc "):
+        load_result(tmp_path / "r.nc")
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_only_copies_made_by_other_programs_may_be_packed(tmp_path, own):
+    """They are, if one asks for it; a file that says that rattle itself wrote it is not."""
+    r, content = saved(tmp_path, "nc")
+    content = content[: content.rindex(archive.TRAILER)]
+    (tmp_path / "r.nc").write_bytes(content)
+    with h5py.File(tmp_path / "r.nc", "r+") as file:
+        del file["lift"]
+        file.create_dataset("lift", data=r["lift"], compression="gzip")
+        file["lift"].attrs["units"] = r.unit("lift")
+    if own:
+        (tmp_path / "r.nc").write_bytes(archive.sealed((tmp_path / "r.nc").read_bytes()))
+        with pytest.raises(ValueError, match="holds 'lift' packed"):
+            load_result(tmp_path / "r.nc")
+    else:
+        assert same(load_result(tmp_path / "r.nc"), r)
+
+
+def test_a_file_of_rattle_that_declares_more_than_it_holds_is_refused(tmp_path):
+    """Values that were never written take no place in the file."""
+    _, content = saved(tmp_path, "nc")
+    (tmp_path / "r.nc").write_bytes(content[: content.rindex(archive.TRAILER)])
+    with h5py.File(tmp_path / "r.nc", "r+") as file:
+        for name in list(file):
+            if name != archive.RECORD:
+                del file[name]
+                file.create_dataset(name, (100_000,), "<f8", chunks=(1000,))
+    (tmp_path / "r.nc").write_bytes(archive.sealed((tmp_path / "r.nc").read_bytes()))
+    with pytest.raises(ValueError, match="more than"):
         load_result(tmp_path / "r.nc")
 
 

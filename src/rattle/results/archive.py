@@ -149,16 +149,16 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Array, Array]:
         raise FileNotFoundError(f"no such file: {file}")
     with file.open("rb") as opened:
         head = opened.read(8)
-    reader = _read_npz if head.startswith(ZIP) else _read_netcdf if head == NETCDF else None
-    if reader is None:
+    if not head.startswith(ZIP) and head != NETCDF:
         model = file.suffix.lower() in (".toml", ".json")
         hint = f"; run a model file first: rattle run {file} -o out.npz" if model else ""
         raise InputError(f"{file} {NO_RESULT}{hint}")
-    if reader is _read_netcdf:
+    own = False
+    if head == NETCDF:
         package("h5py", f"reading {file.name}, which is netCDF,")
-        require_whole(file)
+        own = require_whole(file)
     try:
-        text, record, digest, t, curves = reader(file)
+        text, record, digest, t, curves = _read_netcdf(file, own) if head == NETCDF else _read_npz(file)
         _require_not_later(record)
         _require_plain(record, len(curves))
         _require_in_order(t)
@@ -206,9 +206,11 @@ def _fits(count: int, n: int, size: int, packed: int = PACKED) -> None:
         raise Damaged(f"declares {count} curves of {n} instants, more than {size} bytes can hold")
 
 
-def _read_netcdf(file: Path) -> Found:
+def _read_netcdf(file: Path, own: bool) -> Found:
+    """own: rattle wrote the file, which packs nothing; other programs that copy a result may."""
     h5py = package("h5py", "load_result")
     size = file.stat().st_size
+    places: set[int] = set()
     with h5py.File(file, "r", locking=False) as opened:
 
         def variable(name: str) -> Any:
@@ -218,6 +220,12 @@ def _read_netcdf(file: Path) -> Found:
             one = opened[name] if type(link) is h5py.HardLink else None
             if not isinstance(one, h5py.Dataset) or one.is_virtual or one.external:
                 raise Damaged("has links to other files, which no result has")
+            if own and one.id.get_create_plist().get_nfilters():
+                raise Damaged(f"holds '{name}' packed, as no result does: a small file could fill the memory")
+            place = h5py.h5o.get_info(one.id).addr
+            if place in places:
+                raise Damaged(f"holds '{name}' under another name too: a small file could fill the memory")
+            places.add(place)
             return one
 
         record = variable(RECORD)
@@ -228,7 +236,7 @@ def _read_netcdf(file: Path) -> Found:
         t = variable("t")
         n = int(t.shape[0]) if t.ndim == 1 else -1
         columns = list(parsed["names"])
-        _fits(len(columns) + 1, n, size)
+        _fits(len(columns) + 1, n, size, packed=1 if own else PACKED)
         curves = [variable(name) for name in columns]
         if any(one.shape != (n,) or one.dtype.kind != "f" or one.dtype.itemsize != 8 for one in (t, *curves)):
             raise InputError("no curves")
