@@ -13,7 +13,8 @@ from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.load_forces import load_forces
 from rattle.cli.main import main
 from rattle.plots.curves import RED, new_axes
-from rattle.plots.labels import Label, place_labels
+from rattle.plots.drawings.gear import MOST, Wheel, outline
+from rattle.plots.labels import Label, drawn_points, place_labels
 
 pytestmark = pytest.mark.nojit
 
@@ -208,3 +209,27 @@ def test_a_name_far_from_its_point_gets_a_line_to_it():
     assert not lines
     place_labels(ax, [Label(f"name {k}", (0.7, 0.7)) for k in range(14)])
     assert [one for one in ax.texts if one.arrow_patch is not None]
+
+
+@pytest.mark.parametrize("far", [1e6, 1e12, 1e200])
+def test_of_lines_that_go_far_out_of_the_picture_names_avoid_what_is_in_it(far):
+    ax = new_axes(6.0, 4.0)[0]
+    ax.set(xlim=(-1.0, 1.0), ylim=(-1.0, 1.0))
+    ax.plot([-0.5, far], [0.0, 0.0])
+    x, y = ax.transData.inverted().transform(drawn_points(ax, 4.0)).T
+    within = x < 1.0
+    assert len(x) < 1000
+    assert np.abs(y[:-1]).max() < 1e-9
+    if far < 1e20:
+        assert x[within].min() == pytest.approx(-0.5)
+        assert np.diff(np.sort(x[within])).max() < 0.05  # no gap on the way
+        assert x[within].max() > 0.95
+
+
+def test_a_wheel_beside_a_tiny_one_is_drawn_without_marks():
+    """A million times larger, it would have millions of them, closer than lines are wide."""
+    wheel = Wheel("driver", (0.0, 0.0), 1.0, False)
+    few, most, many = (outline(wheel, 2.0 * np.pi / count) for count in (16, MOST, 1e9))
+    assert len(few) < len(most)
+    assert len(many) == len(few) - 16 * 3  # a gap and two ends each
+    assert np.nanmax(np.hypot(*many.T)) == pytest.approx(1.0)

@@ -118,10 +118,14 @@ def _covered(box: Box, lines: Array) -> NDArray[np.intp]:
 
 
 def drawn_points(ax: Axes, spacing: float) -> Array:
-    """(n, 2) points [pixels] along all lines and outlines in the axes, so far apart, and its marks."""
+    """(n, 2) points [pixels] along all lines and outlines in the axes, so far apart, and its marks.
+
+    Of a line that goes far out of the picture, as of a guide of kilometres, only what is in the picture.
+    """
+    seen = figure_of(ax).bbox.get_points()
     curves = [ax.transData.transform(np.asarray(line.get_xydata())) for line in ax.lines]
     curves += [np.asarray(patch.get_transform().transform_path(patch.get_path()).vertices) for patch in ax.patches]
-    found = [np.zeros((0, 2)), *(_along(curve, spacing) for curve in curves)]
+    found = [np.zeros((0, 2)), *(_along(curve, spacing, seen) for curve in curves)]
     for line, curve in zip(ax.lines, curves, strict=False):
         if line.get_marker() not in ("", "None", None):
             radius = 0.5 * float(line.get_markersize()) * figure_of(ax).dpi / 72.0
@@ -131,13 +135,29 @@ def drawn_points(ax: Axes, spacing: float) -> Array:
     return np.asarray(every[np.isfinite(every).all(axis=1)])
 
 
-def _along(curve: Iterable[Iterable[float]], spacing: float) -> Array:
-    """Points on a polyline, so far apart; it is interrupted where a point is nan."""
+def _along(curve: Iterable[Iterable[float]], spacing: float, seen: Array) -> Array:
+    """Points on a polyline, so far apart, those in the rectangle `seen`; it is interrupted where a point is nan."""
     corners = np.asarray(curve, float).reshape(-1, 2)
+    most = float(np.hypot(*(seen[1] - seen[0]))) / spacing + 1.0  # also where lengths are too large to be exact
     pieces = [corners]
     for a, b in itertools.pairwise(corners):
         length = float(np.hypot(*(b - a)))
         if np.isfinite(length) and length > spacing:
-            share = np.arange(spacing, length, spacing)[:, None] / length
-            pieces.append(a + share * (b - a))
+            enters, leaves = _share_within(a, b, seen)
+            first = max(1.0, np.ceil(enters * length / spacing))
+            last = min(np.ceil(length / spacing) - 1.0, np.floor(leaves * length / spacing))
+            number = first + np.arange(int(np.clip(last - first + 1.0, 0.0, most)))
+            pieces.append(a + number[:, None] * spacing / length * (b - a))
     return np.vstack(pieces)
+
+
+def _share_within(a: Array, b: Array, seen: Array) -> tuple[float, float]:
+    """Shares of the way from a to b at which it enters and leaves a rectangle; the second is less if it misses it."""
+    enters, leaves = 0.0, 1.0
+    for start, way, low, high in zip(a, b - a, *seen, strict=True):
+        if way == 0.0:
+            enters, leaves = (enters, leaves) if low <= start <= high else (1.0, 0.0)
+        else:
+            near, far = sorted(((low - start) / way, (high - start) / way))
+            enters, leaves = max(enters, near), min(leaves, far)
+    return enters, leaves

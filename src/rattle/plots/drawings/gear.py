@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 TEETH = 16  # marks on the smallest wheel: a model knows pitch circles, not teeth
+MOST = 1000  # marks on a wheel: more, beside a tiny wheel, would lie closer than lines are wide, and fill the memory
 DEPTH = 0.3  # length of a mark on either side of the pitch circle, as a share of the pitch
 RIM = 3.0  # height of the rim of a ring, in such lengths
 GAP = np.full((1, 2), np.nan)  # between the strokes of a line
@@ -79,13 +80,13 @@ def draw_strokes(ax: Axes, scene: Scene, body: str, strokes: Array) -> Update:
 
 
 def outline(wheel: Wheel, step: float) -> Array:
-    """Strokes (n, 2) [m] of a wheel whose marks are about `step` [m] apart, in the frame of its body."""
-    count = max(3, round(2.0 * np.pi * wheel.radius / step))
+    """Strokes (n, 2) [m] of a wheel in the frame of its body, marked about every `step` [m] unless that is too often."""
+    count = max(3.0, np.round(2.0 * np.pi * wheel.radius / step))
     depth = DEPTH * step
     strokes = [_circle(wheel.radius)]
     if wheel.ring:
         strokes += [GAP, _circle(wheel.radius + RIM * depth)]
-    for angle in np.linspace(0.0, 2.0 * np.pi, count, endpoint=False):
+    for angle in np.linspace(0.0, 2.0 * np.pi, int(count) if count <= MOST else 0, endpoint=False):
         way = np.array([[np.cos(angle), np.sin(angle)]])
         strokes += [GAP, (wheel.radius - depth) * way, (wheel.radius + depth) * way]
     spoke = (wheel.radius, wheel.radius + RIM * depth) if wheel.ring else (0.0, wheel.radius)
