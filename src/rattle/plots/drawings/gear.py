@@ -80,7 +80,7 @@ def draw_strokes(ax: Axes, scene: Scene, body: str, strokes: Array) -> Update:
 
 
 def outline(wheel: Wheel, step: float) -> Array:
-    """Strokes (n, 2) [m] of a wheel in the frame of its body, marked about every `step` [m] unless that is too often."""
+    """Strokes (n, 2) [m] of a wheel in the frame of its body, marked about every `step` [m] up to MOST times."""
     count = max(3.0, np.round(2.0 * np.pi * wheel.radius / step))
     depth = DEPTH * step
     strokes = [_circle(wheel.radius)]
