@@ -406,6 +406,38 @@ def test_a_program_that_is_interrupted_ends_at_once_with_the_status_of_shells(tm
     assert run.returncode == 130, said
 
 
+LOSING = """
+from rattle.analyses.dynamics import run
+from rattle.cli.main import main
+class Interrupted:
+    def __del__(self):
+        raise KeyboardInterrupt
+real = run.Run.advance
+def advance(self, t, chunk):
+    if run.Run.advance is advance:
+        run.Run.advance = real
+        Interrupted()
+    return real(self, t, chunk)
+run.Run.advance = advance
+main()
+"""
+
+
+def test_an_interrupt_that_python_loses_in_a_finaliser_ends_the_program_too(tmp_path):
+    words = ["run", "double_pendulum", "--t-end", "1000", "-o", "out.npz"]
+    ended = subprocess.run(
+        [sys.executable, "-c", LOSING, *words],
+        cwd=tmp_path,
+        env=PLAIN,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    assert ended.returncode == 130, ended.stderr
+    assert "Exception ignored" not in ended.stderr
+
+
 # ---------------------------------------------------------------- streams
 @pytest.mark.machine
 def test_a_reader_that_leaves_is_no_error():

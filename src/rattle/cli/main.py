@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from rattle.errors import ANSWERS, SolverError, shown
+from rattle.studies.runs.ctrl_c import raised_again
 
 STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
@@ -163,10 +164,11 @@ class Lazy(click.Group):
             ctx.exit(1 if isinstance(error, SolverError) else 2)
 
     def main(self, *args: Any, **options: Any) -> Any:
-        """As in click, but Ctrl-C gives the exit status that shells use, and standard streams may be closed."""
+        """As in click, but Ctrl-C is never lost and gives the exit status that shells use; streams may be closed."""
         _open_streams()
         try:
-            return super().main(*args, **options)
+            with raised_again():
+                return super().main(*args, **options)
         except click.Abort as stopped:  # only where click is asked to leave the exit to its caller
             if isinstance(stopped.__cause__, KeyboardInterrupt):
                 raise KeyboardInterrupt from None
