@@ -73,6 +73,8 @@ def _draw_path(ax: Axes, play: Result, ideal: Result) -> None:
     ax.set_xlim(left=min(ax.get_xlim()[0], x.min() - 0.05 * np.ptp(x)))
     ax.set_ylim(top=ax.get_ylim()[1] + 0.25 * np.ptp(ax.get_ylim()))  # room for the words
     ax.legend(frameon=False, fontsize=9, loc="upper right")
+    ax.set_xlabel("x [m]")
+    ax.set_ylabel("y [m]")
     ax.set_title("the mechanism and what P draws", loc="left")
 
 
