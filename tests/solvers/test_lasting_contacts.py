@@ -9,6 +9,7 @@ import pytest
 
 import rattle as rt
 from rattle.solvers.nonsmooth import event_search
+from rattle.solvers.peaks.samples import sample_arrays
 
 
 def pressed(share, w):
@@ -197,7 +198,7 @@ def test_looks_beyond_those_that_are_kept_leave_no_stretch_of_a_step_unseen(fine
         monkeypatch.setattr(event_search, name, other)
     m = SimpleNamespace(
         contact=np.zeros((0, 15), np.int64), mode=np.zeros(0), contact_memory=np.zeros((0, 13)),
-        looks=np.zeros((event_search.LOOKS_KEPT, 2)), tally=np.zeros(20, np.int64),
+        looks=np.zeros((event_search.LOOKS_KEPT, 2)), tally=np.zeros(20, np.int64), **sample_arrays(None),
     )  # fmt: skip
     event_search.first_change.python(m, 0.0, 1.0, 0.0, 1.0, len(event_search.PLACES), 1.0, -1, 0)
     seen = 0.0

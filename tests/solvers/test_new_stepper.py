@@ -1,6 +1,7 @@
 """A stepper is one class: entered here, it runs through reader, schema, help, catalogue and simulation."""
 
-import math
+import shutil
+import zipfile
 
 import numpy as np
 import pytest
@@ -8,63 +9,16 @@ from click.testing import CliRunner
 from test_rates import T_END, order_seen
 
 import rattle as rt
+from live import computed
 from rattle import registry
 from rattle.cli.main import main
 from rattle.description.schema import schema
-from rattle.equations.motion import derivative
-from rattle.jit.functions import kernel
+from rattle.errors import InputError
+from rattle.pages.live_program import live_program
 from rattle.registry import kind, kinds
-from rattle.solvers.projection import project_on_constraints
-from rattle.solvers.sign_watch import watched_change
+from rattle.solvers.explicit import step
 from rattle.solvers.stepper import AdaptiveStepper, FixedStepper
-
-
-@kernel("stepper")
-def bogacki_shampine(m, t, h, rtol, atol, tame):
-    y, k, stage, y_new = m.state, m.slopes, m.stage, m.state_new
-    nq, changed, total = 2 * m.change.shape[0], False, 0.0
-    for s in range(4):
-        for n in range(y.shape[0]):
-            if s == 0:
-                k[0, n] = m.rate[n]
-            elif s == 1:
-                stage[n] = y[n] + 0.5 * h * k[0, n]
-            elif s == 2:
-                stage[n] = y[n] + 0.75 * h * k[1, n]
-            else:
-                y_new[n] = y[n] + h * (2.0 * k[0, n] + 3.0 * k[1, n] + 4.0 * k[2, n]) / 9.0
-                stage[n] = y_new[n]
-        if s > 0:
-            share = 1.0 if s == 3 else (0.5 if s == 1 else 0.75)
-            if tame == 1:
-                project_on_constraints(m, t + share * h, stage, stage)
-            derivative(m, t + share * h, stage, k[s])
-            changed |= watched_change(m)
-    for n in range(nq):
-        apart = h * (-5.0 * k[0, n] / 72.0 + k[1, n] / 12.0 + k[2, n] / 9.0 - k[3, n] / 8.0)
-        total += (apart / (atol + rtol * max(abs(y[n]), abs(y_new[n])))) ** 2
-    return math.sqrt(total / nq), changed
-
-
-@kernel("stepper")
-def heun(m, t, h, rtol, atol, tame):
-    y, f, k, stage, y_new = m.state, m.rate, m.slopes, m.stage, m.state_new
-    for n in range(y.shape[0]):
-        stage[n] = y[n] + h * f[n]
-    derivative(m, t + h, stage, k[1])
-    error = 0.0
-    for n in range(y.shape[0]):
-        y_new[n] = y[n] + 0.5 * h * (f[n] + k[1, n])
-        if not abs(y_new[n]) < math.inf:
-            error = math.inf
-    return error, watched_change(m)
-
-
-@kernel("dense output")
-def hermite(m, t, h):
-    for row in range(3, 7):
-        for n in range(m.dense.shape[1]):
-            m.dense[row, n] = 0.0
+from rattle.solvers.tableau import Tableau
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -72,29 +26,29 @@ def entered():
     """Both steppers in the registry, for this module alone."""
     kinds("stepper")
 
-    @kind("stepper", "bogacki-shampine", bogacki_shampine)
+    @kind("stepper", "bogacki-shampine", step)
     class BogackiShampine(AdaptiveStepper):
         """Order 3 that chooses its steps: quick looks.
 
         Source: Bogacki, Shampine, A 3(2) pair of Runge-Kutta formulas, Appl. Math. Lett. 2 (1989) 321-325.
         """
 
-        order = 3
-        stages = 3
-        dense_output = hermite
-        refinement = 10 ** (1 / 3)
+        tableau = Tableau(
+            order=3,
+            times=(0, 1 / 2, 3 / 4, 1),
+            rows=((), (1 / 2,), (0, 3 / 4), (2 / 9, 1 / 3, 4 / 9)),
+            weights=(2 / 9, 1 / 3, 4 / 9, 0),
+            errors=((-5 / 72, 1 / 12, 1 / 9, -1 / 8),),
+        )
 
-    @kind("stepper", "heun", heun)
+    @kind("stepper", "heun", step)
     class Heun(FixedStepper):
         """Order 2 with fixed steps.
 
         Source: Heun, Neue Methoden zur approximativen Integration, Z. Math. Phys. 45 (1900) 23-38.
         """
 
-        order = 2
-        stages = 1
-        dense_output = hermite
-        refinement = 10 ** (1 / 2)
+        tableau = Tableau(order=2, times=(0, 1), rows=((), (1,)), weights=(1 / 2, 1 / 2))
 
     yield
     for name in ("bogacki-shampine", "heun"):
@@ -139,6 +93,7 @@ def test_model_that_asks_for_a_new_stepper_is_run_by_it_and_its_peaks_come_from_
     new, usual = rt.loads(model("bogacki-shampine")), rt.loads(model("dop853"))
     r, exact = new.simulate(2.0, t_eval=[0.0, 2.0]), usual.simulate(2.0, t_eval=[0.0, 2.0])
     assert r.provenance["method"] == "bogacki-shampine"
+    assert r.stats["evaluations"] >= 4 * r.stats["steps"]
     assert r.stats["steps"] > 10 * exact.stats["steps"]
     assert r["bar.angle"][-1] == pytest.approx(exact["bar.angle"][-1], abs=1e-5)  # error per step of 1e-8
     for name in ("O.force", "O.x"):
@@ -163,3 +118,68 @@ def test_new_adaptive_stepper_finds_the_contacts_that_the_usual_one_finds():
     one, other = ([event.t for event in r.events if event.kind == "contact"] for r in runs)
     assert len(other) > 5
     assert one == pytest.approx(other, abs=1e-6)  # s: ten times what the tolerance makes of a free flight
+
+
+@pytest.mark.parametrize("name", ["heun", "bogacki-shampine"])
+def test_samples_side_by_side_are_run_by_a_new_stepper_as_one_by_one(name):
+    m = rt.loads(model(name).replace("length = 0.5", 'length = "l"') + "[parameters]\nl = 0.5\n")
+    of = ["final(bar.angle)", "max(O.force)"]
+    lengths = np.linspace(0.4, 0.6, 9)
+    settings = {"rtol": 1e-7} if name != "heun" else {"step": 2e-4}
+    many = m.many({"l": lengths}, of, t_end=1.0, **settings)
+    assert len(many.generic) == 0
+    for k in (0, 4, 8):
+        r = m.set(l=lengths[k]).simulate(1.0, **settings)
+        assert many[of[0]][k] == pytest.approx(r["bar.angle"][-1], abs=2e-6)
+        assert many[of[1]][k] == pytest.approx(r.peaks["O.force"].value, rel=1e-4)
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="no node")
+@pytest.mark.parametrize("name", ["heun", "bogacki-shampine"])
+def test_a_page_takes_the_steps_of_a_new_stepper(name, tmp_path):
+    m = rt.loads(model(name))
+    live = live_program(m, t_end=0.5)
+    run = computed(tmp_path, live)
+    r = m.simulate(0.5, t_eval=run["t"])
+    assert not live.notes
+    assert run["stats"]["steps"] == r.stats["steps"]
+    assert run["columns"]["bar.angle"] == pytest.approx(r["bar.angle"], abs=1e-10)
+
+
+def test_an_fmu_holds_the_coefficients_of_a_new_stepper(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.toml").write_text(model("bogacki-shampine"))
+    ran = CliRunner().invoke(main, ["code", "m.toml", "-o", "m.fmu"])
+    assert ran.exit_code == 0, ran.output
+    with zipfile.ZipFile("m.fmu") as archive:
+        text = archive.read("sources/equations.c").decode()
+    assert "enum { STAGES = 4, ORDER = 3 };" in text
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"weights": (1 / 2, 1 / 2)}, "time and a row for every stage"),
+        ({"rows": ((), (1,), (0.5,))}, "sum up to the time"),
+        ({"rows": ((), (0, 1), (1,))}, "stages before them"),
+        ({"order": 3}, "below degree 3"),
+        ({"errors": ((1, 0, 0),)}, "sum up to zero"),
+        ({"dense": ((0, 0, 0),) * 5}, "four dense rows"),
+    ],
+)
+def test_a_tableau_that_cannot_be_is_refused(change, words):
+    right = {"order": 2, "times": (0, 1, 1), "rows": ((), (1,), (0.5, 0.5)), "weights": (1 / 2, 1 / 2, 0)}
+    assert Tableau(**right).stages == 3
+    if "weights" in change:
+        right["times"] = (0,)
+    with pytest.raises(InputError, match=words):
+        Tableau(**right | change)
+
+
+@pytest.mark.nojit
+def test_a_tableau_without_an_error_estimate_cannot_choose_steps():
+    with pytest.raises(InputError, match="no error estimate"):
+
+        class _Adaptive(AdaptiveStepper):
+            tableau = kinds("stepper")["heun"].leaf.tableau

@@ -7,17 +7,20 @@ import pytest
 
 import rattle as rt
 from rattle.analyses.straight_line.machine_code import MachineFunctions
+from rattle.registry import kinds
+from rattle.solvers.step_size import SAFETY
 from rattle.trace.copying import replaced
 from rattle.trace.elementary import lower
 from rattle.trace.graph import NUMPY, Graph
 from rattle.trace.lane_batch import Batch
 from rattle.trace.lane_control import Status
-from rattle.trace.lane_methods import DOP853, RK4, Tolerances
+from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.lane_program import Model, Program
 from rattle.trace.lanes import run
 from rattle.trace.reductions import Reduction
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
+DOP853, RK4 = (Method(kinds("stepper")[name].leaf.tableau) for name in ("dop853", "rk4"))
 FINE = Tolerances(1e-11, 1e-13)
 W = np.linspace(0.7, 7.3, 24)  # angular frequencies [1/s]
 T = 2.0  # [s]
@@ -326,7 +329,7 @@ def test_the_four_bar_takes_the_steps_of_the_package():
     """Errors, projections and step lengths follow the same rules but for the safety; rounding may turn one decision."""
     m, t_end = rt.example("fourbar"), 0.005
     model = recorded(m, ["crank.angle"])
-    alike = DOP853._replace(safety=0.9)
+    alike = Method(DOP853.tableau, SAFETY)
     outcome = run(Program(model, lowered, alike, [Reduction("final", 0)], t_end), np.zeros((1, 1)))
     stats = m.simulate(t_eval=[0.0, t_end], rtol=1e-8).stats
     tries = (outcome.evaluations - 2) / 12

@@ -20,6 +20,20 @@ declare("clock", """
     COLLAPSED [] steps in a row that were far too short to get anywhere
 """)
 T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT, H_STABLE, SHORTENED, COLLAPSED = range(11)
+declare("stepper", """
+    ADAPTIVE [] 1 if its steps follow the tolerances
+    ERROR_POWER [] power of the step with which the error of one step grows
+    STAGES [] of a step
+    SLOPES [] rows of `slopes` whose accelerations bound those in a step
+    DENSE_STAGES [] further stages of its dense output
+    STABLE [] step times fastest rate beyond which it is not stable; 0: not watched
+""")
+ADAPTIVE, ERROR_POWER, STAGES, SLOPES, DENSE_STAGES, STABLE = range(6)
+declare("stepper_table", """
+    STEP [] takes a step
+    DENSE [] completes its dense output
+""")
+STEP, DENSE = range(2)
 declare("tally", """
     STEPS [] steps taken
     REJECTED [] steps repeated with a shorter length

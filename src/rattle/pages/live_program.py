@@ -26,9 +26,10 @@ from rattle.language.recorded import Recorded, symbol_of
 from rattle.mechanism import Mechanism
 from rattle.pages.live_text import LIVE
 from rattle.pages.same_start import tried_values, with_the_ideal_start, with_the_same_start
+from rattle.registry import kinds
 from rattle.results.columns import geometry
-from rattle.solvers import dop853_tableau, step_audit
-from rattle.solvers.stepper import ATOL, LONGEST, RTOL
+from rattle.solvers import step_audit
+from rattle.solvers.stepper import ATOL, FREE, LONGEST, RTOL, usual_stepper
 from rattle.trace import javascript
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Symbol, both
@@ -40,8 +41,6 @@ from rattle.trace.sides import landed_on, stand_on_sides, switching_functions
 ENERGIES = 5  # result curves that come last
 DRAWN = 1e-12  # share of the largest number of a drawing by which a recorded one may be off: rounding
 MOST_STEPS = 400_000  # steps of a run in a page
-METHODS = ("rk4", "dop853")  # those that the page has
-REFINEMENT = {"rk4": 10 ** (1 / 4), "dop853": 10 ** (1 / 8)}
 MOVING = ("rates", "refined", "residual")  # further functions of the state
 Place = tuple[str | int, ...]
 
@@ -189,24 +188,34 @@ def run_settings(m: Mechanism, t_end: float | None = None) -> tuple[dict[str, An
     """Settings of a run in a page, those of [simulate], and what a reader must know of them."""
     given = m.model.settings
     end = given.t_end if t_end is None else t_end
-    method = given.method or "dop853"
+    method = given.method or usual_stepper(FREE)
     notes: tuple[str, ...] = ()
-    if method not in METHODS:
-        notes = (f"the model's method {method} is not in this page: dop853 computes here",)
-        method = "dop853"
+    if kinds("stepper")[method].leaf.tableau is None:
+        notes = (f"the model's method {method} is not in this page: {usual_stepper(FREE)} computes here",)
+        method = usual_stepper(FREE)
     rtol = given.rtol or RTOL
     interval = given.output or end / 1000
-    tableau = dop853_tableau
     return {
-        "method": method, "rtol": rtol, "atol": given.atol or ATOL * rtol, "step": given.step, "t_end": end,
+        **method_settings(method),
+        "rtol": rtol, "atol": given.atol or ATOL * rtol, "step": given.step, "t_end": end,
         "outputs": max(1, round(end / interval)), "fixed_step": min(LONGEST, end / 1000), "usual": RTOL,
-        "refinement": REFINEMENT, "most_steps": MOST_STEPS,
+        "most_steps": MOST_STEPS,
         "limits": {"drift": soundness.LIMIT, "energy": 1e-3, "jump": step_audit.TOO_FAR},
-        "tableau": {
-            "C": tableau.C.tolist(), "A": _sparse(tableau.A), "B": _sparse(tableau.B[None])[0],
-            "E3": _sparse(tableau.E3[None])[0], "E5": _sparse(tableau.E5[None])[0], "D": _sparse(tableau.D),
-        },
     }, notes  # fmt: skip
+
+
+def method_settings(method: str) -> dict[str, Any]:
+    """The part of `run_settings` that an explicit method determines."""
+    stepper = kinds("stepper")[method].leaf
+    tableau = stepper.tableau
+    return {
+        "method": method, "refinement": stepper.refinement,
+        "tableau": {
+            "order": tableau.order, "stages": tableau.stages, "adaptive": tableau.adaptive,
+            "stable": tableau.watched_stable, "C": tableau.c.tolist(), "A": _sparse(tableau.a),
+            "ends": _sparse(tableau.ends), "D": _sparse(tableau.arrays["dense_weights"]),
+        },
+    }  # fmt: skip
 
 
 def _sparse(rows: np.ndarray) -> list[list[list[Any]]]:

@@ -5,9 +5,9 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
+from rattle.jit import layout as at
 from rattle.jit.families import call_dense_output
 from rattle.jit.functions import compiled
-from rattle.solvers.step_state import DENSE
 
 
 @compiled
@@ -19,7 +19,7 @@ def prepare_dense(m, t, h):
         dense[0, n] = jump
         dense[1, n] = h * f[n] - jump
         dense[2, n] = 2.0 * jump - h * (f_new[n] + f[n])
-    call_dense_output(m.stepper_table[DENSE], (m, t, h))
+    call_dense_output(m.stepper_table[at.DENSE], (m, t, h))
 
 
 @compiled

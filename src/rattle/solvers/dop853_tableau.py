@@ -11,6 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rattle.solvers.tableau import Tableau
+
 Row = tuple[tuple[int, ...], tuple[float, ...]]
 
 
@@ -108,3 +110,4 @@ D = filled((
     )),
 ), 0, 16)
 # fmt: on
+TABLEAU = Tableau(order=8, times=C, rows=A, weights=B, errors=(E5, E3), dense=D, stable=4)

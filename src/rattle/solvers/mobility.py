@@ -21,9 +21,10 @@ from rattle.elements.film_frame import CLEARANCE, LEAST
 from rattle.jit import layout as at
 from rattle.jit.families import call_film, call_friction, call_stiffness
 from rattle.jit.functions import compiled, native
-from rattle.solvers.dop853_tableau import E3, E5, A, B, C
+from rattle.solvers.dop853_tableau import E3, E5, TABLEAU, A, B, C
+from rattle.solvers.step_size import SAFETY, error_share, longer, shorter
 
-STAGES = 12
+STAGES, POWER = TABLEAU.stages, TABLEAU.order
 ROUNDS = 60  # of the search for a direction
 NARROW = 1e-15  # width of its bracket [rad] that is as good as none
 ALIGNED = 1e-14  # sine of the angle between two forces below which they have the same direction
@@ -172,10 +173,7 @@ def step(m, n, t, h, x, y, nodes, course, tolerance, k):
     values, p = m.values, m.contact[n, at.FILM_P]
     c, boundary = values[p + CLEARANCE], values[p + CLEARANCE] * values[p + LEAST]
     thin = c - max(math.sqrt(x * x + y * y), math.sqrt(far_x * far_x + far_y * far_y))
-    if error5 == 0.0:
-        return far_x, far_y, 0.0
-    scale = tolerance * max(thin, boundary)
-    return far_x, far_y, h * error5 / (math.sqrt(error5 + 0.01 * error3) * scale)
+    return far_x, far_y, error_share(h, error5, error3, 1) / (tolerance * max(thin, boundary))
 
 
 @compiled
@@ -207,15 +205,14 @@ def follow(m, n, nodes, course, times, tolerance, most, clock, k, out):
         x, y, error = step(m, n, t, h, clock[X], clock[Y], nodes, course, tolerance, k)
         taken += 1.0
         if not error <= 1.0:
-            share = 0.9 * error**-0.125 if error < 1e300 else 0.1
-            clock[STRIDE] = h * max(share, 0.1)
+            clock[STRIDE] = shorter(h, error, POWER, SAFETY)
             if t + clock[STRIDE] == t:
                 clock[STRIDE] = 0.0
                 break
             continue
         clock[NOW] = target if last else t + h
         clock[X], clock[Y] = x, y
-        longer = h * (min(6.0, 0.9 * error**-0.125) if error > 0.0 else 6.0)
-        clock[STRIDE] = max(clock[STRIDE], longer) if last else longer
+        ahead = longer(h, error, POWER, SAFETY)
+        clock[STRIDE] = max(clock[STRIDE], ahead) if last else ahead
     clock[TAKEN] += taken
     return done

@@ -28,11 +28,9 @@ from rattle.equations.schur import PIVOT, WEAK, factorise
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.dop853_tableau import C
 from rattle.solvers.peaks.climb import end_step, probe, sample_pieces
-from rattle.solvers.peaks.samples import BEST, DOP853, PROBE, SAMPLE, SQUARES, START, WHEN
+from rattle.solvers.peaks.samples import BEST, SAMPLE, SQUARES, START, WHEN, probe_of
 from rattle.solvers.step_audit import openness
-from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, SAMPLES
 
 NEAR = math.sqrt(WEAK)  # root below which forces are not to be trusted beside a singular position
 SINGULAR = 1e-3  # root at t* up to which a position is singular; what is left comes from the error of the dense output
@@ -47,9 +45,6 @@ SHARP = 0.75  # a sample this low beside its neighbours' mean may hide another z
 GRAZED = 0.02  # root at an end of the step, of the next sample's, that is one left behind or ahead, not passed
 RESOLVED = 100.0  # openness, times this, below which a root that stays above SINGULAR is not one of the dense output
 LEVELS = 4  # times that the search is repeated, each in three intervals of the last: 1e-3 of the step, then linear
-NODES = np.sort(C[:12])  # of the stages
-WIDE = np.sort(np.argsort(np.diff(NODES))[-3:])  # the three widest gaps between them
-GAPS = 0.5 * (NODES[WIDE] + NODES[WIDE + 1])  # 0.18, 0.47, 0.75: shares of a step at which no stage is near
 LATE = 1.2  # a straddling step is at most so many times as long as the one that failed
 FORESIGHT = 3.0  # steps ahead of which the next ones are laid so that one of them straddles the position
 SHORTER = 0.95  # length of these, at most, in steps that failed
@@ -130,9 +125,9 @@ def time_ahead(m, t, span):
 @native("i", "h", "f", "f")
 def straddle(m, t, h):
     """Choose a step from t [s] after one of length h [s] that failed next to a singular position; 0 if none is left."""
-    if m.stepper[SAMPLES] != DOP853 or m.stepper[ADAPTIVE] == 0:
+    clock, passage, gaps = m.clock, m.passage, m.stage_gaps  # at which the step would have no stage near it
+    if gaps.shape[0] == 0:
         return 0
-    clock, passage = m.clock, m.passage
     ahead = time_ahead(m, t, FORESIGHT * h)
     if not ahead > CLOSEST * clock[at.H_SOUND]:
         return 0
@@ -141,12 +136,12 @@ def straddle(m, t, h):
     if tried:  # nearer to it, with a shorter step
         clock[at.H] = 0.5 * ahead
         return 1
-    for n in range(GAPS.shape[0]):
-        if ahead <= LATE * GAPS[n] * h:
-            clock[at.H] = ahead / GAPS[n]
+    for n in range(gaps.shape[0]):
+        if ahead <= LATE * gaps[n] * h:
+            clock[at.H] = ahead / gaps[n]
             passage[at.TRIED_AT] = t
             return 1
-    rest = ahead - GAPS[1] * h  # steps that end where one of length h would straddle it
+    rest = ahead - gaps[gaps.shape[0] // 2] * h  # steps that end where one of length h would straddle it
     clock[at.H] = rest / (1.0 + int(rest / (SHORTER * h)))
     return 1
 
@@ -155,7 +150,7 @@ def straddle(m, t, h):
 def ends_beside(m, t, h):
     """1 if the step from t [s] of length h [s] ends so close to a singular position that another one is chosen."""
     passage = m.passage
-    if not passage[at.ROOT_AFTER] < min(NEAR, passage[at.ROOT_BEFORE]) or m.stepper[ADAPTIVE] == 0:
+    if not passage[at.ROOT_AFTER] < min(NEAR, passage[at.ROOT_BEFORE]) or m.stepper[at.ADAPTIVE] == 0:
         return 0
     ahead = time_ahead(m, t, 1.3 * h)
     if abs(ahead - h) < BESIDE * h and straddle(m, t, h) == 1:
@@ -371,7 +366,7 @@ def passes(m, t, h, rtol):
     if suspect_pivots(m) == 0.0 and not least < NEAR:
         return 0
     prepare_dense(m, t, h)
-    m.tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
+    m.tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES]
     where = sought(m, t, h)
     if where < 0.0:
         return -1 if where == -2.0 else 0
@@ -451,7 +446,7 @@ def count_part(m, t, h, low, high):
     if low > 0.0:
         probe(m, t, h, low, 0)
         for n in range(m.peaks.shape[0]):
-            m.peaks[n, SAMPLE + START] = m.peaks[n, SAMPLE + PROBE]
+            m.peaks[n, SAMPLE + START] = m.peaks[n, SAMPLE + probe_of(m)]
     return 1 + sample_pieces(m, t, h, low, high, min(FIRST_PIECE, high - low), True)
 
 

@@ -1,8 +1,8 @@
 """Step size control: the next step, shorter after a rejected one, longer after an accepted one.
 
-A stepper returns the error of its step relative to the tolerance.  If the error grows with the power p of the step h,
-0.9 h error^(-1/p) is the longest step that most likely satisfies it.  A stepper with fixed steps returns 0, or inf if
-the new state is not finite.  Steps that fail `step_audit`, or cross a switch, are rejected too.
+A stepper returns the error of its step relative to the tolerance; `step_size` says what length follows from it.  One
+with fixed steps returns 0, or inf if the new state is not finite.  Steps that fail `step_audit`, or cross a switch, are
+rejected too.
 
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
 """
@@ -18,7 +18,7 @@ from rattle.jit.functions import compiled
 from rattle.solvers.dense_output import prepare_dense
 from rattle.solvers.state_switches import REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import UNSOUND, keep_energies, stands
-from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, POWER, STABLE, STAGES
+from rattle.solvers.step_size import SAFETY, first_length, longer, shorter, trial_step
 
 TRY_AGAIN = -1  # the step must be repeated, with the length in `clock`
 SHORT = 1e-9  # share of the remaining time down to which a step that fails the audit is repeated with a shorter length
@@ -80,26 +80,21 @@ def first_step(m, t, y, f, longest, rtol, atol):
         scale = atol + rtol * abs(y[n])
         size += (y[n] / scale) ** 2
         slope += (f[n] / scale) ** 2
-    h = 0.01 * math.sqrt(size / slope) if size > 1e-10 and slope > 1e-10 else 1e-6
-    h = min(h, longest)
+    h = trial_step(size, slope, longest)
     for n in range(y.shape[0]):
         stage[n] = y[n] + h * f[n]
     derivative(m, t + h, stage, k1)
     bend = 0.0
     for n in range(ny):
         bend += ((k1[n] - f[n]) / (atol + rtol * abs(y[n]))) ** 2
-    largest = max(math.sqrt(slope), math.sqrt(bend) / h) / math.sqrt(ny)
-    second = max(1e-6, 1e-3 * h)
-    if largest > 1e-15 and largest < math.inf:
-        second = (0.01 / largest) ** (1.0 / m.stepper[POWER])
     m.tally[at.EVALUATIONS] += 2
-    return min(100.0 * h, second, longest)
+    return first_length(h, slope, bend, ny, m.stepper[at.ERROR_POWER], longest)
 
 
 @compiled
 def refuse(m, t, h, error):
     """Reject the step from t of length h [s]; True if switches were released, so that the next attempt may succeed."""
-    m.tally[at.REJECTED] += m.stepper[ADAPTIVE]
+    m.tally[at.REJECTED] += m.stepper[at.ADAPTIVE]
     m.clock[at.TROUBLE] = t + h
     m.landing[at.LANDS] = 0.0
     return m.switch.shape[0] > 0 and not error < math.inf and release(m)
@@ -108,14 +103,14 @@ def refuse(m, t, h, error):
 @compiled
 def shorten(m, h, error):
     """Choose a step shorter than h [s], whose error (share of the tolerance) was too large."""
-    m.clock[at.H] = h * (max(0.2, 0.9 * error ** (-1.0 / m.stepper[POWER])) if error < math.inf else 0.1)
+    m.clock[at.H] = shorter(h, error, m.stepper[at.ERROR_POWER], SAFETY)
 
 
 @compiled
 def lengthen(m, h, error, last, h_max):
     """Choose the step after one of length h [s]; last: the step was shortened to end at a given instant."""
     clock = m.clock
-    ahead = h * (6.0 if error < 1e-7 else min(6.0, 0.9 * error ** (-1.0 / m.stepper[POWER])))
+    ahead = longer(h, error, m.stepper[at.ERROR_POWER], SAFETY)
     clock[at.H_STABLE] *= REGROWTH
     clock[at.H] = min(h_max, clock[at.H_STABLE], max(ahead, clock[at.H] if last else 0.0))
 
@@ -129,7 +124,7 @@ def is_stable(m, h, rtol, atol):
     near to it where that shows in the step.  Beyond the limit of stability ends of steps may still be right, but not
     what lies within them.  Differences far below the tolerances do not count; a step is repeated once.
     """
-    clock, last, weight = m.clock, m.stepper[STAGES] - 1, m.weight
+    clock, last, weight = m.clock, m.stepper[at.STAGES] - 1, m.weight
     y, f, stage, slope = m.state_new, m.rate_new, m.stage, m.slopes
     nq, dq2, dv2, da2, masses, counts = m.change.shape[0], 0.0, 0.0, 0.0, 0.0, False
     for n in range(nq):
@@ -145,10 +140,10 @@ def is_stable(m, h, rtol, atol):
     again, clock[at.SHORTENED] = clock[at.SHORTENED], 0.0
     da = math.sqrt(da2)
     fall = math.sqrt(dv2) + math.sqrt(dv2 + 4.0 * da * math.sqrt(dq2))
-    if again == 1.0 or not counts or not da < math.inf or 2.0 * da * h <= m.stepper[STABLE] * fall:
+    if again == 1.0 or not counts or not da < math.inf or 2.0 * da * h <= m.stepper[at.STABLE] * fall:
         return True
     clock[at.SHORTENED] = 1.0
-    clock[at.H_STABLE] = max(0.2 * h, STABLE_SHARE * m.stepper[STABLE] * fall / (2.0 * da))
+    clock[at.H_STABLE] = max(0.2 * h, STABLE_SHARE * m.stepper[at.STABLE] * fall / (2.0 * da))
     clock[at.H] = clock[at.H_STABLE]
     return False
 
@@ -167,7 +162,7 @@ def end_stands(m, t, h, t_new, t_end):
         return OK
     m.clock[at.TROUBLE] = t_new
     m.landing[at.LANDS] = 0.0
-    if m.stepper[ADAPTIVE] == 1 and h > SHORT * (t_end - t):
+    if m.stepper[at.ADAPTIVE] == 1 and h > SHORT * (t_end - t):
         quarter(m, h)
         return TRY_AGAIN
     return UNSOUND
@@ -192,7 +187,7 @@ def end_on_switch(m, t, h, t_end, dense):
         return OK
     if not dense:
         prepare_dense(m, t, h)
-        m.tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
+        m.tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES]
     verdict, shorter = land(m, t, h, t_end, clock[at.H])
     if verdict == SLIDES:
         return SLIDES

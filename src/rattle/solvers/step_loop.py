@@ -41,7 +41,7 @@ from rattle.solvers.contacts.penetration import ESCAPED, escaped
 from rattle.solvers.contacts.wear_sum import add_wear
 from rattle.solvers.dense_output import interpolate, prepare_dense
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks.samples import END, START, gauge, may_rise
+from rattle.solvers.peaks.samples import START, end_of, gauge, may_rise, stage_layout
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
 from rattle.solvers.singular_passage import (
@@ -74,7 +74,6 @@ from rattle.solvers.step_control import (
     take_over,
     turn_switch,
 )  # fmt: skip
-from rattle.solvers.step_state import ADAPTIVE, DENSE_STAGES, SAMPLES, STABLE, STAGES, STEP
 
 LEAP = 0.1  # share of the last regular step below which a step is not shortened further at a singular position
 LEAP_ERROR = 1e-8  # error of such a step that is accepted [units of the state]; it doubles with every attempt
@@ -152,12 +151,12 @@ def search_step_for_events(m, t, t_new, changed, passed, t_out, out):
     share, who, contacts = NONE, -1, m.contact.shape[0] > 0
     suspect = may_any_change(m, h)
     peak = m.wear_work.shape[0] == 0 and near_peak(m)
-    samples = m.stepper[SAMPLES]
+    samples = stage_layout(m)
     dense = suspect or peak or output_due(m, t_new, t_out) or changed or passed == 1 or may_rise(m, h, samples)
     dense = dense or comes_or_leaves(m)
     if dense:
         prepare_dense(m, t, h)
-        tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES]
+        tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES]
     if suspect:
         share, who = first_change(m, h, 1.0)
     until = min(share, 1.0)
@@ -194,8 +193,8 @@ def try_step(m, t, h, last, rtol, atol, h_max):
     tally, power, stepper = m.tally, m.power, m.stepper
     power[at.PIVOT_SHARE] = 1.0
     watch_pivots(m)
-    error, changed = call_stepper(m.stepper_table[STEP], (m, t, h, rtol, atol, tally[at.TAME]))
-    tally[at.EVALUATIONS] += stepper[STAGES] - 1
+    error, changed = call_stepper(m.stepper_table[at.STEP], (m, t, h, rtol, atol, tally[at.TAME]))
+    tally[at.EVALUATIONS] += stepper[at.STAGES] - 1
     m.passage[at.ROOT_WITHIN] = math.sqrt(power[at.PIVOT_SHARE])
     laid = m.passage[at.TRIED_AT] == t  # across a singular position
     weak = power[at.PIVOT_SHARE] < WEAK and (laid or h <= LEAP * m.clock[at.H_SOUND])
@@ -207,7 +206,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
         error = 1e-8
     if not error <= 1.0:
         return step_anew(m, t, h, error, weak), error, changed
-    if stepper[ADAPTIVE] == 1:
+    if stepper[at.ADAPTIVE] == 1:
         if power[at.PIVOT_SHARE] > WEAK:
             tally[at.TAME] = 0
         if not weak:
@@ -223,7 +222,7 @@ def step_anew(m, t, h, error, weak):
     clock, tally = m.clock, m.tally
     if refuse(m, t, h, error):
         return TRY_AGAIN
-    if m.stepper[ADAPTIVE] == 0:
+    if m.stepper[at.ADAPTIVE] == 0:
         return NOT_FINITE
     if m.power[at.PIVOT_SHARE] < WEAK and straddle(m, t, h) == 1:
         return TRY_AGAIN
@@ -246,14 +245,14 @@ def end_on_constraints(m, t, h, t_new, t_end, rtol, atol):
     passage[at.ROOT_AFTER] = math.sqrt(m.power[at.PIVOT_SHARE])
     keep_pivots(m, at.SHARE_AFTER)
     m.power[at.PIVOT_SHARE] = min(share, m.power[at.PIVOT_SHARE])
-    if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
+    if m.stepper[at.STABLE] > 0 and not is_stable(m, h, rtol, atol):
         m.tally[at.REJECTED] += 1
         m.landing[at.LANDS] = 0.0
         return TRY_AGAIN, False
     status = end_stands(m, t, h, t_new, t_end)
     if status != OK:
         return status, False
-    gauge(m, END, t_new)
+    gauge(m, end_of(m), t_new)
     changed = watched_change(m)
     if m.contact.shape[0] > 0:
         remember_end(m)

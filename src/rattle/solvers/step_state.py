@@ -9,13 +9,10 @@ import numpy as np
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.registry import Kind, kinds
+from rattle.solvers.peaks.samples import sample_arrays
 from rattle.solvers.shifted_matrices import implicit_arrays
 
-# stepper: 1 if it is adaptive, power of the step with which the error of a step grows, stages of a step, layout of its
-# stages (see `peaks.samples`), further stages of its dense output, where it stops to be stable (0: not watched);
-# stepper_table: its kernels
-ADAPTIVE, POWER, STAGES, SAMPLES, DENSE_STAGES, STABLE = range(6)
-STEP, DENSE = range(2)
+SLOPES = 12  # rows of `slopes` of a step that a stepper without a tableau writes, or leaves at zero
 
 
 def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
@@ -28,7 +25,6 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     return {
         "state": y.copy(),
         **{name: np.zeros(ny) for name in ("rate", "state_new", "rate_new", "stage")},
-        "slopes": np.zeros((16, ny)),
         "dense": np.zeros((7, ny)),
         "clock": clock,
         "tally": np.zeros(at.width("tally"), np.int64),
@@ -39,21 +35,27 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     }
 
 
-def stepper_arrays(stepper: Kind, stiff: bool, bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
-    """Arrays that describe this stepper, or the one whose kernels it calls; empty if it has no kernels.
-
-    stiff: the model has oil films.  An implicit one works with further arrays, whose sizes follow from the numbers of
-    bodies, of states of elements and of all numbers of y.
-    """
+def integrator(stepper: Kind, stiff: bool) -> Kind:
+    """The stepper whose kernels a run with this one calls: another one, or itself; stiff: the model has oil films."""
     by = (stepper.leaf.if_stiff if stiff else "") or stepper.leaf.integrates_by
-    one = kinds("stepper")[by] if by else stepper
-    if one.kernel is None:
+    return kinds("stepper")[by] if by else stepper
+
+
+def stepper_arrays(stepper: Kind, bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
+    """Arrays that describe a stepper; empty if it has no kernels.
+
+    An implicit one works with further arrays, whose sizes follow from the numbers of bodies, of states of elements and
+    of all numbers of y.
+    """
+    if stepper.kernel is None:
         return {}
-    leaf = one.leaf
+    leaf, tableau = stepper.leaf, stepper.leaf.tableau
     power = leaf.error_order or leaf.order
+    slopes, stable = (leaf.stages, tableau.watched_stable) if tableau else (SLOPES, 0)
     return (implicit_arrays(bodies, states, ny) if leaf.implicit else {}) | {
-        "stepper": np.array(
-            [leaf.adaptive, power, leaf.stages, leaf.samples, leaf.dense_stages, leaf.stable], np.int64
-        ),
-        "stepper_table": functions.entries((one.kernel, leaf.dense_output)),
+        "stepper": np.array([leaf.adaptive, power, leaf.stages, slopes, leaf.dense_stages, stable], np.int64),
+        "stepper_table": functions.entries((stepper.kernel, leaf.dense_output)),
+        "slopes": np.zeros((max(2, len(tableau.c)) if tableau else SLOPES, ny)),
+        **(tableau.arrays if tableau else {}),
+        **sample_arrays(tableau),
     }

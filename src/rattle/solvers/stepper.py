@@ -1,7 +1,8 @@
 """What a stepper (time integration method) declares: reader, schema, help, runs and messages use no stepper's name.
 
-A leaf in `rattle.solvers.steppers` is one class.  It derives from one of the three below, declares its `order` and, if
-it takes the steps of smooth motion, its kernels:
+A leaf in `rattle.solvers.steppers` is one class, which derives from one of the three below.  An explicit Runge-Kutta
+method is a `tableau`, registered with the kernel of all of them, `explicit.step`; the rest follows.  Another method
+declares its `order` and, if it takes the steps of smooth motion, its kernels:
 
     step           from (t, y), with y' in `rate`, to y_new at t + h; returns its error as a share of the tolerance
                    (0 with fixed steps, inf if y_new is not finite) and whether `watched_change` was true at a stage
@@ -14,9 +15,11 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
+from rattle.errors import InputError
 from rattle.jit.functions import KernelFunction
 from rattle.registry import Field, kinds
-from rattle.solvers.peaks.samples import CUT
+from rattle.solvers.explicit import prepare_dense
+from rattle.solvers.tableau import Tableau
 
 # contacts of a mechanism: none, or their model; OILED are compliant ones with an oil film beside at least one
 FREE, COMPLIANT, OILED, SET_VALUED = "free", "compliant", "lubricated", "impact"
@@ -34,6 +37,7 @@ def equal_steps(fewest: int) -> Field:
 class Stepper:
     """A time integration method."""
 
+    tableau: ClassVar[Tableau | None] = None  # of an explicit method
     order: ClassVar[int]  # power of the step with which the error decreases, at least
     error_order: ClassVar[int] = 0  # power with which the estimated error of one step grows; 0: its order
     implicit: ClassVar[bool] = False  # it solves equations with the Jacobian, for which it needs arrays
@@ -48,16 +52,23 @@ class Stepper:
     step: ClassVar[Field]
     stages: ClassVar[int] = 0  # of a step; the first is the end of the step before
     dense_stages: ClassVar[int] = 0  # further ones that its dense output needs
-    stable: ClassVar[int] = (
-        0  # step times fastest rate beyond which it is not; its last stage is at the end. 0: ignored
-    )
-    samples: ClassVar[int] = CUT  # where its stages lie, see `peaks.samples`; CUT: the dense output is sampled instead
     dense_output: ClassVar[KernelFunction | None] = None
     integrates_by: ClassVar[str] = ""  # the stepper whose kernels are called, if not its own
     if_stiff: ClassVar[str] = ""  # the one whose kernels are called instead for models with oil films
     restitution_laws: ClassVar[tuple[str, ...]] = ()  # restitution laws that it can use; empty: all
     energy_limit: ClassVar[float] = 1e-3  # share of the largest energy that may be unaccounted for
     title: ClassVar[str] = ""  # its name in messages about its design
+
+    def __init_subclass__(cls) -> None:
+        """Fill in what follows from a tableau.  Raises InputError for one that is not of the kind of its class."""
+        tableau = cls.__dict__.get("tableau")
+        if tableau is None:
+            return
+        if tableau.adaptive != cls.adaptive:
+            kind = "an error estimate: derive from AdaptiveStepper" if tableau.adaptive else "no error estimate"
+            raise InputError(f"{cls.__name__}: its tableau has {kind}")
+        cls.order, cls.stages, cls.dense_stages = tableau.order, tableau.stages, tableau.dense_stages
+        cls.dense_output, cls.refinement = prepare_dense, 10 ** (1 / tableau.order)
 
 
 class AdaptiveStepper(Stepper):

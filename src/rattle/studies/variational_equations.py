@@ -9,11 +9,12 @@ import numpy as np
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.variational_model import VariationalModel
 from rattle.errors import TraceError
+from rattle.solvers.dop853_tableau import TABLEAU
 from rattle.solvers.stepper import ATOL
 from rattle.studies.neighbouring_runs import Apart
 from rattle.trace.lane_batch import Batch
 from rattle.trace.lane_control import Status
-from rattle.trace.lane_methods import DOP853, Tolerances
+from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.lane_program import EIGHT, Program
 from rattle.trace.lane_start import Stock
 from rattle.trace.reductions import Reduction
@@ -43,8 +44,9 @@ def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rt
         )
     functions = MachineFunctions()
     program = Program(
-        made.lane_model(first, functions.add), functions.add, DOP853, [Reduction("final", 0)], float(times[-1]),
-        tolerances=Tolerances(rtol, ATOL * rtol), chain=functions.chain, tiled=True, most_steps=MOST_STEPS,
+        made.lane_model(first, functions.add), functions.add, Method(TABLEAU), [Reduction("final", 0)],
+        float(times[-1]), tolerances=Tolerances(rtol, ATOL * rtol), chain=functions.chain, tiled=True,
+        most_steps=MOST_STEPS,
     )  # fmt: skip
     functions.compile()
     lane = np.zeros(1, dtype=np.int64)

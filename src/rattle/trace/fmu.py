@@ -14,13 +14,15 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
+import numpy as np
+
 from rattle.errors import TraceError
-from rattle.solvers.dop853_tableau import E3, E5, A, B, C
+from rattle.solvers.tableau import Tableau
 from rattle.trace import c
 from rattle.trace.graph import Graph
 
@@ -69,6 +71,7 @@ class Equations(NamedTuple):
     positions: int  # 3 nb
     energies: Mapping[str, int]  # KINETIC, POTENTIAL, BALANCE: numbers of curves; WORK: a number in y
     numbers: Mapping[str, float]  # that `fmu_sources` asks for
+    tableau: Tableau  # of the adaptive method that takes the steps of co-simulation
 
 
 def equations_text(equations: Equations, header: str, token: str) -> str:
@@ -100,16 +103,20 @@ def equations_text(equations: Equations, header: str, token: str) -> str:
             _numbers("most[NP]", [one.most for one in inputs]),
             f"static const int varies[NP] = {{{', '.join(str(int(one.varies)) for one in inputs)}}};",
         ]
-    rows = ", ".join("{" + ", ".join(map(c.number, row)) + "}" for row in A[:12, :12].tolist())
+    tableau, few = equations.tableau, equations.tableau.stages
+    ends = [*tableau.ends, np.zeros(few)][:3]
+    rows = ", ".join("{" + ", ".join(map(c.number, row)) + "}" for row in tableau.a[:few, :few].tolist())
     parts += [
-        f"static const double A[12][12] = {{{rows}}};",
-        *(_numbers(f"{name}[12]", row[:12].tolist()) for name, row in (("B", B), ("C", C), ("E3", E3), ("E5", E5))),
+        f"enum {{ STAGES = {few}, ORDER = {tableau.order} }};",
+        f"static const double A[STAGES][STAGES] = {{{rows}}};",
+        *(_numbers(f"{name}[STAGES]", row) for name, row in zip(("B", "ERROR", "DAMPING"), ends, strict=True)),
+        _numbers("C[STAGES]", tableau.c[:few]),
         "", *c.helpers(functions), *functions,
     ]  # fmt: skip
     return "\n".join(parts)
 
 
-def _numbers(declared: str, values: Sequence[float]) -> str:
+def _numbers(declared: str, values: Iterable[float]) -> str:
     return f"static const double {declared} = {{{', '.join(c.number(float(x)) for x in values)}}};"
 
 

@@ -18,7 +18,7 @@ def results(ledger: Ledger, method: Method, ny: int, later: Sequence[int]) -> Re
     later: stages for the dense output alone.
     """
     wide, size = ledger.curves + 1, ny + 2 + len(ledger.watched)
-    graph, row = inputs((1 + ledger.samples) * wide + (3 + len(method.a)) * size)
+    graph, row = inputs((1 + ledger.samples) * wide + (3 + method.slopes) * size)
     samples = [row[k * wide : (k + 1) * wide] for k in range(1 + ledger.samples)]
     blocks = row[(1 + ledger.samples) * wide :]
     flags = [one[-1] for one in samples[1:]] + [blocks[(3 + s) * size + ny + 1] for s in later]

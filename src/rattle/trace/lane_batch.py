@@ -56,11 +56,11 @@ def _laid_out(program: Program) -> _Rows:
     model, method, ledger = program.model, program.method, program.ledger
     wide, rows = 1 + model.ny, _Rows()
     _, seen, crossings, later, curves, held, control = report_rows(ledger)
-    block, slopes = wide + 1 + len(ledger.watched), len(method.a) if ledger.sampled else method.stages + 1
+    block, slopes = wide + 1 + len(ledger.watched), method.slopes if ledger.sampled else method.stages + 1
     inside = (5 + len(method.upper) + ledger.samples - 1) * wide
     for name, count in (
         ("state", wide + model.nc),
-        ("y new", wide), ("errors", 2 * wide if method.adaptive else 0),
+        ("y new", wide), ("errors", len(method.errors) * wide),
         # the report
         ("planned", len(PLANNED)), ("verdict", len(VERDICT)), ("curve flags", 2), ("flags", len(FLAGS) - 2),
         ("seen", seen),
@@ -76,7 +76,7 @@ def _laid_out(program: Program) -> _Rows:
     if ledger.watched:
         for name, count in (
             ("state", wide + model.nc), ("curves", curves), ("later", ledger.samples * (model.curves + 1)),
-            ("blocks", (3 + len(method.a)) * block), ("inside", inside),
+            ("blocks", (3 + method.slopes) * block), ("inside", inside),
             ("larger", len(ledger.screened) + 1), ("lane", 1), ("taken", 1),
         ):  # fmt: skip
             rows.add(ASIDE + name, count)

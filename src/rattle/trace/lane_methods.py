@@ -3,8 +3,7 @@
 Graphs of state components take one component in a column, so that they are the same for every model.  Time is the first
 component, with slope 1.
 
-Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.1, II.4, II.6, II.10; the
-steps are chosen as in `rattle.solvers.step_control`, but for `SAFETY`.
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.1, II.4, II.6, II.10.
 """
 
 from __future__ import annotations
@@ -13,45 +12,45 @@ import functools
 import itertools
 import math
 from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from rattle.solvers.dop853_tableau import E3, E5, A, B, D
+from rattle.solvers import step_size
+from rattle.solvers.tableau import Tableau
+from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both, select
+from rattle.trace.recording import Recorder
 
 Recorded = tuple[Graph, list[Any]]  # a graph of exact operations, and its outputs
 
 
-class Method(NamedTuple):
-    """An explicit Runge-Kutta method; stage `stages` is the right-hand side at the end of the step."""
+class Method:
+    """A tableau as lanes use it; stage `stages` is the right-hand side at the end of the step."""
 
-    stages: int
-    a: Sequence[Sequence[float]]  # (all stages, earlier stages); those after `stages` are for the dense output
-    b: Sequence[float]  # (stages,)
-    errors: Sequence[Sequence[float]]  # (2, stages): of order 3 and 5; empty: steps are equal
-    upper: Sequence[Sequence[float]]  # (rows, all stages) of the dense output above the cubic
-    samples: int  # equal parts of a step whose ends are samples of the curves; even
-    seen: Sequence[int]  # stages, spread over the step, that show how large a curve may become in it
-    safety: float = 1.0  # share of the step that would just fulfil the tolerance, to be tried next
-
-    @property
-    def adaptive(self) -> bool:
-        """Steps follow the tolerances."""
-        return len(self.errors) > 0
+    def __init__(self, tableau: Tableau, safety: float = step_size.SAFETY_OF_LANES) -> None:
+        """safety: share of the step that would just fulfil the tolerance, to be tried next."""
+        self.safety = safety
+        self.tableau, self.stages, self.adaptive = tableau, tableau.stages, tableau.adaptive
+        self.slopes = max(len(tableau.c), tableau.stages + 1)  # of all stages, those for the dense output included
+        self.rows: list[list[float]] = tableau.a.tolist()
+        self.weights: list[float] = tableau.ends[0].tolist()
+        self.errors: list[list[float]] = tableau.ends[1:].tolist()
+        self.upper = [list(row) for row in tableau.dense]  # rows of the dense output above the cubic
+        self.samples = 2 * max(1, (tableau.order - 1) // 2)  # equal parts of a step, ends: samples of curves
+        inner = [s for s in range(1, self.stages) if 0.0 < tableau.c[s] < 1.0] or [self.stages - 1]
+        # stages, spread over the step, that show how large a curve may become in it
+        near = (min(reversed(inner), key=lambda s: abs(tableau.c[s] - share)) for share in SPREAD)
+        self.seen = sorted(set(near))
 
     @property
     def dense_slopes(self) -> list[int]:
         """Stages up to `stages` whose slopes the dense output takes."""
-        rows = [*self.a[self.stages + 1 :], *self.upper]
+        rows = [*self.rows[self.stages + 1 :], *self.upper]
         used = {s for row in rows for s, weight in enumerate(row[: self.stages]) if weight != 0.0}
         return sorted(used | {0, self.stages})
 
 
-# With 0.9 as in `rattle.solvers.step_control`, a quarter of the steps is rejected; at equal errors of the result 0.65
-# takes 4 to 19 % less work (four-bar, squeezer, double pendulum, toggle), and 0.5 takes more again.
-SAFETY = 0.65
-
-DOP853 = Method(12, A.tolist(), B.tolist(), (E3.tolist(), E5.tolist()), D.tolist(), 6, (3, 5, 9, 10), SAFETY)
-RK4 = Method(4, ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), ()), (1 / 6, 1 / 3, 1 / 3, 1 / 6), (), (), 2, (2,))
+SPREAD = (0.125, 0.375, 0.625, 0.875)
 
 
 class Tolerances(NamedTuple):
@@ -81,11 +80,6 @@ def root(x: Any) -> Any:
     return x.graph.apply("sqrt", x)
 
 
-def eighth_root(x: Any) -> Any:
-    """x^(1/8)."""
-    return root(root(root(x)))
-
-
 def least(a: Any, b: Any) -> Any:
     """The smaller one."""
     return select(b < a, b, a)
@@ -111,13 +105,13 @@ def inputs(count: int) -> tuple[Graph, list[Any]]:
 def stage(method: Method, s: int) -> Recorded:
     """h, y, slopes 0 to s - 1: the state of stage s."""
     graph, (h, y, *k) = inputs(2 + s)
-    return graph, [y + h * weighted(method.a[s], k)]
+    return graph, [y + h * weighted(method.rows[s], k)]
 
 
 def end(method: Method, tolerances: Tolerances) -> Recorded:
-    """h, y, slopes of the stages: the state at the end; squares of both errors as shares of the tolerance."""
+    """h, y, slopes of the stages: the state at the end; squares of its errors as shares of the tolerance."""
     graph, (h, y, *k) = inputs(2 + method.stages)
-    y_new = y + h * weighted(method.b, k)
+    y_new = y + h * weighted(method.weights, k)
     if not method.adaptive:
         return graph, [y_new]
     scale = tolerances.atol + tolerances.rtol * largest(abs(y), abs(y_new))
@@ -126,7 +120,7 @@ def end(method: Method, tolerances: Tolerances) -> Recorded:
 
 def dense(method: Method, parts: int) -> Recorded:
     """y at the end, h, y, all slopes: y, rows of the dense output, states between equal parts of the step."""
-    graph, (y_new, h, y, *k) = inputs(3 + len(method.a))
+    graph, (y_new, h, y, *k) = inputs(3 + method.slopes)
     jump = y_new - y
     rows = [jump, h * k[0] - jump, 2.0 * jump - h * (k[method.stages] + k[0])]
     rows += [h * weighted(d, k) for d in method.upper]
@@ -161,6 +155,13 @@ def copied(count: int) -> Recorded:
 
 
 # ---------------------------------------------------------------- steps
+def size(graph: Graph) -> Any:
+    """The functions of `rattle.solvers.step_size` for symbols of a graph."""
+    recorder = Recorder(graph)
+    names = ("error_share", "shorter", "longer", "trial_step", "first_length")
+    return SimpleNamespace(**{name: recorder.recorded(getattr(step_size, name).python) for name in names})
+
+
 # t, length of the next step, next instant to stop at, and for equal steps: their start, number so far, number in all
 PLAN, PLANNED = ("t", "ahead", "stop", "base", "done", "count"), ("h", "t_new", "last", "short", "ahead")
 
@@ -178,24 +179,23 @@ def plan(method: Method, t_end: float) -> Recorded:
 
 
 def judge(method: Method, tolerances: Tolerances, ny: int, controlled: Sequence[int], motion: int) -> Recorded:
-    """Squares of both errors of t and y, PLANNED: the length of the next step, and a flag: this one is accepted.
+    """Squares of the errors of t and y, PLANNED: the length of the next step, and a flag: this one is accepted.
 
     controlled: components of y whose errors count; motion: the number over which they are averaged.
     """
-    squares = 2 * (1 + ny) if method.adaptive else 0
+    squares = len(method.errors) * (1 + ny)
     graph, row = inputs(squares + len(PLANNED))
     h, _, last, _, ahead = row[squares:]
     if not method.adaptive:
         return graph, [ahead, 1.0]
-    error3, error5 = (total([row[k + 1 + n] for n in controlled]) for k in (0, 1 + ny))
-    share = abs(h) * error5 / root((error5 + 0.01 * error3) * float(motion))
-    error = select(graph.apply("equal", error5, 0.0) & graph.apply("equal", error3, 0.0), 0.0, share)
-    fitting = method.safety / eighth_root(error)
-    shorter = h * select(error < math.inf, largest(fitting, 0.2), 0.1)
-    longer = h * select(error < 1e-7, 6.0, least(fitting, 6.0))
+    errors = [total([row[k * (1 + ny) + 1 + n] for n in controlled]) for k in range(len(method.errors))]
+    error = size(graph).error_share(h, *errors, *[0.0] * (2 - len(errors)), float(motion))
+    power, safety = method.tableau.order, method.safety
+    shorter = size(graph).shorter(h, error, power, safety)
+    longer = size(graph).longer(h, error, power, safety)
     longer = least(largest(longer, select(graph.apply("equal", last, 0.0), 0.0, ahead)), tolerances.h_max)
     accepted = error <= 1.0
-    return graph, [select(accepted, longer, shorter), accepted]
+    return lower(graph, [select(accepted, longer, shorter), accepted])
 
 
 def finite_flag(graph: Graph, terms: Sequence[Any]) -> Any:
@@ -244,22 +244,20 @@ def first_try(tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Rec
     graph, row = inputs(2 * ny)
     y, f = row[:ny], row[ny:]
     scales = [tolerances.atol + tolerances.rtol * abs(one) for one in y[:motion]]
-    size, slope = (total([(x / s) ** 2 for x, s in zip(one, scales, strict=False)]) for one in (y, f))
-    h = select((size > 1e-10) & (slope > 1e-10), 0.01 * root(size / slope), 1e-6)
-    h = least(h, min(tolerances.h_max, t_end))
+    still, slope = (total([(x / s) ** 2 for x, s in zip(one, scales, strict=False)]) for one in (y, f))
+    h = size(graph).trial_step(still, slope, min(tolerances.h_max, t_end))
     return graph, [h, slope, *(one + h * rate for one, rate in zip(y, f, strict=True))]
 
 
-def first_step(tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Recorded:
+def first_step(method: Method, tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Recorded:
     """y, slopes, flag, slopes after the short step, flag, that step, squared norm of the slopes: the first step."""
     graph, row = inputs(3 * ny + 4)
     y, f, later, h, slope = row[:ny], row[ny : 2 * ny], row[2 * ny + 1 : 3 * ny + 1], *row[3 * ny + 2 :]
     bend = total([
         ((later[n] - f[n]) / (tolerances.atol + tolerances.rtol * abs(y[n]))) ** 2 for n in range(motion)
     ])  # fmt: skip
-    most = largest(root(slope), root(bend) / h) / math.sqrt(motion)
-    second = select((most > 1e-15) & (most < math.inf), eighth_root(0.01 / most), largest(1e-3 * h, 1e-6))
-    return graph, [least(least(100.0 * h, second), min(tolerances.h_max, t_end))]
+    longest = min(tolerances.h_max, t_end)
+    return lower(graph, [size(graph).first_length(h, slope, bend, motion, method.tableau.order, longest)])
 
 
 def segments(stops: Sequence[float], step: float) -> tuple[list[int], list[float]]:

@@ -76,7 +76,7 @@ class Program:
         )
         counts, lengths = methods.segments(self.stops.tolist(), math.inf if method.adaptive else step)
         self.counts, self.lengths = np.array(counts, dtype=float), np.array(lengths)
-        later = range(method.stages + 1, len(method.a)) if ledger.sampled or ledger.watched else range(0)
+        later = range(method.stages + 1, method.slopes) if ledger.sampled or ledger.watched else range(0)
         self.later = tuple(later)  # stages for the dense output alone
         within = self.later if ledger.sampled else ()  # those of every step
         self.evaluations = method.stages + len(within)  # of the right-hand side in a step
@@ -91,7 +91,7 @@ class Program:
         self.copy, self.spread = compile(*methods.spread(1)), compile(*methods.spread(1 + model.ny))
         if method.adaptive:
             self.first_try = compile(*methods.first_try(tolerances, model.ny, model.motion, t_end))
-            self.first_step = compile(*methods.first_step(tolerances, model.ny, model.motion, t_end))
+            self.first_step = compile(*methods.first_step(method, tolerances, model.ny, model.motion, t_end))
         self.start, self.close = compile(*ledger.start()), compile(*ledger.close())
         stops = Stops(self.stops.tolist(), [float(n) for n in counts], lengths)
         self.settle = compile(*settle(ledger, stops, method.adaptive, most_steps))

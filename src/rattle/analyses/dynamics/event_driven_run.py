@@ -26,6 +26,7 @@ from rattle.jit import layout as at
 from rattle.solvers import step_loop
 from rattle.solvers.nonsmooth import event_driven, jams
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
+from rattle.solvers.peaks.samples import stage_shares
 from rattle.solvers.step_audit import UNSOUND
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
@@ -46,7 +47,7 @@ class EventDrivenRun(Run):
 
     def loop_arrays(self) -> dict[str, Any]:
         """Arrays of set-valued contacts; forces of closed contacts are part of the equations of motion."""
-        return contact_arrays(self.system, True) | self.break_arrays()
+        return contact_arrays(self.system, stage_shares(self.tableau)) | self.break_arrays()
 
     def begin(self, t: float) -> int:
         """Find the modes of closed contacts and apply impacts at the start t [s]; see `Run.begin`."""

@@ -43,7 +43,7 @@ class MoreauJeanRun(Run):
     def loop_arrays(self) -> dict[str, Any]:
         """Arrays of set-valued contacts."""
         row = {"port_row": np.zeros(width(self.system, True))} if self.ports else {}
-        return contact_arrays(self.system, False) | row
+        return contact_arrays(self.system) | row
 
     def begin(self, t: float) -> int:
         """Project the start at t [s] onto the constraints; see `Run.begin`."""

@@ -13,12 +13,16 @@ from rattle.results.columns import quantities
 from rattle.results.event import Peak
 from rattle.solvers.contacts.penetration import DEEP
 from rattle.solvers.peaks import samples
+from rattle.solvers.tableau import Tableau
 
 
-def peak_arrays(system: System) -> dict[str, np.ndarray]:
-    """Workspace arrays with which a run watches its forces for peaks, see `solvers.peaks`; lengths in m."""
-    watched = quantities(system)
-    table = np.zeros((len(watched), samples.WIDTH))
+def peak_arrays(system: System, tableau: Tableau | None, watch: bool) -> dict[str, np.ndarray]:
+    """Workspace arrays with which a run watches its forces for peaks, see `solvers.peaks`; lengths in m.
+
+    tableau: of the stepper of the run, None for one that is not explicit; watch: False if it need not.
+    """
+    watched = quantities(system) if watch else []
+    table = np.zeros((len(watched), samples.width(tableau)))
     table[:, samples.BEST] = -math.inf
     for row, (name, *_) in zip(table, watched, strict=True):
         joint, _, of = name.rpartition(".")

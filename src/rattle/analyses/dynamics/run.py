@@ -127,14 +127,16 @@ class Run(ABC):
         states = state_layout(self.system).states
         of_elements = states.stop - states.start
         films = bool((self.system.arrays["contact"][:, at.FILM_LAW] >= 0).any())
-        arrays |= step_state.stepper_arrays(self.stepper, films, self.system.body_count, of_elements, len(y))
+        integrator = step_state.integrator(self.stepper, films)
+        self.tableau = integrator.leaf.tableau  # of an explicit method, otherwise None
+        arrays |= step_state.stepper_arrays(integrator, self.system.body_count, of_elements, len(y))
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
         if self.wear:
             arrays |= wear_arrays(self.system)
         if self.ports:
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
-        peaks = {} if self.wear else peak_arrays(self.system)
-        arrays |= passage_arrays(len(y), self.system.row_count, len(peaks["peaks"]) if peaks else 0)
+        peaks = peak_arrays(self.system, self.tableau, not self.wear)
+        arrays |= passage_arrays(len(y), self.system.row_count, len(peaks["peaks"]))
         return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
 
     def break_arrays(self) -> dict[str, np.ndarray]:

@@ -18,8 +18,9 @@ import numpy as np
 
 from rattle.analyses.dynamics import run as runs
 from rattle.analyses.sensitivity.functions import Functions, Rates
-from rattle.analyses.sensitivity.step import LONGEST, SAFETY, SHORTEST, Step, Tolerance, try_step
+from rattle.analyses.sensitivity.step import POWER, Step, Tolerance, try_step
 from rattle.equations.state import state_layout
+from rattle.solvers.step_size import SAFETY, longer, shorter
 
 ENERGY = 1e-3  # share of the largest energy that may be unaccounted for, as for adaptive steppers
 TOO_SHORT = 1e-13  # share of the run below which steps do not get shorter
@@ -89,8 +90,7 @@ class Motion:
             return
         error = self.tolerance.error(step.z, step.z_new, h, step.slopes)
         if not error <= 1.0:
-            factor = max(SHORTEST, SAFETY * error ** (-1 / 8)) if error < math.inf else 0.1
-            self._shorten("error", h, factor)
+            self._shorten("error", h, shorter(1.0, error, POWER, SAFETY))
             return
         t_new = self.t_end if last else self.t + h
         projected, sound = self.functions.projected(t_new, step.z_new)
@@ -102,8 +102,7 @@ class Motion:
             self._shorten("sides", h, 0.5)
             return
         self._accept(step, t_new, projected, rates)
-        larger = LONGEST if error < 1e-7 else min(LONGEST, SAFETY * error ** (-1 / 8))
-        self.h = h * (1.0 if self._near else larger)
+        self.h = h if self._near else longer(h, error, POWER, SAFETY)
         self._near = max(0, self._near - 1)
 
     def _accept(self, step: Step, t_new: float, z: np.ndarray, rates: Rates) -> None:

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle.analyses.sensitivity.functions import Functions, Rates
-from rattle.solvers.dop853_tableau import E3, E5, A, B, C, D
+from rattle.solvers.dop853_tableau import E3, E5, TABLEAU, A, B, C, D
+from rattle.solvers.step_size import DAMPING
 
-STAGES = 12
-SHORTEST, LONGEST, SAFETY = 0.2, 6.0, 0.9  # changes of the step, as factors
+STAGES, POWER = TABLEAU.stages, TABLEAU.order
 FLOOR = 1e-2  # share of the largest component of a column that its tolerances start from
 NATURAL = 1e-4  # share of size over parameter below which a derivative need not be known to rtol
 DIGITS = 1e-14  # the same for the rounding of the right-hand side
@@ -50,7 +50,7 @@ class Tolerance:
         scale = self.scale(z[some], z_new[some])
         third, fifth = (weighted(e[:STAGES], slopes)[some] / scale for e in (E3, E5))
         small, large = (fifth**2).sum(axis=0), (third**2).sum(axis=0)
-        total = np.sqrt((small + 0.01 * large) * len(some))
+        total = np.sqrt((small + DAMPING * large) * len(some))
         shares = np.divide(abs(h) * small, total, out=np.zeros_like(total), where=total != 0.0)
         return float(shares.max())
 

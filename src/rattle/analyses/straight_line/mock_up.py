@@ -22,7 +22,9 @@ from rattle.equations.state import state_layout
 from rattle.errors import TraceError
 from rattle.jit.layout import OUTPUT_ENERGY
 from rattle.language.units import TIME, dimension_of, unit_name
-from rattle.solvers.stepper import ATOL, RTOL
+from rattle.registry import kinds
+from rattle.solvers.stepper import ATOL, FREE, RTOL, usual_stepper
+from rattle.solvers.tableau import Tableau
 from rattle.trace import fmu
 from rattle.trace.elementary import lower
 from rattle.trace.fmu_description import Experiment, Kind, Variable, description
@@ -112,7 +114,15 @@ def _equations(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]
             "LAST_STEP": SMALL, "STILL_OPEN": CLOSED, "FAR": FAR,
             "MISSED": MISSED, "ROUNDS": ROUNDS, "MOST_PARTS": PIECES,
         },
+        _tableau(settings.method),
     )  # fmt: skip
+
+
+def _tableau(method: str | None) -> Tableau:
+    """Of the model's method if that is explicit and adaptive, else of the usual one."""
+    asked = kinds("stepper")[method].leaf.tableau if method else None
+    usual: Tableau = kinds("stepper")[usual_stepper(FREE)].leaf.tableau
+    return asked if asked is not None and asked.adaptive else usual
 
 
 def _inputs(model: RecordedModel, curves: Mapping[str, Any]) -> set[str]:

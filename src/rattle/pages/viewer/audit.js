@@ -88,10 +88,10 @@ export function unsound(s, tNew) {
   }
   if (!(s.unrest <= limits.energy))
     what.push(`the energy error would be ${general(100 * s.unrest, 2)} % of the largest energy`);
-  if (s.method !== "rk4" && s.pivot < WEAK)
+  if (s.tableau.adaptive && s.pivot < WEAK)
     return `ended at t = ${general(s.t)} s, before ${what.join(" and ")}: a singular position (a dead centre, or points that`
       + " coincide); start from another position, or change the lengths slightly";
-  const why = s.method === "rk4"
+  const why = !s.tableau.adaptive
     ? `the step of ${general(tNew - s.t, 3)} s is far too long for this motion; choose a shorter step`
     : `the steps are too long for this motion at rtol = ${general(s.rtol)}; choose a smaller rtol or limit the step`;
   return `ended at t = ${general(s.t)} s, before ${what.join(" and ")}: ${why}`;
@@ -107,7 +107,7 @@ export function trustOf(s, reach) {
     limits: s.near.length ? ["with limits: the forces next to singular positions are not to be trusted"] : [],
     notes: [...besideSingular(s), ...(s.anotherWay ? [ANOTHER_WAY] : []), ...(s.message ? [] : remarks(s))],
   };
-  if (s.method === "dop853" && settings.rtol > 1e-6)
+  if (s.tableau.adaptive && settings.rtol > 1e-6)
     trust.notes.push(`rtol = ${general(settings.rtol)} is loose: short contacts may be missed and the horizon may be overestimated`);
   return { ...trust, text: trustLines(trust) };
 }
@@ -136,7 +136,7 @@ function pulls(s) {
 
 function remarks(s) {
   const opened = Math.max(s.drift / s.layout.extent, s.driftAngle), found = [];
-  const shorter = s.method === "rk4" ? "a shorter step" : "a smaller rtol";
+  const shorter = !s.tableau.adaptive ? "a shorter step" : "a smaller rtol";
   if (opened > 1e-6)
     found.push(`joints opened by ${general(opened, 2)} of the mechanism's size (or rad): ${shorter} reduces this`);
   if (energyShare(s) > 1e-6)

@@ -7,7 +7,7 @@
 import {
   NOT_FINITE, SINGULAR, TOO_FAST, WEAK, cannot, checkResidual, diverged, floorOf, stands, tooMany, trustOf, unsound,
 } from "./audit.js";
-import { interpolate, prepareDense, stepDop853, stepRk4 } from "./dop853.js";
+import { interpolate, prepareDense, rootOf, stepExplicit } from "./explicit.js";
 import { agreement } from "./horizon.js";
 import { Peaks } from "./peaks.js";
 import { endOnSwitch, nextInstant, release, slides, takeSides, turnSwitch } from "./switches.js";
@@ -53,7 +53,7 @@ export function beginRun(module, settings, parameters = {}) {
   s.prepare(s.row[s.no - 1]);
   checkResidual(s, 0, y);
   stands(s, y, true);
-  s.h = s.method === "rk4" ? equalStep(s, 0) : firstStep(s);
+  s.h = !s.tableau.adaptive ? equalStep(s, 0) : firstStep(s);
   s.floor = floorOf(s);
   record(s, 0, y);
   return s;
@@ -63,7 +63,7 @@ export function beginRun(module, settings, parameters = {}) {
 export function beginSecond(first) {
   const { settings } = first, { rtol, refinement, usual } = settings;
   const tight = rtol > usual ? Math.min(rtol / 10, usual) : rtol / 10;
-  const step = settings.step === null ? null : settings.step / refinement[first.method];
+  const step = settings.step === null ? null : settings.step / refinement;
   return beginRun(first.module, { ...settings, rtol: tight, atol: (settings.atol * tight) / rtol, step }, first.p);
 }
 
@@ -99,7 +99,7 @@ function newState(module, settings, p, y) {
     module, settings, layout, functions, p, ny, nb, nm: 6 * nb, nl: links.length, no: module.names.length - 1,
     method: settings.method, tableau: settings.tableau, rtol: settings.rtol, atol: settings.atol,
     longest: settings.step === null ? Infinity : settings.step, controlled: layout.controlled,
-    y: y.slice(), f: arrays(1)[0], yNew: array(ny), fNew: arrays(1)[0], stage: array(ny), k: arrays(16), dense: arrays(7),
+    y: y.slice(), f: arrays(1)[0], yNew: array(ny), fNew: arrays(1)[0], stage: array(ny), k: arrays(1 + Math.max(settings.tableau.C.length, settings.tableau.stages)), dense: arrays(7),
     whole: array(module.inputs), input: array(1 + ny + switches.length + layout.prepared), made: array(ny + 1),
     row: array(module.names.length), residual: array(rows.length + 2), fixed: array(3 * nb + 2),
     t: 0, h: 0, tEnd: settings.t_end, longestStable: Infinity, shortened: false, written: 0, steps: 0, rejected: 0,
@@ -181,7 +181,7 @@ function firstStep(s) {
   s.rates(h, stage, slope);
   for (let n = 0; n < nm; n++) bend += ((slope[n] - f[n]) / (atol + rtol * Math.abs(y[n]))) ** 2;
   const largest = Math.max(Math.sqrt(steep), Math.sqrt(bend) / h) / Math.sqrt(nm);
-  const second = largest > 1e-15 && largest < Infinity ? (0.01 / largest) ** (1 / 8) : Math.max(1e-6, 1e-3 * h);
+  const second = largest > 1e-15 && largest < Infinity ? rootOf(0.01 / largest, s.tableau.order) : Math.max(1e-6, 1e-3 * h);
   return Math.min(100 * h, second, longest);
 }
 
@@ -204,17 +204,17 @@ function oneStep(s) {
 function tryStep(s, t, h, last) {
   s.why = NOT_FINITE;
   s.pivot = 1;
-  let error = s.method === "rk4" ? stepRk4(s, t, h) : stepDop853(s, t, h);
+  let error = stepExplicit(s, t, h);
   const weak = s.pivot < WEAK && h <= LEAP * s.soundStep;
   if (weak && error > 1 && error * s.rtol <= LEAP_ERROR * 2 ** s.streak) error = 1e-8;
   if (!(error <= 1)) return stepAnew(s, t, h, error, weak);
-  if (s.method === "dop853") {
+  if (s.tableau.adaptive) {
     if (s.pivot > WEAK) s.tame = false;
     if (!weak) {
       s.streak = 0;
       s.soundStep = Math.max(h, 0.7 * s.soundStep);
     }
-    const ahead = h * (error < 1e-7 ? 6 : Math.min(6, 0.9 * error ** (-1 / 8)));
+    const ahead = h * (error < 1e-7 ? 6 : Math.min(6, 0.9 / rootOf(Math.max(error, 1e-300), s.tableau.order)));
     s.longestStable *= 1.005;
     s.h = Math.min(s.longest, s.longestStable, Math.max(ahead, last ? s.h : 0));
   }
@@ -228,13 +228,13 @@ function stepAnew(s, t, h, error, weak) {
   if (s.why === NOT_FINITE && s.pivot < WEAK) s.why = SINGULAR;
   else if (s.why === NOT_FINITE && error < Infinity) s.why = TOO_FAST;
   if (!(error < Infinity) && s.crossed && release(s)) return s.rejected++, AGAIN;
-  if (s.method === "rk4") return stop(s, diverged(s, h)), STOP;
+  if (!s.tableau.adaptive) return stop(s, diverged(s, h)), STOP;
   s.rejected++;
   if (s.pivot < WEAK && !s.tame) {
     s.tame = true;
     return AGAIN;
   }
-  s.h = h * (error < Infinity ? Math.max(0.2, 0.9 * error ** (-1 / 8)) : 0.1);
+  s.h = h * (error < Infinity ? Math.max(0.2, 0.9 / rootOf(error, s.tableau.order)) : 0.1);
   if (weak && s.streak < MOST_TRIES) s.h = LEAP * s.soundStep * 0.9 ** ++s.streak;
   return AGAIN;
 }
@@ -243,7 +243,8 @@ function endOnConstraints(s, t, h, tNew) {
   const { yNew, fNew } = s;
   checkResidual(s, tNew, yNew, true);
   const sound = s.project(tNew, yNew) && s.rates(tNew, yNew, fNew);
-  if (s.method === "dop853" && sound && !isStable(s, h)) {
+  if (s.why === NOT_FINITE) s.why = s.pivot < WEAK ? SINGULAR : TOO_FAST; // all stages are finite
+  if (s.tableau.stable > 0 && sound && !isStable(s, h)) {
     s.rejected++;
     s.lands = 0;
     return AGAIN;
@@ -253,7 +254,7 @@ function endOnConstraints(s, t, h, tNew) {
   if (!stands(s, yNew, false) || !sound) {
     s.trouble = tNew;
     s.lands = 0;
-    if (s.method === "dop853" && h > 1e-9 * (s.tEnd - t)) {
+    if (s.tableau.adaptive && h > 1e-9 * (s.tEnd - t)) {
       s.h = 0.25 * h;
       s.rejected++;
       return AGAIN;
@@ -265,7 +266,7 @@ function endOnConstraints(s, t, h, tNew) {
 
 // false if the step was too long for the stiffest spring: see solvers/step_control.py, is_stable
 function isStable(s, h) {
-  const { yNew: y, fNew: f, stage, nb, rtol, atol, fixed } = s, slope = s.k[11], nq = 3 * nb;
+  const { yNew: y, fNew: f, stage, nb, rtol, atol, fixed } = s, slope = s.k[s.tableau.stages - 1], { stable } = s.tableau, nq = 3 * nb;
   let dq2 = 0, dv2 = 0, da2 = 0, counts = false;
   for (let n = 0; n < nq; n++) {
     const mass = fixed[n], dq = y[n] - stage[n], dv = y[nq + n] - stage[nq + n], da = f[nq + n] - slope[nq + n];
@@ -278,9 +279,9 @@ function isStable(s, h) {
   const again = s.shortened, da = Math.sqrt(da2);
   s.shortened = false;
   const fall = Math.sqrt(dv2) + Math.sqrt(dv2 + 4 * da * Math.sqrt(dq2));
-  if (again || !counts || !(da < Infinity) || 2 * da * h <= 4 * fall) return true;
+  if (again || !counts || !(da < Infinity) || 2 * da * h <= stable * fall) return true;
   s.shortened = true;
-  s.longestStable = Math.max(0.2 * h, (0.9 * 4 * fall) / (2 * da));
+  s.longestStable = Math.max(0.2 * h, (0.9 * stable * fall) / (2 * da));
   s.h = s.longestStable;
   return false;
 }
@@ -336,7 +337,7 @@ function startNext(s, tNew) {
   s.steps++;
   look(s, tNew, s.y);
   if (!at) return;
-  if (s.method === "rk4") s.h = equalStep(s, tNew);
+  if (!s.tableau.adaptive) s.h = equalStep(s, tNew);
   while (s.written < s.times.length && s.times[s.written] <= tNew + SAME * s.tEnd) record(s, tNew, s.y);
 }
 

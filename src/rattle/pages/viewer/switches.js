@@ -1,7 +1,7 @@
 // Switches of expressions (abs, sign, min, max, if): each step stays on the branches of its start and ends where the
 // first switching function changes its sign, as in solvers/state_switches.py.  Those of time are located beforehand.
 
-import { interpolate, prepareDense } from "./dop853.js";
+import { interpolate, prepareDense } from "./explicit.js";
 import { general } from "./trust_words.js";
 
 const PARTS = 16; // pieces of a step that are searched

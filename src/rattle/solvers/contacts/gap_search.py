@@ -34,7 +34,6 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.penetration import scale_of
 
 NONE = 2.0  # a share of the step that does not exist
-STAGES = 12  # slopes of a step whose accelerations bound those in it
 WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
 GAVE_UP = 3.0  # the same, of a search without result: the step is too long for its dense output to be trusted
 MOST_LOOKS = 1_000_000
@@ -77,7 +76,7 @@ def largest(m, a, b, q):
     """Bound on component q of the acceleration of body b minus that of body a over the step [m/s^2, rad/s^2]."""
     k, nq = m.slopes, m.change.shape[0]
     first, top, spread = 0.0, 0.0, 0.0
-    for s in range(STAGES):
+    for s in range(m.stepper[at.SLOPES]):
         value = 0.0
         if b > 0:
             value += k[s, nq + 3 * b - 3 + q]

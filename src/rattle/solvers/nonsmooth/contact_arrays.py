@@ -15,15 +15,16 @@ from rattle.solvers.nonsmooth import event_search, impact_path, impact_phases, i
 from rattle.solvers.peaks import glances
 
 
-def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
+def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str, Any]:
     """Arrays for set-valued contacts besides those of one instant.
 
-    lasting: closed contacts are constraints, whose forces are part of the equations of motion.
+    looks: shares of the step at which its stages show forces, if closed contacts are constraints whose forces are part
+    of the equations of motion.
     """
     nc, nr, nb = len(system.arrays["contact"]), system.row_count, system.body_count
     contact, solvers = system.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
     laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
-    soft = {} if lasting else _soft_arrays(contact, nb, nr)
+    soft = {} if looks is not None else _soft_arrays(contact, nb, nr)
     return {
         **({} if soft or nc <= complementarity.FEW else contact_network.arrays(system.arrays["row_body"], contact)),
         **soft,
@@ -48,8 +49,11 @@ def contact_arrays(system: System, lasting: bool) -> dict[str, Any]:
         "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
         **(
-            {"closed_contacts_table": functions.entries([unilateral.closed_contacts]), "glances": glances.table(nc)}
-            if lasting
+            {
+                "closed_contacts_table": functions.entries([unilateral.closed_contacts]),
+                "glances": glances.table(nc, looks),
+            }
+            if looks is not None
             else {}
         ),
     }

@@ -45,9 +45,8 @@ from rattle.solvers.nonsmooth.event_handling import handle_event, modes_with_fri
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
 from rattle.solvers.output_row import record
 from rattle.solvers.peaks.climb import end_step
-from rattle.solvers.peaks.glances import END as LAST
-from rattle.solvers.peaks.glances import doubts, keep_forces, pass_look_on
-from rattle.solvers.peaks.samples import DOP853, END, LOOKS, START, gauge
+from rattle.solvers.peaks.glances import doubts, keep_forces, last_look, pass_look_on
+from rattle.solvers.peaks.samples import LOOKS, START, end_of, gauge, stage_layout, stages_tell
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
@@ -78,7 +77,6 @@ from rattle.solvers.step_control import (
     turn_switch,
 )  # fmt: skip
 from rattle.solvers.step_loop import try_step
-from rattle.solvers.step_state import DENSE_STAGES, SAMPLES, STABLE
 
 START_NEAR = 1e-6  # share of its scale within which a contact given at its wall is put there
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
@@ -187,7 +185,7 @@ def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
     derivative(m, t_new, y_new, m.rate_new)
     m.passage[at.ROOT_AFTER] = math.sqrt(m.power[at.PIVOT_SHARE])
     keep_pivots(m, at.SHARE_AFTER)
-    if m.stepper[STABLE] > 0 and not is_stable(m, h, rtol, atol):
+    if m.stepper[at.STABLE] > 0 and not is_stable(m, h, rtol, atol):
         m.tally[at.REJECTED] += 1
         m.landing[at.LANDS] = 0.0
         return TRY_AGAIN, False
@@ -195,17 +193,17 @@ def end_on_contacts(m, t, h, t_new, t_end, rtol, atol):
     if status != OK:
         return status, False
     note_lock(m, t_new)
-    gauge(m, END, t_new)
+    gauge(m, end_of(m), t_new)
     remember_end(m)
     return OK, watched_change(m)
 
 
 @compiled
 def in_doubt(m, error):
-    """`doubts` from the stages of dop853; those of another stepper do not decide."""
-    if m.stepper[SAMPLES] == DOP853:
+    """`doubts` from the stages, if they are so many that they can decide."""
+    if stages_tell(m):
         return doubts(m, error)
-    return (0 if any_closed(m) else LAST), LAST
+    return (0 if any_closed(m) else last_look(m)), last_look(m)
 
 
 @compiled
@@ -216,7 +214,7 @@ def search_step(m, t, h, low, high, calm):
     """
     if calm:
         keep_forces(m)
-        return NONE, -1, NOTHING, m.stepper[SAMPLES] == DOP853
+        return NONE, -1, NOTHING, stages_tell(m)
     return first_event(m, t, h, low, high)
 
 
@@ -235,12 +233,12 @@ def sum_step(m, t, h, until, met, by_stages, passed):
     it comes near one, -1 if it does not.
     """
     if passed >= 0:
-        solved = count_step(m, t, h, until, m.stepper[SAMPLES], 1, passed)
+        solved = count_step(m, t, h, until, stage_layout(m), 1, passed)
     elif by_stages:
         solved = end_by_stages(m, t, h, until)
     else:
-        solved = end_step(m, t, h, until, LOOKS if not met and any_closed(m) else m.stepper[SAMPLES], 1)
-    m.tally[at.EVALUATIONS] += m.stepper[DENSE_STAGES] + solved
+        solved = end_step(m, t, h, until, LOOKS if not met and any_closed(m) else stage_layout(m), 1)
+    m.tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES] + solved
 
 
 @compiled
@@ -291,7 +289,7 @@ def take_event(m, t, h, t_end, who, what):
 def start_next(m, t, t_end, met, quiet, rtol, atol):
     """Make the end of a step at t, where an event may have occurred, the start of the next."""
     if not quiet:
-        if met and m.stepper[STABLE] == 0 and t < t_end:  # oil damps what an impact has thrown, at a rate of its own
+        if met and m.stepper[at.STABLE] == 0 and t < t_end:  # oil damps what an impact has thrown, at a rate of its own
             derivative(m, t, m.state_new, m.rate_new)
             m.clock[at.H] = min(m.clock[at.H], first_step(m, t, m.state_new, m.rate_new, t_end - t, rtol, atol))
         derivative(m, t, m.state_new, m.rate_new)
@@ -343,8 +341,8 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
                 continue
             passed = 1 if passed == 1 else (0 if comes_near(m) else -1)
         low, high = in_doubt(m, error)
-        calm = passed < 0 and low == LAST and not changed and never_switches(m) and none_may_hit(m, t_new - t)
-        counted = calm and end_step(m, t, t_new - t, 1.0, m.stepper[SAMPLES], -1) >= 0  # no peak of a force in it
+        calm = passed < 0 and low == last_look(m) and not changed and never_switches(m) and none_may_hit(m, t_new - t)
+        counted = calm and end_step(m, t, t_new - t, 1.0, stage_layout(m), -1) >= 0  # no peak of a force in it
         quiet = counted and not output_due(m, t_new, t_out)
         if not quiet:
             prepare_dense(m, t, t_new - t)

@@ -23,10 +23,8 @@ from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.contacts.pawls import first_drop
 from rattle.solvers.dense_output import interpolate
 from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, DROP, HIT, LET_GO, MEETS, NOTHING, TURN
-from rattle.solvers.peaks.glances import END as LAST
-from rattle.solvers.peaks.glances import KINDS, margin_of, matters, may_dip, slack_of, unseen, write_look
-from rattle.solvers.peaks.glances import PLACES as PLACES_OF_STAGES
-from rattle.solvers.peaks.samples import LOOK, gauge
+from rattle.solvers.peaks.glances import KINDS, last_look, margin_of, matters, may_dip, slack_of, unseen, write_look
+from rattle.solvers.peaks.samples import LOOKS, gauge
 from rattle.solvers.peaks.stage_polynomial import told, zero_told
 
 # first sampling points of a step: evenly spaced ones, which peaks use too, and one that is not
@@ -111,7 +109,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
         if not (high - low) * h > least:
             break
         if turn < GUIDED and column >= 0:
-            share = (zero_told(looks, column, low, high, near, shift, tilt) - low) / (high - low)
+            share = (zero_told(m, looks, column, low, high, near, shift, tilt) - low) / (high - low)
         else:
             share = 0.5 if turn % 8 == 7 else between(low, high, far, f_low, f_high, f_far)
         aside = min(0.5, 0.75 * least / ((high - low) * h))  # to the other side of a zero that is nearly found
@@ -121,7 +119,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
         at_share(m, t, h, middle)
         value = indicator(m, n, what) + lift
         if column >= 0:
-            beside = value - told(looks, column, middle)
+            beside = value - told(m, looks, column, middle)
             tilt = (beside - shift) / (middle - near) if turn > 0 else 0.0
             near, shift = middle, beside
         if value < 0.0:
@@ -274,7 +272,7 @@ def first_change(m, t, h, low, high, places, best, who, what):
                 i, count = make_room(looks, i, count)
             look(m, t, h, low + wide * (placed / 3.0 if narrow else PLACES[placed]), count)
             if whole and ODD < placed < PLACES.shape[0] - 1:
-                gauge(m, LOOK[placed - 1], t + PLACES[placed] * h)
+                gauge(m, m.sample_order[LOOKS, placed - 1], t + PLACES[placed] * h)
             count += 1
             placed += 1
             seen += 1
@@ -306,11 +304,11 @@ def first_change(m, t, h, low, high, places, best, who, what):
 @compiled
 def put_among_stages(m, low, share):
     """Replace the samples by those of the stages, with that of row low + 1 sorted in at its share; returns its row."""
-    stages, looks, line = m.glances, m.looks, low + 1
-    while line < LAST and stages[line, at.LOOK_SHARE] < share:
+    stages, looks, line, last = m.glances, m.looks, low + 1, last_look(m)
+    while line < last and stages[line, at.LOOK_SHARE] < share:
         line += 1
     move_looks(looks, low + 1, low + 2, line - low - 1)
-    for k in range(LAST + 1):
+    for k in range(last + 1):
         row = k if k < line else k + 1
         for c in range(looks.shape[1]):
             looks[row, c] = stages[k, c]
@@ -335,7 +333,7 @@ def none_dips(m, low, line):
             for i in range(low, line):
                 if i + 1 < line and looks[i + 1, c] < margin:
                     return False
-                if may_dip(looks, i, LAST + 2, c, -margin):
+                if may_dip(looks, i, last_look(m) + 2, c, -margin):
                     return False
     return True
 
@@ -382,12 +380,14 @@ def first_event(m, t, h, low, high):
             best, who, what = share, elastic, MEETS
     if not any_closed(m) or not 0.0 < best <= NONE:
         return best, who, what, False
-    if best == NONE and high < LAST:
+    last, shares = last_look(m), m.glances
+    if best == NONE and high < last:
         best, who, what = first_by_stages(m, t, h, low, high)
         if who >= 0:
             return best, who, what, True
-    if best == NONE and low < LAST and (low > 0 or high < LAST):
-        best, who, what = first_change(m, t, h, PLACES_OF_STAGES[low], PLACES_OF_STAGES[high], 4, best, who, what)
+    if best == NONE and low < last and (low > 0 or high < last):
+        left, right = shares[low, at.LOOK_SHARE], shares[high, at.LOOK_SHARE]
+        best, who, what = first_change(m, t, h, left, right, 4, best, who, what)
         if who >= 0:
             return best, who, what, True
     best, who, what = first_change(m, t, h, 0.0, min(best, 1.0), PLACES.shape[0], best, who, what)

@@ -19,16 +19,10 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate
 from rattle.solvers.peaks.samples import (
     BEST,
-    COUNT,
     CUT,
-    DOP853,
-    LOOK,
     LOOKS,
-    ORDER,
-    PROBE,
-    RK4,
     SAMPLE,
-    SHARES,
+    STAGES,
     WHEN,
     add,
     gauge,
@@ -36,7 +30,9 @@ from rattle.solvers.peaks.samples import (
     may_rise,
     near_peak,
     pass_end_on,
+    probe_of,
     rises,
+    stages_tell,
     summit,
     unresolved,
 )
@@ -51,11 +47,11 @@ BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  
 
 
 @compiled
-def through(samples, x):
+def through(m, samples, x):
     """The polynomial through nine evenly spaced samples of a step at the share x."""
     above, below = 0.0, 0.0
     for k in range(BARYCENTRIC.shape[0]):
-        value = samples[SAMPLE + LOOK[k]]
+        value = samples[SAMPLE + m.sample_order[LOOKS, k]]
         if x == k / 8.0:
             return value
         weight = BARYCENTRIC[k] / (x - k / 8.0)
@@ -65,15 +61,15 @@ def through(samples, x):
 
 
 @compiled
-def crest(samples, low, top, high):
+def crest(m, samples, low, top, high):
     """Place and height of the maximum of that polynomial between low and high, by successive parabolas."""
-    wide, best = 0.25 * (high - low), through(samples, top)
+    wide, best = 0.25 * (high - low), through(m, samples, top)
     for _ in range(12):
-        left, right = through(samples, max(top - wide, low)), through(samples, min(top + wide, high))
+        left, right = through(m, samples, max(top - wide, low)), through(m, samples, min(top + wide, high))
         bend = left - 2.0 * best + right
         shift = 0.5 * (left - right) / bend if bend < 0.0 else (1.0 if right > left else -1.0)
         there = min(max(top + wide * min(max(shift, -1.0), 1.0), low), high)
-        value = through(samples, there)
+        value = through(m, samples, there)
         if value > best:
             top, best = there, value
         wide *= 0.5
@@ -81,11 +77,11 @@ def crest(samples, low, top, high):
 
 
 @compiled
-def doubt_at(samples, x):
+def doubt_at(m, samples, x):
     """How much that polynomial differs at the share x from the one without the end of the step that is nearer to x."""
     difference, product = 0.0, 1.0 / 40320.0
     for k in range(BARYCENTRIC.shape[0]):
-        difference += BARYCENTRIC[k] * samples[SAMPLE + LOOK[k]]
+        difference += BARYCENTRIC[k] * samples[SAMPLE + m.sample_order[LOOKS, k]]
         product *= abs(8.0 * x - k)
     nearer = min(8.0 * x, 8.0 - 8.0 * x)
     return abs(difference) * product / nearer if nearer > 0.0 else 0.0
@@ -100,8 +96,19 @@ def probe(m, t, h, theta, n):
         project_on_constraints(m, t + theta * h, stage, stage)
     take_states(m, stage)
     solve_motion(m, t + theta * h, stage[:nq], stage[nq : 2 * nq])
-    gauge(m, PROBE, t + theta * h)
-    return m.peaks[n, SAMPLE + PROBE]
+    gauge(m, probe_of(m), t + theta * h)
+    return m.peaks[n, SAMPLE + probe_of(m)]
+
+
+@compiled
+def probe_within(m, t, h):
+    """Replace the samples at the few stages by those of the dense output at the same shares; returns their number."""
+    peaks, count = m.peaks, m.sample_count[STAGES]
+    for k in range(1, count - 1):
+        probe(m, t, h, m.sample_shares[STAGES, k], 0)
+        for n in range(peaks.shape[0]):
+            peaks[n, SAMPLE + m.sample_order[STAGES, k]] = peaks[n, SAMPLE + probe_of(m)]
+    return count - 2
 
 
 @compiled
@@ -146,16 +153,16 @@ def crest_all(m, t, h, until):
     Their polynomial has them, without further states, except where it is in doubt, as where a force jumps within the
     step: there states are computed.  Returns their number.
     """
-    peaks, solved = m.peaks, 0
+    peaks, solved, shares, count = m.peaks, 0, m.sample_shares, m.sample_count[LOOKS]
     for n in range(peaks.shape[0]):
-        for i in range(COUNT[LOOKS]):
-            if not rises(peaks[n], LOOKS, i):
+        for i in range(count):
+            if not rises(m, peaks[n], LOOKS, i):
                 continue
-            low, high = SHARES[LOOKS, max(i - 1, 0)], SHARES[LOOKS, min(i + 1, COUNT[LOOKS] - 1)]
-            top, best = crest(peaks[n], low, SHARES[LOOKS, i], high)
-            sample = peaks[n, SAMPLE + LOOK[i]]
-            if doubt_at(peaks[n], top) > max(UNSURE * (best - sample), FINE * abs(best)):
-                x, height = summit(peaks[n], LOOKS, i)
+            low, high = shares[LOOKS, max(i - 1, 0)], shares[LOOKS, min(i + 1, count - 1)]
+            top, best = crest(m, peaks[n], low, shares[LOOKS, i], high)
+            sample = peaks[n, SAMPLE + m.sample_order[LOOKS, i]]
+            if doubt_at(m, peaks[n], top) > max(UNSURE * (best - sample), FINE * abs(best)):
+                x, height = summit(m, peaks[n], LOOKS, i)
                 solved += climb(m, t, h, n, until * low, until * x, until * high, 3.0 * height)
             elif higher(best, peaks[n, BEST]):
                 peaks[n, BEST], peaks[n, WHEN] = best, t + top * until * h
@@ -165,12 +172,12 @@ def crest_all(m, t, h, until):
 @native("i", "h", "f", "f", "f", "f", "i")
 def climb_all(m, t, h, low, high, layout):
     """New peaks between the shares low and high of a step, to which the samples belong; returns the states computed."""
-    peaks, solved, wide = m.peaks, 0, high - low
+    peaks, solved, wide, shares, count = m.peaks, 0, high - low, m.sample_shares, m.sample_count[layout]
     for n in range(peaks.shape[0]):
-        for i in range(COUNT[layout]):
-            if rises(peaks[n], layout, i):
-                top, height = summit(peaks[n], layout, i)
-                left, right = SHARES[layout, max(i - 1, 0)], SHARES[layout, min(i + 1, COUNT[layout] - 1)]
+        for i in range(count):
+            if rises(m, peaks[n], layout, i):
+                top, height = summit(m, peaks[n], layout, i)
+                left, right = shares[layout, max(i - 1, 0)], shares[layout, min(i + 1, count - 1)]
                 solved += climb(m, t, h, n, low + wide * left, low + wide * top, low + wide * right, height)
     return solved
 
@@ -181,14 +188,14 @@ def sample_pieces(m, t, h, low, until, wide, sound):
 
     low, until: these shares.  wide: share of the first piece.  Returns the number of states computed.
     """
-    peaks, solved = m.peaks, 0
+    peaks, solved, shares, order, count = m.peaks, 0, m.sample_shares, m.sample_order, m.sample_count[CUT]
     while low < until:
         high = low + wide if low + 1.001 * wide < until else until
-        for k in range(1, COUNT[CUT]):
-            probe(m, t, h, low + (high - low) * SHARES[CUT, k], 0)
+        for k in range(1, count):
+            probe(m, t, h, low + (high - low) * shares[CUT, k], 0)
             for n in range(peaks.shape[0]):
-                peaks[n, SAMPLE + ORDER[CUT, k]] = peaks[n, SAMPLE + PROBE]
-        solved += COUNT[CUT] - 1
+                peaks[n, SAMPLE + order[CUT, k]] = peaks[n, SAMPLE + probe_of(m)]
+        solved += count - 1
         if sound and wide > SHORTEST and unresolved(m, (high - low) * h, CUT):
             wide = 0.5 * (high - low)
             continue
@@ -219,18 +226,16 @@ def end_step(m, t, h, until, layout, dense):
         dense = 0
     if until < 1.0 or layout == CUT:
         return sample_pieces(m, t, h, 0.0, until, until, clear)
-    if layout == DOP853 and dense and clear and not sound:  # stages are off the constraints by too much
+    told, few = layout == STAGES and stages_tell(m), layout == STAGES and not stages_tell(m)
+    if told and dense and clear and not sound:  # stages are off the constraints by too much
         return sample_pieces(m, t, h, 0.0, 1.0, 0.125, clear)
-    if layout == DOP853 and dense and sound and unresolved(m, h, DOP853):
+    if told and dense and sound and unresolved(m, h, STAGES):
         return sample_pieces(m, t, h, 0.0, 1.0, 0.125, sound)
     add(m, t + h, h, layout, sound)
-    if layout == RK4 and dense:
+    if few and dense:
         dense = 1 if near_peak(peaks) else 0
         if dense:
-            probe(m, t, h, 0.5, 0)
-            solved += 1
-            for n in range(peaks.shape[0]):
-                peaks[n, SAMPLE + ORDER[RK4, 1]] = peaks[n, SAMPLE + PROBE]
+            solved += probe_within(m, t, h)
     if layout == LOOKS:
         solved += crest_all(m, t, h, 1.0)
     elif dense and sound:

@@ -26,11 +26,8 @@ from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.contacts.clutches import most_torque, rate_left, torque_noise, watched
-from rattle.solvers.dop853_tableau import C
 
 KINDS = 4  # indicators, not negative: N, mu N - T, mu N + T, slip in its direction; 1 where one does not apply
-PLACES = np.array([0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0, 1.0])  # as the samples of peaks lie; last stage
-END, LAST_STAGE = 7, 8
 SAFE, WARY = 1.5, 2.0
 RESOLVED = 0.3  # change of f[...] d^2 between samples, as a share of f, above which samples do not decide
 NOISE = 1e-10  # rounding and drift of a force, as a share of the largest; of a slip
@@ -40,11 +37,18 @@ SLIGHT = 1e-3  # deviation of stages from the motion, as a share of the change o
 LEAST_ERROR = 1e-6  # of a step [tolerances]: one with a smaller error may be too long to resolve anything
 
 
-def table(contacts: int) -> np.ndarray:
-    """Array for the samples at the stages of a step, (9, 4 contacts + 2)."""
-    looks = np.zeros((len(PLACES), KINDS * contacts + 2))
-    looks[:, at.LOOK_SHARE] = PLACES
+def table(contacts: int, shares: np.ndarray) -> np.ndarray:
+    """Array for the samples at the stages of a step, (n, 4 contacts + 2); shares: (n,) where they are, the last two at
+    its end: that of its last stage is the last one."""
+    looks = np.zeros((len(shares), KINDS * contacts + 2))
+    looks[:, at.LOOK_SHARE] = shares
     return looks
+
+
+@compiled
+def last_look(m):
+    """Number of the sample at the end of the step; that of the last stage follows."""
+    return m.glances.shape[0] - 2
 
 
 @compiled
@@ -152,15 +156,15 @@ def matters(m, n, kind):
 
 @compiled
 def doubts(m, error):
-    """Stages between which a closed contact first opens, breaks away or reverses its slip; (END, END): none does.
+    """Stages between which a closed contact first opens, breaks away or reverses its slip; (end, end): none does.
 
-    (0, END) if the stages do not decide; the second one is END if they do not show the event itself.
+    end: `last_look`.  (0, end) if the stages do not decide; the second one is `end` if they do not show the event.
     error: of the step [tolerances].
     """
     contact, looks = m.contact, m.glances
-    first, last = END, END
+    first, last = last_look(m), last_look(m)
     if not error > LEAST_ERROR or m.live.shape[0] > 0 or m.jet.shape[0] > 0:
-        return 0, END
+        return 0, last
     for n in range(contact.shape[0]):
         if not watched(m, n):
             continue
@@ -174,21 +178,22 @@ def doubts(m, error):
 @compiled
 def margin_of(looks, c):
     """Smallest and largest value of column c at the stages, and a bound for their deviation from the motion."""
-    low, high = looks[0, c], looks[0, c]
-    for i in range(1, END + 1):
+    low, high, end = looks[0, c], looks[0, c], looks.shape[0] - 2
+    for i in range(1, end + 1):
         low, high = min(low, looks[i, c]), max(high, looks[i, c])
-    return low, high, BESIDE * abs(looks[LAST_STAGE, c] - looks[END, c]) + SLIGHT * (high - low)
+    return low, high, BESIDE * abs(looks[end + 1, c] - looks[end, c]) + SLIGHT * (high - low)
 
 
 @compiled
 def doubt(looks, c, first, last, lift):
     """`doubts` for column c, if it is before `first` and `last`; lift: how far below zero it may be."""
+    end = looks.shape[0] - 2
     low, high, margin = margin_of(looks, c)
     if low + lift - (high - low) > margin:
-        return END, END
+        return end, end
     margin -= lift
     for i in range(first):
-        if looks[i + 1, c] < (margin if i + 1 < END else -lift) or may_dip(looks, i, END + 1, c, -margin):
+        if looks[i + 1, c] < (margin if i + 1 < end else -lift) or may_dip(looks, i, end + 1, c, -margin):
             first = i
             break
     for i in range(1, last):
@@ -204,7 +209,7 @@ def keep_forces(m):
     contact, mode, looks, memory = m.contact, m.mode, m.glances, m.contact_memory
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
-            for i in range(1, END + 1):
+            for i in range(1, last_look(m) + 1):
                 memory[n, at.PEAK] = max(memory[n, at.PEAK], looks[i, 1 + KINDS * n]) if mode[n] != OFF else 0.0
 
 
@@ -213,4 +218,4 @@ def pass_look_on(m):
     """Make the sample at the end of a step that at the start of the next."""
     looks = m.glances
     for c in range(1, looks.shape[1]):
-        looks[0, c] = looks[END, c]
+        looks[0, c] = looks[last_look(m), c]

@@ -10,50 +10,143 @@ only the ends of steps count.
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.dop853_tableau import B, C
 from rattle.solvers.output_row import write_joints
 from rattle.solvers.peaks.glances import write_look
+from rattle.solvers.peaks.stage_polynomial import best_nodes, shape_arrays
+from rattle.solvers.tableau import Tableau
 
 # columns of `peaks`: largest value so far, its time, integral of the square; size up to which the quantity is rounding
 # or drift, and an arm that says so for moments [m]; then the samples of the present step
 BEST, WHEN, SQUARES, NOTHING, ARM, SAMPLE = range(6)
-START, END, LAST_STAGE, PROBE = 0, 7, 8, 9  # samples; 1 to 6 lie between the ends
-WIDTH = SAMPLE + 10
-DOP853, RK4, CUT, LOOKS = range(4)  # where the samples lie
-LOOK = np.array([0, 1, 2, 3, 4, 5, 6, 8, 7])  # samples of LOOKS in order of time: the search for events solves there
-NODE_OF_STAGE = np.array([0, -1, -1, -1, -1, 3, 1, 2, 5, 4, 6, 8])  # of dop853; -1: no weight
+START = 0  # first sample; those within the step follow, then `end_of`, `last_stage_of` and `probe_of`
+LEAST_WITHIN = 6  # places for samples within a step, at least
+# where the samples of a step lie: at the stages of the stepper, at Gauss points of the dense output, or evenly spaced
+STAGES, CUT, LOOKS = range(3)
+BLANK, COARSE, FINE = range(3)  # what stages show of forces: nothing, their mean, and where they may have peaks
+TOLD_BY = 6  # separate stages within a step from which on they show that
 GAUSS = math.sqrt(0.15)
-COUNT = np.array([8, 3, 5, 9])
-ORDER = np.array([  # in order of time
-    [0, 1, 2, 3, 4, 5, 6, 7, 0], [0, 4, 7, 0, 0, 0, 0, 0, 0], [0, 1, 2, 3, 7, 0, 0, 0, 0], LOOK,
-])  # fmt: skip
-SHARES = np.array([
-    [0.0, C[6], C[7], C[5], C[9], C[8], C[10], 1.0, 0.0],
-    [0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [0.0, 0.5 - GAUSS, 0.5, 0.5 + GAUSS, 1.0, 0.0, 0.0, 0.0, 0.0],
-    np.arange(9) / 8.0,
-])  # fmt: skip
-WEIGHTS = np.array([
-    [B[0], B[6], B[7], B[5], B[9], B[8], B[10], 0.0, B[11]],
-    [1.0 / 6.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 1.0 / 6.0],
-    [0.0, 5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    np.array([1.0, 4.0, 2.0, 4.0, 2.0, 4.0, 2.0, 1.0, 4.0]) / 24.0,
-])  # fmt: skip
-FEW = np.array([0, 1, 4, 6, 7])  # samples of dop853 for a second rule, of order 5; Simpson's for pieces of a step
-COARSE = np.zeros((4, 9))
-COARSE[DOP853, FEW] = np.linalg.solve(np.vander(SHARES[DOP853, FEW], increasing=True).T, 1.0 / np.arange(1.0, 6.0))
-COARSE[CUT, [0, 2, 7]] = 1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0
 APART = 1e-2  # share of the mean of f^2 by which two rules may differ
 MATTERS = 1e-4  # share of the integral so far below which they may differ more
 ROUNDING = 1e-9  # share of the largest force below which a force is rounding
 CANCELLED = 1e-13  # share of the largest force times an arm below which a moment is rounding
 SAME = 1e-9  # share within which two peaks are equal: the first one is kept
+
+
+def within(tableau: Tableau | None) -> list[int]:
+    """Stages inside a step whose forces count, in order of time; none if stages do not give the mean of a force."""
+    if tableau is None:
+        return []
+    c, weights = tableau.c, tableau.weights
+    counted = [s for s in range(tableau.stages) if weights[s] != 0.0]
+    if any(not (0.0 < c[s] <= 1.0 or s == 0) for s in counted) or sum(c[s] == 1.0 for s in counted) > 1:
+        return []
+    return sorted((s for s in counted if 0.0 < c[s] < 1.0), key=lambda s: (c[s], s))
+
+
+def room_within(tableau: Tableau | None) -> int:
+    """Number of places for samples within a step; the one for its end follows."""
+    return max(LEAST_WITHIN, len(within(tableau)))
+
+
+def width(tableau: Tableau | None) -> int:
+    """Columns of `peaks`: with START, the end, the last stage and one sample for any other instant."""
+    return SAMPLE + room_within(tableau) + 4
+
+
+def stage_shares(tableau: Tableau | None) -> np.ndarray:
+    """(n,) shares of a step at the samples that its stages leave, if they are so many that they decide (FINE)."""
+    inner, room = within(tableau), room_within(tableau)
+    shares = np.ones(room + 3)
+    shares[0] = 0.0
+    if tableau is not None:
+        shares[1 : 1 + len(inner)] = tableau.c[inner]
+    return shares
+
+
+@cache
+def sample_arrays(tableau: Tableau | None) -> dict[str, np.ndarray]:
+    """Where the samples of a step lie, by layout, and two rules for the mean of what is sampled.
+
+    tableau: None for a method whose stages show nothing, as an implicit one.
+    """
+    inner, last = within(tableau), room_within(tableau) + 2
+    places = last + 1
+    order, shares = np.zeros((3, places), np.int64), np.zeros((3, places))
+    fine, coarse = np.zeros((3, places)), np.zeros((3, places))
+    even = [*[k for k in range(places) if k != last - 1][:8], last - 1]
+    count = np.array([0, 5, 9])
+    order[CUT, :5] = [0, 1, 2, 3, last - 1]
+    order[LOOKS, :9] = even
+    shares[CUT, :5] = [0.0, 0.5 - GAUSS, 0.5, 0.5 + GAUSS, 1.0]
+    shares[LOOKS, :9] = np.arange(9) / 8.0
+    fine[CUT, 1:4] = 5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0
+    coarse[CUT, [0, 2, last - 1]] = 1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0  # Simpson's rule
+    fine[LOOKS, even] = np.array([1.0, 4.0, 2.0, 4.0, 2.0, 4.0, 2.0, 4.0, 1.0]) / 24.0
+    sample_of = np.full(tableau.stages if tableau else 0, -1, np.int64)
+    shows = BLANK
+    if tableau is not None and inner:
+        c, weights = tableau.c, tableau.weights
+        sample_of[inner] = 1 + np.arange(len(inner))
+        if weights[-1] != 0.0 and c[tableau.stages - 1] == 1.0:
+            sample_of[-1] = last
+        separate = [s for n, s in enumerate(inner) if n + 1 == len(inner) or c[inner[n + 1]] != c[s]]
+        shows = FINE if len(separate) >= TOLD_BY else COARSE
+        count[STAGES] = len(separate) + 2
+        order[STAGES, 1 : count[STAGES]] = [*sample_of[separate], last - 1]
+        shares[STAGES, 1 : count[STAGES]] = [*c[separate], 1.0]
+        fine[STAGES, 0] = weights[0]
+        used = sample_of >= 0
+        fine[STAGES, sample_of[used]] = np.array(weights)[used]
+        few = best_nodes(shares[STAGES, : count[STAGES]], min(5, count[STAGES]))
+        powers = np.vander(shares[STAGES, few], increasing=True).T
+        coarse[STAGES, order[STAGES, few]] = np.linalg.solve(powers, 1.0 / np.arange(1.0, len(few) + 1.0))
+    return {
+        "sample_of_stage": sample_of, "sample_order": order, "sample_shares": shares, "sample_count": count,
+        "sample_weights": fine, "sample_coarse": coarse, "sampling": np.array([shows]),
+    } | (shape_arrays(order[STAGES], shares[STAGES, : count[STAGES]]) if shows == FINE else {})  # fmt: skip
+
+
+@compiled
+def end_of(m):
+    """Number of the sample at the end of the step."""
+    return m.peaks.shape[1] - SAMPLE - 3
+
+
+@compiled
+def probe_of(m):
+    """Number of the sample at any other instant."""
+    return m.peaks.shape[1] - SAMPLE - 1
+
+
+@compiled
+def at_end(samples):
+    """Sample at the end of the step."""
+    return samples[samples.shape[0] - 3]
+
+
+@compiled
+def beside_end(samples):
+    """How much the last stage, which is at the end of the step too, differs from it."""
+    return abs(samples[samples.shape[0] - 2] - at_end(samples))
+
+
+@compiled
+def stage_layout(m):
+    """Layout of the samples that a step leaves: STAGES, or CUT if it leaves none."""
+    return CUT if m.sampling[0] == BLANK else STAGES
+
+
+@compiled
+def stages_tell(m):
+    """True if the stages of a step show where forces may have peaks, or change their sign."""
+    return m.sampling[0] == FINE
 
 
 @compiled
@@ -76,7 +169,7 @@ def higher(value, best):
 
 @native("void", "h", "i", "f")
 def gauge(m, sample, t):
-    """Write all quantities of the workspace at t [s] into a sample; START and PROBE may be peaks."""
+    """Write all quantities of the workspace at t [s] into a sample; that at START and of `probe_of` may be peaks."""
     quantity, peaks, row = m.quantity, m.peaks, m.peak_row
     if sample < m.glances.shape[0]:
         write_look(m, m.glances[sample])
@@ -86,7 +179,7 @@ def gauge(m, sample, t):
     for n in range(quantity.shape[0]):
         value = value_of(row, quantity[n, at.FORM], quantity[n, at.FIRST_COLUMN])
         peaks[n, SAMPLE + sample] = value
-        if higher(value, peaks[n, BEST]) and sample in (START, PROBE):
+        if higher(value, peaks[n, BEST]) and sample in (START, probe_of(m)):
             peaks[n, BEST], peaks[n, WHEN] = value, t
 
 
@@ -99,20 +192,20 @@ def add_step(m, h):
 
 
 @compiled
-def summit(samples, layout, i):
+def summit(m, samples, layout, i):
     """Place of the maximum near sample i and its height above it, by a parabola; height 0 if it is no maximum."""
-    last = COUNT[layout] - 1
-    x, f = SHARES[layout, i], samples[SAMPLE + ORDER[layout, i]]
+    shares, order, last = m.sample_shares, m.sample_order, m.sample_count[layout] - 1
+    x, f = shares[layout, i], samples[SAMPLE + order[layout, i]]
     before, after = i - 1, i + 1
-    if before >= 0 and samples[SAMPLE + ORDER[layout, before]] > f:
+    if before >= 0 and samples[SAMPLE + order[layout, before]] > f:
         return x, 0.0
-    if after <= last and samples[SAMPLE + ORDER[layout, after]] > f:
+    if after <= last and samples[SAMPLE + order[layout, after]] > f:
         return x, 0.0
     before = before if before >= 0 else 2
     after = after if after <= last else last - 2
-    left, right = SHARES[layout, before] - x, SHARES[layout, after] - x
-    down_left = (samples[SAMPLE + ORDER[layout, before]] - f) / left
-    down_right = (samples[SAMPLE + ORDER[layout, after]] - f) / right
+    left, right = shares[layout, before] - x, shares[layout, after] - x
+    down_left = (samples[SAMPLE + order[layout, before]] - f) / left
+    down_right = (samples[SAMPLE + order[layout, after]] - f) / right
     bend = (down_left - down_right) / (left - right)
     if not bend < 0.0:
         return x, 0.0
@@ -124,19 +217,19 @@ def summit(samples, layout, i):
 
 
 @compiled
-def rises(samples, layout, i):
+def rises(m, samples, layout, i):
     """True if the maximum near sample i may exceed the largest value so far."""
-    known = max(samples[BEST], samples[SAMPLE + END])
-    height = summit(samples, layout, i)[1]
+    known = max(samples[BEST], at_end(samples))
+    height = summit(m, samples, layout, i)[1]
     least = known + SAME * abs(known) + samples[NOTHING]
-    return height > 0.0 and samples[SAMPLE + ORDER[layout, i]] + 3.0 * height > least
+    return height > 0.0 and samples[SAMPLE + m.sample_order[layout, i]] + 3.0 * height > least
 
 
 @compiled
 def near_peak(peaks):
     """True if a quantity could reach its largest value by continuing to change as over the step."""
     for n in range(peaks.shape[0]):
-        one, two, known = peaks[n, SAMPLE + START], peaks[n, SAMPLE + END], peaks[n, BEST]
+        one, two, known = peaks[n, SAMPLE + START], at_end(peaks[n]), peaks[n, BEST]
         if max(one, two) + abs(one - two) > known + SAME * abs(known):
             return True
     return False
@@ -144,17 +237,17 @@ def near_peak(peaks):
 
 @compiled
 def may_rise(m, h, layout):
-    """True if the dense output of the step must be searched; the stages of rk4 are too coarse to decide."""
+    """True if the dense output of the step must be searched; few stages do not decide where it is."""
     peaks = m.peaks
     if layout == CUT:
         return peaks.shape[0] > 0
-    if layout == RK4:
+    if not stages_tell(m):
         return near_peak(peaks)
-    if not m.power[at.PIVOT_SHARE] > WEAK or unresolved(m, h, DOP853):
+    if not m.power[at.PIVOT_SHARE] > WEAK or unresolved(m, h, STAGES):
         return True
     for n in range(peaks.shape[0]):
-        for i in range(COUNT[layout]):
-            if rises(peaks[n], layout, i):
+        for i in range(m.sample_count[layout]):
+            if rises(m, peaks[n], layout, i):
                 return True
     return False
 
@@ -176,14 +269,15 @@ def largest_force(m):
 def unresolved(m, h, layout):
     """True if two quadrature rules for the mean of f^2 differ: a force changes faster than the motion."""
     peaks, quantity, largest = m.peaks, m.quantity, largest_force(m)
+    fine, coarse = m.sample_weights, m.sample_coarse
     for n in range(peaks.shape[0]):
         if quantity[n, at.FORM] != at.OF_VECTOR or peaks[n, BEST] < ROUNDING * largest:
             continue
         mean, apart = 0.0, 0.0
-        for k in range(9):
+        for k in range(fine.shape[1]):
             square = peaks[n, SAMPLE + k] ** 2
-            mean += WEIGHTS[layout, k] * square
-            apart += (WEIGHTS[layout, k] - COARSE[layout, k]) * square
+            mean += fine[layout, k] * square
+            apart += (fine[layout, k] - coarse[layout, k]) * square
         if abs(apart) > APART * abs(mean) and h * abs(apart) > MATTERS * peaks[n, SQUARES]:
             return True
     return False
@@ -192,16 +286,16 @@ def unresolved(m, h, layout):
 @compiled
 def add(m, t, h, layout, sound):
     """Count the samples of an interval of length h [s] and its end, which is at t [s]."""
-    peaks = m.peaks
+    peaks, weights = m.peaks, m.sample_weights
     for n in range(peaks.shape[0]):
-        mean = 0.5 * (peaks[n, SAMPLE + START] ** 2 + peaks[n, SAMPLE + END] ** 2)
+        mean = 0.5 * (peaks[n, SAMPLE + START] ** 2 + at_end(peaks[n]) ** 2)
         if sound:
             mean = 0.0
-            for k in range(9):
-                mean += WEIGHTS[layout, k] * peaks[n, SAMPLE + k] ** 2
+            for k in range(weights.shape[1]):
+                mean += weights[layout, k] * peaks[n, SAMPLE + k] ** 2
         peaks[n, SQUARES] += h * mean
-        if higher(peaks[n, SAMPLE + END], peaks[n, BEST]):
-            peaks[n, BEST], peaks[n, WHEN] = peaks[n, SAMPLE + END], t
+        if higher(at_end(peaks[n]), peaks[n, BEST]):
+            peaks[n, BEST], peaks[n, WHEN] = at_end(peaks[n]), t
 
 
 @compiled
@@ -209,4 +303,4 @@ def pass_end_on(m):
     """Make the sample at the end of an interval that at the start of the next."""
     peaks = m.peaks
     for n in range(peaks.shape[0]):
-        peaks[n, SAMPLE + START] = peaks[n, SAMPLE + END]
+        peaks[n, SAMPLE + START] = at_end(peaks[n])

@@ -7,36 +7,28 @@ f^2 up to the event, and shows where f may exceed its largest value so far: ther
 
 from __future__ import annotations
 
-import numpy as np
-
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.peaks.climb import climb, crest_all, end_step, probe
 from rattle.solvers.peaks.samples import (
     BEST,
-    COUNT,
-    DOP853,
-    END,
-    LAST_STAGE,
-    LOOK,
     LOOKS,
     NOTHING,
-    PROBE,
     SAME,
     SAMPLE,
-    SHARES,
     SQUARES,
+    STAGES,
     add,
+    beside_end,
     pass_end_on,
+    probe_of,
     summit,
     unresolved,
 )
-from rattle.solvers.peaks.stage_polynomial import FORMS, NODES, PLACES, through_stages
+from rattle.solvers.peaks.stage_polynomial import through_stages
 
 BESIDE = 10.0  # times the deviation of the last stage from the end of the step: how much higher a maximum may be
-LEFT_OUT = np.array([2, 4])  # stages left out, whose deviation shows the error of the polynomial
-PRODUCT = np.array([abs(np.prod(x - PLACES)) for x in SHARES[DOP853, LEFT_OUT]])
 UNSURE = 3.0  # times that error: how much higher a maximum may be, too
 MANY = 3  # number of new peaks in a step above which they are not computed one by one
 FINE = 1e-9  # allowed error of a peak that was computed once, as a share of it
@@ -44,29 +36,29 @@ NEXT_TO = 1e-3  # share of an interval next to its end where no peak is searched
 
 
 @compiled
-def doubt_at(samples, x):
+def doubt_at(m, samples, x):
     """Error bound of that polynomial of a quantity at the share x, from the stages that it leaves out."""
+    nodes, places, others, products = m.beside_nodes, m.beside_places, m.shape_places, m.beside_products
     most, product = 0.0, 1.0
-    for k in range(LEFT_OUT.shape[0]):
-        i = LEFT_OUT[k]
-        beside = abs(samples[SAMPLE + i] - through_stages(samples, SAMPLE, SHARES[DOP853, i]))
-        most = max(most, beside / PRODUCT[k])
-    for k in range(PLACES.shape[0]):
-        product *= abs(x - PLACES[k])
+    for k in range(nodes.shape[0]):
+        beside = abs(samples[SAMPLE + nodes[k]] - through_stages(m, samples, SAMPLE, places[k]))
+        most = max(most, beside / products[k])
+    for k in range(others.shape[0]):
+        product *= abs(x - others[k])
     return most * product
 
 
 @compiled
-def crest(samples, low, top, high):
+def crest(m, samples, low, top, high):
     """Place and height of the maximum of that polynomial between low and high, by successive parabolas."""
-    wide, best = 0.25 * (high - low), through_stages(samples, SAMPLE, top)
+    wide, best = 0.25 * (high - low), through_stages(m, samples, SAMPLE, top)
     for _ in range(10):
-        left = through_stages(samples, SAMPLE, max(top - wide, low))
-        right = through_stages(samples, SAMPLE, min(top + wide, high))
+        left = through_stages(m, samples, SAMPLE, max(top - wide, low))
+        right = through_stages(m, samples, SAMPLE, min(top + wide, high))
         bend = left - 2.0 * best + right
         shift = 0.5 * (left - right) / bend if bend < 0.0 else (1.0 if right > left else -1.0)
         there = min(max(top + wide * min(max(shift, -1.0), 1.0), low), high)
-        value = through_stages(samples, SAMPLE, there)
+        value = through_stages(m, samples, SAMPLE, there)
         if value > best:
             top, best = there, value
         wide *= 0.5
@@ -74,18 +66,19 @@ def crest(samples, low, top, high):
 
 
 @compiled
-def higher(samples, i, until):
+def higher(m, samples, i, until):
     """Place next to stage i where a quantity may have a new peak before the share `until`, -1 if none; and its height.
 
     Returns the place, the height of the polynomial there, and a bound for how much that is too low.
     """
-    value, known = samples[SAMPLE + i], samples[BEST]
-    low, high = SHARES[DOP853, max(i - 1, 0)], min(SHARES[DOP853, min(i + 1, COUNT[DOP853] - 1)], until)
-    height, least = summit(samples, DOP853, i)[1], known + SAME * abs(known) + samples[NOTHING]
+    value, known = samples[SAMPLE + m.sample_order[STAGES, i]], samples[BEST]
+    shares, last = m.sample_shares, m.sample_count[STAGES] - 1
+    low, high = shares[STAGES, max(i - 1, 0)], min(shares[STAGES, min(i + 1, last)], until)
+    height, least = summit(m, samples, STAGES, i)[1], known + SAME * abs(known) + samples[NOTHING]
     if not low < until or not (height > 0.0 and value + 3.0 * height > least):
         return -1.0, 0.0, 0.0
-    top, best = crest(samples, low, min(SHARES[DOP853, i], high), high)
-    unsure = BESIDE * abs(samples[SAMPLE + LAST_STAGE] - samples[SAMPLE + END]) + UNSURE * doubt_at(samples, top)
+    top, best = crest(m, samples, low, min(shares[STAGES, i], high), high)
+    unsure = BESIDE * beside_end(samples) + UNSURE * doubt_at(m, samples, top)
     if not best + unsure > least or top > (1.0 - NEXT_TO) * until:
         return -1.0, 0.0, 0.0
     return top, best, unsure
@@ -94,17 +87,17 @@ def higher(samples, i, until):
 @compiled
 def measure_crests(m, t, h, until):
     """Compute the few new peaks of a step where its stages show them; returns the number of states computed."""
-    peaks, solved = m.peaks, 0
+    peaks, solved, shares, count = m.peaks, 0, m.sample_shares, m.sample_count[STAGES]
     for n in range(peaks.shape[0]):
-        for i in range(COUNT[DOP853]):
-            top, best, unsure = higher(peaks[n], i, until)
+        for i in range(count):
+            top, best, unsure = higher(m, peaks[n], i, until)
             if top < 0.0:
                 continue
-            value, height = probe(m, t, h, top, n), summit(peaks[n], DOP853, i)[1]
+            value, height = probe(m, t, h, top, n), summit(m, peaks[n], STAGES, i)[1]
             solved += 1
             # an error of the place lowers the value computed there only by its square
             if (value - best) ** 2 > FINE * abs(value) * height:
-                low, high = SHARES[DOP853, max(i - 1, 0)], SHARES[DOP853, min(i + 1, COUNT[DOP853] - 1)]
+                low, high = shares[STAGES, max(i - 1, 0)], shares[STAGES, min(i + 1, count - 1)]
                 solved += climb(m, t, h, n, low, top, min(high, until), unsure)
     return solved
 
@@ -113,12 +106,12 @@ def measure_crests(m, t, h, until):
 def measure_evenly(m, t, h, until):
     """Sample at eight evenly spaced points up to the share `until`; new peaks are those of the polynomials through
     them."""
-    peaks = m.peaks
-    for k in range(1, COUNT[LOOKS]):
-        probe(m, t, h, until * SHARES[LOOKS, k], 0)
+    peaks, shares, order, count = m.peaks, m.sample_shares, m.sample_order, m.sample_count[LOOKS]
+    for k in range(1, count):
+        probe(m, t, h, until * shares[LOOKS, k], 0)
         for n in range(peaks.shape[0]):
-            peaks[n, SAMPLE + LOOK[k]] = peaks[n, SAMPLE + PROBE]
-    return COUNT[LOOKS] - 1 + crest_all(m, t, h, until)
+            peaks[n, SAMPLE + order[LOOKS, k]] = peaks[n, SAMPLE + probe_of(m)]
+    return count - 1 + crest_all(m, t, h, until)
 
 
 @compiled
@@ -126,8 +119,8 @@ def new_peaks(m, until):
     """Number of places where quantities may have new peaks; counting stops above MANY."""
     peaks, found = m.peaks, 0
     for n in range(peaks.shape[0]):
-        for i in range(COUNT[DOP853]):
-            if higher(peaks[n], i, until)[0] > 0.0:
+        for i in range(m.sample_count[STAGES]):
+            if higher(m, peaks[n], i, until)[0] > 0.0:
                 found += 1
                 if found > MANY:
                     return found
@@ -143,20 +136,21 @@ def end_by_stages(m, t, h, until):
     peaks, solved = m.peaks, 0
     if peaks.shape[0] == 0:
         return 0
-    if not m.power[at.PIVOT_SHARE] > WEAK or unresolved(m, h, DOP853):
-        return end_step(m, t, h, until, DOP853, 1)
+    if not m.power[at.PIVOT_SHARE] > WEAK or unresolved(m, h, STAGES):
+        return end_step(m, t, h, until, STAGES, 1)
     if until < 1.0:
-        for k in range(NODES.shape[0]):
+        nodes, forms = m.shape_nodes, m.shape_forms
+        for k in range(nodes.shape[0]):
             weight, power = 0.0, until
-            for j in range(NODES.shape[0]):
-                weight += FORMS[k, j] * power / (j + 1.0)
+            for j in range(nodes.shape[0]):
+                weight += forms[k, j] * power / (j + 1.0)
                 power *= until
             for n in range(peaks.shape[0]):
-                peaks[n, SQUARES] += h * weight * peaks[n, SAMPLE + NODES[k]] ** 2
+                peaks[n, SQUARES] += h * weight * peaks[n, SAMPLE + nodes[k]] ** 2
         probe(m, t, h, until, 0)
         solved += 1
     else:
-        add(m, t + h, h, DOP853, 1)
+        add(m, t + h, h, STAGES, 1)
     solved += measure_evenly(m, t, h, until) if new_peaks(m, until) > MANY else measure_crests(m, t, h, until)
     if until == 1.0:
         pass_end_on(m)

@@ -19,6 +19,7 @@ from rattle.description.model import within_limits
 from rattle.errors import TraceError
 from rattle.language import arrays
 from rattle.language.syntax import names
+from rattle.registry import kinds
 from rattle.solvers.stepper import FREE, LONGEST, usual_stepper
 from rattle.studies.runs.analyses import given_up, steps_at_most
 from rattle.studies.runs.task import Task
@@ -29,7 +30,6 @@ from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import MOST_STEPS, Program
 
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
-METHODS = {"dop853": lane_methods.DOP853, "rk4": lane_methods.RK4}
 DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: its integral is put on the constraints
 SHORT = 2000  # steps of a run where long ones would miss something
 
@@ -114,7 +114,7 @@ def _require_lanes(task: Task, method: str) -> None:
         raise TraceError(f"{task.analysis} runs position by position")
     if why := next((why for one in task.outputs if (why := why_not_lanes(one, dict.fromkeys(task.names)))), ""):
         raise TraceError(why)
-    if method not in METHODS:
+    if kinds("stepper")[method].leaf.tableau is None:
         raise TraceError(f"'{task.how.method}' has no straight-line code")
     if task.mechanism.system.switches:
         switching = ", ".join(sorted({one.name for one in task.mechanism.system.switches}))
@@ -126,7 +126,7 @@ def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Pro
     longest = task.t_end / SHORT if needs_short_steps(task.outputs, model) else np.inf
     program = Program(
         lane_model(model, asked, functions.add, Starts(model, functions.add)), functions.add,
-        METHODS[method], asked.reductions, task.t_end,
+        lane_methods.Method(kinds("stepper")[method].leaf.tableau), asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(how.rtol, how.atol, min(how.step or np.inf, longest)),
         step=min(how.step or LONGEST, longest), chain=functions.chain, tiled=True,
         most_steps=steps_at_most(task.mechanism, how) or MOST_STEPS,

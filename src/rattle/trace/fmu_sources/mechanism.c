@@ -14,7 +14,6 @@ enum {
     END_OF_VARIABLES = FIRST_CURVE + NO
 };
 typedef enum { INSTANTIATED = 1, INITIALIZING = 2, EVENTS = 4, CONTINUOUS = 8, STEPPING = 16, TERMINATED = 32 } Mode;
-enum { STAGES = 12 };
 
 typedef struct {
     Mode mode;
@@ -238,6 +237,13 @@ static int motion(void) { return 2 * NQ; }
 
 static double scale(const Mechanism *m, double size) { return m->tolerance * (ABSOLUTE + size); }
 
+/* x^(1/ORDER), x >= 0: square roots as far as they go */
+static double root(double x) {
+    int power = ORDER;
+    for (; power % 2 == 0; power /= 2) x = sqrt(x);
+    return power == 1 ? x : pow(x, 1.0 / power);
+}
+
 /* a first step [s] whose error should be small */
 static double first_step(Mechanism *m) {
     double size = 0.0, slope = 0.0, bend = 0.0, h, largest, later[NY], dy[NY];
@@ -255,12 +261,12 @@ static double first_step(Mechanism *m) {
         bend += s * s;
     }
     largest = fmax(sqrt(slope), sqrt(bend) / h) / sqrt(motion());
-    return fmin(100.0 * h, largest > 1e-15 ? pow(0.01 / largest, 0.125) : fmax(1e-6, 1e-3 * h));
+    return fmin(100.0 * h, largest > 1e-15 ? root(0.01 / largest) : fmax(1e-6, 1e-3 * h));
 }
 
 /* y at t + h and its error as a share of the tolerance; infinite where the equations do not hold on the way */
 static double step(Mechanism *m, double h, double *end) {
-    double k[STAGES][NY], stage[NY], error3 = 0.0, error5 = 0.0;
+    double k[STAGES][NY], stage[NY], first = 0.0, second = 0.0;
     int s, j, i;
     memcpy(k[0], m->dy, sizeof stage);
     for (s = 1; s < STAGES; s++) {
@@ -272,21 +278,21 @@ static double step(Mechanism *m, double h, double *end) {
         if (!rate(m, m->t + C[s] * h, stage, k[s])) return INFINITY;
     }
     for (i = 0; i < NY; i++) {
-        double sum = 0.0, sum3 = 0.0, sum5 = 0.0;
+        double sum = 0.0, error = 0.0, other = 0.0;
         for (s = 0; s < STAGES; s++) {
             sum += B[s] * k[s][i];
-            sum3 += E3[s] * k[s][i];
-            sum5 += E5[s] * k[s][i];
+            error += ERROR[s] * k[s][i];
+            other += DAMPING[s] * k[s][i];
         }
         end[i] = m->y[i] + h * sum;
         if (i < motion()) {
             const double size = scale(m, fmax(fabs(m->y[i]), fabs(end[i])));
-            error3 += sum3 / size * (sum3 / size);
-            error5 += sum5 / size * (sum5 / size);
+            first += error / size * (error / size);
+            second += other / size * (other / size);
         }
     }
     if (!finite_numbers(end, NY)) return INFINITY;
-    return error5 == 0.0 && error3 == 0.0 ? 0.0 : h * error5 / sqrt((error5 + 0.01 * error3) * motion());
+    return h * first / sqrt((first + 0.01 * second) * motion() + 1e-300);
 }
 
 /* from m->t to an instant */
@@ -299,7 +305,7 @@ static fmi3Status advance(Mechanism *m, double until) {
         const double h = last ? until - m->t : m->h;
         const double error = step(m, h, end);
         if (error <= 1.0 && on_constraints(m, m->t + h, end, closed)) {
-            const double next = h * (error < 1e-7 ? 6.0 : fmin(6.0, 0.9 * pow(error, -0.125)));
+            const double next = h * (error < 1e-7 ? 6.0 : fmin(6.0, 0.9 / root(error)));
             m->h = last ? fmax(next, m->h) : next;
             m->t = last ? until : m->t + h;
             memcpy(m->y, closed, sizeof m->y);
@@ -307,7 +313,7 @@ static fmi3Status advance(Mechanism *m, double until) {
             if (need_rates(m) != fmi3OK) return fmi3Error;
             continue;
         }
-        m->h = h * (error <= 1.0 ? 0.25 : error < INFINITY ? fmax(0.2, 0.9 * pow(error, -0.125)) : 0.1);
+        m->h = h * (error <= 1.0 ? 0.25 : error < INFINITY ? fmax(0.2, 0.9 / root(error)) : 0.1);
         if (m->h <= 1e-15 * fabs(m->t) || m->h < 1e-16 * until || m->t + m->h == m->t) {
             return say(m, fmi3Error,
                        "t = %g s: no step is short enough: near a singular position or coincident points, or a load "

@@ -2,7 +2,7 @@
 //
 // s is the state of a run, see engine.js: s.y, s.f at the start of the step, s.yNew at its end, s.k slopes of the
 // stages.  A step returns its error as a share of the tolerance (Infinity where a stage cannot be computed).
-// The coefficients come with the model: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.10.
+// The coefficients come with the model, see solvers/tableau.py.
 
 // stage = y + h * (sum of coefficients times slopes)
 function stageOf(s, h, [from, weights]) {
@@ -23,49 +23,39 @@ function weighted(s, [from, weights], out) {
   }
 }
 
-/** Dormand-Prince 8(5, 3). */
-export function stepDop853(s, t, h) {
-  const { A, B, C, E3, E5 } = s.tableau, { y, yNew, k, controlled } = s;
+/** One step of the method: see solvers/explicit.py. */
+export function stepExplicit(s, t, h) {
+  const { A, C, ends, stages } = s.tableau, { y, yNew, k, controlled, dense } = s;
   k[0].set(s.f);
-  for (let i = 1; i < 12; i++) {
+  for (let i = 1; i < stages; i++) {
     stageOf(s, h, A[i]);
     if (s.tame) s.project(t + C[i] * h, s.stage);
     if (!s.rates(t + C[i] * h, s.stage, k[i])) return Infinity;
   }
-  const third = k[13], fifth = k[14];
-  weighted(s, B, yNew);
-  weighted(s, E3, third);
-  weighted(s, E5, fifth);
-  for (let n = 0; n < s.ny; n++) yNew[n] = y[n] + h * yNew[n];
-  let error3 = 0, error5 = 0;
+  const errors = [dense[5], dense[6]].slice(0, ends.length - 1), sums = [0, 0];
+  weighted(s, ends[0], yNew);
+  errors.forEach((row, e) => weighted(s, ends[1 + e], row));
+  let finite = true;
+  for (let n = 0; n < s.ny; n++) {
+    yNew[n] = y[n] + h * yNew[n];
+    finite = finite && Math.abs(yNew[n]) < Infinity;
+  }
+  if (errors.length === 0) return finite ? 0 : Infinity;
   for (let c = 0; c < controlled.length; c++) {
     const n = controlled[c], scale = s.atol + s.rtol * Math.max(Math.abs(y[n]), Math.abs(yNew[n]));
-    error3 += (third[n] / scale) ** 2;
-    error5 += (fifth[n] / scale) ** 2;
+    errors.forEach((row, e) => (sums[e] += (row[n] / scale) ** 2));
   }
-  if (error5 === 0 && error3 === 0) return 0;
-  const error = (Math.abs(h) * error5) / Math.sqrt((error5 + 0.01 * error3) * s.nm);
+  const error = (Math.abs(h) * sums[0]) / Math.sqrt((sums[0] + 0.01 * sums[1]) * s.nm + 1e-300);
   return error < Infinity ? error : Infinity;
 }
 
-/** The classical method of order 4: no error estimate. */
-export function stepRk4(s, t, h) {
-  const { y, yNew, k, stage, ny } = s;
-  k[0].set(s.f);
-  for (let i = 1; i < 4; i++) {
-    const share = i === 3 ? 1 : 0.5, slope = k[i - 1];
-    for (let n = 0; n < ny; n++) stage[n] = y[n] + share * h * slope[n];
-    if (!s.rates(t + share * h, stage, k[i])) return Infinity;
-  }
-  let finite = true;
-  for (let n = 0; n < ny; n++) {
-    yNew[n] = y[n] + (h / 6) * (k[0][n] + 2 * k[1][n] + 2 * k[2][n] + k[3][n]);
-    finite = finite && Math.abs(yNew[n]) < Infinity;
-  }
-  return finite ? 0 : Infinity;
+/** x^(1/power): square roots as far as they go. */
+export function rootOf(x, power) {
+  for (; power % 2 === 0; power /= 2) x = Math.sqrt(x);
+  return power === 1 ? x : x ** (1 / power);
 }
 
-/** The polynomial of the step from (t, y) to (t + h, yNew): cubic, and for Dormand-Prince four terms more. */
+/** The polynomial of the step from (t, y) to (t + h, yNew): cubic, and the further terms of the method. */
 export function prepareDense(s, t, h) {
   const { y, f, yNew, fNew, dense, ny, k } = s;
   for (let n = 0; n < ny; n++) {
@@ -75,14 +65,13 @@ export function prepareDense(s, t, h) {
     dense[2][n] = 2 * jump - h * (fNew[n] + f[n]);
   }
   for (let row = 3; row < 7; row++) dense[row].fill(0);
-  if (s.method !== "dop853") return;
-  const { A, C, D } = s.tableau;
-  k[12].set(fNew);
-  for (let i = 13; i < 16; i++) {
+  const { A, C, D, stages } = s.tableau;
+  if (C.length > stages) k[stages].set(fNew);
+  for (let i = stages + 1; i < C.length; i++) {
     stageOf(s, h, A[i]);
     if (!s.rates(t + C[i] * h, s.stage, k[i])) return; // the cubic is what is left
   }
-  for (let row = 0; row < 4; row++) {
+  for (let row = 0; row < D.length; row++) {
     weighted(s, D[row], dense[3 + row]);
     for (let n = 0; n < ny; n++) dense[3 + row][n] *= h;
   }

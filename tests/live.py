@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import rattle as rt
-from rattle.pages.live_program import live_program
+from rattle.pages.live_program import live_program, method_settings
 
 VIEWER = Path(rt.__file__).parent / "pages" / "viewer"
 SCRIPT = """
@@ -42,6 +42,8 @@ def computed(folder, live, parameters=None, horizon=False, **settings):
     (folder / "model.mjs").write_text(live.module, encoding="utf-8")
     (folder / "ideal.mjs").write_text("" if live.ideal is None else live.ideal.module, encoding="utf-8")
     (folder / "go.mjs").write_text(SCRIPT % VIEWER.as_uri(), encoding="utf-8")
+    if "method" in settings:
+        settings |= method_settings(settings["method"])
     job = {"settings": {**live.settings, **settings}, "parameters": parameters or {}, "horizon": horizon}
     (folder / "job.json").write_text(json.dumps(job))
     done = subprocess.run(["node", "go.mjs"], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
