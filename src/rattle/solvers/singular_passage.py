@@ -404,12 +404,6 @@ def come_near(m, t):
     passage[at.NEARBY], passage[at.CLOSEST_ROOT], passage[at.NEAR_SINCE] = BEFORE, NEAR, t
 
 
-@compiled
-def comes_or_leaves(m):
-    """True if the step comes near a singular position or leaves one: where it does so is found in its dense output."""
-    return m.peaks.shape[0] > 0 and (m.passage[at.ROOT_AFTER] < NEAR) == (m.passage[at.NEARBY] == AWAY)
-
-
 @native("i", "h", "f", "f", "f", "i", "i", "i")
 def count_step(m, t, h, until, layout, dense, passed):
     """`end_step`, without what lies next to a singular position; passed: the step passes one."""

@@ -1,7 +1,8 @@
-"""Time integration loop: steps, projection onto the constraints, outputs and located zero crossings.
+"""The time integration loop: steps, projection onto the constraints, located events, outputs and largest forces.
 
-One compiled call takes many steps; it returns at the end, if it cannot go on, or after a number of
-steps, so that the caller can show progress and be interrupted.
+One compiled call takes many steps; it returns at the end, if it cannot go on, or after a number of steps, so that the
+caller can show progress and be interrupted.  Each step is searched on its dense output for the first event: a contact
+starts or ends, an expression switches, or what `nonsmooth.event_driven` adds for set-valued contacts.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from rattle.equations.motion import (
 )
 from rattle.equations.schur import WEAK
 from rattle.equations.state import take_states
+from rattle.equations.unilateral import LOCKED
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
@@ -37,22 +39,41 @@ from rattle.solvers.contacts.contact_events import (
     turn,
 )
 from rattle.solvers.contacts.gap_search import NONE
-from rattle.solvers.contacts.penetration import ESCAPED, escaped
+from rattle.solvers.contacts.penetration import ESCAPED, escaped, inside_wall
 from rattle.solvers.contacts.wear_sum import add_wear
 from rattle.solvers.dense_output import interpolate, prepare_dense
+from rattle.solvers.nonsmooth.contact_modes import MEETS, NOTHING
+from rattle.solvers.nonsmooth.contact_projection import project_on_contacts
+from rattle.solvers.nonsmooth.event_driven import (
+    doubtful,
+    first_of_rigid,
+    is_rigid,
+    none_may_hit,
+    note_lock,
+    restart,
+    take_event,
+)
+from rattle.solvers.nonsmooth.event_handling import handle_event
+from rattle.solvers.nonsmooth.event_search import any_closed
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks.samples import START, end_of, gauge, may_rise, stage_layout
+from rattle.solvers.peaks.climb import end_step
+from rattle.solvers.peaks.glances import last_look
+from rattle.solvers.peaks.samples import LOOKS, START, end_of, gauge, stage_layout
+from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once, find_crossings, watched_change
 from rattle.solvers.singular_passage import (
+    AWAY,
+    NEAR,
     come_near,
-    comes_or_leaves,
     count_step,
     ends_beside,
     keep_pivots,
     pass_pivots_on,
     passes,
+    root_at,
     straddle,
+    suspect_pivots,
     watch_pivots,
 )
 from rattle.solvers.step_audit import stands
@@ -81,6 +102,7 @@ LAID_ERROR = 1e-6  # the same of a step laid across a singular position: the pro
 USUAL = 2.0  # such a step is at most so many times as long as the last regular one
 ROUNDING_ACROSS = 1e-10  # error [the same] that is accepted while stages are projected: rounding, across the branch
 MOST_TRIES = 20
+CLEAR, COMES_NEAR, PASSES, UNRESOLVED = range(4)  # a step beside singular positions
 
 
 @native("void", "h", "f")
@@ -140,51 +162,13 @@ def finish_step(m, t, y_new, f_new):
     return 0
 
 
-@native("i", "h", "f", "f", "i", "i", "v", "m")
-def search_step_for_events(m, t, t_new, changed, passed, t_out, out):
-    """Contacts, zero crossings and outputs inside the step from (t, y) to (t_new, y_new).
-
-    Returns the contact that starts or ends first (-1 if none does); its share of the step goes to clock[SHARE].
-    -2 if an open contact is inside its wall at an output.
-    """
-    tally, stage, h = m.tally, m.stage, t_new - t
-    share, who, contacts = NONE, -1, m.contact.shape[0] > 0
-    suspect = may_any_change(m, h)
-    peak = m.wear_work.shape[0] == 0 and near_peak(m)
-    samples = stage_layout(m)
-    dense = suspect or peak or output_due(m, t_new, t_out) or changed or passed == 1 or may_rise(m, h, samples)
-    dense = dense or comes_or_leaves(m)
-    if dense:
-        prepare_dense(m, t, h)
-        tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES]
-    if suspect:
-        share, who = first_change(m, h, 1.0)
-    until = min(share, 1.0)
-    if contacts:
-        find_peaks(m, until, peak)
-    tally[at.EVALUATIONS] += count_step(m, t, h, until, samples, dense, passed)
-    if changed:
-        find_crossings(m, t, h, until)
-    t_until = t + until * h if until < 1.0 else t_new  # t + h may round to less
-    while output_due(m, t_until, t_out):
-        k = tally[at.OUTPUTS]
-        interpolate(m, (t_out[k] - t) / h, stage)
-        if contacts and escaped(m, stage):
-            m.clock[at.TROUBLE] = t_out[k]
-            return -2
-        project(m, t_out[k], stage)
-        record(m, t_out[k], stage, out[k])
-        tally[at.OUTPUTS] = k + 1
-    m.clock[at.CHANGE_AT] = share
-    return who
-
-
-@native("void", "h", "f", "v", "i")
-def turn_contact(m, t, y, who):
-    """Contact `who` starts or ends at (t, y): change its memory, record the event, choose the next step."""
-    turn(m, who, t, y)
-    finish_step(m, t, y, m.rate_new)
-    remember_end(m)
+@compiled
+def project_state(m, t, y):
+    """Project a state y inside the step at t [s] onto the joints, and onto closed set-valued contacts."""
+    if is_rigid(m):
+        project_on_contacts(m, t, y, -1)
+    else:
+        project(m, t, y)
 
 
 @compiled
@@ -241,7 +225,11 @@ def end_on_constraints(m, t, h, t_new, t_end, rtol, atol):
     """Project the end of the step onto the constraints; OK, TRY_AGAIN, UNSOUND or SLIDES, and True as in `try_step`."""
     passage, share = m.passage, m.power[at.PIVOT_SHARE]
     m.power[at.PIVOT_SHARE] = 1.0
-    finish_step(m, t_new, m.state_new, m.rate_new)
+    if is_rigid(m):
+        project_on_contacts(m, t_new, m.state_new, -1)
+        derivative(m, t_new, m.state_new, m.rate_new)
+    else:
+        finish_step(m, t_new, m.state_new, m.rate_new)
     passage[at.ROOT_AFTER] = math.sqrt(m.power[at.PIVOT_SHARE])
     keep_pivots(m, at.SHARE_AFTER)
     m.power[at.PIVOT_SHARE] = min(share, m.power[at.PIVOT_SHARE])
@@ -252,6 +240,8 @@ def end_on_constraints(m, t, h, t_new, t_end, rtol, atol):
     status = end_stands(m, t, h, t_new, t_end)
     if status != OK:
         return status, False
+    if is_rigid(m):
+        note_lock(m, t_new)
     gauge(m, end_of(m), t_new)
     changed = watched_change(m)
     if m.contact.shape[0] > 0:
@@ -260,28 +250,141 @@ def end_on_constraints(m, t, h, t_new, t_end, rtol, atol):
 
 
 @compiled
-def start_next(m, t, who):
-    """Make the end of a step at t the start of the next; contact `who` (-1: none) and a switch may change there."""
-    if who >= 0:
-        turn_contact(m, t, m.state_new, who)
-        gauge(m, START, t)
-    if turn_switch(m, t, who >= 0):
-        remember_end(m)
-        cross_at_once(m, t)
-        gauge(m, START, t)
-    if m.contact.shape[0] > 0:
-        pass_on(m)
-    take_over(m, t, who >= 0)
+def comes_near(m):
+    """True if a step comes near a singular position, or begins there: forces may grow without bound."""
+    passage = m.passage
+    return min(passage[at.ROOT_WITHIN], passage[at.ROOT_AFTER]) < NEAR or passage[at.NEARBY] != AWAY
 
 
 @compiled
-def write_before(m, t, y):
-    """Write the row just before an event at (t [s], y), which need not be on the constraints."""
-    stage = m.stage
-    for n in range(stage.shape[0]):
-        stage[n] = y[n]
-    project(m, t, stage)
-    before_break(m, t, stage)
+def passage_of(m, t, h, rtol):
+    """PASSES if the step passes a singular position, COMES_NEAR, else CLEAR; UNRESOLVED if it is too long to tell."""
+    if not comes_near(m) and suspect_pivots(m) == 0.0:
+        return CLEAR
+    passed = passes(m, t, h, rtol)
+    laid_across = m.passage[at.TRIED_AT] == t
+    if passed < 0 or (passed == 0 and laid_across and m.passage[at.SUSPECTS] > 0.0):  # what is only nearly singular
+        return UNRESOLVED
+    if passed == 1:
+        return PASSES
+    return COMES_NEAR if comes_near(m) else CLEAR
+
+
+@compiled
+def is_calm(m, h, changed, passed, low, suspect):
+    """True if nothing happens in a step of length h [s] that its dense output would have to tell.
+
+    low: first look at which a closed contact may change, see `doubtful`; suspect: a compliant one may start or end.
+    """
+    if changed or passed != CLEAR:
+        return False
+    if is_rigid(m):
+        return low == last_look(m) and none_may_hit(m, h)
+    return not suspect and not (watches_forces(m) and near_peak(m))
+
+
+@compiled
+def watches_forces(m):
+    """True unless sliding is summed instead, for wear."""
+    return m.wear_work.shape[0] == 0
+
+
+@compiled
+def first_event(m, t, h, low, high, calm, suspect):
+    """The first event in the step: its share (NONE), the contact (-1), what it is, 1 if stages have shown all forces.
+
+    low, high, suspect: as in `is_calm`.
+    """
+    if is_rigid(m):
+        return first_of_rigid(m, t, h, low, high, 1 if calm else 0)
+    if not suspect:
+        return NONE, -1, NOTHING, 0
+    share, who = first_change(m, h, 1.0)
+    return share, who, MEETS, 0
+
+
+@compiled
+def sum_step(m, t, h, until, by_stages, met, passed):
+    """Peaks and sums of a step with a dense output up to the share `until`; met: an event ends it there.
+
+    by_stages: 1 if the stages have shown all changes of closed contacts.
+    """
+    if passed != CLEAR:
+        solved = count_step(m, t, h, until, stage_layout(m), 1, 1 if passed == PASSES else 0)
+    elif by_stages == 1:
+        solved = end_by_stages(m, t, h, until)
+    else:
+        looked = is_rigid(m) and not met and any_closed(m)
+        solved = end_step(m, t, h, until, LOOKS if looked else stage_layout(m), 1)
+    m.tally[at.EVALUATIONS] += solved
+
+
+@compiled
+def write_until(m, t, h, t_until, t_out, out):
+    """Write outputs of the step from t of length h up to t_until [s]; needs the dense output.
+
+    False if a contact is inside its wall at one.
+    """
+    tally, stage = m.tally, m.stage
+    while output_due(m, t_until, t_out):
+        k = tally[at.OUTPUTS]
+        interpolate(m, (t_out[k] - t) / h, stage)
+        if escaped(m, stage):
+            m.clock[at.TROUBLE] = t_out[k]
+            return False
+        project_state(m, t_out[k], stage)
+        record(m, t_out[k], stage, out[k])
+        tally[at.OUTPUTS] = k + 1
+    return True
+
+
+@compiled
+def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
+    """Signs and outputs up to t_until, the share `until` of the step from t of length h; the state there into y_new.
+
+    met: an event ends the step there.  quiet: the end of a step that needs no dense output.
+    Returns OK, or ESCAPED.
+    """
+    y_new, stage = m.state_new, m.stage
+    find_peaks(m, until, 0 if quiet or not watches_forces(m) else 1)
+    if changed:
+        find_crossings(m, t, h, until)
+    if met:
+        interpolate(m, until, y_new)
+    if not quiet and not write_until(m, t, h, t_until, t_out, out):
+        return ESCAPED
+    if keeps_breaks(m) and (met or m.landing[at.LANDS] > 0.0):
+        for n in range(stage.shape[0]):
+            stage[n] = y_new[n]
+        project_state(m, t_until, stage)
+        before_break(m, t_until, stage)
+    if m.contact.shape[0] > 0 and (inside_wall(m) if quiet else escaped(m, y_new)):
+        m.clock[at.TROUBLE] = t_until
+        return ESCAPED
+    return OK
+
+
+@compiled
+def pass_event(m, t, h, t_end, who, what):
+    """What happens at the end of a step of length h [s] at t: an event of contact `who` (-1: none), a switch.
+
+    Returns OK, or a failure.
+    """
+    status, met = OK, who >= 0
+    if met and is_rigid(m):
+        status = take_event(m, t, h, t_end, who, what)
+    elif met:
+        turn(m, who, t, m.state_new)
+        finish_step(m, t, m.state_new, m.rate_new)
+        remember_end(m)
+        gauge(m, START, t)
+    if status == OK and turn_switch(m, t, met):
+        if is_rigid(m):
+            return handle_event(m, t, m.state_new, -1, NOTHING)
+        remember_end(m)
+        cross_at_once(m, t)
+        gauge(m, START, t)
+    return status
 
 
 @native("i", "h", "f", "f", "f", "f", "v", "m", "i")
@@ -292,9 +395,10 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
     stages are projected too (`tame`).  Shorter steps would only come closer to it, so a step well below the
     last regular one crosses it even if its error is above the tolerance.
 
-    Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND or SLIDES.
+    Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND, SLIDES or, of set-valued contacts, NO_SOLUTION,
+    NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER.
     """
-    clock, y_new = m.clock, m.state_new
+    clock, rigid = m.clock, is_rigid(m)
     steps = m.tally[at.STEPS] + most_steps
     while has_room(m, steps):
         t = clock[at.T]
@@ -304,42 +408,57 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if h == 0.0:
             return STEP_TOO_SMALL
         t_new = t_end if last else t + h
-        status, _, changed = try_step(m, t, h, last, rtol, atol, h_max)
-        passed = 0
+        if rigid:
+            m.held[at.DETERMINANT] = 1.0
+        status, error, changed = try_step(m, t, h, last, rtol, atol, h_max)
         if status == OK:
             status, at_end = end_on_constraints(m, t, h, t_new, t_end, rtol, atol)
             changed |= at_end
-        if status == OK and ends_beside(m, t, t_new - t) == 1:
-            continue
-        if status == OK:
-            passed = passes(m, t, t_new - t, rtol)
-            if passed == 0 and m.passage[at.TRIED_AT] == t and m.passage[at.SUSPECTS] > 0.0:
-                passed = -1  # laid across what is only nearly singular: to be resolved
-            if passed < 0 and h > SHORT * (t_end - t):
-                quarter(m, h)
-                continue
-            passed = max(passed, 0)
-        if status == TRY_AGAIN:
+        if status == TRY_AGAIN or (status == OK and ends_beside(m, t, t_new - t) == 1):
             continue
         if status != OK:
             return status
-        written = m.tally[at.OUTPUTS]
-        who = search_step_for_events(m, t, t_new, changed, passed, t_out, out)
-        if who == -2:
+        passed, shortens = passage_of(m, t, t_new - t, rtol), h > SHORT * (t_end - t)
+        if passed == UNRESOLVED and shortens:
+            m.landing[at.LANDS] = 0.0
+            quarter(m, h)
+            continue
+        low, high = doubtful(m, error) if rigid else (0, 0)
+        suspect = not rigid and may_any_change(m, t_new - t)
+        calm = is_calm(m, t_new - t, changed, passed, low, suspect)
+        counted = calm and end_step(m, t, t_new - t, 1.0, stage_layout(m), -1) >= 0  # no peak of a force in it
+        quiet = counted and not output_due(m, t_new, t_out)
+        if not quiet:
+            prepare_dense(m, t, t_new - t)
+            m.tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES]
+        share, who, what, by_stages = first_event(m, t, t_new - t, low, high, calm, suspect)
+        if share > NONE and shortens:  # events may be hidden in it
+            m.landing[at.LANDS] = 0.0
+            quarter(m, h)
+            continue
+        met, written = who >= 0, m.tally[at.OUTPUTS]
+        until, t_until = (share, t + share * (t_new - t)) if met else (1.0, t_new)
+        if not counted:
+            sum_step(m, t, t_new - t, until, by_stages, met, passed)
+        if go_to(m, t, t_new - t, until, t_until, met, quiet, changed, t_out, out) != OK:
             return ESCAPED
-        if who >= 0:
-            interpolate(m, clock[at.CHANGE_AT], y_new)
-            t_new = t + clock[at.CHANGE_AT] * (t_new - t)
-        if m.contact.shape[0] > 0 and escaped(m, y_new):
-            clock[at.TROUBLE] = t_new
-            return ESCAPED
+        bends = met or m.landing[at.LANDS] > 0.0
+        status = pass_event(m, t_until, h, t_end, who, what)
+        if status != OK:
+            clock[at.T] = t_until
+            return status
         m.passage[at.ROOT_BEFORE] = m.passage[at.ROOT_AFTER]
+        if met and passed != CLEAR:
+            m.passage[at.ROOT_BEFORE] = root_at(m, t_until, m.state_new)
         pass_pivots_on(m)
-        bends = keeps_breaks(m) and (who >= 0 or m.landing[at.LANDS] > 0.0)
-        if bends:
-            write_before(m, t_new, y_new)
-        start_next(m, t_new, who)
-        rows_at_end(m, t_new, bends, written)
-        if m.wear_work.shape[0] > 0:
-            add_wear(m, t_new - t)
+        if rigid:
+            restart(m, t_until, t_end, 1 if met else 0, 1 if quiet else 0, rtol, atol)
+        elif m.contact.shape[0] > 0:
+            pass_on(m)
+        take_over(m, t_until, met)
+        rows_at_end(m, t_until, bends, written)
+        if not watches_forces(m):
+            add_wear(m, t_until - t)
+        if rigid and m.held[at.DETERMINANT] < 0.0:
+            return LOCKED
     return DONE if clock[at.T] >= t_end else PAUSED

@@ -72,7 +72,7 @@ class EventDrivenRun(Run):
         """Up to `chunk` steps towards the time t [s]; see `Run.take_steps`."""
         h_max, out = self.step or math.inf, self.t_eval[:outputs]
         m = self.workspace
-        status = int(event_driven.advance(m, t, self.rtol, self.atol, h_max, out, self.raw, chunk))
+        status = int(step_loop.advance(m, t, self.rtol, self.atol, h_max, out, self.raw, chunk))
         if status in (unilateral.NO_SOLUTION, unilateral.LOCKED, STEP_TOO_SMALL) and self.may_pass:
             return self.pass_jam(status, late=status == unilateral.NO_SOLUTION)
         return status
