@@ -25,15 +25,14 @@ check: ## the same without the set-up
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/elements -k contracts
+	RATTLE_JIT=python $(BIN)/python -m pytest -q tests/elements -k contracts
 	$(PYTEST) --part quick
 
 proofs: $(VENV)/.ready-dev $(VENV)/.ready-oldest ## all other tests: slow ones, browsers, plain Python, documentation, oldest packages
 	$(SPHINX)
 	$(MAKE) wheel
-	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNELS)
-	RATTLE_JIT=plain $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_workspace.py -k 'compliant or positions or equilibria or workspace'
-	NUMBA_BOUNDSCHECK=1 $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_bounds.py
+	RATTLE_JIT=python $(PYTEST) $(KERNELS)
+	RATTLE_BOUNDSCHECK=1 $(PYTEST) tests/jit/test_every_loop.py tests/jit/test_bounds.py
 	$(OLDEST)/bin/python -m pytest -q -n 2 --part quick
 	$(PYTEST) --part rest
 
@@ -50,7 +49,6 @@ wheel: $(VENV)/.ready-dev ## build wheel and sdist, install each into an empty e
 
 long: $(VENV)/.ready-dev ## proofs that take a minute or more each
 	$(BIN)/python -m pytest -q -m long
-	RATTLE_JIT=plain $(PYTEST) tests/jit/test_every_loop.py -k 'fixed or implicit or impacts_in_oil'
 
 times: $(VENV)/.ready-dev ## measure which tests are quick: tests/measured.txt
 	$(PYTEST) -m "not long" --measure
@@ -59,7 +57,7 @@ docs: $(VENV)/.ready-docs ## the documentation as web pages: build/docs/index.ht
 	$(SPHINX)
 
 coverage: $(VENV)/.ready-dev ## lines of the package that the tests reach, machine code off
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -q
+	RATTLE_JIT=python $(BIN)/coverage run -m pytest -q
 	$(BIN)/coverage report
 
 bench: $(VENV)/.ready-bench ## speed, as ratios to yardsticks measured in the same run

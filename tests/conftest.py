@@ -11,7 +11,7 @@ from rattle import registry
 pytest_plugins = ["parts"]
 
 os.environ["MPLBACKEND"] = "Agg"
-JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
+JIT = os.environ.get("RATTLE_JIT") != "python"
 
 settings.register_profile("rattle", derandomize=True, deadline=None, max_examples=100 if JIT else 20)
 settings.load_profile("rattle")

@@ -190,7 +190,7 @@ assert r.trust.energy_balance < 1e-8
 """
     code = f"{leaf()}\n{check}".replace("from __future__ import annotations\n", "")
     done = subprocess.run(
-        [sys.executable, "-c", code], env={"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT / "src")},
+        [sys.executable, "-c", code], env={"RATTLE_JIT": "python", "PYTHONPATH": str(ROOT / "src")},
         capture_output=True, text=True, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -207,10 +207,10 @@ def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:
     """Kernels of the given families in tag order, one family after the other.
 
     machine: an int64 array of native addresses if True, a tuple of Python functions if False; None: as the JIT is on.
-    used: indices in the table that may be called; the other addresses are 0.  None means all.
+    used: indices in the table that may be called; the others are traps, which name the kernel.  None means all.
     """
     found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
     if not (jit_runs() if machine is None else machine):
         return tuple(one.python for one in found)
     wanted = set(range(len(found)) if used is None else used)
-    return np.array([one.address if n in wanted else 0 for n, one in enumerate(found)], dtype=np.int64)
+    return np.array([one.address if n in wanted else one.trap for n, one in enumerate(found)], dtype=np.int64)

@@ -21,7 +21,7 @@ from rattle.results import archive
 from rattle.results.result import load_result
 
 pytestmark = pytest.mark.nojit
-PLAIN = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+PLAIN = {**os.environ, "RATTLE_JIT": "python"}
 
 
 def call(*words):

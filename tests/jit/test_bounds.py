@@ -30,10 +30,11 @@ print(len(r.t))
 """
 
 
-def test_kernels_of_the_position_sweep_stay_within_their_arrays():
+def test_kernels_of_the_position_sweep_stay_within_their_arrays(tmp_path):
     if not functions.start():
         pytest.skip("runs without machine code; NumPy checks indices there")
-    environment = os.environ | {"NUMBA_BOUNDSCHECK": "1"}
-    run = subprocess.run([sys.executable, "-c", CODE], env=environment, capture_output=True, text=True)
+    environment = os.environ | {"RATTLE_BOUNDSCHECK": "1"}
+    (tmp_path / "sweep.py").write_text(CODE)
+    run = subprocess.run([sys.executable, tmp_path / "sweep.py"], env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert run.stdout.split() == ["checked", "41"]

@@ -7,8 +7,10 @@ import stat
 import numpy as np
 import pytest
 
-from rattle.jit import cache, folder
-from rattle.jit.cache import CodeCache, Folder, code_folder
+from rattle.jit import cache, functions
+from rattle.jit import folder as folder_module
+from rattle.jit.cache import Folder, code_folder
+from rattle.jit.translation import unit
 
 posix = pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows profiles are private")
 
@@ -133,15 +135,25 @@ def test_without_a_home_or_any_folder_there_is_just_no_cache(monkeypatch):
 
 
 # ---------------------------------------------------------------- one file
-def scaled(t, y):
-    return 2.0 * t + y
+def kept_in(folder, monkeypatch):
+    """A native function, new to this process, whose machine code is kept in a folder; how often it was compiled."""
+
+    def scaled(t, y):
+        return 2.0 * t + y
+
+    found, compiled = functions.KernelFunction(scaled, letters="fff"), []
+    found.__module__ = "rattle.somewhere"
+    monkeypatch.setattr(folder_module, "_code_folder", Folder(folder, True))
+    make = unit.native
+    monkeypatch.setattr(unit, "native", lambda *given: compiled.append(given) or make(*given))
+    assert found(1.0, 3.0) == 5.0
+    return len(compiled)
 
 
-def dispatcher(folder):
-    from rattle.jit.compiling import plain
-
-    with plain.lock:
-        return plain.whole(scaled, ("f", "f", "f"), CodeCache(scaled, lambda: folder))
+@pytest.fixture
+def _machine_code():
+    if not functions.start():
+        pytest.skip("runs without machine code")
 
 
 def flip(content):
@@ -159,24 +171,28 @@ DAMAGE = {
 }
 
 
-def test_kept_code_is_used_and_damaged_code_is_made_anew(tmp_path):
-    assert dispatcher(tmp_path)(1.0, 3.0) == 5.0
+@pytest.mark.usefixtures("_machine_code")
+def test_kept_code_is_used_and_damaged_code_is_made_anew(tmp_path, monkeypatch):
+    def compiles():
+        with monkeypatch.context() as patch:
+            return kept_in(tmp_path, patch)
+
+    assert compiles() == 1
     (file,) = tmp_path.iterdir()
-    assert dispatcher(tmp_path).stats.cache_hits
+    assert compiles() == 0
     whole = file.read_bytes()
     for what, damage in DAMAGE.items():
         file.write_bytes(damage(whole))
-        again = dispatcher(tmp_path)
-        assert again(1.0, 3.0) == 5.0, what
-        assert not again.stats.cache_hits, what
-        assert dispatcher(tmp_path).stats.cache_hits, what
+        assert compiles() == 1, what
+        assert compiles() == 0, what
     file.unlink()
     file.mkdir()
     (file / "x").write_text("")
-    assert dispatcher(tmp_path)(1.0, 3.0) == 5.0
-    assert dispatcher(tmp_path).stats.cache_hits
+    assert compiles() == 1
+    assert compiles() == 0
 
 
+@pytest.mark.usefixtures("_machine_code")
 @pytest.mark.parametrize("what", ["gone", "none", "full"])
 def test_a_cache_that_cannot_be_written_loses_nothing(tmp_path, monkeypatch, what):
     def full(*args):
@@ -186,7 +202,7 @@ def test_a_cache_that_cannot_be_written_loses_nothing(tmp_path, monkeypatch, wha
     if what == "full":
         folder.mkdir()
         monkeypatch.setattr(cache.Path, "write_bytes", full)
-    assert dispatcher(folder)(1.0, 3.0) == 5.0
+    assert kept_in(folder, monkeypatch) == 1
     assert not list(tmp_path.rglob("*.code")) + list(tmp_path.rglob(".*"))
 
 
@@ -195,10 +211,10 @@ def test_a_run_needs_no_cache_folder(tmp_path, monkeypatch):
 
     rt.example("double_pendulum").simulate(1e-3)
     (tmp_path / "kept").mkdir()
-    monkeypatch.setattr(folder, "_code_folder", Folder(tmp_path / "kept", True))
+    monkeypatch.setattr(folder_module, "_code_folder", Folder(tmp_path / "kept", True))
     shutil.rmtree(tmp_path / "kept")
     r = rt.example("double_pendulum").simulate(2e-3)
     assert r.success
     assert r.t[-1] == 2e-3
-    monkeypatch.setattr(folder, "_code_folder", Folder(None, False))
+    monkeypatch.setattr(folder_module, "_code_folder", Folder(None, False))
     assert np.array_equal(rt.example("double_pendulum").simulate(2e-3)["energy.kinetic"], r["energy.kinetic"])

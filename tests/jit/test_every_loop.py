@@ -1,6 +1,6 @@
 """Every loop gives the numbers of plain Python, however it is compiled.
 
-The gate runs this file the plain way and with every index checked as well: RATTLE_JIT=plain, NUMBA_BOUNDSCHECK=1.
+The gate runs this file with every index checked as well: RATTLE_BOUNDSCHECK=1.
 """
 
 import json
@@ -26,7 +26,7 @@ def in_python():
         [sys.executable, "-c", "import every_loop, json; print(json.dumps(every_loop.numbers()))"],
         capture_output=True,
         text=True,
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": f"{TESTS.parent / 'src'}{os.pathsep}{TESTS}"},
+        env={**os.environ, "RATTLE_JIT": "python", "PYTHONPATH": f"{TESTS.parent / 'src'}{os.pathsep}{TESTS}"},
         check=False,
     )
     assert done.returncode == 0, done.stderr

@@ -11,10 +11,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from random_kernels import Source
-from rattle.jit import compile_path, functions
+from rattle.jit import functions, mode
 from rattle.jit.functions import compiled, native
 
-pytestmark = pytest.mark.skipif(not compile_path.chosen().fast, reason="the plain way leaves it to Numba")
+pytestmark = pytest.mark.skipif(not mode.is_native(), reason="runs without machine code")
 TABLE, CHOICES, SHIFT = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([2, 0, 1]), 0.25
 numbers = st.floats(-1e6, 1e6) | st.sampled_from([0.0, -0.0, 1.0, math.inf, -math.inf, math.nan])
 wholes = st.integers(-50, 50)
@@ -223,7 +223,7 @@ def test_an_array_with_gaps_is_refused():
 
     if functions.start():
         assert last(np.arange(4.0)) == 3.0
-        with pytest.raises(TypeError, match="contiguous arrays, got one with steps of"):
+        with pytest.raises(TypeError, match=r"contiguous array of .* with steps of"):
             last(np.arange(4.0)[::2])
 
 
@@ -293,47 +293,6 @@ def test_what_kernels_cannot_use_is_refused_with_its_place(function, args, said)
     assert f"test_translation.{function.__name__}, line " in words
 
 
-def test_a_function_of_others_that_is_refused_is_compiled_by_numba():
-    pytest.importorskip("numba")
-
-    @compiled
-    def with_a_list(x):
-        return [x, 2.0 * x][1]
-
-    if functions.start():
-        assert with_a_list(1.5) == 3.0
-
-
-@native("f", "f")
-def with_numpy(x):
-    return np.sin(x) + np.array([1.0, 2.0])[1]
-
-
-@native("f", "f")
-def above(x):
-    return with_numpy(x) + 1.0
-
-
-def test_functions_of_both_compilers_call_each_other():
-    if functions.start():
-        assert above(0.5) == math.sin(0.5) + 3.0
-
-
-@compiled
-def twice(x):
-    return 2.0 * x
-
-
-@compiled
-def foreign_calls_ours(x):
-    return [twice(x), above(x)][0]
-
-
-def test_numba_finds_what_is_ours():
-    if functions.start():
-        assert foreign_calls_ours(1.5) == 3.0
-
-
 # ---------------------------------------------------------------- kernels made at random
 def require_agreement(seed, folder):
     """A random kernel gives the bits of Python for several arguments, where Python raises nothing."""
@@ -385,8 +344,8 @@ def looks_in_a_vector(row, x):
     return x in row
 
 
-def has_a_base(x):
-    return math.log(x, 10.0)
+def has_three(x):
+    return math.hypot(x, x, x)
 
 
 @pytest.mark.parametrize(
@@ -394,7 +353,7 @@ def has_a_base(x):
     [
         (changes_a_constant, (1.0,), "an array from outside does not change"),
         (looks_in_a_vector, (np.ones(2), 1.0), "`in` is for tuples"),
-        (has_a_base, (2.0,), "log with 2 arguments is not known here"),
+        (has_three, (2.0,), "hypot with 3 arguments is not known here"),
     ],
 )
 def test_what_would_be_another_calculation_is_refused(function, args, said):

@@ -218,11 +218,11 @@ def _set_units(ctx: click.Context, param: click.Parameter, units: str | None) ->
 def _show_version(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
     if not wanted:
         return
-    from rattle.jit import compile_path
+    from rattle.jit import mode
     from rattle.version import __version__
 
     click.echo(f"rattle, version {__version__}")
-    click.echo(compile_path.described())
+    click.echo(mode.described())
     ctx.exit()
 
 

@@ -157,17 +157,17 @@ def warmup(ctx: click.Context) -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    from rattle.jit import compile_path, folder, functions
+    from rattle.jit import folder, functions, mode
 
     start = time.perf_counter()
     if not functions.start():
-        click.echo("NUMBA_DISABLE_JIT is set: kernels run as plain Python, there is nothing to compile")
+        click.echo(f"{mode.described()}; there is nothing to compile")
         return
     if not folder.code_folder().lasting:
         ctx.exit(1)  # the warning has said why
     with ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn")) as pool:
         list(pool.map(_warm, (*SHORT_WORK, *_native_modules())))
-    click.echo(compile_path.described())
+    click.echo(mode.described())
     click.echo(f"kernels are ready in {folder.cache_folder()} ({time.perf_counter() - start:.1f} s)")
 
 

@@ -1,1 +1,1 @@
-"""Compilation to machine code: the only room that imports Numba."""
+"""Compilation to machine code: the only room that knows LLVM, and Numba for laws of users."""

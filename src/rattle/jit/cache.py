@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import atexit
 import hashlib
-import importlib
 import logging
 import os
 import pickle
@@ -91,7 +90,7 @@ def _require_private(root: Path, folder: Path) -> None:
             raise PermissionError(f"{path} can be written by everybody, and nothing below it is used")
 
 
-# ---------------------------------------------------------------- one file per function and signature
+# ---------------------------------------------------------------- one file per function
 class KeptFile:
     """One kept object: SHA-256 of what follows, and the pickled object.  The folder's name identifies the sources."""
 
@@ -130,51 +129,6 @@ class KeptFile:
         finally:
             with suppress(OSError):
                 temporary.unlink(missing_ok=True)
-
-
-class CodeCache:
-    """The cache that a Numba dispatcher uses for compiled code, in place of `numba.core.caching.FunctionCache`."""
-
-    def __init__(self, function: Callable[..., Any], folder: Callable[[], Path | None]) -> None:
-        self.name = f"{function.__module__}.{function.__qualname__}"
-        self.folder = folder
-        self.missed: Callable[[], None] = lambda: None  # called when something has to be compiled
-
-    @property
-    def cache_path(self) -> str | None:
-        """The folder, for Numba's statistics."""
-        folder = self.folder()
-        return None if folder is None else str(folder)
-
-    def _kept(self, signature: Any, codegen: Any) -> KeptFile:
-        return KeptFile(self.folder(), self.name, (str(signature), codegen.magic_tuple()))
-
-    def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """The compiled function, or None: then it is compiled; a file that cannot be read is deleted."""
-        target_context.refresh()
-        compiler: Any = importlib.import_module("numba.core.compiler")
-        found = self._kept(signature, target_context.codegen()).read(
-            lambda state: compiler.CompileResult._rebuild(target_context, *state)
-        )
-        if found is None:
-            self.missed()
-        return found
-
-    def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep a compiled function if possible."""
-        if result.library.has_dynamic_globals or any(not one.can_cache for one in result.lifted):
-            return
-        serialize: Any = importlib.import_module("numba.core.serialize")
-        self._kept(signature, result.codegen).write(lambda: serialize.dumps(result._reduce()))
-
-    def enable(self) -> None:
-        """Numba's switch, without effect: kept code is always used."""
-
-    def disable(self) -> None:
-        """Numba's switch, without effect: kept code is always used."""
-
-    def flush(self) -> None:
-        """Do nothing: files are deleted one by one, when they turn out to be damaged."""
 
 
 def _drop(file: Path) -> None:

@@ -1,6 +1,6 @@
 """Families of kernels: their signatures, and how kernels of a table are called.
 
-A table differs from run to run, so machine code calls what stands at a number in it; see `compiling.calls` and
+A table differs from run to run, so machine code calls what stands at a number in it; see
 `translation.calls`.  In plain Python a table holds the functions themselves.
 """
 

@@ -3,17 +3,18 @@
 A *native* function has fixed types.  It is compiled, or read from the cache, when it is first called, and is in memory
 once.  Machine code that calls it contains no copy of it: it reads its address from a *place*, eight bytes known to the
 linker by name, and requests it while there is none.  So a run compiles and reads only the functions that it calls.
-Code in the cache runs without Numba, whose import and start take longer than a short run.
+
+All machine code is called in the same way: with the place of the result, then the arguments, see
+`translation.statements`; it returns 0, or 1 if it failed.  What has failed is kept as an exception of this thread.
 """
 
 from __future__ import annotations
 
 import builtins
 import ctypes
-import pickle
-import struct
 import threading
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -24,7 +25,6 @@ from rattle.jit.address import address_of
 
 FIND = "rattle.find"  # symbol of the function that provides a missing address
 FAULT = "rattle.fault"  # symbol of the function that machine code tells of an error
-FINE = (0, -2)  # a function has returned a value, or None (numba.core.callconv)
 _makers: dict[int, Callable[[], int]] = {}  # by place
 _raised = threading.local()
 
@@ -35,10 +35,6 @@ class Code(NamedTuple):
     symbol: str
     object: bytes
     needs: tuple[str, ...]
-
-
-class NotMade(RuntimeError):
-    """Machine code could not call a native function; `reason` returns the exception that caused it."""
 
 
 # ---------------------------------------------------------------- loading
@@ -69,7 +65,7 @@ def new_target() -> Any:
     ready()
     triple, name, features = processor()
     one = llvm.Target.from_triple(triple)
-    return one.create_target_machine(cpu=name, features=features, opt=2, reloc="default", codemodel="jitdefault")
+    return one.create_target_machine(cpu=name, features=features, opt=1, reloc="default", codemodel="jitdefault")
 
 
 @cache
@@ -117,11 +113,7 @@ def _find(at: int) -> int:
         return address
     except BaseException as error:  # no exception may pass through machine code, not even Ctrl-C
         _raised.error = error
-        return 0
-
-
-_FIND = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)(_find)
-llvm.add_symbol(FIND, ctypes.cast(_FIND, ctypes.c_void_p).value)
+        return _address(_FAILED)
 
 
 def _fault(told: bytes) -> None:
@@ -129,15 +121,76 @@ def _fault(told: bytes) -> None:
     _raised.error = getattr(builtins, kind)(words)
 
 
+def _address(function: Any) -> int:
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+
+
+_FIND = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)(_find)
 _FAULT = ctypes.CFUNCTYPE(None, ctypes.c_char_p)(_fault)
-llvm.add_symbol(FAULT, ctypes.cast(_FAULT, ctypes.c_void_p).value)
+_TRAP = ctypes.CFUNCTYPE(ctypes.c_int32)  # whatever the arguments are: who calls removes them
+_FAILED = _TRAP(lambda: 1)
+llvm.add_symbol(FIND, _address(_FIND))
+llvm.add_symbol(FAULT, _address(_FAULT))
+_kept: list[Any] = []  # machine code may call these until the end
+
+
+@cache
+def trap(words: str) -> int:
+    """Address of a function that fails with a RuntimeError, whatever its arguments are."""
+
+    def stop() -> int:
+        _raised.error = RuntimeError(words)
+        return 1
+
+    entry = _TRAP(stop)
+    keep(entry)
+    return _address(entry)
 
 
 def reason() -> BaseException:
-    """The exception raised when this thread requested a native function; KeyboardInterrupt if none was recorded."""
+    """The exception with which machine code of this thread has failed; KeyboardInterrupt if none was recorded."""
     error = getattr(_raised, "error", None) or KeyboardInterrupt()
     _raised.error = None
     return error
+
+
+# ---------------------------------------------------------------- functions of others
+@dataclass(frozen=True)
+class Entry:
+    """A function from outside that kernels call: its address, and letters of result and arguments."""
+
+    address: int
+    letters: tuple[Any, ...]  # the result as a kind, see `translation.values`
+
+
+def keep(thing: Any) -> None:
+    """Keep something that machine code may call until the end."""
+    _kept.append(thing)
+
+
+def python_entry(function: Callable[..., Sequence[float]], result: Any, count: int) -> Entry:
+    """A Python function of floats that returns several; an exception of it is what the call fails with.
+
+    result: kind of the result: "f" or a tuple of such.  count: of the arguments.
+    """
+    numbers = ctypes.c_double * _count(result)
+
+    def call(place: int, *given: float) -> int:
+        try:
+            numbers.from_address(place)[:] = list(function(*given))
+            return 0
+        except BaseException as error:
+            _raised.error = error
+            return 1
+
+    kind = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, *[ctypes.c_double] * count)
+    entry = kind(call)
+    keep(entry)
+    return Entry(_address(entry), (result, *"f" * count))
+
+
+def _count(kind: Any) -> int:
+    return sum(map(_count, kind)) if isinstance(kind, tuple) else 1
 
 
 # ---------------------------------------------------------------- calls from Python
@@ -157,20 +210,16 @@ ARRAYS = {
 
 
 def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any]:
-    """A Python function that calls the one at this address, with Numba's convention.
+    """A Python function that calls the one at this address.
 
     letters: result and arguments.  It raises TypeError for an array that is not contiguous or of another type.
     """
     result, *kinds = letters
-    types: list[Any] = [ctypes.c_void_p, ctypes.c_void_p]
+    types: list[Any] = [ctypes.c_void_p]
     for kind in kinds:
-        if kind in ARRAYS:  # owner, parent, size, bytes of an element, place, shape, strides
-            types += [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
-            types += [ctypes.c_int64] * (2 * ARRAYS[kind][1])
-        else:
-            types.append(RESULTS[kind])
+        types += [ctypes.c_void_p, *[ctypes.c_int64] * ARRAYS[kind][1]] if kind in ARRAYS else [RESULTS[kind]]
     target = ctypes.CFUNCTYPE(ctypes.c_int32, *types)(address)
-    room, read = _room(result), _reader(result)
+    room, several = _room(result), range(len(result)) if len(result) > 1 and result != "void" else None
 
     def call(*args: Any) -> Any:
         if len(args) != len(kinds):
@@ -189,88 +238,18 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
                 flat.append(place)
             else:
                 if (one.dtype, one.ndim) != ARRAYS[kind] or not one.flags.c_contiguous:
-                    raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {one.dtype}, {one.shape}")
-                flat += (None, None, one.size, 8, address_of(one), *one.shape, *one.strides)
-        answer, exception = room(), ctypes.c_void_p()
-        status = target(ctypes.addressof(answer), ctypes.addressof(exception), *flat)
-        if status not in FINE:
-            raise _error(exception)
-        return read(answer)
-
-    call.__name__ = name
-    return call
-
-
-PACKED = {"f": "d", "i": "q", "h": "q", "v": "qq", "w": "qq", "m": "qqq", "n": "qqq"}  # in `struct`, by letter
-
-
-def packed_caller(name: str, letters: Sequence[str], code: Code) -> Callable[..., Any]:
-    """A Python function that calls machine code which takes its arguments in one piece of memory.
-
-    letters: result and arguments, which must be of these kinds.  It raises TypeError for an array that is not
-    contiguous.
-    """
-    result, *kinds = letters
-    pack = struct.Struct("=" + "".join(PACKED[kind] for kind in kinds)).pack
-    pointers = ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p
-    target = ctypes.CFUNCTYPE(ctypes.c_int32, *pointers)(load(code))
-    room, read = _room(result), _reader(result)
-
-    def call(*args: Any) -> Any:
-        flat: list[Any] = []
-        for kind, one in zip(kinds, args, strict=True):
-            if kind == "h":
-                flat.append(one.address)
-            elif kind in ARRAYS:
-                if not one.flags.c_contiguous:
-                    raise TypeError(f"{name} takes contiguous arrays, got one with steps of {one.strides} bytes")
+                    steps = f"{one.dtype}, {one.shape} with steps of {one.strides} bytes"
+                    raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {steps}")
                 flat += (address_of(one), *one.shape)
-            else:
-                flat.append(int(one) if kind == "i" else one)  # it may be a truth value
-        answer, exception = room(), ctypes.c_void_p()
-        status = target(ctypes.addressof(answer), ctypes.addressof(exception), pack(*flat))
-        if status not in FINE:
-            raise _error(exception)
-        return read(answer)
+        answer = room()
+        if target(ctypes.addressof(answer), *flat):
+            raise reason()
+        if several is not None:
+            return tuple([getattr(answer, f"_{n}") for n in several])
+        return None if result == "void" else answer.value
 
     call.__name__ = name
     return call
-
-
-def _reader(result: str) -> Callable[[Any], Any]:
-    """What makes a Python value of a result in memory."""
-    if len(result) > 1 and result != "void":
-        names = [f"_{n}" for n in range(len(result))]
-        return lambda answer: tuple([getattr(answer, name) for name in names])
-    return (lambda answer: None) if result == "void" else lambda answer: answer.value
-
-
-def checked(dispatcher: Callable[..., Any]) -> Callable[..., Any]:
-    """The same function; if it could not call a native one, it raises the reason."""
-
-    def call(*args: Any) -> Any:
-        try:
-            return dispatcher(*args)
-        except NotMade:
-            raise reason() from None
-
-    return call
-
-
-class _Raised(ctypes.Structure):
-    """Numba's record of an exception: a pickle of its class and arguments, and a function for arguments known later."""
-
-    _fields_ = (("pickle", ctypes.c_void_p), ("size", ctypes.c_int32), ("late", ctypes.c_void_p))
-
-
-def _error(exception: ctypes.c_void_p) -> BaseException:
-    """The exception that machine code has raised, such as IndexError with NUMBA_BOUNDSCHECK=1."""
-    if exception.value:
-        raised = _Raised.from_address(exception.value)
-        kind, arguments, _ = pickle.loads(ctypes.string_at(raised.pickle, raised.size))
-        if kind is not NotMade:
-            return kind(*(arguments or ()))  # type: ignore[no-any-return]  # the class that was raised
-    return reason()
 
 
 def _room(result: str) -> Any:

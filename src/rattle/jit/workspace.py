@@ -310,7 +310,7 @@ class Handle:
 
 
 class Workspace:
-    """The arrays of one run: attributes in plain Python; in machine code what `numba_types` makes of `handle`.
+    """The arrays of one run: attributes in plain Python; in machine code the table of `handle`.
 
     arrays: those that are not in the image; a table of Python functions is a tuple.  A workspace is a copy of the block
     of its image, of which Python makes an array when it first asks for it.
@@ -347,11 +347,3 @@ def _check(arrays: Mapping[str, Any]) -> None:
         if (array.dtype, array.ndim) != TYPES[name] or not array.flags.c_contiguous:
             kind = ARRAYS[name].kind
             raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
-
-
-@functions.before_compiling
-def teach_attributes(compiling: Any) -> None:
-    """Let Numba make arrays of the addresses and shapes behind a handle."""
-    from rattle.jit.compiling import numba_types
-
-    numba_types.teach_workspace(Handle, {name: one.kind for name, one in ARRAYS.items()}, compiling.ARRAY_TYPES)

@@ -11,28 +11,30 @@
     contact = { model = "stiffening", c = "2 s/m", stiffness = 1e9, bush_radius = "1 cm",
                 friction = { model = "plateau", mu = 0.1, v1 = "1 mm/s" } }
 
-The functions are compiled by Numba and run as fast as the built-in laws; one that Numba cannot compile is refused.
+The functions are translated and run as fast as the built-in laws; one that is refused runs as plain Python, slower, see
+`law_kernel`.
 A law that pulls or returns energy is detected and named by `rattle.analyses.law_check`.
 """
 
 from __future__ import annotations
 
 import math
-from collections import namedtuple
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from rattle import registry
+from rattle.elements.custom import load_law
+from rattle.elements.custom.law_kernel import Law, UsersKernel, taking
 from rattle.errors import InputError
 from rattle.jit import layout as at
-from rattle.jit.functions import KernelFunction, users_law
+from rattle.jit.functions import KernelFunction
 from rattle.language.units import dimension_of
 from rattle.registry import Field
 from rattle.wrong_arguments import answer_in_words
 
-Law = Callable[..., Any]
 LIGHT = 1e-30  # normal force [N] with which a law of friction is asked where damping has brought it to zero
 TAKEN = {
     "normal": (
@@ -99,81 +101,98 @@ def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Calla
     return enter
 
 
-class ContactLaw(KernelFunction):
+class ContactLaw(UsersKernel):
     """The kernel of a law: calls the user's function with the kernel signature of the family."""
 
     def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], states: int) -> None:
-        self.name, self.law, self.states = name, law, states
-        self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
-        make = _normal if family == "normal" else _friction
-        super().__init__(make(self, law, _slice(len(keys)), _slice(states)), family, ours=False)
-        self._make = make
-        self._native: KernelFunction | None = None
+        self.name, self.states = name, states
+        sizes: tuple[int, ...] = (0, 0, 0, 0)
+        result: Any = "f"
+        if family == "friction":
+            sizes = (0, 0) if not states else (0, 0, 0 if states == 1 else states)
+            result = "f" if not states else ("f", "f" if states == 1 else ("f",) * states)
+        super().__init__(family, f"{family} law '{name}'", law, keys, sizes, result, True)
 
-    @property
-    def dispatcher(self) -> Any:
-        """The Numba dispatcher, made on first use.  Raises InputError if Numba cannot compile the law."""
-        if self._native is None:
-            law, part = users_law(self.law, len(self.pack._fields))
-            _, own = users_law(law, self.states)
-            made = KernelFunction(self._make(self, law, part, own), self.family, ours=False)
-            try:
-                _ = made.dispatcher
-            except Exception as error:  # Numba has many kinds of error
-                reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
-                raise InputError(f"{self.family} law '{self.name}': Numba cannot compile it ({reason})") from error
-            self._native = made
-        return self._native.dispatcher
+    def plain(self) -> Callable[..., Any]:
+        """The kernel for plain Python."""
+        return self.around(self.law)
+
+    def around(self, law: Any) -> Callable[..., Any]:
+        """The kernel with this law in it."""
+        if self.family == "normal":
+            return _normal(law, self.fields)
+        if self.states < 2:
+            return (_without, _with_one)[self.states](law, self.fields)
+        return _with_many(law, self.fields, taking("", self.states), self.states)
+
+    def flat(self, *given: float) -> Sequence[float]:
+        """What the law returns as plain Python; arguments and result are numbers one after the other."""
+        numbers = iter(given)
+        arguments = [tuple(islice(numbers, size)) if size else next(numbers) for size in self.sizes]
+        if load_law.interrupted():  # do not call the law again: the run ends
+            raise InterruptedError
+        try:
+            found = self.law(*arguments, self.pack(*numbers))
+        except KeyboardInterrupt as error:  # it is raised again when the run has ended
+            load_law.note(self.name, math.inf, error)
+            raise
+        return tuple(_numbers(found))
 
 
-def _slice(count: int) -> Callable[..., Any]:
-    return lambda p, k: tuple(float(one) for one in p[k : k + count])
+def _numbers(found: Any) -> Iterator[float]:
+    for one in found if isinstance(found, tuple | list) else [found]:
+        yield from _numbers(one) if isinstance(one, tuple | list | np.ndarray) else [float(one)]
 
 
-def _normal(kernel: ContactLaw, law: Law, part: Callable[..., Any], _: Callable[..., Any]) -> Callable[..., Any]:
-    pack = kernel.pack
-
+# an exception is nan, which ends the run with a message
+def _normal(law: Law, given: Callable[..., Any]) -> Callable[..., Any]:
     def run(static: Any, delta: Any, ddelta: Any, v0: Any, p: Any, k: Any) -> float:
         if delta <= 0.0:
             return 0.0
-        try:  # machine code cannot pass on an exception: nan ends the run with a message
-            return max(0.0, float(law(static, delta, ddelta, v0, pack(*part(p, k)))))
+        try:
+            return max(0.0, float(law(static, delta, ddelta, v0, given(p, k))))
         except Exception:
             return math.nan
 
     return run
 
 
-def _friction(kernel: ContactLaw, law: Law, part: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
-    pack, states = kernel.pack, kernel.states
-
-    def with_many(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
-        for n in range(states):
-            dz[n] = 0.0
+def _without(law: Law, given: Callable[..., Any]) -> Callable[..., Any]:
+    def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         try:
-            force, rates = law(u, max(N, LIGHT), own(z, 0), pack(*part(p, k)))
-            for n in range(states):
-                dz[n] = rates[n]
-            return float(force)
+            return float(law(u, max(N, LIGHT), given(p, k)))
         except Exception:
             return math.nan
 
-    def with_one(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
+    return run
+
+
+def _with_one(law: Law, given: Callable[..., Any]) -> Callable[..., Any]:
+    def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         dz[0] = 0.0
         try:
-            force, rate = law(u, max(N, LIGHT), z[0], pack(*part(p, k)))
+            force, rate = law(u, max(N, LIGHT), z[0], given(p, k))
             dz[0] = rate
             return float(force)
         except Exception:
             return math.nan
 
-    def without(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
+    return run
+
+
+def _with_many(law: Law, given: Callable[..., Any], own: Callable[..., Any], states: int) -> Callable[..., Any]:
+    def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
+        for n in range(states):
+            dz[n] = 0.0
         try:
-            return float(law(u, max(N, LIGHT), pack(*part(p, k))))
+            force, rates = law(u, max(N, LIGHT), own(z, 0), given(p, k))
+            for place, rate in enumerate(rates):
+                dz[place] = rate
+            return float(force)
         except Exception:
             return math.nan
 
-    return (without, with_one)[states] if states < 2 else with_many
+    return run
 
 
 # ---------------------------------------------------------------- why a law has no value

@@ -13,35 +13,29 @@
     m.load("air", "drag", body="ball", c=0.02)
     m.load("lift", "gas spring", connect=["ground.F", "lid.P"], F0="200 N", k="300 N/m", rest="0.4 m")
 
-The function is compiled by Numba and runs as fast as the built-in loads.  If Numba cannot compile it, or with
-compiled=False, it runs as plain Python: slower, because every evaluation goes through the interpreter.
-Its power counts as work done from outside.
+The function is translated and runs as fast as the built-in loads, see `law_kernel`; with compiled=False it runs as
+plain Python.  Its power counts as work done from outside.
 """
 
 from __future__ import annotations
 
-import ctypes
-import logging
 import math
 import threading
-from collections import namedtuple
 from collections.abc import Callable, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from rattle import registry
 from rattle.elements.custom.law_forms import FORMS, Form
+from rattle.elements.custom.law_kernel import Law, UsersKernel
 from rattle.errors import InputError
 from rattle.jit import layout as at
-from rattle.jit.functions import KernelFunction, users_law
 from rattle.language.units import dimension_of
 from rattle.registry import Field
 from rattle.wrong_arguments import answer_in_words
 
-log = logging.getLogger("rattle")
-
-Law = Callable[..., Any]  # see `load_law`
 FIELDS = ("type", "body", "connect")  # keys of loads, not available as fields of a law
 _raised = threading.local()  # the exception that a law raised while machine code called it
 
@@ -83,81 +77,71 @@ def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: s
     return enter
 
 
-class LawKernel(KernelFunction):
+class LawKernel(UsersKernel):
     """The kernel of a law: calls the user's function with the kernel signature of loads."""
 
     def __init__(self, name: str, law: Law, keys: Sequence[str], compiled: bool = True, form: Form = FORMS[""]) -> None:
-        self.name, self.law, self.keys, self.compiled, self.form = name, law, tuple(keys), compiled, form
-        self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
-        super().__init__(self._plain(self.evaluate), "load", ours=False)
-        self._native: KernelFunction | None = None
-        self._callback: Any = None  # must live as long as machine code may call it
+        self.name, self.form = name, form
+        super().__init__("load", f"load law '{name}'", law, keys, form.sizes, form.result, compiled)
 
-    @property
-    def dispatcher(self) -> Any:
-        """The Numba dispatcher, made on first use."""
-        if self._native is None:
-            self._native = self._make()
-        return self._native.dispatcher
+    def plain(self) -> Callable[..., Any]:
+        """The kernel for plain Python."""
+        return self.calling(self.evaluate)
 
-    def _make(self) -> KernelFunction:
-        if self.compiled:
-            try:
-                made = KernelFunction(self._compiled(), "load", ours=False)
-                _ = made.dispatcher
-                return made
-            except Exception as error:  # whatever Numba's error is, plain Python works
-                reason = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
-                log.warning(f"load law '{self.name}' runs as plain Python, slower: Numba cannot compile it ({reason})")
-        else:
-            log.info(f"load law '{self.name}' runs as plain Python, slower (compiled=False)")
-        return KernelFunction(self._through(), "load", ours=False)
-
-    # ------------------------------------------------------------ the kernel in its three forms
-    def _plain(self, law: Law) -> Callable[..., None]:
-        """The kernel for plain Python.  law: (t, arguments, values) -> result."""
-        count = len(self.keys)
+    def calling(self, law: Law) -> Callable[..., None]:
+        """The kernel for plain Python with another law: (t, arguments, values) -> result."""
         return self.form.kernel(
-            lambda t, *given: law(float(t), _floats(given[:-1]), given[-1]), lambda p, k: _floats(p[k : k + count])
+            lambda t, *given: law(float(t), _floats(given[:-1]), given[len(given) - 1]), self.fields
         )
 
-    def _compiled(self) -> Callable[..., None]:
-        """The kernel for machine code, with the law compiled into it."""
-        law, part = users_law(self.law, len(self.keys))
-        pack = self.pack
-        given, _ = users_law(lambda p, k: pack(*part(p, k)), 0)
-        return self.form.kernel(law, given)
+    def around(self, law: Any) -> Callable[..., Any]:
+        """The kernel with this law in it, for machine code."""
+        return self.form.kernel(law, self.fields)
 
-    def _through(self) -> Callable[..., None]:
-        """The kernel for machine code that calls back into Python."""
-        self._callback = _callback(self)
-        law, _ = users_law(self.form.called(self._callback), 0)
-        given, _ = users_law(lambda p, k: p[k:], 0)
-        return self.form.kernel(law, given)
+    def flat(self, *given: float) -> Sequence[float]:
+        """What the law returns as plain Python; arguments and result are numbers one after the other."""
+        numbers = iter(given[1:])
+        arguments = [tuple(islice(numbers, size)) if size else next(numbers) for size in self.sizes[1:]]
+        found = self.evaluate(given[0], arguments, tuple(numbers))
+        return found if self.several else (found,)
+
+    @property
+    def several(self) -> bool:
+        """Whether the law returns several numbers."""
+        return isinstance(self.form.result, tuple)
 
     def evaluate(self, t: float, arguments: Sequence[Any], values: Sequence[float]) -> Any:
         """What the law returns [N, N*m]; nan if it raises, and the exception is kept for `complaint`.
 
         t: time [s]; arguments: of the law between t and the fields [SI]; values: of the fields [SI].
         """
-        several = self.form.results > 1
-        nothing = (math.nan,) * self.form.results if several else math.nan
-        if isinstance(getattr(_raised, "error", None), KeyboardInterrupt):  # do not call the law again: the run ends
+        nothing = (math.nan,) * len(self.form.result) if self.several else math.nan
+        if interrupted():  # do not call the law again: the run ends
             return nothing
         try:
             found = self.law(t, *arguments, self.pack(*values))
-            if not several:
+            if not self.several:
                 return float(found)
             fx, fy, torque = found
             return float(fx), float(fy), float(torque)
-        except BaseException as error:  # machine code cannot pass on an exception, not even Ctrl-C
-            _raised.law, _raised.t, _raised.error = self.name, t, error
+        except BaseException as error:  # a run does not stop at an exception, not even at Ctrl-C
+            note(self.name, t, error)
             return nothing
 
 
 def _floats(given: Any) -> Any:
     """Numbers of Python in place of those of NumPy, which divide by zero without an exception."""
     return float(given) if np.ndim(given) == 0 else tuple(_floats(one) for one in given)
+
+
+def note(name: str, t: float, error: BaseException) -> None:
+    """Keep the exception that a law raised at a time [s] while a kernel called it."""
+    _raised.law, _raised.t, _raised.error = name, t, error
+
+
+def interrupted() -> bool:
+    """True once Ctrl-C has come while a law ran."""
+    return isinstance(getattr(_raised, "error", None), KeyboardInterrupt)
 
 
 def forget() -> None:
@@ -195,25 +179,7 @@ def failure(kind: str, t: float, body: np.ndarray, load: np.ndarray, values: np.
         return heard[-1]
 
     a, b, k = (int(load[one]) for one in (at.END_A, at.END_B, at.FIRST_P))
-    kernel._plain(law)(t, body, a, b, values, k, np.zeros((len(body), 3)), np.zeros(4))
+    kernel.calling(law)(t, body, a, b, values, k, np.zeros((len(body), 3)), np.zeros(4))
     if np.isfinite(heard[0]).all():
         return ""
     return complaint(t) or f"load law '{kernel.name}' gives {heard[0]} at t = {t:.6g} s"
-
-
-def _callback(kernel: LawKernel) -> Any:
-    """The law as a C function of t and pointers to its arguments, the field values and its result."""
-    number = ctypes.POINTER(ctypes.c_double)
-    form, count = kernel.form, len(kernel.keys)
-
-    def call(t: float, arguments: int, values: int, result: int) -> None:
-        passed = ctypes.cast(arguments, number)[: form.size]
-        # an empty array of values has no address
-        given = ctypes.cast(values, number)[:count] if count else []
-        found = kernel.evaluate(t, form.inputs(passed), given)
-        out = ctypes.cast(result, number)
-        for n, one in enumerate(found if form.results > 1 else (found,)):
-            out[n] = one
-
-    address = ctypes.c_void_p
-    return ctypes.CFUNCTYPE(None, ctypes.c_double, address, address, address)(call)

@@ -2,7 +2,7 @@
 
 Every expression becomes instructions and a `Value`.  Instructions give the bits that Python gives for the same numbers;
 divided by zero, a float is inf or nan.  Indices count from the start of an array and are not checked, unless
-NUMBA_BOUNDSCHECK=1 asks for it.
+RATTLE_BOUNDSCHECK=1 asks for it.  In functions of users they may count from the end, and are checked.
 """
 
 from __future__ import annotations
@@ -10,14 +10,31 @@ from __future__ import annotations
 import ast
 import builtins
 import math
-from abc import abstractmethod
-from types import ModuleType
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
+from rattle.jit.machine import Entry
+from rattle.jit.translation.library import (
+    ABSOLUTE,
+    CONVERSIONS,
+    EXTREMES,
+    INTRINSIC,
+    LIBRARY,
+    WHOLE,
+    WITH_TWO,
+    WRITTEN,
+    _largest,
+    _logarithm,
+    _smallest,
+)
+from rattle.jit.translation.local_arrays import MAKING
 from rattle.jit.translation.values import (
     NOTHING,
+    Record,
     TranslationError,
     Value,
     is_array,
@@ -27,6 +44,7 @@ from rattle.jit.translation.values import (
     members,
     number,
     parts_of,
+    python_function,
     said,
 )
 from rattle.jit.translation.writing import Writing
@@ -34,15 +52,10 @@ from rattle.jit.translation.writing import Writing
 COMPARISONS = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
 ARITHMETIC = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul"}
 ON_BITS = {ast.BitAnd: "and", ast.BitOr: "or", ast.BitXor: "xor", ast.RShift: "ashr", ast.LShift: "shl"}
-INTRINSIC = {math.sqrt: "sqrt", math.fabs: "fabs", math.copysign: "copysign", math.floor: "floor"}
-LIBRARY = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "expm1", "log", "log1p",
-           "pow", "hypot")  # fmt: skip
-WITH_TWO = ("atan2", "pow", "hypot", "copysign")
-FROM_LIBRARY = {getattr(math, name): name for name in LIBRARY}
 SAID = "kernels are written with numbers, arrays, tuples, loops and calls of kernels, see docs/adding-a-kind.md"
 
 
-class Expressions(Writing):
+class Expressions(Writing, ABC):
     """What turns expressions into instructions."""
 
     def value(self, node: ast.expr) -> Value:
@@ -61,14 +74,24 @@ class Expressions(Writing):
             raise TranslationError(f"'{ast.unparse(node)}' is {said(found.kind)}; a number is needed here")
         return self.converted(found, kind) if kind else found
 
-    def index(self, node: ast.expr) -> str:
-        """An index or a length."""
+    def index(self, node: ast.expr, size: str = "") -> str:
+        """An index, checked against the size of its dimension, or a limit of a part."""
         found = self.number(node)
         if found.kind == "f":
             raise TranslationError(f"'{ast.unparse(node)}' is a float; an index must be an integer")
-        if isinstance(found.thing, int) and found.thing < 0:
-            raise TranslationError(f"'{ast.unparse(node)}': an index cannot count from the end")
-        return self.converted(found, "i").parts[0]
+        place = self.converted(found, "i").parts[0]
+        if self.careful and not isinstance(found.thing, int):
+            if not size:
+                raise TranslationError(f"'{ast.unparse(node)}': parts of an array have known limits here")
+            below, moved = self.put(f"icmp slt i64 {place}, 0"), self.put(f"add i64 {place}, {size}")
+            place = self.put(f"select i1 {below}, i64 {moved}, i64 {place}")
+        elif isinstance(found.thing, int) and found.thing < 0:
+            if not (self.careful and size):
+                raise TranslationError(f"'{ast.unparse(node)}': an index cannot count from the end")
+            place = self.put(f"add i64 {place}, {size}")
+        if size:
+            self.check(place, size)
+        return place
 
     def truth(self, node: ast.expr) -> str:
         """Whether an expression is true, as an i1."""
@@ -76,7 +99,7 @@ class Expressions(Writing):
 
     # ---------------------------------------------------------------- names and constants
     def _constant(self, node: ast.Constant) -> Value:
-        found = known(node.value)
+        found = Value(NOTHING, (), node.value) if isinstance(node.value, str) else known(node.value)
         if found is None:
             raise TranslationError(f"{node.value!r} is not known here: {SAID}")
         return found
@@ -96,9 +119,12 @@ class Expressions(Writing):
             return found
         if isinstance(thing, np.ndarray):
             return self.unit.constant(thing)
-        if isinstance(thing, tuple) and all(known(one) is not None for one in thing):
-            return self.together([self._outside(one, node) for one in thing])
-        if callable(thing) or isinstance(thing, ModuleType):
+        if isinstance(thing, tuple) and all(isinstance(one, tuple) or known(one) is not None for one in thing):
+            made = self.together([self._outside(one, node) for one in thing])
+            return made._replace(kind=Record(made.kind, thing._fields)) if hasattr(thing, "_fields") else made
+        if isinstance(thing, list) and self.careful and np.asarray(thing).dtype.kind in "iubf":
+            return self.unit.constant(np.asarray(thing))
+        if callable(thing) or isinstance(thing, ModuleType | Entry):
             return Value(NOTHING, (), thing)
         raise TranslationError(f"'{ast.unparse(node)}' is a {type(thing).__name__}: {SAID}")
 
@@ -108,11 +134,18 @@ class Expressions(Writing):
             return self.array_of(owner, node.attr)
         if isinstance(owner.thing, ModuleType) and hasattr(owner.thing, node.attr):
             return self._outside(getattr(owner.thing, node.attr), node)
+        if isinstance(owner.kind, Record) and node.attr in owner.kind.names:
+            return members(owner)[owner.kind.names.index(node.attr)]
         if is_array(owner.kind) and node.attr == "shape":
             return self.together([Value("i", (one,)) for one in owner.parts[1:]])
         raise TranslationError(f"'{ast.unparse(node)}' is not known here: {SAID}")
 
     def _tuple(self, node: ast.Tuple) -> Value:
+        return self.together([self.value(one) for one in node.elts])
+
+    def _list(self, node: ast.List) -> Value:
+        if not self.careful:
+            raise TranslationError(f"'{ast.unparse(node)}' is not known here: {SAID}")
         return self.together([self.value(one) for one in node.elts])
 
     # ---------------------------------------------------------------- arithmetic
@@ -154,7 +187,12 @@ class Expressions(Writing):
             return Value(kind, (self.put(f"f{word} double {x}, {y}" if kind == "f" else f"{word} i64 {x}, {y}"),))
         if isinstance(op, ast.Mod) and kind == "f":
             return self._remainder(x, y)
+        if isinstance(op, ast.FloorDiv) and kind == "f":
+            return self._floored(x, y)
         if isinstance(op, ast.Mod | ast.FloorDiv) and kind == "i":
+            if self.careful:
+                told = f"ZeroDivisionError: integer division or modulo by zero: {self.whereabouts()}"
+                self.fail_if(self.put(f"icmp eq i64 {y}, 0"), self.fault(told))
             quotient, rest = self._floor_division(x, y)
             return Value("i", (rest if isinstance(op, ast.Mod) else quotient,))
         raise TranslationError(f"{type(op).__name__} of {said(a.kind)} and {said(b.kind)} is not known here: {SAID}")
@@ -181,6 +219,18 @@ class Expressions(Writing):
         unlike = self.put(f"xor i1 {below}, {negative}")
         moved = self.put(f"select i1 {unlike}, double {self.put(f'fadd double {rest}, {y}')}, double {rest}")
         zero = self.called("double", "llvm.copysign.f64", [("double", number(0.0)), ("double", y)])
+        return Value("f", (self.put(f"select i1 {none}, double {zero}, double {moved}"),))
+
+    def _floored(self, x: str, y: str) -> Value:
+        """x // y of floats, as Python computes it."""
+        rest = self._remainder(x, y).parts[0]
+        share = self.put(f"fdiv double {self.put(f'fsub double {x}, {rest}')}, {y}")
+        down = self.called("double", "llvm.floor.f64", [("double", share)])
+        above = self.put(f"fcmp ogt double {self.put(f'fsub double {share}, {down}')}, {number(0.5)}")
+        moved = self.put(f"select i1 {above}, double {self.put(f'fadd double {down}, {number(1.0)}')}, double {down}")
+        sign = ("double", self.put(f"fdiv double {x}, {y}"))
+        zero = self.called("double", "llvm.copysign.f64", [("double", number(0.0)), sign])
+        none = self.put(f"fcmp oeq double {share}, {number(0.0)}")
         return Value("f", (self.put(f"select i1 {none}, double {zero}, double {moved}"),))
 
     def _floor_division(self, x: str, y: str) -> tuple[str, str]:
@@ -271,7 +321,12 @@ class Expressions(Writing):
     def _subscript(self, node: ast.Subscript) -> Value:
         owner = self.value(node.value)
         if isinstance(owner.kind, tuple):
-            place = self.value(node.slice).thing
+            at = self.value(node.slice)
+            place = at.thing
+            if at.kind == "i" and place is None and self.careful:
+                return self._chosen(owner, node)
+            if isinstance(place, int) and place < 0 and self.careful:
+                place += len(owner.kind)
             if not isinstance(place, int) or not 0 <= place < len(owner.kind):
                 raise TranslationError(f"'{ast.unparse(node)}': a member of a tuple is chosen by a known number")
             return members(owner)[place]
@@ -280,8 +335,7 @@ class Expressions(Writing):
         if isinstance(node.slice, ast.Slice):
             return self._sliced(owner, node.slice, node)
         if owner.kind[1] == "2" and not isinstance(node.slice, ast.Tuple):
-            row = self.index(node.slice)
-            self.check(row, owner.parts[1])
+            row = self.index(node.slice, owner.parts[1])
             first = self.put(f"mul i64 {row}, {owner.parts[2]}")
             return Value(f"{owner.kind[0]}1", (self.address(owner, first), owner.parts[2]))
         return self.read(owner.kind[0], self.element(owner, node))
@@ -293,12 +347,25 @@ class Expressions(Writing):
         places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         if len(places) != int(owner.kind[1]):
             raise TranslationError(f"'{ast.unparse(node)}' is no element of {said(owner.kind)}")
-        at = [self.index(one) for one in places]
-        for one, size in zip(at, owner.parts[1:], strict=True):
-            self.check(one, size)
+        at = [self.index(one, size) for one, size in zip(places, owner.parts[1:], strict=True)]
         if len(at) == 1:
             return self.address(owner, at[0])
         return self.address(owner, self.put(f"add i64 {self.put(f'mul i64 {at[0]}, {owner.parts[2]}')}, {at[1]}"))
+
+    def _chosen(self, owner: Value, node: ast.Subscript) -> Value:
+        """The member of a tuple of numbers at a place that is computed."""
+        several = members(owner)
+        kind = joined(several[0].kind, several[len(several) - 1].kind) if several else NOTHING
+        for one in several:
+            kind = joined(kind, one.kind)
+        if not is_number(kind):
+            raise TranslationError(f"'{ast.unparse(node)}': a member of {said(owner.kind)} is chosen by a known number")
+        place, type_ = self.index(node.slice, str(len(several))), parts_of(kind)[0]
+        found, *others = (self.converted(one, kind).parts[0] for one in several)
+        for n, other in enumerate(others, 1):
+            here = self.put(f"icmp eq i64 {place}, {n}")
+            found = self.put(f"select i1 {here}, {type_} {other}, {type_} {found}")
+        return Value(kind, (found,))
 
     def _sliced(self, owner: Value, part: ast.Slice, node: ast.expr) -> Value:
         """Part of a vector, as far as the vector goes."""
@@ -315,55 +382,126 @@ class Expressions(Writing):
     # ---------------------------------------------------------------- calls
     def _call(self, node: ast.Call) -> Value:
         called = self.value(node.func).thing
-        if called is None or node.keywords or any(isinstance(one, ast.Starred) for one in node.args):
-            raise TranslationError(f"'{ast.unparse(node)}': kernels are called by name, with arguments in order")
-        if called in INTRINSIC or called is abs:
-            return self._intrinsic(called, [self.number(one) for one in node.args])
-        if called in FROM_LIBRARY:
-            return self._library(FROM_LIBRARY[called], *(self.number(one) for one in node.args))
-        if called in (min, max):
-            return self._extreme(called, [self.number(one) for one in node.args])
-        if called in (int, float, bool):
-            return self._as(called, self.number(node.args[0]))
-        given = [self.value(one) for one in node.args]
-        if called is len and len(given) == 1:
-            if isinstance(given[0].kind, tuple):
-                return known(len(given[0].kind)) or given[0]
-            if is_array(given[0].kind):
-                return Value("i", (given[0].parts[1],))
-        return self.kernel(called, given, node)
+        if called is None:
+            raise TranslationError(f"'{ast.unparse(node)}': kernels are called by name")
+        given = self._arguments(node)
+        user = python_function(called)
+        if user is not None:
+            return self.kernel(user, self._in_order(user, given, node), node)
+        if called in MAKING:
+            return self.made_array(called, given, node.keywords, node)
+        if node.keywords:
+            raise TranslationError(f"'{ast.unparse(node)}': kernels are called with arguments in order")
+        try:
+            found = self._known(called, given, node)
+        except IndexError:
+            raise TranslationError(f"'{ast.unparse(node)}': arguments are missing") from None
+        return self.kernel(called, given, node) if found is None else found
+
+    def _arguments(self, node: ast.Call) -> list[Value]:
+        given = []
+        for one in node.args:
+            if not isinstance(one, ast.Starred):
+                given.append(self.value(one))
+            elif isinstance((several := self.value(one.value)).kind, tuple):
+                given += members(several)
+            else:
+                raise TranslationError(f"'{ast.unparse(one)}': only a tuple is passed as several arguments")
+        return given
+
+    def _in_order(self, user: FunctionType, given: list[Value], node: ast.Call) -> list[Value]:
+        """The arguments of a function of the user in order, with those that have their defaults."""
+        code = user.__code__
+        names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+        values = dict(user.__kwdefaults__ or {})
+        values |= zip(names[: code.co_argcount][::-1], (user.__defaults__ or ())[::-1], strict=False)
+        named = {one.arg: self.value(one.value) for one in node.keywords}
+        found = list(given)
+        for name in names[len(given) :]:
+            if name in named:
+                found.append(named.pop(name))
+            elif name in values:
+                found.append(self._outside(values[name], node))
+        if len(found) != len(names) or None in named or named:
+            raise TranslationError(f"'{ast.unparse(node)}': its arguments are not those of {user.__name__}")
+        return found
+
+    def _known(self, called: Any, given: list[Value], node: ast.Call) -> Value | None:
+        """The result of a function of Python, `math` or NumPy; None if it is none of these."""
+        if called in ABSOLUTE or called in INTRINSIC:
+            return self._intrinsic(called, [self._of_number(one, node) for one in given])
+        if called is math.log and len(given) == 2:
+            return self.kernel(_logarithm, given, node)
+        if called in LIBRARY:
+            return self._library(LIBRARY[called], *(self._of_number(one, node) for one in given))
+        if called in EXTREMES and len(given) == 1 and is_array(given[0].kind):
+            return self.kernel(_smallest if EXTREMES[called] == "lt" else _largest, given, node)
+        if called in EXTREMES:
+            several = members(given[0]) if len(given) == 1 and isinstance(given[0].kind, tuple) else given
+            return self._extreme(EXTREMES[called], [self._of_number(one, node) for one in several])
+        if called in CONVERSIONS and len(given) == 1:
+            if isinstance(given[0].thing, str) and called is float:
+                return known(float(given[0].thing))
+            return self._as(CONVERSIONS[called], self._of_number(given[0], node))
+        if called in WRITTEN:
+            return self.kernel(WRITTEN[called], given, node)
+        if called is np.logical_not and len(given) == 1:
+            return Value("b", (self.put(f"xor i1 {self.true(given[0])}, true"),))
+        if called is len and isinstance(given[0].kind, tuple):
+            return known(len(given[0].kind))
+        if called is len and is_array(given[0].kind):
+            return Value("i", (given[0].parts[1],))
+        if called is enumerate and isinstance(given[0].kind, tuple) and len(given) == 1:
+            pairs = enumerate(members(given[0]))
+            return self.together([self.together([known(n) or one, one]) for n, one in pairs])
+        if called is zip and given and all(isinstance(one.kind, tuple) for one in given):
+            return self.together([self.together(some) for some in zip(*map(members, given), strict=False)])
+        return None
+
+    def _of_number(self, value: Value, node: ast.expr) -> Value:
+        if not is_number(value.kind):
+            raise TranslationError(
+                f"'{ast.unparse(node)}' is computed from {said(value.kind)}; a number is needed here"
+            )
+        return value
 
     def _intrinsic(self, called: Any, given: list[Value]) -> Value:
-        if called is abs and given[0].kind != "f":
+        if given[0].kind != "f" and (called in ABSOLUTE or called in WHOLE):
             x = self.converted(given[0], "i").parts[0]
+            if called in WHOLE:
+                return Value("i", (x,))
             below = self.put(f"icmp slt i64 {x}, 0")
             return Value("i", (self.put(f"select i1 {below}, i64 {self.put(f'sub i64 0, {x}')}, i64 {x}"),))
-        name = "fabs" if called is abs else INTRINSIC[called]
+        name = "fabs" if called in ABSOLUTE else INTRINSIC[called]
         if len(given) != (2 if name in WITH_TWO else 1):
             raise TranslationError(f"{name} with {len(given)} arguments is not known here")
         numbers = [("double", self.converted(one, "f").parts[0]) for one in given]
-        found = self.called("double", f"llvm.{name}.f64", numbers)
-        return Value("i", (self.put(f"fptosi double {found} to i64"),)) if name == "floor" else Value("f", (found,))
+        found = Value("f", (self.called("double", f"llvm.{name}.f64", numbers),))
+        return self.whole_number(found) if called in WHOLE else found
 
-    def _extreme(self, called: Any, given: list[Value]) -> Value:
+    def _extreme(self, word: str, given: list[Value]) -> Value:
         """The largest or smallest of several numbers, as Python finds it, also with nan."""
         kind = "i"
         for one in given:
             kind = joined(kind, one.kind)
-        word = ("fcmp o" if kind == "f" else "icmp s") + ("gt" if called is max else "lt")
+        word = ("fcmp o" if kind == "f" else "icmp s") + word
         type_ = parts_of(kind)[0]
         best, *others = (self.converted(one, kind).parts[0] for one in given)
         for other in others:
             best = self.put(f"select i1 {self.put(f'{word} {type_} {other}, {best}')}, {type_} {other}, {type_} {best}")
         return Value(kind, (best,))
 
-    def _as(self, called: Any, given: Value) -> Value:
-        if called is bool:
+    def _as(self, kind: str, given: Value) -> Value:
+        if kind == "b":
             return Value("b", (self.true(given),))
-        if called is int and given.kind == "f":
-            return Value("i", (self.put(f"fptosi double {given.parts[0]} to i64"),))
-        return self.converted(given, "i" if called is int else "f")
+        if kind == "i" and given.kind == "f":
+            return self.whole_number(given)
+        return self.converted(given, kind)
 
     @abstractmethod
     def kernel(self, called: Any, given: list[Value], node: ast.Call) -> Value:
         """The result of another compiled function."""
+
+    @abstractmethod
+    def made_array(self, called: Any, given: list[Value], keywords: Sequence[ast.keyword], node: ast.Call) -> Value:
+        """The array that a call of NumPy makes."""

@@ -1,19 +1,21 @@
 """Statements of kernels, and whole functions, in LLVM's language.
 
-A function that only others of its unit call gets the place of an exception, then its arguments; it returns a
-structure: 0, or 1 if it failed, then the parts of its result.  A function that is called by its address follows
-Numba's convention, so that Numba's functions and ours may call each other: the place of the result, the place of an
-exception, the arguments; it returns 0, or 1 if it failed.
+A function that only others of its unit call returns a structure: 0, or 1 if it failed, then the parts of its result.
+A function that is called by its address gets the place of the result, then its arguments: numbers, workspaces by their
+address, arrays by the address of their first number and their shape.  It returns 0, or 1 if it failed; `rattle.fault`
+has been told why.
 """
 
 from __future__ import annotations
 
 import ast
+import builtins
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from rattle.jit.translation.calls import Calls, structure
 from rattle.jit.translation.expressions import SAID
+from rattle.jit.translation.local_arrays import MAKING, has_array
 from rattle.jit.translation.values import (
     NOTHING,
     TranslationError,
@@ -24,7 +26,7 @@ from rattle.jit.translation.values import (
     parts_of,
     said,
 )
-from rattle.jit.translation.writing import CALLER, ZEROS, Unit
+from rattle.jit.translation.writing import FAILED, ZEROS, Unit
 
 MOST = 20  # times that a function is written again
 
@@ -32,33 +34,39 @@ MOST = 20  # times that a function is written again
 class Function(Calls):
     """One function for arguments of given kinds."""
 
-    def __init__(self, unit: Unit, function: Callable[..., Any], tree: ast.FunctionDef, kinds: Sequence[Any]) -> None:
-        super().__init__(unit, function)
+    def __init__(
+        self,
+        unit: Unit,
+        function: Callable[..., Any],
+        tree: ast.FunctionDef,
+        kinds: Sequence[Any],
+        careful: bool = False,
+    ) -> None:
+        super().__init__(unit, function, careful)
         self.tree, self.given = tree, tuple(kinds)
-        self.names = [one.arg for one in tree.args.args]
-        self.loops: list[tuple[str, str]] = []  # where `continue` and `break` go
+        self.names = [one.arg for one in (*tree.args.posonlyargs, *tree.args.args, *tree.args.kwonlyargs)]
         self.outer = False  # whether it is called by its address
 
-    def written(self, name: str, outer: Any = None, packed: bool = False) -> str:
-        """The text of the function.
-
-        outer: kind of its result if it is called by its address; packed: its arguments are in one piece of memory then.
-        """
-        if len(self.names) != len(self.given):
+    def written(self, name: str, outer: Any = None) -> str:
+        """The text of the function.  outer: kind of its result if it is called by its address."""
+        if len(self.names) != len(self.given) or self.tree.args.vararg or self.tree.args.kwarg:
             raise TranslationError(f"{len(self.names)} arguments are expected, {len(self.given)} are given")
         self.outer = outer is not None
         if self.outer:
             self.result = outer or None
         for _ in range(MOST):
             self.restart()
-            parameters = self._unpacked() if packed else self._parameters()
-            head = f'define i32 @"{name}"(ptr %result, ' if self.outer else f'define internal {self.whole()} @"{name}"('
+            parameters = self._parameters()
             for one in self.tree.body:
                 self.statement(one)
             if self.open:
                 self._left(Value(NOTHING))
+            if self.fails:
+                self.begin(FAILED)
+                self.end(self._failure())
             if not self.changed:
-                first = f"{head}{', '.join([f'ptr {CALLER}', *parameters])}) #0 {{"
+                head = f'define {"i32" if self.outer else f"internal {self.whole()}"} @"{name}"'
+                first = f"{head}({', '.join(['ptr %result'] * self.outer + parameters)}) #0 {{"
                 return "\n".join([first, "entry:", *self.stack(), *self.lines, "}\n"])
         raise TranslationError("the kinds of its variables do not become stable")
 
@@ -66,32 +74,17 @@ class Function(Calls):
         """Parameters in LLVM's text; the arguments become variables."""
         parameters = []
         for place, (kind, one) in enumerate(zip(self.given, self.names, strict=True)):
-            types, used = parts_of(kind), slice(None)
-            if self.outer and is_array(kind):  # as `flat` passes it
-                dimensions = int(kind[1])
-                types, used = ["ptr", "ptr", "i64", "i64", "ptr", *["i64"] * (2 * dimensions)], slice(4, 5 + dimensions)
-            parts = [f"%a{place}.{n}" for n in range(len(types))]
-            self.keep(one, Value(kind, tuple(parts[used])))
+            types = parts_of(kind)
+            parts = tuple(f"%a{place}.{n}" for n in range(len(types)))
+            self.keep(one, Value(kind, parts))
             parameters += [f"{type_} {part}" for type_, part in zip(types, parts, strict=True)]
         return parameters
-
-    def _unpacked(self) -> list[str]:
-        """The same for arguments in one piece of memory, eight bytes for each part."""
-        place = 0
-        for kind, one in zip(self.given, self.names, strict=True):
-            parts = []
-            for type_ in parts_of(kind):
-                at = self.put(f"getelementptr i64, ptr %arguments, i64 {place}")
-                parts.append(self.put(f"load {type_}, ptr {at}, align 8"))
-                place += 1
-            self.keep(one, Value(kind, tuple(parts)))
-        return ["ptr %arguments"]
 
     def whole(self) -> str:
         """LLVM's type of the result for calls within the unit."""
         return f"{{ {', '.join(['i32', *parts_of(self.result or NOTHING)])} }}"
 
-    def failure(self) -> str:
+    def _failure(self) -> str:
         """The instruction that returns without a result."""
         if self.outer:
             return "ret i32 1"
@@ -104,7 +97,8 @@ class Function(Calls):
         if kind != (self.result or NOTHING):
             if self.outer:
                 raise TranslationError(f"it returns {said(kind)}, not {said(self.result or NOTHING)}")
-            self.result, self.changed = kind, True
+            self.changed |= self.result is not None
+            self.result = kind
         parts = [ZEROS[one] for one in parts_of(kind)]  # where the end is reached without a value
         if value.kind != NOTHING or kind == NOTHING:
             parts = list(self.converted(value, kind).parts)
@@ -143,12 +137,32 @@ class Function(Calls):
         """Nothing."""
 
     def _return_(self, node: ast.Return) -> None:
-        self._left(Value(NOTHING) if node.value is None else self.value(node.value))
+        value = Value(NOTHING) if node.value is None else self.value(node.value)
+        if self.careful and has_array(value.kind):
+            if not self._makes(node.value) or value.kind[1] != "1":
+                raise TranslationError(f"'{ast.unparse(node)}': {said(value.kind)} cannot be returned here")
+            value = self._unpacked(value, int(value.parts[1]))
+        self._left(value)
+
+    def _makes(self, node: ast.expr | None) -> bool:
+        """True for a call of NumPy that makes an array."""
+        return isinstance(node, ast.Call) and self.value(node.func).thing in MAKING
 
     def _assign_(self, node: ast.Assign) -> None:
         value = self.value(node.value)
+        self.require_own(value, node.value, self._makes(node.value) and len(node.targets) == 1)
         for one in node.targets:
             self._set(one, value)
+
+    def _annassign_(self, node: ast.AnnAssign) -> None:
+        if node.value is not None:
+            self._set(node.target, self.value(node.value))
+
+    def _unpacked(self, array: Value, count: int) -> Value:
+        """The numbers of a vector as a tuple; it must have as many."""
+        wrong = self.put(f"icmp ne i64 {array.parts[1]}, {count}")
+        self.fail_if(wrong, self.fault(f"ValueError: {count} numbers are expected: {self.whereabouts()}"))
+        return self.together([self.read(array.kind[0], self.address(array, str(n))) for n in range(count)])
 
     def _set(self, target: ast.expr, value: Value) -> None:
         """Assign a value to a variable, an element of an array, or to several of them."""
@@ -156,7 +170,13 @@ class Function(Calls):
             if value.kind == NOTHING:
                 raise TranslationError(f"'{target.id}' gets no value")
             self.keep(target.id, value)
-        elif isinstance(target, ast.Tuple) and isinstance(value.kind, tuple) and len(target.elts) == len(value.kind):
+        elif isinstance(target, ast.Tuple | ast.List) and self.careful and value.kind in ("f1", "i1"):
+            self._set(target, self._unpacked(value, len(target.elts)))
+        elif (
+            isinstance(target, ast.Tuple | ast.List)
+            and isinstance(value.kind, tuple)
+            and len(target.elts) == len(value.kind)
+        ):
             for one, part in zip(target.elts, members(value), strict=True):
                 self._set(one, part)
         elif isinstance(target, ast.Subscript) and is_array((owner := self.value(target.value)).kind):
@@ -183,6 +203,37 @@ class Function(Calls):
             self._all(body)
             reached |= self.open
             self.jump(done)
+        self.begin(done)
+        if not reached:
+            self.end("unreachable")
+
+    # ---------------------------------------------------------------- failures
+    def _raise_(self, node: ast.Raise) -> None:
+        given = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+        name = ast.unparse(given) if given is not None else ""
+        known_here = isinstance(kind := getattr(builtins, name, None), type) and issubclass(kind, Exception)
+        words = [one.value for one in getattr(node.exc, "args", ()) if isinstance(one, ast.Constant)]
+        told = f"{name if known_here else 'RuntimeError'}: {str(words[0]) if words else ast.unparse(node)}"
+        self.fail(self.fault(f"{told} ({self.whereabouts()})"))
+
+    def _assert_(self, node: ast.Assert) -> None:
+        wrong = self.put(f"xor i1 {self.truth(node.test)}, true")
+        self.fail_if(wrong, self.fault(f"AssertionError: {self.whereabouts()}"))
+
+    def _try_(self, node: ast.Try) -> None:
+        """What is done if a law of the user fails."""
+        if self.careful or len(node.handlers) != 1 or node.orelse or node.finalbody:
+            raise TranslationError("'try' is not known here: machine code divides by zero without an exception")
+        handler, done = self.label(), self.label()
+        self.handlers.append(handler)
+        self._all(node.body)
+        self.handlers.pop()
+        reached = self.open
+        self.jump(done)
+        self.begin(handler)
+        self._all(node.handlers[0].body)
+        reached |= self.open
+        self.jump(done)
         self.begin(done)
         if not reached:
             self.end("unreachable")
@@ -214,11 +265,14 @@ class Function(Calls):
 
     def _for_(self, node: ast.For) -> None:
         if isinstance(node.iter, ast.Call) and self.value(node.iter.func).thing is range:
-            self._counted(node, node.iter.args)
+            self._counted(node)
             return
         over = self.value(node.iter)
+        if over.kind in ("f1", "i1"):
+            self._counted(node, over)
+            return
         if not isinstance(over.kind, tuple):
-            raise TranslationError(f"'{ast.unparse(node.iter)}': a loop goes over a range or a tuple")
+            raise TranslationError(f"'{ast.unparse(node.iter)}': a loop goes over a range, a tuple or a vector")
         done = self.label()
         for one in members(over):
             following = self.label()
@@ -234,9 +288,12 @@ class Function(Calls):
         self.jump(done)
         self.begin(done)
 
-    def _counted(self, node: ast.For, given: Sequence[ast.expr]) -> None:
-        """A loop over a range."""
-        numbers = [self.converted(self.number(one), "i") for one in given]
+    def _counted(self, node: ast.For, over: Value | None = None) -> None:
+        """A loop over a range, or over the numbers of a vector."""
+        if over is None and isinstance(node.iter, ast.Call):
+            numbers = [self.converted(self.number(one), "i") for one in node.iter.args]
+        elif over is not None:
+            numbers = [Value("i", (over.parts[1],))]
         first, last = numbers[:2] if len(numbers) > 1 else (Value("i", ("0",), 0), numbers[0])
         step = numbers[2] if len(numbers) > 2 else Value("i", ("1",), 1)
         if not isinstance(step.thing, int) or step.thing == 0:
@@ -249,6 +306,8 @@ class Function(Calls):
         word = "slt" if step.thing > 0 else "sgt"
         self.branch(self.put(f"icmp {word} i64 {now.parts[0]}, {last.parts[0]}"), body, done)
         self.begin(body)
+        if over is not None:
+            now = self.read(over.kind[0], self.address(over, now.parts[0]))
         self._set(node.target, now)
         inside = self.label()
         self.jump(inside)

@@ -8,8 +8,11 @@ import itertools
 import linecache
 import math
 import os
+import re
 import textwrap
+from collections import Counter
 from collections.abc import Callable, Sequence
+from inspect import isfunction
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
@@ -26,6 +29,7 @@ FLOATS, WHOLE = ("double", number), ("i64", str)  # LLVM's type, and how a numbe
 # the same for all functions: what may share memory, what is seldom
 ABOUT = """
 attributes #0 = { nounwind }
+attributes #1 = { nounwind alwaysinline }
 !0 = !{!"numbers"}
 !1 = !{!"float", !0}
 !2 = !{!1, !1, i64 0}
@@ -40,7 +44,7 @@ class Unit:
     """What one function needs besides its own text; see `writing.Unit`."""
 
     def __init__(self) -> None:
-        self.checks = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")
+        self.checks = os.environ.get("RATTLE_BOUNDSCHECK", "0") not in ("", "0")
         self.arrays = PLACES
         self.declared: dict[str, str] = {}  # text by name: functions from outside, constants
         self.parts: dict[str, Part] = {}  # by name
@@ -81,9 +85,9 @@ class Unit:
             _under_way.append(key)
             try:
                 name = f"{called.__module__}.{called.__name__}.{next(_numbers)}"
-                made = function(Unit(), called.python, kinds)
+                made = function(Unit(), getattr(called, "python", called), kinds, careful=isfunction(called))
                 text = told_where(made, lambda: made.written(name))
-                _parts[key] = Part(name, made.result or "", made.fails, text, made.unit)
+                _parts[key] = Part(name, made.result if made.result is not None else "", made.fails, text, made.unit)
             finally:
                 _under_way.pop()
         found = _parts[key]
@@ -99,7 +103,16 @@ class Unit:
                 needed[one.name] = one.text
                 declared |= one.unit.declared
                 ahead += one.unit.parts.values()
-        return "\n".join([*declared.values(), *needed.values(), text, ABOUT])
+        calls = Counter(_NAMED.findall("\n".join([*needed.values(), text])))  # and one for its own text
+        inside = [
+            one.replace(") #0 {", ") #1 {", 1) if one.count("\n") < SMALL or calls[name] == 2 else one
+            for name, one in needed.items()
+        ]
+        return "\n".join([*declared.values(), *inside, text, ABOUT])
+
+
+SMALL = 100  # lines of a function that becomes part of others, however many they are
+_NAMED = re.compile(r'@"([^"]+)"\(')
 
 
 class Part(NamedTuple):
@@ -117,9 +130,9 @@ _under_way: list[Any] = []
 _numbers = itertools.count()  # parts of one name are told apart, also where one contains another
 
 
-def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any]) -> Function:
-    """A function that is to be translated, with its source."""
-    return Function(unit, python, source(python), kinds)
+def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any], careful: bool = False) -> Function:
+    """A function that is to be translated, with its source; careful: it is not a kernel but written by a user."""
+    return Function(unit, python, source(python), kinds, careful)
 
 
 def told_where(made: Function, write: Callable[[], str]) -> str:
@@ -158,34 +171,34 @@ def native(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> m
     return _compiled(translated(python, symbol, letters), symbol)
 
 
-def packed(
-    python: Callable[..., Any], symbol: str, kinds: Sequence[Any] | None
-) -> tuple[tuple[str, ...], machine.Code]:
-    """Letters and machine code of a function for arguments of these kinds, to be called from Python.
-
-    Its arguments are in one piece of memory, see `machine.packed_caller`: Python passes three addresses.
-    """
+def for_kinds(python: Callable[..., Any], symbol: str, kinds: Sequence[Any] | None) -> tuple[Any, machine.Code]:
+    """Letters and machine code of a function for arguments of these kinds, to be called by its address."""
     letters = with_result(python, kinds)
-    unit = Unit()
-    result, given = kinds_of(letters)
-    made = function(unit, python, given)
-    text = told_where(made, lambda: made.written(symbol, outer=result, packed=True))
-    return letters, _compiled(unit.whole(text), symbol)
+    return letters, native(python, symbol, letters)
 
 
 def _compiled(text: str, symbol: str) -> machine.Code:
     """Machine code of a text.
 
-    Unrolled and vectorised loops, and a higher level, take half as long again and make a run no faster: most loops go
-    over three coordinates or a few bodies.
+    Small functions, and those called once, become part of what calls them before anything else is done; then each
+    function is simplified once.  LLVM's usual way, which decides that as it simplifies, took half as long again.
+    So did unrolled and vectorised loops, and made a run no faster: most go over three coordinates or a few bodies.
     """
     module, target = machine.parsed(text), machine.target()
     needs = [one.name for one in (*module.functions, *module.global_variables) if one.is_declaration]
     module.triple, module.data_layout = llvm.get_process_triple(), str(target.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=1)
     options.loop_unrolling = options.loop_vectorization = options.slp_vectorization = False
-    builder = llvm.create_pass_builder(target, options)
-    builder.getModulePassManager().run(module, builder)
+    builder, together = llvm.create_pass_builder(target, options), llvm.create_new_module_pass_manager()
+    together.add_sroa_pass()
+    together.add_simplify_cfg_pass()
+    together.add_always_inliner_pass()
+    together.add_post_order_function_attributes_pass()
+    together.run(module, builder)
+    each = builder.getFunctionPassManager()
+    for one in module.functions:
+        if not one.is_declaration:
+            each.run(one, builder)
     made = bytes(target.emit_object(module))
     return machine.Code(symbol, made, tuple(one for one in needs if not one.startswith("llvm.")))
 
@@ -213,8 +226,11 @@ def source(python: Callable[..., Any]) -> ast.FunctionDef:
     code: Any = getattr(python, "__code__", None)
     lines = [] if code is None else linecache.getlines(code.co_filename, python.__globals__)
     if not lines:
-        raise TranslationError(f"the source of {getattr(python, '__name__', python)} is not there")
+        place = f"{python.__module__}.{python.__name__}, line {getattr(code, 'co_firstlineno', 0)}"
+        raise TranslationError(f"{place}: its source is not there")
     first = code.co_firstlineno
+    if python.__name__ == "<lambda>":
+        return _source_of_lambda(python, "".join(lines), first)
     last = max(end for _, end, _, _ in code.co_positions() if end is not None)  # lines after it hold brackets at most
     while True:
         try:
@@ -227,3 +243,20 @@ def source(python: Callable[..., Any]) -> ast.FunctionDef:
     if not isinstance(tree, ast.FunctionDef):
         raise TranslationError(f"{python.__name__} is not written as a function of its own")
     return tree
+
+
+def _source_of_lambda(python: Callable[..., Any], text: str, line: int) -> ast.FunctionDef:
+    """The same for a lambda that is the only one of its line with these arguments."""
+    names = python.__code__.co_varnames[: python.__code__.co_argcount]
+    found = [
+        one
+        for one in ast.walk(ast.parse(text))
+        if isinstance(one, ast.Lambda) and one.lineno == line and tuple(arg.arg for arg in one.args.args) == names
+    ]
+    if len(found) != 1:
+        raise TranslationError(f"line {line} has several functions without a name")
+    made = ast.FunctionDef("lambda", found[0].args, [ast.Return(found[0].body, lineno=1)], [])
+    for part in ast.walk(made):
+        if isinstance(part, ast.expr):
+            part.lineno -= line - 1
+    return made

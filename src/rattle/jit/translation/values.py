@@ -8,9 +8,10 @@ of a row), a tuple in the parts of its members.
 
 from __future__ import annotations
 
-import inspect
+import re
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,26 @@ WORDS = {
     NOTHING: "nothing", "f": "a float", "i": "an integer", "b": "a truth value", "h": "a workspace",
     "f1": "a vector", "f2": "a matrix", "i1": "a vector of integers", "i2": "a matrix of integers",
 }  # fmt: skip
+
+
+class Record(tuple[Any, ...]):
+    """The kind of a named tuple: those of its members, and their names."""
+
+    names: tuple[str, ...]
+
+    def __new__(cls, kinds: Sequence[Any], names: Sequence[str]) -> Record:
+        """Kinds and names in the same order."""
+        if len(kinds) != len(names):
+            raise TranslationError(f"{len(names)} fields are expected ({', '.join(names)}), {len(kinds)} are given")
+        made = super().__new__(cls, kinds)
+        made.names = tuple(names)
+        return made
+
+    def __eq__(self, other: object) -> bool:
+        return tuple.__eq__(self, other) is True and self.names == getattr(other, "names", None)
+
+    def __hash__(self) -> int:
+        return hash((tuple(self), self.names))
 
 
 class TranslationError(TypeError):
@@ -94,7 +115,7 @@ def known(thing: Any) -> Value | None:
     """The value of a number that is known while translating; None for anything else."""
     if isinstance(thing, bool | np.bool_):
         return Value("b", ("true" if thing else "false",), bool(thing))
-    if isinstance(thing, int | np.integer):
+    if isinstance(thing, int | np.integer) and -(2**63) <= int(thing) < 2**63:
         return Value("i", (str(int(thing)),), int(thing))
     if isinstance(thing, float | np.floating):
         return Value("f", (number(float(thing)),), float(thing))
@@ -117,6 +138,11 @@ def kinds_given(args: Sequence[Any]) -> tuple[Any, ...] | None:
     return tuple(found)
 
 
-def where(function: Callable[..., Any], line: int) -> str:
-    """Place in the sources, for messages."""
-    return f"{function.__module__}.{function.__name__}, line {line} of {inspect.getfile(function)}"
+def python_function(called: Any) -> FunctionType | None:
+    """The Python function of a user that is called, also within one of Numba's; None for anything else."""
+    inside = getattr(called, "py_func", called)
+    known = isinstance(inside, FunctionType) and not _OURS.match(inside.__module__ or "")
+    return inside if known else None
+
+
+_OURS = re.compile(r"rattle\.(?!jit\.translation\.library)")  # kernels call those that are compiled functions

@@ -6,7 +6,6 @@ float later is a float.  Every variable has a place on the stack, which LLVM tur
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
@@ -17,7 +16,6 @@ from rattle.jit.translation.values import (
     NUMBERS,
     TranslationError,
     Value,
-    is_array,
     is_number,
     joined,
     members,
@@ -26,7 +24,7 @@ from rattle.jit.translation.values import (
     said,
 )
 
-CALLER = "%exception"  # argument of a function that is called from outside: where exceptions are told
+FAILED = "failed"  # label of the place where a function returns without a result
 ZEROS = {"double": number(0.0), "i64": "0", "i1": "false", "ptr": "null"}
 ALIAS = {"f": "!2", "i": "!3"}  # floats and integers never share memory
 
@@ -50,11 +48,14 @@ class Unit(Protocol):
         """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
 
 
-class Writing(ABC):
+class Writing:
     """The text of one function while it is written."""
 
-    def __init__(self, unit: Unit, function: Callable[..., Any]) -> None:
+    def __init__(self, unit: Unit, function: Callable[..., Any], careful: bool = False) -> None:
         self.unit, self.function = unit, function
+        self.careful = careful  # whether it was written by a user: indices count from the end too, and are checked
+        self.loops: list[tuple[str, str]] = []  # where `continue` and `break` go
+        self.handlers: list[str] = []  # where it goes on if something fails
         code, cells = function.__code__, function.__closure__ or ()
         around = {name: cell.cell_contents for name, cell in zip(code.co_freevars, cells, strict=True)}
         self.variables = {*code.co_varnames, *code.co_cellvars}  # arguments too
@@ -64,6 +65,11 @@ class Writing(ABC):
         self.fails = False  # whether it may return without a result
         self.changed = False  # whether one of these has changed since the text was begun
         self.line = 1  # from the first of the function
+
+    @property
+    def in_loop(self) -> bool:
+        """True for what may be done several times."""
+        return bool(self.loops)
 
     @property
     def place(self) -> int:
@@ -82,6 +88,11 @@ class Writing(ABC):
         """A new name."""
         self.count += 1
         return f"%x{self.count}"
+
+    def room(self, type_: str) -> str:
+        """A place on the stack."""
+        self.rooms.append(type_)
+        return f"%r{len(self.rooms) - 1}"
 
     def put(self, instruction: str) -> str:
         """An instruction with a result; returns its name."""
@@ -124,24 +135,19 @@ class Writing(ABC):
         return self.put(f'call {result} @"{name}"({", ".join(" ".join(one) for one in given)})')
 
     def fail_if(self, truth: str, before: str = "") -> None:
-        """Return without a result where something is true, after an instruction."""
-        self.mark_failing()
+        """Fail where something is true, after an instruction."""
         bad, good = self.label(), self.label()
         self.do(f"br i1 {truth}, label %{bad}, label %{good}, !prof !5")
         self.begin(bad)
-        if before:
-            self.do(before)
-        self.end(self.failure())
+        self.fail(before)
         self.begin(good)
 
-    def mark_failing(self) -> None:
-        """This function may return without a result."""
-        if not self.fails:
-            self.fails, self.changed = True, True
-
-    @abstractmethod
-    def failure(self) -> str:
-        """The instruction that returns without a result."""
+    def fail(self, before: str = "") -> None:
+        """Return without a result, or go on where failures are handled, after an instruction."""
+        if before:
+            self.do(before)
+        self.fails |= not self.handlers
+        self.jump(self.handlers[len(self.handlers) - 1] if self.handlers else FAILED)
 
     # ---------------------------------------------------------------- variables
     def _places(self, key: Any) -> list[str]:
@@ -153,7 +159,8 @@ class Writing(ABC):
         """Give a variable, or a value that several ways lead to, its value here."""
         kind = joined(self.kinds.get(key, value.kind), value.kind)
         if self.kinds.get(key) != kind:
-            self.kinds[key], self.changed = kind, True
+            self.changed |= key in self.kinds
+            self.kinds[key] = kind
             self.places.pop(key, None)
         value = self.converted(value, kind)
         for place, type_, part in zip(self._places(key), parts_of(kind), value.parts, strict=True):
@@ -239,30 +246,29 @@ class Writing(ABC):
     def write(self, kind: str, address: str, value: Value) -> None:
         """Store a number in memory."""
         if kind == "i" and value.kind == "f":
-            value = Value("i", (self.put(f"fptosi double {value.parts[0]} to i64"),))
+            value = self.whole_number(value)
         part = self.converted(value, kind).parts[0]
         self.do(f"store {parts_of(kind)[0]} {part}, ptr {address}, align 8, !tbaa {ALIAS[kind]}")
 
+    def whole_number(self, value: Value) -> Value:
+        """A float without its fraction."""
+        if self.careful:
+            return Value("i", (self.called("i64", "llvm.fptosi.sat.i64.f64", [("double", value.parts[0])]),))
+        return Value("i", (self.put(f"fptosi double {value.parts[0]} to i64"),))
+
     def check(self, index: str, size: str) -> None:
-        """With NUMBA_BOUNDSCHECK=1, an index outside of its array raises IndexError."""
-        if not self.unit.checks:
+        """With RATTLE_BOUNDSCHECK=1, and in functions of users, an index outside of its array raises IndexError."""
+        if not (self.unit.checks or self.careful):
             return
-        told = f"index is out of bounds: {self.function.__module__}.{self.function.__name__}, line {self.place}"
+        told = f"index is out of bounds: {self.whereabouts()}"
         outside = self.put(f"icmp uge i64 {index}, {size}")
         self.fail_if(outside, self.fault(f"IndexError: {told}"))
+
+    def whereabouts(self) -> str:
+        """The present place in the sources, for messages."""
+        return f"{self.function.__module__}.{self.function.__name__}, line {self.place}"
 
     def fault(self, told: str) -> str:
         """The instruction that tells Python of an error, as "class: message"."""
         self.unit.declare(FAULT, f'declare void @"{FAULT}"(ptr)')
         return f'call void @"{FAULT}"(ptr {self.unit.text(told)})'
-
-    # ---------------------------------------------------------------- arguments and results
-    def flat(self, array: Value) -> list[tuple[str, str]]:
-        """An array as Numba passes it: owner, parent, size, bytes of a number, address, shape, strides [bytes]."""
-        if not is_array(array.kind):
-            raise TranslationError(f"{said(array.kind)} where an array is needed")
-        first, *shape = array.parts
-        size = shape[0] if len(shape) == 1 else self.put(f"mul i64 {shape[0]}, {shape[1]}")
-        strides = ["8"] if len(shape) == 1 else [self.put(f"mul i64 {shape[1]}, 8"), "8"]
-        numbers = [("i64", one) for one in (size, "8")], [("i64", one) for one in (*shape, *strides)]
-        return [("ptr", "null"), ("ptr", "null"), *numbers[0], ("ptr", first), *numbers[1]]

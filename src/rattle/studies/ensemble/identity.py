@@ -12,6 +12,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.file import parse
 from rattle.description.model import Model
+from rattle.elements.custom.law_kernel import UsersKernel
 from rattle.errors import ModelError
 from rattle.studies.ensemble.plans import Plan
 from rattle.studies.runs.task import Task
@@ -115,9 +116,9 @@ def unknown_laws(laws: Mapping[str, str]) -> list[str]:
 def _code(family: str, name: str) -> str:
     """Checksum of a law of the user; "" for one of the package or none."""
     kind = registry.kinds(family).get(name)
-    if kind is None or kind.kernel is None or kind.kernel.ours:
+    if kind is None or not isinstance(kind.kernel, UsersKernel):
         return ""
-    law = getattr(kind.kernel, "law", kind.kernel.python)
+    law = kind.kernel.law
     try:
         text = inspect.getsource(law)
     except (OSError, TypeError):  # typed in at a prompt

@@ -1,0 +1,95 @@
+"""Kernels that call a function of the user.
+
+The function is translated like a kernel.  What the translation refuses is compiled by Numba, if it is installed (the
+extra `laws`), or else runs as plain Python, which machine code calls: slower, because every evaluation goes through
+the interpreter.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import linecache
+import logging
+from abc import abstractmethod
+from collections import namedtuple
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rattle.jit.functions import KernelFunction
+
+log = logging.getLogger("rattle")
+Law = Callable[..., Any]
+
+
+class UsersKernel(KernelFunction):
+    """The kernel of a law: what takes its fields from the parameters, and how machine code comes to call the law.
+
+    words: what the law is called in messages.  sizes: of its arguments before the fields: 0 for a number, n for a tuple
+    of n.  result: kind of what it returns, "f" or a tuple of such.  compiled: False if it is to run as plain Python.
+    """
+
+    def __init__(
+        self, family: str, words: str, law: Law, keys: Sequence[str], sizes: Sequence[int], result: Any, compiled: bool
+    ) -> None:
+        self.family, self.words, self.law, self.compiled = family, words, law, compiled
+        self.sizes, self.result = tuple(sizes), result
+        self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
+        self.fields = taking("pack", len(keys), {"pack": self.pack})
+        super().__init__(self.plain(), family)
+        self.__module__, self.__name__ = law.__module__, law.__name__
+
+    @abstractmethod
+    def plain(self) -> Callable[..., Any]:
+        """The kernel for plain Python."""
+
+    @abstractmethod
+    def around(self, law: Any) -> Callable[..., Any]:
+        """The kernel with this law in it, for machine code."""
+
+    @abstractmethod
+    def flat(self, *given: float) -> Sequence[float]:
+        """What the law returns as plain Python; arguments and result are numbers one after the other."""
+
+    def _made(self) -> int:
+        """Compile the kernel; returns its address."""
+        if not self.compiled:
+            log.info(f"{self.words} runs as plain Python, slower (compiled=False)")
+            return self._loaded(self._in_python())
+        try:
+            return self._loaded(self.law)
+        except Exception as error:  # whatever is the matter with a function of the user, others can run it
+            why = next((line for line in str(error).splitlines() if line.strip()), type(error).__name__)
+            why = why.partition(": kernels are written")[0]  # what else is known matters to kernels
+        from rattle.jit import numba_laws  # imports llvmlite
+
+        try:
+            law = numba_laws.entry(self.law, self.pack, self.sizes, self.result)
+        except Exception as error:  # Numba has many kinds of error
+            log.debug(f"{self.words}: Numba cannot compile it: {error}")
+            law = None
+        if law is not None:
+            log.info(f"{self.words} is compiled by Numba, which takes longer: {why}")
+            return self._loaded(law)
+        log.warning(f"{self.words} runs as plain Python, slower: {why}")
+        return self._loaded(self._in_python())
+
+    def _loaded(self, law: Any) -> int:
+        return self.loaded(self.around(law))
+
+    def _in_python(self) -> Any:
+        from rattle.jit import machine  # imports llvmlite
+
+        count = sum(max(1, size) for size in self.sizes) + len(self.pack._fields)
+        return machine.python_entry(self.flat, self.result, count)
+
+
+def taking(make: str, count: int, known: dict[str, Any] | None = None) -> Callable[[Any, Any], Any]:
+    """A function of an array p and a place k that makes something of the numbers from there; "": a tuple."""
+    values = "".join(f"float(p[k + {n}]), " for n in range(count))
+    text = f"def given(p, k):\n    return {make}({values})\n"
+    file = f"<fields {hashlib.sha256(text.encode()).hexdigest()[:16]}>"
+    linecache.cache[file] = len(text), None, text.splitlines(keepends=True), file  # where its source is looked for
+    space: dict[str, Any] = {"__name__": "fields", **(known or {})}
+    exec(compile(text, file, "exec"), space)
+    found: Callable[[Any, Any], Any] = space["given"]
+    return found

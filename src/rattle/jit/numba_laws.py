@@ -1,0 +1,61 @@
+"""Laws of users that `translation` refuses, compiled by Numba if it is installed; nothing else imports it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rattle.jit import machine
+
+CALL = """
+def run(result, {given}):
+    try:
+        {left} = law({arguments})
+    except Exception:
+        {left} = {nothing}
+{kept}
+    return 0
+"""
+
+
+def entry(law: Callable[..., Any], pack: Any, sizes: Sequence[int], result: Any) -> machine.Entry | None:
+    """A law as a function of floats that kernels call; nan if it raises.  None if Numba is not installed.
+
+    pack: class of the named tuple of its fields.  sizes: of its other arguments: 0 for a number, n for a tuple.
+    result: kind of its result.  Raises what Numba raises if it cannot compile the law.
+    """
+    try:
+        import numba
+    except ImportError:
+        return None
+    if not hasattr(law, "py_func"):
+        law = numba.njit(error_model="numpy")(law)
+    names = (f"x{n}" for n in range(sum(max(1, size) for size in sizes) + len(pack._fields)))
+    given: list[str] = []
+
+    def some(size: int) -> str:
+        given.extend(taken := [next(names) for _ in range(size)])
+        return f"{', '.join(taken)}"
+
+    arguments = [f"({some(size)},)" if size else some(1) for size in sizes]
+    arguments.append(f"pack({some(len(pack._fields))})")
+    found: list[str] = []
+
+    def place(kind: Any, value: str = "") -> str:
+        if isinstance(kind, tuple):
+            return f"({''.join(f'{place(one, value)}, ' for one in kind)})"
+        found.append(f"y{len(found)}")
+        return value or found[-1]
+
+    left, results = place(result), len(found)
+    kept = "\n".join(f"    result[{n}] = y{n}" for n in range(results))
+    text = CALL.format(
+        given=", ".join(given), left=left, arguments=", ".join(arguments), nothing=place(result, "nan"), kept=kept
+    )
+    space: dict[str, Any] = {"law": law, "pack": pack, "nan": math.nan}
+    exec(text, space)
+    number = numba.types.float64
+    called = numba.cfunc(numba.types.int32(numba.types.CPointer(number), *[number] * len(given)))(space["run"])
+    machine.keep(called)
+    return machine.Entry(int(called.address), (result, *"f" * len(given)))
