@@ -7,10 +7,12 @@ import os
 import re
 import sys
 import threading
+from functools import cache
 from pathlib import Path
 
-from rattle.jit import cache, mode
+from rattle.jit import mode
 from rattle.jit.cache import Folder
+from rattle.jit.cache import code_folder as private_folder
 
 # all that defines or compiles kernels, or holds numbers that they contain; a test looks whether others do
 COMPILED = ("elements", "equations", "jit", "language", "solvers", "registry.py")
@@ -27,10 +29,11 @@ def compiled_sources() -> list[Path]:
     )
 
 
-def compiled_modules() -> list[str]:
+@cache
+def compiled_modules() -> tuple[str, ...]:
     """Modules that define compiled functions."""
     found = (path for path in compiled_sources() if _DECORATED.search(path.read_text(encoding="utf-8")))
-    return sorted(".".join(("rattle", *path.relative_to(_HERE).with_suffix("").parts)) for path in found)
+    return tuple(sorted(".".join(("rattle", *path.relative_to(_HERE).with_suffix("").parts)) for path in found))
 
 
 def code_folder() -> Folder:
@@ -42,7 +45,7 @@ def code_folder() -> Folder:
         for source in compiled_sources():
             digest.update(source.read_bytes())
         with _folder_lock:
-            _code_folder = _code_folder or cache.code_folder(digest.hexdigest()[:16])
+            _code_folder = _code_folder or private_folder(digest.hexdigest()[:16])
     return _code_folder
 
 

@@ -220,27 +220,28 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
         types += [ctypes.c_void_p, *[ctypes.c_int64] * ARRAYS[kind][1]] if kind in ARRAYS else [RESULTS[kind]]
     target = ctypes.CFUNCTYPE(ctypes.c_int32, *types)(address)
     room, several = _room(result), range(len(result)) if len(result) > 1 and result != "void" else None
+    wanted = [(kind, *ARRAYS.get(kind, (None, 0))) for kind in kinds]
 
     def call(*args: Any) -> Any:
-        if len(args) != len(kinds):
-            raise TypeError(f"{name} takes {len(kinds)} arguments, got {len(args)}")
+        if len(args) != len(wanted):
+            raise TypeError(f"{name} takes {len(wanted)} arguments, got {len(args)}")
         flat: list[Any] = []
-        for kind, one in zip(kinds, args, strict=True):
-            if kind == "f":
+        for (kind, numbers, dimensions), one in zip(wanted, args, strict=True):
+            if dimensions:
+                if one.dtype != numbers or one.ndim != dimensions or not one.flags.c_contiguous:
+                    steps = f"{one.dtype}, {one.shape} with steps of {one.strides} bytes"
+                    raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {steps}")
+                flat += (address_of(one), *one.shape)
+            elif kind == "f":
                 flat.append(float(one))
             elif kind == "i":
                 flat.append(int(one))
                 if flat[len(flat) - 1] != one:
                     raise TypeError(f"{name} takes a whole number, got {one}")
-            elif kind == "h":
+            else:
                 if (place := getattr(one, "address", None)) is None:
                     raise TypeError(f"{name} takes a workspace, got {type(one).__name__}")
                 flat.append(place)
-            else:
-                if (one.dtype, one.ndim) != ARRAYS[kind] or not one.flags.c_contiguous:
-                    steps = f"{one.dtype}, {one.shape} with steps of {one.strides} bytes"
-                    raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {steps}")
-                flat += (address_of(one), *one.shape)
         answer = room()
         if target(ctypes.addressof(answer), *flat):
             raise reason()

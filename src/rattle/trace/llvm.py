@@ -6,7 +6,7 @@ flags, and LLVM contracts nothing that is not marked for it, so each sample has 
 and the processor are.  The graph is shared and folded already, so none of LLVM's passes over its intermediate form run:
 they took as long as all the rest and changed no speed.
 
-Code is kept in the cache folder, see `rattle.jit.cache`.  Nothing here imports Numba; LLVM is imported when needed.
+Code is kept in the cache folder, see `rattle.jit.cache`.  LLVM is imported when needed.
 """
 
 from __future__ import annotations
@@ -318,7 +318,7 @@ def _keep_most(folder: Path) -> None:
 
 
 def _machine(cpu: str, features: str) -> Any:
-    """LLVM's settings for a processor, as Numba makes them for code that is run at once."""
+    """LLVM's settings for a processor, for code that is run at once."""
     binding = _jit().ready()
     target = binding.Target.from_triple(binding.get_process_triple())
     where = "static" if target.name.startswith("x86") else "default"

@@ -390,7 +390,7 @@ class Expressions(Writing, ABC):
             return self.kernel(user, self._in_order(user, given, node), node)
         if called in MAKING:
             return self.made_array(called, given, node.keywords, node)
-        if node.keywords:
+        if node.keywords and called is not zip:  # which may be strict
             raise TranslationError(f"'{ast.unparse(node)}': kernels are called with arguments in order")
         try:
             found = self._known(called, given, node)

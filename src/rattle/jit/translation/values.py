@@ -145,4 +145,6 @@ def python_function(called: Any) -> FunctionType | None:
     return inside if known else None
 
 
-_OURS = re.compile(r"rattle\.(?!jit\.translation\.library)")  # kernels call those that are compiled functions
+_OURS = re.compile(
+    r"(numpy|scipy)\b|rattle\.(?!jit\.translation\.library)"
+)  # kernels call those that are compiled functions
