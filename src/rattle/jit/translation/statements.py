@@ -45,6 +45,9 @@ class Function(Calls):
         super().__init__(unit, function, careful)
         self.tree, self.given = tree, tuple(kinds)
         self.names = [one.arg for one in (*tree.args.posonlyargs, *tree.args.args, *tree.args.kwonlyargs)]
+        self.assigned = {
+            one.id for one in ast.walk(tree) if isinstance(one, ast.Name) and not isinstance(one.ctx, ast.Load)
+        }
         self.outer = False  # whether it is called by its address
 
     def written(self, name: str, outer: Any = None) -> str:
@@ -76,7 +79,10 @@ class Function(Calls):
         for place, (kind, one) in enumerate(zip(self.given, self.names, strict=True)):
             types = parts_of(kind)
             parts = tuple(f"%a{place}.{n}" for n in range(len(types)))
-            self.keep(one, Value(kind, parts))
+            if one in self.assigned:
+                self.keep(one, Value(kind, parts))
+            else:
+                self.fixed[one] = Value(kind, parts)
             parameters += [f"{type_} {part}" for type_, part in zip(types, parts, strict=True)]
         return parameters
 

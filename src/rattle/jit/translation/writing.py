@@ -60,6 +60,7 @@ class Writing:
         around = {name: cell.cell_contents for name, cell in zip(code.co_freevars, cells, strict=True)}
         self.variables = {*code.co_varnames, *code.co_cellvars}  # arguments too
         self.outside = {**function.__globals__, **around}  # what does not change
+        self.fixed: dict[str, Value] = {}  # arguments that stay as they are
         self.kinds: dict[Any, Any] = {}  # of variables, and of values that several ways lead to
         self.result: Any = None  # kind of the result; None until the first return
         self.fails = False  # whether it may return without a result
@@ -174,6 +175,8 @@ class Writing:
 
     def load(self, name: str) -> Value:
         """The value of a variable of the function."""
+        if name in self.fixed:
+            return self.fixed[name]
         if name not in self.kinds:
             raise TranslationError(f"'{name}' is used before it has a value")
         return self.kept(name)
