@@ -1,4 +1,4 @@
-"""Event-driven integration: smooth motion between located events; what it adds to the loop is in `nonsmooth.event_driven`."""
+"""Event-driven integration: smooth motion between located events; see `nonsmooth.event_driven`."""
 
 from __future__ import annotations
 
