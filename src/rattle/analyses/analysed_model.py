@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self, overload
 
 from rattle.analyses import arguments
 from rattle.description.written_model import WrittenModel
+from rattle.errors import ModelError, TraceError
 from rattle.language.times import Seconds, seconds, seconds_or_none, times
 
 if TYPE_CHECKING:
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.analyses.assembly.assembly import Assembled
     from rattle.analyses.check import Check
+    from rattle.analyses.model_form import ModelForm
     from rattle.analyses.statics.dead_band import DeadBand
     from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
     from rattle.analyses.statics.holding_range import HoldingRange
@@ -23,6 +26,8 @@ if TYPE_CHECKING:
     from rattle.analyses.straight_line.recorded_model import RecordedModel
     from rattle.equations.system import System
     from rattle.results.result import Result
+
+FORM_PAYS = 3  # changes of the same parameters from which on finding the form of the model pays
 
 
 class AnalysedModel(WrittenModel):
@@ -56,7 +61,48 @@ class AnalysedModel(WrittenModel):
 
         So samples of one study start on one branch, and none of them a turn away.  Raises ModelError.
         """
-        return self._beside_its_start.set(values)
+        beside = self._beside_its_start
+        made = beside._of_its_form(values)
+        return beside.set(values) if made is None else made
+
+    def _of_its_form(self, values: Mapping[str, Any]) -> Self | None:
+        """As `set` for numbers of parameters, without reading; None where the model has to be read.
+
+        The form of the model is found when the same parameters are given for the third time.
+        """
+        if not values or not all(isinstance(one, float) and math.isfinite(one) for one in values.values()):
+            return None
+        names = tuple(values)
+        form, asked = self._forms.get(names, (None, 0))
+        if asked < FORM_PAYS:
+            if asked + 1 == FORM_PAYS:
+                form = self._form(names)
+            self._forms[names] = form, asked + 1
+        if form is None or (found := form.at(list(values.values()))) is None:
+            return None
+        made = self._changed(values)
+        made.__dict__["model"] = found.model
+        if found.system is not None:
+            made.__dict__["system"] = found.system
+        return made
+
+    @cached_property
+    def _forms(self) -> dict[tuple[str, ...], tuple[ModelForm | None, int]]:
+        """Forms by the names of their parameters, None where there is none, and how often they were asked for."""
+        return {}
+
+    def _form(self, names: Sequence[str]) -> ModelForm | None:
+        """What is left of this model without the numbers that follow from these parameters; None if that is unknown."""
+        from rattle.analyses.model_form import ModelForm
+
+        known = self.parameters
+        if not set(names) <= known.keys():
+            return None
+        try:
+            made = self.set({name: known[name] for name in names})
+            return ModelForm(made._document, made.model, names)
+        except (TraceError, ModelError):
+            return None
 
     @cached_property
     def _beside_its_start(self) -> Self:

@@ -39,7 +39,7 @@ class Building:
 
     def _forget(self) -> None:
         self._text = None
-        for key in ("model", "system", "start", "_beside_its_start"):
+        for key in ("model", "system", "start", "_beside_its_start", "_forms"):
             self.__dict__.pop(key, None)
 
     def parameter(self, name: str, value: float | str, **more: Any) -> Self:

@@ -13,6 +13,7 @@ from typing import Any
 from rattle.description.read_values import LARGEST, Path, Values, said
 from rattle.errors import InputError, ModelError, Problem, suggest
 from rattle.language.expression import argument_of
+from rattle.language.recorded import bare
 from rattle.language.syntax import CALLABLE, call_name
 from rattle.language.tables import Curve, curve
 from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity
@@ -201,7 +202,7 @@ def _made(values: Values, x: list[float], y: list[float], kind: str, period: flo
         else:
             x, y = [*x[:-1], x[0] + period], [*y[:-1], y[0]]
     found = curve(x, y, kind, period)
-    if not all(abs(one) <= LARGEST for segment in found.coefficients for one in segment):
+    if not all(abs(bare(one)) <= LARGEST for segment in found.coefficients for one in segment):
         values.wrong(path, "its numbers are too large, or its points too close, for finite slopes")
         return None
     return found

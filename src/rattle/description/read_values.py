@@ -26,6 +26,7 @@ from rattle.language.expression import (
     value,
     walk,
 )
+from rattle.language.recorded import bare
 from rattle.language.syntax import CALL, KNOWN
 from rattle.language.tables import NO_TABLES, Curve, Tables, tables_of
 from rattle.language.units import (
@@ -337,10 +338,10 @@ class Values:
                 return math.nan if number is None else number
         else:
             number = _float(given)
-        if not math.isfinite(number):
+        if not math.isfinite(bare(number)):
             self.wrong(path, f"{said(given)} is not a finite number; expected {expected(unit)}")
             return math.nan
-        if abs(float(number)) > LARGEST or (least and number != 0.0 and not is_computable(number)):
+        if abs(bare(number)) > LARGEST or (least and number != 0.0 and not is_computable(number)):
             self.wrong(path, f"{said(given)} is beyond all numbers that can be computed with, {RANGE}")
             return math.nan
         if least and not LIMITS[least](number):
@@ -348,7 +349,7 @@ class Values:
                 path, f"{said(given)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
             )
             return math.nan
-        if unit == "rad" and abs(float(number)) > 2.0 * math.pi and _is_bare(given):
+        if unit == "rad" and _is_bare(given) and abs(float(number)) > 2.0 * math.pi:
             key = ".".join(str(part) for part in path)
             self.remarks.append(f'{key} = {number:g} is {number:g} rad; write "{number:g} deg" if degrees are meant')
         return number
@@ -428,7 +429,7 @@ class Values:
 
 def is_computable(number: float) -> bool:
     """True of a number [SI] whose products with a few others of its kind are numbers too."""
-    return SMALLEST <= abs(float(number)) <= LARGEST
+    return SMALLEST <= abs(bare(number)) <= LARGEST
 
 
 def _float(given: float) -> float:

@@ -155,10 +155,25 @@ class WrittenModel(Building):
         instants and values as in `load`.  None removes an entry, see `remove`.
         Raises ModelError for an unknown name or a bad value.
         """
+        asked = {**(values or {}), **parameters}
+        made = self._changed(asked)
+        try:
+            _ = made.model
+        except ModelError as error:
+            for one in error.problems:  # the line in the old text would mislead if its value was changed
+                if any(one.path[: len(path)] == path for path, _ in made._changes):
+                    one.line, one.caret = None, ""
+            gone = [path for path, value in made._changes[len(self._changes) :] if value is None]
+            only = all(value is None for value in asked.values()) and all(len(path) == 2 for path in gone)
+            needs = made._what_needs(gone, error) if only else []
+            raise ModelError([*needs, *error.problems], error.file) from None
+        return made
+
+    def _changed(self, asked: Mapping[str, Any]) -> Self:
+        """As `set`, but what is written is not read yet."""
         made = type(self)()
         made._document, made._text, made._file = copied(self._document), self._text, self._file
         made._changes, made._near = list(self._changes), self._near
-        asked = {**(values or {}), **parameters}
         for name, value in asked.items():
             if not isinstance(name, str):
                 raise WrongType(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
@@ -174,16 +189,6 @@ class WrittenModel(Building):
         folder, read = Path(made._file).parent if made._file else None, self._document.get("tables", {})
         made._document = with_files(made._document, folder, made._file, read)
         made._document = with_profiles(made._document, folder, made._file, self._document.get("joints", {}))
-        try:
-            _ = made.model
-        except ModelError as error:
-            for one in error.problems:  # the line in the old text would mislead if its value was changed
-                if any(one.path[: len(path)] == path for path, _ in made._changes):
-                    one.line, one.caret = None, ""
-            gone = [path for path, value in made._changes[len(self._changes) :] if value is None]
-            only = all(value is None for value in asked.values()) and all(len(path) == 2 for path in gone)
-            needs = made._what_needs(gone, error) if only else []
-            raise ModelError([*needs, *error.problems], error.file) from None
         return made
 
     def remove(self, *names: str) -> Self:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +21,7 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
 from rattle.language.expression import Node, compile_program, concatenate, replaced
 from rattle.language.local_function import packed
-from rattle.language.recorded import array_of
+from rattle.language.recorded import array_of, bare
 from rattle.language.switching import Signals, Switch, find_switches
 
 SHARE = 0.1  # of the least mass: any other gives the same motion
@@ -182,10 +183,27 @@ class System:
         image.array("contact_memory", image.block)[:, at.CLOSED] = at.AUTO
         image.array("dry_memory", image.block)[:, at.DRY_MODE] = at.DRY_AUTO
         image.array("dry_memory", image.block)[:, at.DRY_SINCE] = -math.inf
+        self._put_own_states(image)
+        return image
+
+    def _put_own_states(self, image: Image) -> None:
+        """Enter the start of the states of the model."""
         own = [one.start for one in self.model.states.values()]
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own
-        return image
+
+    def with_numbers(self, model: Model, changed: Mapping[str, np.ndarray]) -> System:
+        """The system of a model of the same form; changed: arrays with other numbers, of the same shapes."""
+        switches = tuple([replace(one) for one in self.switches])  # a run writes into them
+        made = replace(self, model=model, arrays={**self.arrays, **changed}, size=_size(model), switches=switches)
+        image = copy.copy(self._image)
+        image.block = image.block.copy()
+        for name, array in changed.items():
+            image.array(name, image.block)[...] = array
+        if model.states:
+            made._put_own_states(image)
+        made.__dict__["_image"] = image
+        return made
 
 
 def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
@@ -243,8 +261,11 @@ class _Programs:
         return len(self.programs) - 1
 
 
-def compile_system(model: Model) -> System:
-    """Flat arrays (SI units), names and the pattern of the Schur complement of one model."""
+def compile_system(model: Model, length: float | None = None) -> System:
+    """Flat arrays (SI units), names and the pattern of the Schur complement of one model.
+
+    length: of the mechanism [m], with its record, where numbers of the model are recorded; default: without a record.
+    """
     bodies = {name: n + 1 for n, name in enumerate(model.bodies)}
     number = {"ground": 0, **bodies}
     programs = _Programs(model, bodies)
@@ -266,7 +287,7 @@ def compile_system(model: Model) -> System:
         for unit in one.leaf.rows:
             rows.append(Row(name, unit, True))
             row_body.append((a, b))
-    length = _size(model)
+    length = _size(model) if length is None else length
     contact, lever, films = contact_table(model, number, values, length)
     dry = friction_table(model, number, values, joint, sum(one[at.STATES] for one in contact))
     of_laws = sum(one[at.STATES] for one in contact) + sum(one[at.DRY_STATES] for one in dry)
@@ -276,7 +297,8 @@ def compile_system(model: Model) -> System:
     code, const, first, depth = concatenate(programs.programs, model.tables)
     needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
     spans = [(int(first[n]), int(first[n + 1]), k) for k, n in signals.items()]
-    known = Signals(code, const.astype(float), spans, [programs.names[n] for n in signals.values()], len(rates))
+    plain = np.array([bare(one) for one in const], dtype=float)
+    known = Signals(code, plain, spans, [programs.names[n] for n in signals.values()], len(rates))
     switches = _switches(programs, known, first, [n for n, _ in jets], [*(n for n, _ in live), *rates])
     ends = [*(entry[4] for entry in joint[1:]), len(rows)]
     blocks = [range(entry[4], end) for entry, end in zip(joint, ends, strict=False) if end > entry[4]]
@@ -378,9 +400,12 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
     return np.array(entries, np.int64).reshape(-1, width)
 
 
+def lengths_of(model: Model) -> list[float]:
+    """Distances [m] of points from the mass centre of their body, or from the origin, and those that joints keep."""
+    points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
+    return [abs(x) + abs(y) for x, y in points] + [one.distance for one in model.joints.values()]
+
+
 def _size(model: Model) -> float:
     """Largest distance [m] of a point from its body's mass centre, or of a ground point from the origin; 1 if none."""
-    points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
-    lengths = [abs(float(x)) + abs(float(y)) for x, y in points]
-    lengths += [float(one.distance) for one in model.joints.values()]
-    return max([*lengths, 0.0]) or 1.0
+    return max([*map(bare, lengths_of(model)), 0.0]) or 1.0

@@ -16,7 +16,7 @@ import numpy as np
 
 from rattle.errors import suggest
 from rattle.language import bytecode
-from rattle.language.recorded import Recorded, array_of, operate, read
+from rattle.language.recorded import Recorded, array_of, bare, operate, read
 from rattle.language.syntax import (
     CALL,
     COMPARISONS,
@@ -257,7 +257,7 @@ class _Assembler:
                 self.operation(part)
             self.depth = max(self.depth, len(self.folded))
         for number, column in zip(self.const, self.columns, strict=True):
-            if not math.isfinite(number):
+            if not math.isfinite(bare(number)):
                 raise ExpressionError(f"the result is not a finite number ({number})", column)
 
     def assemble(self, node: Node) -> Program:
@@ -305,9 +305,9 @@ class _Assembler:
             return
         x, block = self.const.pop(), curve.block
         del self.code[-1], self.columns[-1], self.folded[-1]
-        numbers = np.array([float(one) for one in block])  # an array, as what it calls may be machine code
-        found = float(bytecode.read_table.python(numbers, 0, 0, float(x), 0.0, 0.0)[0])
-        if math.isfinite(x) and not math.isfinite(found):
+        numbers = np.array([bare(one) for one in block])  # an array, as what it calls may be machine code
+        found = float(bytecode.read_table.python(numbers, 0, 0, bare(x), 0.0, 0.0)[0])
+        if math.isfinite(bare(x)) and not math.isfinite(found):
             raise ExpressionError(f"{x:g} {curve.said_outside(name)}", part.column)
         self.constant(read(block, found, x), part.column)
 
@@ -320,7 +320,7 @@ class _Assembler:
             given, columns = self.const[-size:], self.columns[-size:]
             del self.code[-size:], self.const[-size:], self.columns[-size:], self.folded[-size:]
             number = _fold(op, given)
-            blamed = [c for x, c in zip(given, columns, strict=True) if not math.isfinite(x)]
+            blamed = [c for x, c in zip(given, columns, strict=True) if not math.isfinite(bare(x))]
             self.constant(number, blamed[0] if blamed else part.column)
             return
         if op == bytecode.POW and self.folded[-1] and self.const[-1] == 2.0:
@@ -333,9 +333,9 @@ class _Assembler:
 def _fold(op: int, given: list[float]) -> float:
     """Value of one operation on constants, computed by the functions that the kernels use."""
     if len(given) == 1:
-        return operate(op, float(bytecode.unary.python(op, *map(float, given))), *given)
+        return operate(op, float(bytecode.unary.python(op, *map(bare, given))), *given)
     if len(given) == 2:
-        return operate(op, float(bytecode.binary.python(op, *map(float, given))), *given)
+        return operate(op, float(bytecode.binary.python(op, *map(bare, given))), *given)
     if op == bytecode.CHOOSE:
         return given[1] if given[0] > 0.0 else given[2]
     return given[2] if bytecode.holds.python(op, *given[:2]) else given[3]

@@ -7,10 +7,13 @@ as for the numbers at hand, and what they found is kept as an assumption about o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
+
+from rattle.language import bytecode
 
 
 class Journal(Protocol):
@@ -41,7 +44,13 @@ class Recorded(float):
     def __reduce__(self) -> Any:
         return float, (float(self),)
 
-    def _made(self, value: float, symbol: Any) -> Any:
+    @property
+    def bare(self) -> float:
+        """Its value without the record."""
+        return float.__add__(self, 0.0)
+
+    def made(self, value: float, symbol: Any) -> Any:
+        """Another number with a record, which follows from this one."""
         return Recorded(value, symbol, self.journal)
 
     def _kept(self, condition: Any, holds: bool) -> bool:
@@ -49,32 +58,32 @@ class Recorded(float):
         return holds
 
     def __add__(self, other: Any) -> Any:
-        return self._made(float(self) + float(other), self.symbol + symbol_of(other))
+        return self.made(float(self) + float(other), self.symbol + symbol_of(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Any:
-        return self._made(float(self) - float(other), self.symbol - symbol_of(other))
+        return self.made(float(self) - float(other), self.symbol - symbol_of(other))
 
     def __rsub__(self, other: Any) -> Any:
-        return self._made(float(other) - float(self), symbol_of(other) - self.symbol)
+        return self.made(float(other) - float(self), symbol_of(other) - self.symbol)
 
     def __mul__(self, other: Any) -> Any:
-        return self._made(float(self) * float(other), self.symbol * symbol_of(other))
+        return self.made(float(self) * float(other), self.symbol * symbol_of(other))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Any:
-        return self._made(float(self) / float(other), self.symbol / symbol_of(other))
+        return self.made(float(self) / float(other), self.symbol / symbol_of(other))
 
     def __rtruediv__(self, other: Any) -> Any:
-        return self._made(float(other) / float(self), symbol_of(other) / self.symbol)
+        return self.made(float(other) / float(self), symbol_of(other) / self.symbol)
 
     def __neg__(self) -> Any:
-        return self._made(-float(self), -self.symbol)
+        return self.made(-float(self), -self.symbol)
 
     def __abs__(self) -> Any:
-        return self._made(abs(float(self)), abs(self.symbol))
+        return self.made(abs(float(self)), abs(self.symbol))
 
     def __lt__(self, other: Any) -> bool:
         return self._kept(self.symbol < symbol_of(other), float(self) < float(other))
@@ -107,11 +116,29 @@ def symbol_of(x: Any) -> Any:
     return x.symbol if isinstance(x, Recorded) else float(x)
 
 
+def bare(x: Any) -> float:
+    """The value of a number, for what leaves no trace in a record.
+
+    For checks that only tell numbers which can be computed with from all others, and for values that are recorded.
+    """
+    return x.bare if isinstance(x, Recorded) else float(x)
+
+
+def as_number(x: Any) -> float:
+    """A number as a float; one that is recorded as it is."""
+    return x if isinstance(x, Recorded) else float(x)
+
+
+def hypot(x: Any, y: Any) -> float:
+    """Length of a vector, with its record."""
+    return operate(bytecode.HYPOT, math.hypot(bare(x), bare(y)), x, y)
+
+
 def operate(op: int, value: float, *given: Any) -> float:
     """`value`, found by an operation of `language.bytecode`, with its record if an operand has one."""
     for one in given:
         if isinstance(one, Recorded):
-            return Recorded(value, one.journal.operation(op, *map(symbol_of, given)), one.journal)
+            return one.made(value, one.journal.operation(op, *map(symbol_of, given)))  # type: ignore[no-any-return]
     return value
 
 
@@ -119,7 +146,7 @@ def read(block: Sequence[Any], value: float, x: Any) -> float:
     """`value` of a table at x, with its record if x or a number of its block has one."""
     for one in (x, *block):
         if isinstance(one, Recorded):
-            return Recorded(value, one.journal.table(block, x), one.journal)
+            return one.made(value, one.journal.table(block, x))  # type: ignore[no-any-return]
     return value
 
 

@@ -6,7 +6,6 @@ radius of the bush [m] (0 if it is not needed), the fields of the joint, and its
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from rattle.elements.contact_geometry import ContactGeometry
 from rattle.jit import layout as at
+from rattle.language.recorded import hypot
 from rattle.registry import Field
 
 Fields = Mapping[str, float]
@@ -66,7 +66,7 @@ class ClearanceKind(ContactGeometry):
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Arms [m] of the two centres."""
-        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3])
+        return hypot(p[0], p[1]), hypot(p[2], p[3])
 
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:

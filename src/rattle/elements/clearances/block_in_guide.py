@@ -24,6 +24,7 @@ from rattle.elements.clearances import ClearanceKind, FreePlay
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, turn_x, turn_y
+from rattle.language.recorded import hypot
 from rattle.registry import Field, kind
 
 Pair = tuple[float, ...]
@@ -173,7 +174,7 @@ class BlockInGuide(ClearanceKind):
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Arms [m] of the guide's point and of the farthest corner."""
         f = at.FIELDS
-        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3]) + 0.5 * math.hypot(p[f + 2], p[f + 3])
+        return hypot(p[0], p[1]), hypot(p[2], p[3]) + 0.5 * hypot(p[f + 2], p[f + 3])
 
     @staticmethod
     def displaced(fields: Mapping[str, float], e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:

@@ -30,6 +30,7 @@ from rattle.elements.geneva import AT_END, AT_START, BOTH, open_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import direction, ends
+from rattle.language.recorded import hypot
 from rattle.registry import kind
 
 TINY = 1e-150  # distance [m] that may be divided by: the centre of a pin at a corner, far inside of the material
@@ -101,7 +102,7 @@ class PinInSlot(ClearanceKind):
         """Arms [m] of the farther end of the slot (of its middle if it has no ends) and of the pin."""
         half, width = 0.5 * p[at.FIELDS + 1], p[at.RADIUS] if p[at.FIELDS + 2] > 0.0 else 0.0
         end = half if half < math.inf else 0.0
-        return math.hypot(p[0], p[1]) + math.hypot(end, width), math.hypot(p[2], p[3])
+        return hypot(p[0], p[1]) + hypot(end, width), hypot(p[2], p[3])
 
     @staticmethod
     def bends(fields: Mapping[str, float], constants: Sequence[float]) -> tuple[float, float, float]:

@@ -14,6 +14,7 @@ from typing import Any
 from rattle.elements.contact_laws.stiffness import Elastic
 from rattle.errors import InputError
 from rattle.jit.functions import kernel
+from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 
 
@@ -45,7 +46,8 @@ class Foundation(Elastic):
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        play = float(values["clearance"])
+        play = as_number(values["clearance"])
         if not play > 0.0:
             raise InputError("an elastic foundation of a pin in a bush needs a clearance")
-        return float(values["bush_radius"]) * float(values["length"]) * float(values["foundation"]), play
+        radius, length, foundation = (as_number(values[key]) for key in ("bush_radius", "length", "foundation"))
+        return radius * length * foundation, play

@@ -25,6 +25,7 @@ from typing import Any, ClassVar
 
 from rattle.errors import InputError
 from rattle.jit.functions import kernel
+from rattle.language.recorded import as_number
 from rattle.registry import Field, fields_of, kind
 
 MU = Field("", "coefficient of friction", least="not negative")
@@ -114,7 +115,7 @@ class Friction:
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
         """Parameters of the kernel, p[k:]: the fields [SI] in their order."""
-        return tuple(float(values[name]) for name in fields_of(cls))
+        return tuple(as_number(values[name]) for name in fields_of(cls))
 
     @classmethod
     def notes(cls, values: Mapping[str, Any]) -> list[str]:

@@ -26,6 +26,7 @@ from typing import Any
 from rattle.errors import InputError
 from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus, material
+from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 
 TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2, where the tangent begins
@@ -103,7 +104,7 @@ def sphere_stiffness(
 
 def _radii(values: Mapping[str, Any]) -> tuple[float, float, float]:
     """R_A, R_B, dR [m].  Raises InputError unless 0 < dR < R_A."""
-    bush, play = float(values["bush_radius"]), float(values["clearance"])
+    bush, play = as_number(values["bush_radius"]), as_number(values["clearance"])
     if not 0.0 < play < bush:
         raise InputError(f"stiffness from geometry needs 0 < clearance < bush_radius, not {play:g} m and {bush:g} m")
     return bush, bush - play, play

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from rattle.elements.film_table import Array
+from rattle.language.recorded import as_number
 from rattle.registry import Field
 
 WORDS = ("whole", "wetted")
@@ -52,7 +53,7 @@ class FilmLaw:
         values by field name [SI]; clearance c [m]; least: thinnest film whose coefficients are used [m]; start: first
         coefficient in a table of several films.
         """
-        mu, length, radius = (float(values[key]) for key in ("viscosity", "length", "bush_radius"))
+        mu, length, radius = (as_number(values[key]) for key in ("viscosity", "length", "bush_radius"))
         full, wetted = values.get("cavitation") == "full", values["shear"] == "wetted"
         force, shear = mu * radius * length * (length / clearance) ** 2 / clearance, mu * radius**3 * length / clearance
         return force, clearance, shear, least / clearance, float(full), float(wetted), float(start)

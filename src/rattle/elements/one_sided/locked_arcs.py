@@ -29,6 +29,7 @@ from rattle.elements.one_sided import OneSidedKind
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import ends
+from rattle.language.recorded import hypot
 from rattle.registry import kind
 
 FAR = 1e30  # gap [m] of a contact before the first candidate
@@ -159,8 +160,8 @@ class LockedArcs(OneSidedKind):
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Arms [m] of the edges, and of the centres of the arcs, which are farther away than the horns."""
-        disc, arc = math.hypot(p[EDGE_X], p[EDGE_Y]), math.hypot(p[CENTRE_X], p[CENTRE_Y])
-        return math.hypot(p[0], p[1]) + disc, math.hypot(p[2], p[3]) + arc
+        disc, arc = hypot(p[EDGE_X], p[EDGE_Y]), hypot(p[CENTRE_X], p[CENTRE_Y])
+        return hypot(p[0], p[1]) + disc, hypot(p[2], p[3]) + arc
 
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:

@@ -7,11 +7,11 @@ joint's line in A [rad].  Contact 0 is at the least value and pushes B on, conta
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from rattle.elements.contact_geometry import ContactGeometry
 from rattle.jit import layout as at
+from rattle.language.recorded import hypot
 
 LEAST, LARGEST, LINE = at.POINTS, at.POINTS + 1, at.POINTS + 2  # places of the parameters after the points
 
@@ -29,7 +29,7 @@ class StopKind(ContactGeometry):
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Arms [m] of the two points."""
-        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3])
+        return hypot(p[0], p[1]), hypot(p[2], p[3])
 
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:

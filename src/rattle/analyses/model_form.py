@@ -1,0 +1,274 @@
+"""Models of one form: the same parts with other numbers, without reading the description again.
+
+Reading with recorded numbers (`language.recorded`) says how every number of the model, and of its arrays, follows from
+chosen parameters, and which comparisons led to this form.  The operations are written as a Python function with the
+functions that reading itself calls, so that its numbers have the same bits.  A form is used only if it gives the very
+model that reading gives at several other values; where a comparison goes another way, or an operation fails, it says
+nothing, and the model has to be read.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses.assembly.start_constants import constants_of
+from rattle.description.model import Model
+from rattle.description.read_values import is_computable
+from rattle.description.reader import read
+from rattle.equations.system import System, compile_system, lengths_of
+from rattle.errors import ModelError, TraceError
+from rattle.language import bytecode
+from rattle.language.recorded import Recorded, bare, symbol_of
+from rattle.language.watched import Watch, Watched
+from rattle.trace.graph import Graph, both
+from rattle.trace.recording import Recorder
+
+MOST = 20_000  # operations beyond which a form is not worth its making
+TRIED = (1e-7, -1e-7, 1e-4, -1e-4, 0.01, -0.01, 0.1, -0.1)  # changes of all parameters, in shares of them
+LEAST_TRIED = 4  # of these, at which the form holds
+TEXTS = {  # of exact operations
+    "add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "div": "{0} / {1}", "neg": "-{0}", "abs": "abs({0})",
+    "less": "{0} < {1}", "at_most": "{0} <= {1}", "equal": "{0} == {1}", "both": "{0} and {1}",
+    "either": "{0} or {1}", "not": "not {0}", "select": "{1} if {0} else {2}",
+}  # fmt: skip
+CALLED: dict[str, Callable[..., Any]] = {
+    "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
+    "asin": math.asin, "acos": math.acos, "atan": math.atan, "tanh": math.tanh, "atan2": math.atan2,
+    "hypot": math.hypot, "copysign": math.copysign, "pow": bytecode.power.python, "floor": bytecode.whole.python,
+}  # fmt: skip
+FAILURES = (
+    ArithmeticError,
+    AttributeError,
+    TypeError,
+    ValueError,
+)  # of operations, where the model has another form or none
+
+Plan = Any  # None: nothing follows; a number: place among the numbers that follow; a dictionary: plans of the parts
+
+
+class Made(NamedTuple):
+    """A model of a form."""
+
+    model: Model
+    system: System | None  # None where the start sets constants of it, or its arrays are not known to have the form
+
+
+class ModelForm:
+    """What is left of a model when the numbers that follow from chosen parameters are taken out.
+
+    Raises TraceError where there is nothing that can be vouched for.
+    """
+
+    def __init__(self, document: Mapping[str, Any], model: Model, names: Sequence[str]) -> None:
+        """document: of which `model` was read, but for `initial.near`; names: parameters that are numbers in it."""
+        self._model, self._names = model, tuple(names)
+        graph = Graph()
+        recorder, watch, inputs = Recorder(graph), Watch(), [graph.input() for _ in names]
+
+        def number(value: float, symbol: Any) -> Any:
+            return Watched(value, symbol, recorder, watch)
+
+        chosen = {name: functools.partial(number, symbol=x) for name, x in zip(names, inputs, strict=True)}
+        follow: list[Any] = []  # symbols of the numbers that follow
+        try:
+            recorded = read(document, chosen=chosen)
+            if watch.lost:
+                raise TraceError(f"a value is taken without its record in {watch.lost[0]}")
+            recorded = dataclasses.replace(
+                recorded, initial=dataclasses.replace(recorded.initial, near=model.initial.near)
+            )
+            self._plan = _plan(recorded, model, follow)
+            self._system = None if constants_of(model) else compile_system(model)
+            self._arrays = {}
+            if self._system is not None:
+                count = len(follow)
+                self._arrays = _array_plans(compile_system(recorded, _length(recorded, graph)), follow)
+                if watch.lost:
+                    self._system = None
+                    del follow[count:]
+            self._numbers = _function(graph, [both(graph, recorder.assumed.values()), *follow])
+        except (ModelError, *FAILURES) as error:
+            raise TraceError(f"numbers of the model cannot be recorded: {error}") from error
+        self._check(document)
+
+    def at(self, values: Sequence[float]) -> Made | None:
+        """The model with these values [SI] of the parameters; None where it has, or may have, another form."""
+        try:
+            holds, *numbers = self._numbers(*values)
+        except FAILURES:
+            return None
+        if not holds or not all(x == 0.0 or is_computable(x) for x in numbers):
+            return None
+        model: Model = _filled(self._model, self._plan, numbers)
+        if self._system is None:
+            return Made(model, None)
+        arrays, every = {}, np.array(numbers)
+        for name, (flat, places) in self._arrays.items():
+            array = arrays[name] = self._system.arrays[name].copy()
+            array.ravel()[flat] = every[places]
+        return Made(model, self._system.with_numbers(model, arrays))
+
+    def _check(self, document: Mapping[str, Any]) -> None:
+        """Raise TraceError where the form differs from what reading gives; where arrays do, they are left out."""
+        own = [self._model.parameters[name].value for name in self._names]
+        tried = 0
+        for share in (0.0, *TRIED):
+            values = [x + share * (x or 1.0) / (1.0 + 0.1 * n) for n, x in enumerate(own)]
+            made = self.at(values)
+            if made is None:
+                continue
+            wanted = _read_at(document, dict(zip(self._names, values, strict=True)), self._model)
+            if wanted is None or not alike(made.model, wanted):
+                raise TraceError("numbers of the model follow from parameters in a way that is not recorded")
+            if made.system is not None and not _alike_systems(made.system, compile_system(wanted)):
+                self._system = None
+            tried += 1
+        if tried <= LEAST_TRIED:
+            raise TraceError("the form of the model changes with its parameters")
+
+
+def _read_at(document: Mapping[str, Any], values: Mapping[str, float], like: Model) -> Model | None:
+    """The model as it is read with other values; None where it cannot be read."""
+    table = dict(document["parameters"])
+    for name, value in values.items():
+        table[name] = {**table[name], "value": value} if isinstance(table[name], Mapping) else value
+    try:
+        model = read({**document, "parameters": table})
+    except ModelError:
+        return None
+    return dataclasses.replace(model, initial=dataclasses.replace(model.initial, near=like.initial.near))
+
+
+# ---------------------------------------------------------------- which numbers follow
+def _plan(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
+    """Where numbers that follow stand in something that was read; their symbols are appended to `follow`.
+
+    plain: the same, read without recording.  Raises TraceError where the two differ in other things.
+    """
+    if isinstance(recorded, Recorded):
+        follow.append(recorded.symbol)
+        return len(follow) - 1
+    parts: dict[Any, tuple[Any, Any]] = {}
+    if isinstance(recorded, Mapping):
+        if list(recorded) != list(plain):
+            raise TraceError("reading again gives other parts")
+        parts = {key: (one, plain[key]) for key, one in recorded.items()}
+    elif isinstance(recorded, tuple | list):
+        if len(recorded) != len(plain):
+            raise TraceError("reading again gives other parts")
+        parts = dict(enumerate(zip(recorded, plain, strict=True)))
+    elif dataclasses.is_dataclass(recorded):
+        keys = [one.name for one in dataclasses.fields(recorded)]
+        parts = {key: (getattr(recorded, key), getattr(plain, key)) for key in keys}
+    elif not alike(recorded, plain):
+        raise TraceError("reading again gives other parts")
+    plans = {key: plan for key, (one, other) in parts.items() if (plan := _plan(one, other, follow)) is not None}
+    return plans or None
+
+
+def _length(recorded: Model, graph: Graph) -> Any:
+    """The length of a mechanism [m] with its record, whichever of its parts is the longest."""
+    longest, *others = lengths_of(recorded) or [1.0]
+    for one in others:
+        larger = graph.apply("less", symbol_of(longest), symbol_of(one))
+        symbol = graph.apply("select", larger, symbol_of(one), symbol_of(longest))
+        value = max(bare(longest), bare(one))
+        made = next((x.made for x in (longest, one) if isinstance(x, Recorded)), None)
+        longest = value if made is None else made(value, symbol)
+    return longest if longest > 0.0 else 1.0
+
+
+def _array_plans(recorded: System, follow: list[Any]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Of every array with numbers that follow, where they stand in it, and their places in `follow`."""
+    made = {}
+    for name, array in recorded.arrays.items():
+        if array.dtype != object:
+            continue
+        flat = array.ravel()
+        where = [k for k, one in enumerate(flat) if isinstance(one, Recorded)]
+        made[name] = np.array(where), np.arange(len(follow), len(follow) + len(where))
+        follow += [flat[k].symbol for k in where]
+    return made
+
+
+def _filled(plain: Any, plan: Plan, numbers: Sequence[float]) -> Any:
+    """The same with other numbers; what holds none of them is shared."""
+    if isinstance(plan, int):
+        return numbers[plan]
+    if isinstance(plain, Mapping):
+        return {**plain, **{key: _filled(plain[key], one, numbers) for key, one in plan.items()}}
+    if isinstance(plain, tuple):
+        parts = list(plain)
+        for k, one in plan.items():
+            parts[k] = _filled(parts[k], one, numbers)
+        return type(plain)._make(parts) if hasattr(plain, "_make") else tuple(parts)
+    if not hasattr(plain, "__dict__"):
+        return dataclasses.replace(
+            plain, **{key: _filled(getattr(plain, key), one, numbers) for key, one in plan.items()}
+        )
+    made = object.__new__(type(plain))
+    known = vars(plain)
+    made.__dict__.update(known)
+    for key, one in plan.items():
+        made.__dict__[key] = _filled(known[key], one, numbers)
+    return made
+
+
+def _function(graph: Graph, outputs: Sequence[Any]) -> Callable[..., Any]:
+    """A Python function of the inputs of a graph that returns these outputs.  Raises TraceError."""
+    live = graph.live(outputs)
+    if len(live) > MOST:
+        raise TraceError(f"its {len(live)} operations are more than the {MOST} up to which a form pays")
+    rank = {place: n for n, place in enumerate(graph.inputs)}
+    names = {place: f"p{rank[place]}" if place in rank else f"x{place}" for place in live}
+    known: dict[str, Any] = {f"f_{name}": one for name, one in CALLED.items()}
+    lines = [f"def numbers({', '.join(f'p{n}' for n in range(len(graph.inputs)))}):"]
+    for place in live:
+        op = graph.ops[place]
+        operands = [names[k] for k in graph.operands[place]]
+        if place in graph.numbers:
+            known[names[place]] = graph.numbers[place]
+        elif op in TEXTS:
+            lines.append(f" {names[place]} = {TEXTS[op].format(*operands)}")
+        elif op in CALLED:
+            lines.append(f" {names[place]} = f_{op}({', '.join(operands)})")
+        elif op != "input":
+            raise TraceError(f"the operation {op} has no form in Python")
+    lines.append(f" return ({''.join(f'{names[graph.place(one)]}, ' for one in outputs)})")
+    exec("\n".join(lines), known)  # of names and operations of a graph alone
+    made: Callable[..., Any] = known["numbers"]
+    return made
+
+
+# ---------------------------------------------------------------- whether two are the same
+def alike(one: Any, other: Any) -> bool:
+    """Whether two things that were read say the same: numbers with the same bits, expressions with the same trees."""
+    if one is other:
+        return True
+    if isinstance(one, float | int) and isinstance(other, float | int):
+        return one == other or (one != one and other != other)
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return one.shape == other.shape and bool(((one == other) | ((one != one) & (other != other))).all())
+    if isinstance(one, Mapping):
+        return list(one) == list(other) and all(alike(one[key], other[key]) for key in one)
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(alike, one, other))
+    if dataclasses.is_dataclass(one):
+        return all(alike(getattr(one, x.name), getattr(other, x.name)) for x in dataclasses.fields(one))
+    return bool(one == other)
+
+
+def _alike_systems(one: System, other: System) -> bool:
+    """Whether two systems are the same, and new workspaces of them begin with the same numbers."""
+    same = all(
+        alike(getattr(one, x.name), getattr(other, x.name)) for x in dataclasses.fields(System) if x.name != "model"
+    )
+    return same and alike(one.plain_workspace()._block, other.plain_workspace()._block)
