@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.equations.system import LARGE as LARGE
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-
-LARGE = 400  # number of rows above which dense linear algebra is avoided and starting the machine code pays off
 
 
 def dense_rows(system: System, workspace: Workspace) -> np.ndarray:

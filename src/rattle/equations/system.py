@@ -24,6 +24,7 @@ from rattle.language.local_function import packed
 from rattle.language.recorded import array_of, bare
 from rattle.language.switching import Signals, Switch, find_switches
 
+LARGE = 400  # number of rows above which dense linear algebra is avoided and starting the machine code pays off
 SHARE = 0.1  # of the least mass: any other gives the same motion
 STATE = {"x": at.X, "y": at.Y, "angle": at.PHI, "vx": at.VX, "vy": at.VY, "omega": at.W}  # columns of `body`
 
@@ -114,6 +115,12 @@ class System:
         machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
         return Workspace({**self._tables(machine, also), **more}, self._image)
 
+    def assembly_workspace(self) -> Workspace:
+        """A new workspace in which given values can be kept, see `kept_values`; a usual one if there are many rows."""
+        if self.row_count > LARGE:
+            return self.workspace()
+        return Workspace(self._tables(functions.jit_runs(), ()), self._assembly_image)
+
     def plain_workspace(self) -> Workspace:
         """A new workspace for kernels that run as plain Python, whether or not machine code runs."""
         return Workspace(self._tables(False, ()), self._image)
@@ -136,6 +143,29 @@ class System:
     @cached_property
     def _image(self) -> Image:
         """What a new workspace begins with, besides the tables of kernels."""
+        return self._begun({})
+
+    @cached_property
+    def _assembly_image(self) -> Image:
+        """The same with arrays for given values at the start."""
+        nr, nq = self.row_count, 3 * self.body_count
+        return self._begun(
+            {
+                "kept_rows": (nr, nq),
+                "kept_wide": (nr, nq),
+                "kept_span": (nq, nr),
+                "kept_left": (nr, nr),
+                "kept_tall": (nr, nr),
+                "kept_pivot": (2, nr + nq),
+                "kept_pivot_tall": (2, nr),
+                "kept_places": (9, nq),
+                "kept_sides": (5, nr),
+                "kept_order": (2, nr + nq),
+            }
+        )
+
+    def _begun(self, also: Mapping[str, tuple[int, ...]]) -> Image:
+        """What a new workspace begins with; also: shapes of more arrays."""
         nb, nr, ns = self.body_count + 1, self.row_count, max(1, len(self.model.recorded))
         nc, nd, states = len(self.arrays["contact"]), len(self.arrays["dry"]), (self.element_states,)
         nm = len(self.arrays["massless"])
@@ -176,6 +206,7 @@ class System:
             "dry_system": (nd, nd + 1),
             "element_state": states,
             "element_rate": states,
+            **also,
         }
         image = Image(self.arrays, tuple(others.items()))
         image.array("body", image.block)[0, at.COS] = 1.0
@@ -192,17 +223,23 @@ class System:
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own
 
+    def _renumbered(self, image: Image, changed: Mapping[str, np.ndarray]) -> Image:
+        """An image with other numbers in some arrays."""
+        image = copy.copy(image)
+        image.block = image.block.copy()
+        for name, array in changed.items():
+            image.array(name, image.block)[...] = array
+        if self.model.states:
+            self._put_own_states(image)
+        return image
+
     def with_numbers(self, model: Model, changed: Mapping[str, np.ndarray]) -> System:
         """The system of a model of the same form; changed: arrays with other numbers, of the same shapes."""
         switches = tuple([replace(one) for one in self.switches])  # a run writes into them
         made = replace(self, model=model, arrays={**self.arrays, **changed}, size=_size(model), switches=switches)
-        image = copy.copy(self._image)
-        image.block = image.block.copy()
-        for name, array in changed.items():
-            image.array(name, image.block)[...] = array
-        if model.states:
-            made._put_own_states(image)
-        made.__dict__["_image"] = image
+        for key in ("_image", "_assembly_image"):
+            if key in self.__dict__:
+                made.__dict__[key] = made._renumbered(self.__dict__[key], changed)
         return made
 
 

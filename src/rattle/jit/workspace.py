@@ -167,6 +167,17 @@ ARRAYS = {
     "impact_reaction": Array("f1", "nr", "N*s or N*m*s", "impulses of the joints in an impact with their friction"),
     "expected_force": Array("f1", "2 nc", "N", "forces of contacts, friction of joints being linearised there"),
     "dry_system": Array("f2", "nd, nd + 1", "", "scratch"),
+    # given values at the start, see `equations.kept_values`
+    "kept_rows": Array("f2", "nr, 3 nb", "-, -, m", "Phi_q as a matrix"),
+    "kept_wide": Array("f2", "nr, 3 nb", "", "scratch"),
+    "kept_span": Array("f2", "3 nb, nr", "", "scratch"),
+    "kept_left": Array("f2", "nr, nr", "", "left null space of the columns that are not given"),
+    "kept_tall": Array("f2", "nr, nr", "", "scratch"),
+    "kept_pivot": Array("f2", "2, nr + 3 nb", "", "of reflections"),
+    "kept_pivot_tall": Array("f2", "2, nr", "", "of those of `kept_tall`"),
+    "kept_places": Array("f2", "9, 3 nb", "m, rad", "positions, rates and their changes"),
+    "kept_sides": Array("f2", "5, nr", "", "what the changes are asked for"),
+    "kept_order": Array("i2", "2, nr + 3 nb", "", "rows exchanged"),
     # time integration
     "state": Array("f1", "ny", "SI", "y at clock[T], see `equations.state`"),
     "stepper": Array("i1", "6", "", "properties of the stepper of the run, see `step_state`"),

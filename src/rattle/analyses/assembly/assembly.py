@@ -151,7 +151,7 @@ def ideal_system(model: Model) -> System:
 def consistent_start(system: System, t: float, ideal: Assembled | None = None) -> Assembled:
     """As `assemble`, without notes on what could not be kept."""
     model = system.model
-    workspace = system.workspace()
+    workspace = system.assembly_workspace()
     _require_values(system, workspace, t)
     links = {name: one for name, one in model.joints.items() if is_link(one)}
     open_ = {name: one for name, one in model.joints.items() if _has_play(one)}
@@ -327,7 +327,7 @@ def _hold_offsets(
 
     system, model: with these joints closed; here their bushes are shifted.  given: (3 nb,), nan if not given.
     """
-    q, iterations, workspace = ideal.q.copy(), 0, system.workspace()
+    q, iterations, workspace = ideal.q.copy(), 0, system.assembly_workspace()
     on = {name: [name, *(key for key, one in model.drivers.items() if one.joint == name)] for name in offsets}
     for _ in range(6 if any(math.hypot(*one) for one in offsets.values()) else 1):
         for name, offset in offsets.items():

@@ -30,11 +30,16 @@ def computable(file: str) -> Iterator[None]:
 def finite(matrix: np.ndarray) -> np.ndarray:
     """The same matrix.  Raises AssemblyError if it holds what is no number, of which LAPACK would print lines."""
     if not np.isfinite(matrix).all():
-        raise AssemblyError(
-            "the constraints have no finite values here: numbers of the model are too large or too unlike each other"
-            " to be computed with; are units and values as meant?"
-        )
+        raise not_finite()
     return matrix
+
+
+def not_finite() -> AssemblyError:
+    """That constraints have no finite values."""
+    return AssemblyError(
+        "the constraints have no finite values here: numbers of the model are too large or too unlike each other"
+        " to be computed with; are units and values as meant?"
+    )
 
 
 def require_digits(system: System, q: np.ndarray) -> None:

@@ -1,0 +1,286 @@
+"""Given values of positions and rates, kept as far as joints and drivers allow: compiled iterations.
+
+Positions and rates change in two stages: first the given values, by the least change that the constraints require,
+then all others by the least change still needed; both are weighted by mass.  With G the columns of the given values,
+O the others, P the left null space of Phi_q O, and r the way back to the given values:
+
+    min |e|, P^T Phi_q (G (r + e)) = -P^T Phi;   then   Phi_q (G (r + e) + O o) = -Phi
+
+The null space and both least changes follow from reflections with pivoting (`jit.small_matrices`).
+"""
+
+from __future__ import annotations
+
+import math
+
+from rattle.equations.closure import close_position, open_by
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled, native
+from rattle.jit.small_matrices import into_basis, out_of_basis, solve_lower, solve_upper, triangulate
+
+NOISE = 1e-15  # share of the terms of a residual that is rounding
+RANK = 1e-10  # share of the longest row below which the remainder of a row is dependent on others
+EASY = 1e4  # by how much more coordinates without mass move than the inverse root of their fictitious mass says
+ROUNDS = 40  # of Newton's method
+AS_GIVEN, MOVED, NOT_CLOSED, NOT_FINITE = range(4)  # what became of positions and rates
+# rows of `kept_places`, (3 nb,) each, and of `kept_sides`, (nr,) each
+MADE, EXACT, START, STILL, THERE, CHANGE, MORE, ROOT, TURNED = range(9)
+WANTED, ROUNDING, SIDE, REST, ORDERED = range(5)
+
+
+@compiled
+def shortest(m, rows, side, x):
+    """Least x (n,), weighted by 1 / root^2, with A x = side in the sense of least squares.
+
+    A: in the first rows of `kept_wide`; overwritten, as is side.
+    """
+    wide, tall, order = m.kept_wide, m.kept_tall, m.kept_order
+    pivot, pivot_tall, ordered, turned, root = (
+        m.kept_pivot,
+        m.kept_pivot_tall,
+        m.kept_sides[ORDERED],
+        m.kept_places[TURNED],
+        m.kept_places[ROOT],
+    )
+    n, asked = x.shape[0], False
+    for k in range(n):
+        x[k] = 0.0
+        turned[k] = 0.0
+    for i in range(rows):
+        square = 0.0
+        for k in range(n):
+            wide[i, k] *= root[k]
+            square += wide[i, k] * wide[i, k]
+        length = math.sqrt(square)
+        if length > 0.0:
+            for k in range(n):
+                wide[i, k] /= length
+            side[i] /= length
+        asked = asked or side[i] != 0.0
+    if not asked:
+        return
+    first, second = order[0], order[1]
+    rank = triangulate(wide, rows, first, pivot, RANK)
+    for i in range(rows):
+        ordered[i] = side[first[i]]
+    if rank == rows:
+        solve_lower(wide, pivot, rank, ordered)
+        for k in range(rank):
+            turned[k] = ordered[k]
+    else:  # rows that depend on others need not agree with them
+        for j in range(rank):
+            for i in range(tall.shape[1]):
+                tall[j, i] = 0.0
+            tall[j, j] = pivot[0, j]
+            for i in range(j + 1, rows):
+                tall[j, i] = wide[i, j]
+        for i in range(rows, ordered.shape[0]):
+            ordered[i] = 0.0
+        known = triangulate(tall, rank, second, pivot_tall, 0.0)
+        into_basis(tall, pivot_tall, known, ordered)
+        solve_upper(tall, pivot_tall, known, ordered)
+        for j in range(known):
+            turned[second[j]] = ordered[j]
+    out_of_basis(wide, pivot, rank, turned)
+    for k in range(n):
+        x[k] = root[k] * turned[k]
+
+
+@compiled
+def least_change(m, given, size):
+    """Change with Phi_q change = `WANTED` (nr,) into `CHANGE`; coordinates that are given, not nan, change least.
+
+    Phi_q in `kept_rows`; `ROUNDING` (nr,): of `WANTED`; combinations of rows that are not larger do not change given
+    coordinates.
+    """
+    rows, wide, span, left = m.kept_rows, m.kept_wide, m.kept_span, m.kept_left
+    order, pivot, places, sides = m.kept_order, m.kept_pivot, m.kept_places, m.kept_sides
+    change, more, wanted, noise, side, rest = (
+        places[CHANGE],
+        places[MORE],
+        sides[WANTED],
+        sides[ROUNDING],
+        sides[SIDE],
+        sides[REST],
+    )
+    nr, n = rows.shape[0], given.shape[0]
+    others = 0
+    for k in range(n):
+        change[k] = 0.0
+        if given[k] != given[k]:
+            scale = 1.0 / size if k % 3 == 2 else 1.0
+            for r in range(nr):
+                span[others, r] = rows[r, k] * scale
+            others += 1
+    if others < n:
+        rank = triangulate(span, others, order[0], pivot, RANK) if others > 0 else 0
+        for j in range(rank, nr):
+            line, i = left[j - rank], j - rank
+            for r in range(nr):
+                line[r] = 0.0
+            line[j] = 1.0
+            out_of_basis(span, pivot, rank, line)
+            asked, rounding = 0.0, 0.0
+            for r in range(nr):
+                asked += line[r] * wanted[r]
+                rounding += abs(line[r]) * noise[r]
+            side[i] = asked if abs(asked) > rounding else 0.0
+            for k in range(n):
+                value = 0.0
+                if given[k] == given[k]:
+                    for r in range(nr):
+                        value += line[r] * rows[r, k]
+                wide[i, k] = value
+        shortest(m, nr - rank, side, change)
+    for r in range(nr):
+        value = wanted[r]
+        for k in range(n):
+            if given[k] == given[k]:
+                value -= rows[r, k] * change[k]
+                wide[r, k] = 0.0
+            else:
+                wide[r, k] = rows[r, k]
+        rest[r] = value
+    if others > 0:
+        shortest(m, nr, rest, more)
+        for k in range(n):
+            if given[k] != given[k]:
+                change[k] = more[k]
+
+
+@compiled
+def take_rows(m):
+    """Write Phi_q of the rows in the workspace as a matrix; False if a number of it is not finite."""
+    full, rows, row_body, total = m.kept_rows, m.rows, m.row_body, 0.0
+    for r in range(full.shape[0]):
+        for k in range(full.shape[1]):
+            full[r, k] = 0.0
+        a, b = row_body[r, at.ROW_A], row_body[r, at.ROW_B]
+        for k in range(3):
+            if a > 0:
+                full[r, 3 * a - 3 + k] += rows[r, at.AX + k]
+            if b > 0:
+                full[r, 3 * b - 3 + k] += rows[r, at.BX + k]
+        for k in range(full.shape[1]):
+            total += abs(full[r, k])
+    return total < math.inf
+
+
+@compiled
+def take_roots(m):
+    """Inverse roots of the masses of all coordinates, larger for those without mass."""
+    root, weight, massless = m.kept_places[ROOT], m.weight, m.massless
+    for i in range(1, weight.shape[0]):
+        for k in range(3):
+            root[3 * i - 3 + k] = math.sqrt(weight[i, k])
+    for n in range(massless.shape[0]):
+        root[3 * massless[n, 0] - 3 + massless[n, 1]] *= EASY
+
+
+@compiled
+def distance(m, q, given):
+    """Squared distance of positions q from those given, weighted by mass."""
+    weight, total = m.weight, 0.0
+    for k in range(q.shape[0]):
+        if given[k] == given[k]:
+            off = q[k] - given[k]
+            total += off * off / weight[k // 3 + 1, k % 3]
+    return total
+
+
+@native("i", "h", "f", "v", "v", "f")
+def keep_given(m, t, q, given, size):
+    """Closed positions near q (3 nb,) that keep the given values as far as joints allow, in place; q if none are found.
+
+    given: (3 nb,), nan if not given; size: of the mechanism [m].  Returns what became of q.
+    """
+    places, sides, full = m.kept_places, m.kept_sides, m.kept_rows
+    made, exact, start, still, there, change = (
+        places[MADE],
+        places[EXACT],
+        places[START],
+        places[STILL],
+        places[THERE],
+        places[CHANGE],
+    )
+    wanted, noise = sides[WANTED], sides[ROUNDING]
+    off, n = 0.0, q.shape[0]
+    for k in range(n):
+        made[k] = q[k]
+        still[k] = 0.0
+        if given[k] == given[k]:
+            off = max(off, abs(q[k] - given[k]))
+    if off <= 1e-14 * max(1.0, size):
+        return AS_GIVEN
+    take_roots(m)
+    for _ in range(ROUNDS):
+        open_by(m, t, made, still)
+        if not take_rows(m):
+            return NOT_FINITE
+        for k in range(n):
+            there[k] = given[k] - made[k] if given[k] == given[k] else 0.0
+        for r in range(full.shape[0]):
+            value, terms = -m.rows[r, at.RES], 0.0
+            for k in range(n):
+                value -= full[r, k] * there[k]
+                terms += abs(full[r, k]) * abs(made[k])
+            wanted[r] = value
+            noise[r] = NOISE * (terms + size)
+        least_change(m, given, size)
+        most = 0.0
+        for k in range(n):
+            change[k] += there[k]
+            most = max(most, abs(change[k]) if k % 3 == 2 else abs(change[k]) / size)
+        if not most < math.inf:
+            return NOT_FINITE
+        share = min(1.0, 0.5 / max(most, 1e-300))
+        for k in range(n):
+            made[k] += share * change[k]
+        if share * most < 1e-14:
+            break
+    for k in range(n):
+        exact[k] = made[k]
+    gap, _iterations = close_position(m, t, made, start, 1e-12 * size, 30)
+    if not gap <= 1e-9 * size:
+        return NOT_CLOSED
+    if open_by(m, t, exact, still) <= 1e-14 * max(1.0, size):
+        for k in range(n):
+            made[k] = exact[k]
+    if not distance(m, made, given) < distance(m, q, given):
+        return AS_GIVEN
+    for k in range(n):
+        q[k] = made[k]
+    return MOVED
+
+
+@native("i", "h", "f", "v", "v", "v", "f")
+def keep_given_rates(m, t, q, v, given, size):
+    """Rates near v (3 nb,) that satisfy the constraints and keep given ones as far as possible, in place.
+
+    q: (3 nb,) closed positions; given: (3 nb,), nan if not given.  Returns what became of v.
+    """
+    sides, change, full = m.kept_sides, m.kept_places[CHANGE], m.kept_rows
+    wanted, noise, n = sides[WANTED], sides[ROUNDING], q.shape[0]
+    for k in range(n):
+        if given[k] == given[k]:
+            v[k] = given[k]
+    open_by(m, t, q, v)  # Phi_q and nu follow from the positions
+    if not take_rows(m):
+        return NOT_FINITE
+    take_roots(m)
+    for _ in range(2):
+        closed = True
+        for r in range(full.shape[0]):
+            value, terms = m.rows[r, at.NU], abs(m.rows[r, at.NU])
+            for k in range(n):
+                value -= full[r, k] * v[k]
+                terms += abs(full[r, k]) * abs(v[k])
+            wanted[r] = value
+            noise[r] = 8.0 * NOISE * terms
+            closed = closed and abs(value) <= noise[r]
+        if closed:
+            break
+        least_change(m, given, size)
+        for k in range(n):
+            v[k] += change[k]
+    return MOVED
