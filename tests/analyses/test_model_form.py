@@ -91,3 +91,25 @@ def test_forms_are_forgotten_when_the_mechanism_is_changed() -> None:
         assert m.neighbour({"l": 2.0}).model.bodies["rod"].inertia == pytest.approx(4.0 / 12.0)
     m.parameter("half", "l/2").ground(P=["half", 0])
     assert m.neighbour({"l": 2.0}).model.ground["P"] == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["fourbar", "crank_rocker_play", "slider_crank", "fourbar_onesided"])
+def test_without_notes_a_start_is_the_same(name: str) -> None:
+    m = rt.example(name)
+    parameter = next(key for key, one in m.model.parameters.items() if one.unit == "m")
+    for x in (1.001, 1.002, 1.003, 1.004):
+        moved = {parameter: m.parameters[parameter] * x}
+        told, untold = m.neighbour(moved).start, m.neighbour(moved, told=False).start
+        assert np.array_equal(told.q, untold.q)
+        assert np.array_equal(told.v, untold.v)
+        assert untold.notes == ()
+
+
+def test_samples_of_a_study_have_the_same_bits_read_or_of_a_form() -> None:
+    values = [0.6, 0.601, 0.599, 0.602]
+    m = rt.example("fourbar").with_contact("impact")
+    forwards = m.many({"l2": values}, ["final(rocker.angle)"], 1e-3, threads=1)
+    m = rt.example("fourbar").with_contact("impact")
+    backwards = m.many({"l2": values[::-1]}, ["final(rocker.angle)"], 1e-3, threads=1)
+    assert np.array_equal(forwards["final(rocker.angle)"], backwards["final(rocker.angle)"][::-1])
+    assert not forwards.messages

@@ -54,16 +54,18 @@ class AnalysedModel(WrittenModel):
 
         system = self.system
         with computable(self._file):
-            return assemble(system)
+            return assemble(system, told=self._told)
 
-    def neighbour(self, values: Mapping[str, Any]) -> Self:
+    def neighbour(self, values: Mapping[str, Any], told: bool = True) -> Self:
         """As `set`, but what is not given of the start is looked for near the start of this mechanism.
 
-        So samples of one study start on one branch, and none of them a turn away.  Raises ModelError.
+        So samples of one study start on one branch, and none of them a turn away.  told: whether its start has notes.
+        Raises ModelError.
         """
         beside = self._beside_its_start
-        made = beside._of_its_form(values)
-        return beside.set(values) if made is None else made
+        made = beside._of_its_form(values) or beside.set(values)
+        made._told = told
+        return made
 
     def _of_its_form(self, values: Mapping[str, Any]) -> Self | None:
         """As `set` for numbers of parameters, without reading; None where the model has to be read.
@@ -110,10 +112,10 @@ class AnalysedModel(WrittenModel):
         start = self._start_or_none()
         if start is None:
             return self
-        from rattle.analyses.assembly.start_values import places
+        from rattle.analyses.assembly.assembly import near_places
 
         made = self.set()
-        made._near = places(self.system, start.q)
+        made._near, made._near_shut = near_places(self.system, start)
         return made
 
     def recorded(self, parameters: Sequence[str] = ()) -> RecordedModel:

@@ -17,7 +17,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rattle.analyses.assembly.assembly import has_play
 from rattle.analyses.assembly.start_constants import constants_of
+from rattle.analyses.assembly.without_play import ideal_model
 from rattle.description.model import Model
 from rattle.description.read_values import is_computable
 from rattle.description.reader import read
@@ -80,18 +82,13 @@ class ModelForm:
             recorded = read(document, chosen=chosen)
             if watch.lost:
                 raise TraceError(f"a value is taken without its record in {watch.lost[0]}")
-            recorded = dataclasses.replace(
-                recorded, initial=dataclasses.replace(recorded.initial, near=model.initial.near)
-            )
+            recorded = _beside(recorded, model)
             self._plan = _plan(recorded, model, follow)
-            self._system = None if constants_of(model) else compile_system(model)
-            self._arrays = {}
-            if self._system is not None:
-                count = len(follow)
-                self._arrays = _array_plans(compile_system(recorded, _length(recorded, graph)), follow)
-                if watch.lost:
-                    self._system = None
-                    del follow[count:]
+            self._system, self._shut = None, None
+            if not constants_of(model):
+                self._system = _SystemForm.of(recorded, model, graph, follow, watch)
+                if has_play(model):
+                    self._shut = _SystemForm.of(ideal_model(recorded), ideal_model(model), graph, follow, watch)
             self._numbers = _function(graph, [both(graph, recorder.assumed.values()), *follow])
         except (ModelError, *FAILURES) as error:
             raise TraceError(f"numbers of the model cannot be recorded: {error}") from error
@@ -108,11 +105,12 @@ class ModelForm:
         model: Model = _filled(self._model, self._plan, numbers)
         if self._system is None:
             return Made(model, None)
-        arrays, every = {}, np.array(numbers)
-        for name, (flat, places) in self._arrays.items():
-            array = arrays[name] = self._system.arrays[name].copy()
-            array.ravel()[flat] = every[places]
-        return Made(model, self._system.with_numbers(model, arrays))
+        every = np.array(numbers)
+        system = self._system.at(model, every)
+        if self._shut is not None:
+            same = not self._shut.arrays and _only_play(self._plan)
+            system.__dict__["shut"] = self._shut.base if same else self._shut.at(ideal_model(model), every)
+        return Made(model, system)
 
     def _check(self, document: Mapping[str, Any]) -> None:
         """Raise TraceError where the form differs from what reading gives; where arrays do, they are left out."""
@@ -128,6 +126,9 @@ class ModelForm:
                 raise TraceError("numbers of the model follow from parameters in a way that is not recorded")
             if made.system is not None and not _alike_systems(made.system, compile_system(wanted)):
                 self._system = None
+            shut = made.system.__dict__.get("shut") if made.system is not None else None
+            if shut is not None and not _alike_systems(shut, compile_system(ideal_model(wanted))):
+                self._shut = None
             tried += 1
         if tried <= LEAST_TRIED:
             raise TraceError("the form of the model changes with its parameters")
@@ -142,7 +143,13 @@ def _read_at(document: Mapping[str, Any], values: Mapping[str, float], like: Mod
         model = read({**document, "parameters": table})
     except ModelError:
         return None
-    return dataclasses.replace(model, initial=dataclasses.replace(model.initial, near=like.initial.near))
+    return _beside(model, like)
+
+
+def _beside(model: Model, other: Model) -> Model:
+    """A model whose start is looked for where that of another one is."""
+    initial = dataclasses.replace(model.initial, near=other.initial.near, near_shut=other.initial.near_shut)
+    return dataclasses.replace(model, initial=initial)
 
 
 # ---------------------------------------------------------------- which numbers follow
@@ -172,6 +179,40 @@ def _plan(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
     return plans or None
 
 
+class _SystemForm(NamedTuple):
+    """Arrays of which some numbers follow from parameters."""
+
+    base: System
+    arrays: Mapping[str, tuple[np.ndarray, np.ndarray]]  # where such numbers stand in an array, and which they are
+
+    @classmethod
+    def of(cls, recorded: Model, model: Model, graph: Graph, follow: list[Any], watch: Watch) -> _SystemForm | None:
+        """The form of the system of a model; None where a value is taken without its record.
+
+        Symbols of the numbers that follow are appended to `follow`.
+        """
+        arrays, first = {}, len(follow)
+        for name, array in compile_system(recorded, _length(recorded, graph)).arrays.items():
+            flat = array.ravel()
+            where = [k for k, one in enumerate(flat) if isinstance(one, Recorded)] if array.dtype == object else []
+            if where:
+                arrays[name] = np.array(where), np.arange(len(follow), len(follow) + len(where))
+                follow += [flat[k].symbol for k in where]
+        if watch.lost:
+            watch.lost.clear()
+            del follow[first:]
+            return None
+        return cls(compile_system(model), arrays)
+
+    def at(self, model: Model, numbers: np.ndarray) -> System:
+        """The system of a model of this form."""
+        changed = {}
+        for name, (flat, places) in self.arrays.items():
+            array = changed[name] = self.base.arrays[name].copy()
+            array.ravel()[flat] = numbers[places]
+        return self.base.with_numbers(model, changed)
+
+
 def _length(recorded: Model, graph: Graph) -> Any:
     """The length of a mechanism [m] with its record, whichever of its parts is the longest."""
     longest, *others = lengths_of(recorded) or [1.0]
@@ -184,17 +225,13 @@ def _length(recorded: Model, graph: Graph) -> Any:
     return longest if longest > 0.0 else 1.0
 
 
-def _array_plans(recorded: System, follow: list[Any]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Of every array with numbers that follow, where they stand in it, and their places in `follow`."""
-    made = {}
-    for name, array in recorded.arrays.items():
-        if array.dtype != object:
-            continue
-        flat = array.ravel()
-        where = [k for k, one in enumerate(flat) if isinstance(one, Recorded)]
-        made[name] = np.array(where), np.arange(len(follow), len(follow) + len(where))
-        follow += [flat[k].symbol for k in where]
-    return made
+def _only_play(plan: Plan) -> bool:
+    """True if no number of the mechanism without play follows."""
+    joints = plan.get("joints") or {}
+    of_play = {"clearance", "contact", "dimensions", "stop", "wear"}
+    return plan.keys() <= {"parameters", "constants", "joints"} and all(
+        one.keys() <= of_play for one in joints.values()
+    )
 
 
 def _filled(plain: Any, plan: Plan, numbers: Sequence[float]) -> Any:

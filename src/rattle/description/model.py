@@ -345,6 +345,8 @@ class Initial:
     offsets: Mapping[str, Vector] = field(default_factory=dict)
     near: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """x, y [m] and angle [rad] per body of a start on whose branch, and in whose turn, this one is looked for."""
+    near_shut: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    """The same of the mechanism without play."""
 
 
 @dataclass(frozen=True)

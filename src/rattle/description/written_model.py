@@ -48,7 +48,9 @@ class WrittenModel(Building):
             model = read(self._document, self._file)
         except ModelError as error:
             raise (model_file.point_out(error, self._text) if self._text else error) from None
-        return replace(model, initial=replace(model.initial, near=self._near)) if self._near else model
+        if not self._near:
+            return model
+        return replace(model, initial=replace(model.initial, near=self._near, near_shut=self._near_shut))
 
     @property
     def name(self) -> str:
@@ -173,7 +175,7 @@ class WrittenModel(Building):
         """As `set`, but what is written is not read yet."""
         made = type(self)()
         made._document, made._text, made._file = copied(self._document), self._text, self._file
-        made._changes, made._near = list(self._changes), self._near
+        made._changes, made._near, made._near_shut = list(self._changes), self._near, self._near_shut
         for name, value in asked.items():
             if not isinstance(name, str):
                 raise WrongType(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")

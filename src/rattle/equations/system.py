@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from rattle.language.switching import Signals, Switch, find_switches
 
 LARGE = 400  # number of rows above which dense linear algebra is avoided and starting the machine code pays off
 SHARE = 0.1  # of the least mass: any other gives the same motion
+Fact = TypeVar("Fact")
 STATE = {"x": at.X, "y": at.Y, "angle": at.PHI, "vx": at.VX, "vy": at.VY, "omega": at.W}  # columns of `body`
 
 
@@ -223,6 +224,16 @@ class System:
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own
 
+    def fact(self, key: Any, find: Callable[[], Fact]) -> Fact:
+        """What `find` finds of the parts of the model, whatever its numbers: once for all systems of one form."""
+        facts = self.__dict__.get("_facts")
+        if facts is None:
+            return find()
+        if key not in facts:
+            facts[key] = find()
+        found: Fact = facts[key]
+        return found
+
     def _renumbered(self, image: Image, changed: Mapping[str, np.ndarray]) -> Image:
         """An image with other numbers in some arrays."""
         image = copy.copy(image)
@@ -237,6 +248,7 @@ class System:
         """The system of a model of the same form; changed: arrays with other numbers, of the same shapes."""
         switches = tuple([replace(one) for one in self.switches])  # a run writes into them
         made = replace(self, model=model, arrays={**self.arrays, **changed}, size=_size(model), switches=switches)
+        made.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
         for key in ("_image", "_assembly_image"):
             if key in self.__dict__:
                 made.__dict__[key] = made._renumbered(self.__dict__[key], changed)

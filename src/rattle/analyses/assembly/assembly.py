@@ -31,6 +31,7 @@ from rattle.analyses.assembly.start_values import (
     keep_places,
     keep_positions,
     keep_rates,
+    places,
 )
 from rattle.analyses.assembly.unclosed import without_value
 from rattle.analyses.assembly.vector_loops import given_in_one_turn
@@ -73,22 +74,47 @@ class Assembled:
     changes: tuple[str, ...] = ()  # on all of them
 
 
-def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None) -> Assembled:
+def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None, told: bool = True) -> Assembled:
     """Positions and rates at time t [s], from the model's [initial] table.
 
-    ideal: the assembled ideal mechanism at t, if it is known already.
+    ideal: the assembled ideal mechanism at t, if it is known already.  told: whether notes are made.
     Raises AssemblyError if the joints cannot be closed; the message names the loop and the gap.
     """
     made = consistent_start(system, t, ideal)
     require_digits(system, made.q)
     _require_held(system, made)
-    if t != 0.0:
+    if t != 0.0 or not told:
         return made
-    shut = system
-    if any(is_link(one) or _has_play(one) for one in system.model.joints.values()):
-        shut = ideal_start(system.model, t, put_together, consistent_start)[0]
+    shut = without_play(system, t)[0] if has_play(system.model) else system
     remarks, said = system.model.remarks, start_notes(system, shut, t, made.q, made.v)
     return replace(made, notes=(*remarks, *said.brief), changes=(*remarks, *said.all))
+
+
+def without_play(system: System, t: float = 0.0) -> tuple[System, Assembled | AssemblyError]:
+    """The mechanism without play and its start at t [s], or why there is none."""
+    shut = system.__dict__.get("shut") if t == 0.0 else None
+    if shut is None:
+        return ideal_start(system.model, t, put_together, consistent_start)
+    if "begun" not in shut.__dict__:
+        try:
+            shut.__dict__["begun"] = consistent_start(shut, t)
+        except AssemblyError as error:
+            shut.__dict__["begun"] = error
+    return shut, shut.__dict__["begun"]
+
+
+def has_play(model: Model) -> bool:
+    """True if the assembly of a model begins at the start of the mechanism without play."""
+    return any(is_link(one) or _has_play(one) for one in model.joints.values())
+
+
+def near_places(system: System, start: Assembled) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Where the bodies are at a start, for others that are looked for near it; the same without play."""
+    near = places(system, start.q)
+    if not has_play(system.model):
+        return near, {}
+    shut, found = without_play(system)
+    return near, places(shut, found.q) if isinstance(found, Assembled) else {}
 
 
 def _require_held(system: System, made: Assembled) -> None:
@@ -159,7 +185,7 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     shut, held = system, list[str]()
     missing: list[str] = []
     if offsets:
-        shut, found = ideal_start(model, t, put_together, consistent_start)
+        shut, found = without_play(system, t)
         if isinstance(found, Assembled):
             ideal = found
         held = _undetermined(system, t, first_guess(system, t) if ideal is None else ideal.q, open_)
@@ -226,7 +252,7 @@ def _closed(
 
     Also returns the number of iterations.
     """
-    q, given = None, given_in_one_turn(system, t)
+    q, given = None, given_in_one_turn(system, t, workspace)
     if held and ideal is not None:
         try:
             joints = {
@@ -245,7 +271,7 @@ def _closed(
                 raise
             q, missing = None, []  # pins placed by reactions that are not unique may not fit
     if q is None:
-        q, iterations = _positions(system, workspace, t, offsets, ideal)
+        q, iterations = _positions(system, workspace, t, offsets, ideal, given)
     if missing and system.row_count <= LARGE:
         placed = keep_places(system, workspace, t, q, given)
         q = q if _beyond(system, workspace, t, placed) else placed
@@ -366,13 +392,12 @@ def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
 
 # ---------------------------------------------------------------- positions
 def _positions(
-    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None
+    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None, given: np.ndarray
 ) -> tuple[np.ndarray, int]:
     """Closed positions (3 nb,) that change given values least among all that are found, and the number of iterations.
 
     Where several do, the first of them.
     """
-    given = given_in_one_turn(system, t)
     small, tolerance = system.row_count <= LARGE, 1e-12 * system.size
     if small and not offsets and t == 0.0 and system.model.initial.near:
         q, iterations = _near_by(system, workspace, given)

@@ -14,6 +14,7 @@ from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations.motion import drive
 from rattle.equations.placement import turned
 from rattle.equations.system import System
+from rattle.jit.workspace import Workspace
 
 
 def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]:
@@ -51,6 +52,15 @@ def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]
                 loose = joint.contact is not None and not joint.contact.closed
                 loose |= joint.name not in driven and leaves_place(joint)
                 heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
+
+
+def ways_outward(system: System, islands: bool = False) -> list[tuple[str, str, Joint]]:
+    """`outward` of a system."""
+    joints = system.model.joints
+    found = system.fact(
+        ("outward", islands), lambda: [(body, parent, one.name) for body, parent, one in outward(system.model, islands)]
+    )
+    return [(body, parent, joints[name]) for body, parent, name in found]
 
 
 def _places_given_first(model: Model) -> list[str]:
@@ -104,7 +114,7 @@ def place_positions(
     given = {
         name: np.array([one.get("x", math.nan), one.get("y", math.nan)]) for name, one in model.initial.bodies.items()
     }
-    for body, parent, joint in outward(model, islands=True):
+    for body, parent, joint in ways_outward(system, islands=True):
         if parent not in at:
             at[parent] = np.nan_to_num(given.get(parent, np.zeros(2)))
         wanted = given.get(body, np.full(2, math.nan))
@@ -155,9 +165,14 @@ def _out_of_cams(
     return 0.0
 
 
-def driver_functions(system: System, t: float) -> dict[str, float]:
-    """The value of every driver's function at t [s] [rad or m]; 0 where it has none."""
-    workspace = system.workspace()
+def driver_functions(system: System, t: float, workspace: Workspace | None = None) -> dict[str, float]:
+    """The value of every driver's function at t [s] [rad or m]; 0 where it has none.
+
+    workspace: one that may be used for it.
+    """
+    if not system.model.drivers:
+        return {}
+    workspace = system.workspace() if workspace is None else workspace
     drive(workspace, t)
     values = {name: float(workspace.values[system.driver_slot(name)]) for name in system.model.drivers}
     return {name: value if math.isfinite(value) else 0.0 for name, value in values.items()}
@@ -175,7 +190,6 @@ def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray,
     q, v: (3 nb,); given: (3 nb,) rates given by the user, nan elsewhere; otherwise: (3 nb,) rates of bodies whose
     position the joints do not determine.
     """
-    model = system.model
     number = {name: 3 * n for n, name in enumerate(system.bodies)}
 
     def rate_of(point: Any) -> tuple[float, float]:
@@ -186,7 +200,7 @@ def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray,
         vx, vy, omega = v[k : k + 3].tolist()
         return vx - omega * y, vy + omega * x
 
-    for body, _, joint in outward(model):
+    for body, _, joint in ways_outward(system):
         k = number[body]
         rate = otherwise[k : k + 2].tolist()
         if not leaves_place(joint):

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.computable import finite
-from rattle.analyses.assembly.first_guess import first_guess, outward
+from rattle.analyses.assembly.first_guess import first_guess, ways_outward
 from rattle.analyses.assembly.rank import free_motions, scaled_rows
 from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.analyses.assembly.vector_loops import GROUND, groups_at
@@ -157,7 +157,7 @@ def _adrift(system: System, t: float, q: np.ndarray) -> list[str]:
 
     q: (3 nb,) positions at t [s].
     """
-    reached = {body for body, _, _ in outward(system.model)}
+    reached = {body for body, _, _ in ways_outward(system)}
     loose = [n for n, name in enumerate(system.bodies) if name not in reached]
     if not loose or system.row_count > LARGE:
         return []

@@ -26,10 +26,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.first_guess import driver_functions, outward
+from rattle.analyses.assembly.first_guess import driver_functions, ways_outward
 from rattle.analyses.assembly.start_values import given_values
 from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations.system import System
+from rattle.jit.workspace import Workspace
 
 MOST_JOINTS = 60  # up to which all short loops are looked for, not only independent ones
 MOST_CLOSINGS = 64  # of all choices of given values that count as exact; LEAST of each
@@ -297,7 +298,7 @@ class VectorLoops:
                 angle += math.tau * round((near - angle) / math.tau)
             angles[body] = angle + ahead
         at: dict[str, complex] = {GROUND: 0.0j}
-        for body, parent, joint in outward(self.model, islands=True):
+        for body, parent, joint in ways_outward(self.system, islands=True):
             if parent not in at:
                 values = self.model.initial.bodies.get(parent, {})
                 at[parent] = complex(values.get("x", 0.0), values.get("y", 0.0))
@@ -342,17 +343,20 @@ def _onto_circle(start: complex, u: complex, radius: float) -> tuple[list[float]
 
 
 # ---------------------------------------------------------------- what turns together, what is driven, what is a loop
-def groups_at(system: System, t: float) -> dict[str, tuple[str, float]]:
-    """Of every body, and of the ground, the group that turns with it at t [s], and how far it is ahead of it [rad]."""
-    return _groups(system.model, driver_functions(system, t))
+def groups_at(system: System, t: float, workspace: Workspace | None = None) -> dict[str, tuple[str, float]]:
+    """Of every body, and of the ground, the group that turns with it at t [s], and how far it is ahead of it [rad].
+
+    workspace: one that may be used for it.
+    """
+    return _groups(system.model, driver_functions(system, t, workspace))
 
 
-def given_in_one_turn(system: System, t: float) -> np.ndarray:
+def given_in_one_turn(system: System, t: float, workspace: Workspace | None = None) -> np.ndarray:
     """(3 nb,) given positions [m, m, rad], nan if not given; angles of bodies that turn together are in one turn.
 
-    It is that of the first of them, or that in which a driver holds them at t [s].
+    It is that of the first of them, or that in which a driver holds them at t [s].  workspace: see `groups_at`.
     """
-    given, groups = given_values(system, 0), groups_at(system, t)
+    given, groups = given_values(system, 0), groups_at(system, t, workspace)
     first, ahead = groups[GROUND]
     turns = {first: -ahead}
     for n, body in enumerate(system.bodies):

@@ -42,7 +42,9 @@ def ideal_model(model: Model) -> Model:
         for name, one in model.joints.items()
         if not one.passing
     }
-    return replace(model, joints=joints)
+    if not model.initial.near:
+        return replace(model, joints=joints)
+    return replace(model, joints=joints, initial=replace(model.initial, near=model.initial.near_shut))
 
 
 def ideal_start(

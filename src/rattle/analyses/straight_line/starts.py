@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import Assembled, assemble, put_together
+from rattle.analyses.assembly.assembly import Assembled, assemble, near_places, put_together
 from rattle.analyses.assembly.start_constants import constants_of, flat
-from rattle.analyses.assembly.start_values import places
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
 from rattle.equations.system import System
@@ -87,9 +86,9 @@ class Starts:
     def assemble(self, values: np.ndarray) -> tuple[System, Assembled]:
         """The model with values (np,) of the chosen parameters [SI], assembled.  Raises ModelError, AssemblyError."""
         model = read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True)))
-        near = places(self.model.system, self.model.start.q)  # all starts are on the branch of the recorded one
-        system = put_together(replace(model, initial=replace(model.initial, near=near)))
-        return system, assemble(system)
+        near, shut = near_places(self.model.system, self.model.start)  # all on its branch
+        system = put_together(replace(model, initial=replace(model.initial, near=near, near_shut=shut)))
+        return system, assemble(system, told=False)
 
     def solve(self, y: np.ndarray, values: np.ndarray, constants: np.ndarray | None = None) -> np.ndarray:
         """Positions and rates by the recorded equations, into y (ny, k); (k,) True where they hold.

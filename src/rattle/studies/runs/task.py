@@ -57,13 +57,16 @@ class Task:
         """The outputs as they were asked for."""
         return [one.text for one in self.outputs]
 
-    def mechanism_at(self, values: Sequence[float] | np.ndarray) -> Mechanism:
-        """The mechanism with values (k,) [SI] of the parameters that differ.  Raises ModelError."""
+    def mechanism_at(self, values: Sequence[float] | np.ndarray, told: bool = True) -> Mechanism:
+        """The mechanism with values (k,) [SI] of the parameters that differ.  Raises ModelError.
+
+        told: whether its start has notes.
+        """
         given = dict(zip(self.names, map(float, values), strict=True))
         bad = next((name for name, value in given.items() if not math.isfinite(value)), "")
         if bad:
             raise ModelError([Problem(("parameters", bad), f"{given[bad]} is not a finite number")])
-        return self.mechanism.neighbour(given)
+        return self.mechanism.neighbour(given, told)
 
     @property
     def history_times(self) -> np.ndarray:
@@ -75,7 +78,7 @@ class Task:
 
         Raises ModelError, AssemblyError, SolverError with why it has none.
         """
-        outputs, result = self.look(self.mechanism_at(values))
+        outputs, result = self.look(self.mechanism_at(values, told=False))
         places = np.searchsorted(result.t, self.history_times)
         curves = np.array([result[name][places] for name in self.histories])
         return Sample(outputs, curves.reshape(len(self.histories), len(places)), self.unread(result))
