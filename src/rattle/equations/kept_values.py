@@ -284,3 +284,37 @@ def keep_given_rates(m, t, q, v, given, size):
         for k in range(n):
             v[k] += change[k]
     return MOVED
+
+
+@native("ii", "h", "f", "v", "v", "f", "n", "m", "i", "m")
+def hold_pins(m, t, q, given, size, pins, offsets, keep, scratch):
+    """Closed positions near q (3 nb,), in place, with the bushes of joints moved to where their pins lie.
+
+    pins (k, 2): body A of a joint, and where its point on A stands in `values`; offsets (k, 4): this point in the
+    frame of A, and the pin's offset in ground axes [m].  keep: 1 to keep given values (3 nb,) too.
+    scratch: (2, 3 nb).  Returns what became of q, and the number of iterations.
+    """
+    values, before, total, rounds = m.values, scratch[1], 0, 1
+    for n in range(pins.shape[0]):
+        if offsets[n, 2] != 0.0 or offsets[n, 3] != 0.0:
+            rounds = 6
+    for _ in range(rounds):
+        for n in range(pins.shape[0]):
+            angle = q[3 * pins[n, 0] - 1] if pins[n, 0] > 0 else 0.0
+            c, s, p = math.cos(angle), math.sin(angle), pins[n, 1]
+            values[p] = offsets[n, 0] + (c * offsets[n, 2] + s * offsets[n, 3])
+            values[p + 1] = offsets[n, 1] + (c * offsets[n, 3] - s * offsets[n, 2])
+        for k in range(q.shape[0]):
+            before[k] = q[k]
+        gap, iterations = close_position(m, t, q, scratch[0], 1e-13 * size, 60)
+        total += iterations
+        if not gap <= 1e-9 * size:
+            return NOT_CLOSED, total
+        if keep > 0 and keep_given(m, t, q, given, size) == NOT_FINITE:
+            return NOT_FINITE, total
+        most = 0.0
+        for k in range(q.shape[0]):
+            most = max(most, abs(q[k] - before[k]))
+        if most < 1e-14 * size:
+            break
+    return MOVED, total

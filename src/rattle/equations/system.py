@@ -249,9 +249,9 @@ class System:
         switches = tuple([replace(one) for one in self.switches])  # a run writes into them
         made = replace(self, model=model, arrays={**self.arrays, **changed}, size=_size(model), switches=switches)
         made.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
-        for key in ("_image", "_assembly_image"):
-            if key in self.__dict__:
-                made.__dict__[key] = made._renumbered(self.__dict__[key], changed)
+        made.__dict__["_image"] = made._renumbered(self._image, changed)
+        if self.row_count <= LARGE:
+            made.__dict__["_assembly_image"] = made._renumbered(self._assembly_image, changed)
         return made
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.analyses.assembly.computable import require_digits
+from rattle.analyses.assembly.computable import not_finite, require_digits
 from rattle.analyses.assembly.first_guess import first_guess, place_rates
 from rattle.analyses.assembly.guesses import Guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
@@ -39,6 +39,7 @@ from rattle.analyses.assembly.without_play import along_reactions, ideal_model, 
 from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
 from rattle.equations.dense import LARGE
+from rattle.equations.kept_values import NOT_CLOSED, NOT_FINITE, hold_pins
 from rattle.equations.motion import constraints, drive
 from rattle.equations.placement import point_at, pose, turned
 from rattle.equations.system import System, compile_system, is_link
@@ -353,24 +354,22 @@ def _hold_offsets(
 
     system, model: with these joints closed; here their bushes are shifted.  given: (3 nb,), nan if not given.
     """
-    q, iterations, workspace = ideal.q.copy(), 0, system.assembly_workspace()
-    on = {name: [name, *(key for key, one in model.drivers.items() if one.joint == name)] for name in offsets}
-    for _ in range(6 if any(math.hypot(*one) for one in offsets.values()) else 1):
-        for name, offset in offsets.items():
-            point = model.joints[name].a
-            shift = turned(-pose(system, q, point.body)[2], offset)
-            for one in on[name]:  # the parameters of both begin with the point on A
-                place = system.first_value(one)
-                workspace.values[place : place + 2] = np.array(point.at) + shift
-        before = q.copy()
-        gap, more = close_position(workspace, t, q, np.empty_like(q), 1e-13 * system.size, 60)
-        iterations += more
-        if not gap <= 1e-9 * system.size:
-            raise AssemblyError(why_open_from(replace(system, model=model), workspace, t, q))
-        if system.row_count <= LARGE:
-            q = keep_positions(system, workspace, t, q, given)
-        if np.abs(q - before).max() < 1e-14 * system.size:
-            break
+    q, workspace = ideal.q.copy(), system.assembly_workspace()
+    number = {name: n for n, name in enumerate(("ground", *system.bodies))}
+    pins, places = [], []
+    for name, offset in offsets.items():
+        point = model.joints[name].a
+        for one in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
+            pins.append((number[point.body], system.first_value(one)))  # parameters of both begin with the point on A
+            places.append((*point.at, *offset))
+    found, iterations = hold_pins(
+        workspace, t, q, given, system.size, np.array(pins, np.int64).reshape(-1, 2),
+        np.array(places, dtype=float).reshape(-1, 4), int(system.row_count <= LARGE), np.empty((2, len(q))),
+    )  # fmt: skip
+    if found == NOT_FINITE:
+        raise not_finite()
+    if found == NOT_CLOSED:
+        raise AssemblyError(why_open_from(replace(system, model=model), workspace, t, q))
     return q, iterations
 
 
