@@ -113,3 +113,20 @@ def test_samples_of_a_study_have_the_same_bits_read_or_of_a_form() -> None:
     backwards = m.many({"l2": values[::-1]}, ["final(rocker.angle)"], 1e-3, threads=1)
     assert np.array_equal(forwards["final(rocker.angle)"], backwards["final(rocker.angle)"][::-1])
     assert not forwards.messages
+
+
+@pytest.mark.parametrize("name", ["jansen_leg", "squeezer", "fourbar", "crank_rocker_play", "path_generator"])
+def test_neighbours_start_where_a_search_of_all_closings_does(name: str) -> None:
+    m, random = rt.example(name), np.random.default_rng(1)
+    for key, one in m.model.parameters.items():
+        if one.unit != "m":
+            continue
+        for share in random.uniform(-0.01, 0.01, 3):
+            moved = {key: one.value * (1.0 + share)}
+            try:
+                alone = m.set(moved).start
+            except ModelError:
+                continue
+            beside = m.neighbour(moved).start
+            assert beside.q == pytest.approx(alone.q, rel=0.0, abs=1e-12), f"{moved}"
+            assert beside.v == pytest.approx(alone.v, rel=0.0, abs=1e-11 * max(1.0, np.abs(alone.v).max())), f"{moved}"

@@ -59,16 +59,16 @@ class AnalysedModel(WrittenModel):
     def neighbour(self, values: Mapping[str, Any], told: bool = True) -> Self:
         """As `set`, but what is not given of the start is looked for near the start of this mechanism.
 
-        So samples of one study start on one branch, and none of them a turn away.  told: whether its start has notes.
-        Raises ModelError.
+        So samples of one study start on one branch, and none of them a turn away.  told: False for a mechanism that is
+        run once: its start has no notes, and its results do not hold the model.  Raises ModelError.
         """
         beside = self._beside_its_start
-        made = beside._of_its_form(values) or beside.set(values)
+        made = beside._of_its_form(values, told) or beside.set(values)
         made._told = told
         return made
 
-    def _of_its_form(self, values: Mapping[str, Any]) -> Self | None:
-        """As `set` for numbers of parameters, without reading; None where the model has to be read.
+    def _of_its_form(self, values: Mapping[str, Any], told: bool) -> Self | None:
+        """As `neighbour` for numbers of parameters, without reading; None where the model has to be read.
 
         The form of the model is found when the same parameters are given for the third time.
         """
@@ -82,7 +82,7 @@ class AnalysedModel(WrittenModel):
             self._forms[names] = form, asked + 1
         if form is None or (found := form.at(list(values.values()))) is None:
             return None
-        made = self._changed(values)
+        made = self._changed(values, shared=not told)
         made.__dict__["model"] = found.model
         if found.system is not None:
             made.__dict__["system"] = found.system
@@ -184,7 +184,8 @@ class AnalysedModel(WrittenModel):
             elastic, bushes = elastic_bushes(self, found.trust.t_end)
             found.trust = replace(found.trust, elastic=elastic, bushes=bushes)
             found.trust = replace(found.trust, unread=unread(found))
-        found.provenance["document"] = self.to_json()
+        if self._told:
+            found.provenance["document"] = self.to_json()
         return found
 
     def kinematics(self, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *, strict: bool = False) -> Result:

@@ -183,6 +183,7 @@ class _SystemForm(NamedTuple):
     """Arrays of which some numbers follow from parameters."""
 
     base: System
+    size: int  # which number is the length of the mechanism, -1 where none follows
     arrays: Mapping[str, tuple[np.ndarray, np.ndarray]]  # where such numbers stand in an array, and which they are
 
     @classmethod
@@ -191,8 +192,8 @@ class _SystemForm(NamedTuple):
 
         Symbols of the numbers that follow are appended to `follow`.
         """
-        arrays, first = {}, len(follow)
-        for name, array in compile_system(recorded, _length(recorded, graph)).arrays.items():
+        arrays, first, length, size = {}, len(follow), _length(recorded, graph), -1
+        for name, array in compile_system(recorded, length).arrays.items():
             flat = array.ravel()
             where = [k for k, one in enumerate(flat) if isinstance(one, Recorded)] if array.dtype == object else []
             if where:
@@ -202,7 +203,10 @@ class _SystemForm(NamedTuple):
             watch.lost.clear()
             del follow[first:]
             return None
-        return cls(compile_system(model), arrays)
+        if isinstance(length, Recorded):
+            size = len(follow)
+            follow.append(length.symbol)
+        return cls(compile_system(model), size, arrays)
 
     def at(self, model: Model, numbers: np.ndarray) -> System:
         """The system of a model of this form."""
@@ -210,7 +214,7 @@ class _SystemForm(NamedTuple):
         for name, (flat, places) in self.arrays.items():
             array = changed[name] = self.base.arrays[name].copy()
             array.ravel()[flat] = numbers[places]
-        return self.base.with_numbers(model, changed)
+        return self.base.with_numbers(model, changed, float(numbers[self.size]) if self.size >= 0 else self.base.size)
 
 
 def _length(recorded: Model, graph: Graph) -> Any:

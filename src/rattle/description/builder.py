@@ -28,7 +28,7 @@ class Building:
         self._file = ""
         self._changes: list[Change] = []
         self._near: Mapping[str, tuple[float, float, float]] = {}  # see `model.Initial`
-        self._told = True  # whether notes on its start are made
+        self._told = True  # whether notes on its start are made, and results hold the model
         self._near_shut: Mapping[str, tuple[float, float, float]] = {}
 
     def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Self:

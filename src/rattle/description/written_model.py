@@ -171,10 +171,15 @@ class WrittenModel(Building):
             raise ModelError([*needs, *error.problems], error.file) from None
         return made
 
-    def _changed(self, asked: Mapping[str, Any]) -> Self:
-        """As `set`, but what is written is not read yet."""
+    def _changed(self, asked: Mapping[str, Any], shared: bool = False) -> Self:
+        """As `set`, but what is written is not read yet.
+
+        shared: whether it shares all tables but [parameters] with this one, for a mechanism that nobody else changes.
+        """
         made = type(self)()
-        made._document, made._text, made._file = copied(self._document), self._text, self._file
+        made._document, made._text, made._file = copied(self._document) if not shared else {}, self._text, self._file
+        if shared:
+            made._document = {**self._document, "parameters": copied(self._document.get("parameters", {}))}
         made._changes, made._near, made._near_shut = list(self._changes), self._near, self._near_shut
         for name, value in asked.items():
             if not isinstance(name, str):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -144,11 +143,13 @@ class System:
     @cached_property
     def _image(self) -> Image:
         """What a new workspace begins with, besides the tables of kernels."""
-        return self._begun({})
+        return self._begun({}) if "_like" not in self.__dict__ else self._renumbered("_image")
 
     @cached_property
     def _assembly_image(self) -> Image:
         """The same with arrays for given values at the start."""
+        if "_like" in self.__dict__:
+            return self._renumbered("_assembly_image")
         nr, nq = self.row_count, 3 * self.body_count
         return self._begun(
             {
@@ -234,24 +235,24 @@ class System:
         found: Fact = facts[key]
         return found
 
-    def _renumbered(self, image: Image, changed: Mapping[str, np.ndarray]) -> Image:
-        """An image with other numbers in some arrays."""
-        image = copy.copy(image)
-        image.block = image.block.copy()
+    def _renumbered(self, key: str) -> Image:
+        """The image of another system of this form with the numbers of this one."""
+        like, changed = self.__dict__["_like"]
+        image: Image = getattr(like, key).copied()
         for name, array in changed.items():
             image.array(name, image.block)[...] = array
         if self.model.states:
             self._put_own_states(image)
         return image
 
-    def with_numbers(self, model: Model, changed: Mapping[str, np.ndarray]) -> System:
+    def with_numbers(self, model: Model, changed: Mapping[str, np.ndarray], size: float) -> System:
         """The system of a model of the same form; changed: arrays with other numbers, of the same shapes."""
         switches = tuple([replace(one) for one in self.switches])  # a run writes into them
-        made = replace(self, model=model, arrays={**self.arrays, **changed}, size=_size(model), switches=switches)
+        made = object.__new__(System)
+        made.__dict__.update({key: self.__dict__[key] for key in self.__dataclass_fields__})
+        made.__dict__.update(model=model, arrays={**self.arrays, **changed}, size=size, switches=switches)
         made.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
-        made.__dict__["_image"] = made._renumbered(self._image, changed)
-        if self.row_count <= LARGE:
-            made.__dict__["_assembly_image"] = made._renumbered(self._assembly_image, changed)
+        made.__dict__["_like"] = self, changed
         return made
 
 

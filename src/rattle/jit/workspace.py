@@ -299,6 +299,12 @@ class Image:
             if numbers:
                 np.concatenate(numbers, out=self.block[part].view(kind))
 
+    def copied(self) -> Image:
+        """One of the same arrays, whose numbers may be changed."""
+        made = object.__new__(Image)
+        made.layout, made.block = self.layout, self.block.copy()
+        return made
+
     def array(self, name: str, block: np.ndarray) -> np.ndarray:
         """One of the arrays, in a block of memory; an empty one if there is none of this name."""
         kind, dimensions = TYPES[name]

@@ -16,7 +16,7 @@ from rattle.analyses.assembly.computable import not_finite, require_digits
 from rattle.analyses.assembly.first_guess import first_guess, place_rates
 from rattle.analyses.assembly.guesses import Guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
-from rattle.analyses.assembly.rank import free_motions, loose_without_mass, scaled_rows
+from rattle.analyses.assembly.rank import RANK, free_motions, loose_without_mass, scaled_rows
 from rattle.analyses.assembly.start_constants import (
     constants_at,
     constants_of,
@@ -34,7 +34,7 @@ from rattle.analyses.assembly.start_values import (
     places,
 )
 from rattle.analyses.assembly.unclosed import without_value
-from rattle.analyses.assembly.vector_loops import given_in_one_turn
+from rattle.analyses.assembly.vector_loops import GROUND, given_in_one_turn, groups_at
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
 from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
@@ -55,6 +55,7 @@ KEPT = (
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
 BESIDE = 0.5  # change from a start near by [rad, mechanism sizes] up to which this one is on its branch, as recorded
+ALONE = 10.0  # bending of closed positions, about 2, with room for what is not counted
 HARD = 8  # guesses from which it is tried hard to close, until one does
 LOOKED = 6  # closings that are looked at more closely, at most
 NUDGE = 1e-5  # of differences, as a share of the mechanism's size
@@ -180,8 +181,9 @@ def consistent_start(system: System, t: float, ideal: Assembled | None = None) -
     model = system.model
     workspace = system.assembly_workspace()
     _require_values(system, workspace, t)
-    links = {name: one for name, one in model.joints.items() if is_link(one)}
-    open_ = {name: one for name, one in model.joints.items() if _has_play(one)}
+    links, open_ = (
+        {name: model.joints[name] for name in names} for names in system.fact("play", lambda: _with_play(model))
+    )
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
     shut, held = system, list[str]()
     missing: list[str] = []
@@ -228,6 +230,12 @@ def _require_values(system: System, workspace: Workspace, t: float) -> None:
 def _has_play(joint: Joint) -> bool:
     """True if its contacts hold the mechanism together."""
     return joint.is_loose and not joint.passing
+
+
+def _with_play(model: Model) -> tuple[list[str], list[str]]:
+    """Joints that are massless links, and those whose contacts hold the mechanism together."""
+    joints = model.joints.items()
+    return [name for name, one in joints if is_link(one)], [name for name, one in joints if _has_play(one)]
 
 
 def _partly_closed(model: Model, t: float, names: list[str], why: AssemblyError) -> tuple[System, Assembled]:
@@ -451,9 +459,39 @@ def _near_by(system: System, workspace: Workspace, given: np.ndarray) -> tuple[n
         return None, iterations
     q = keep_positions(system, workspace, 0.0, q, given)
     size = np.tile([system.size, system.size, 1.0], system.body_count)
-    allowed = max(KEPT**2, WORTH * change_of_given(system, start, given))
-    beside = np.abs((q - start) / size).max() <= BESIDE and change_of_given(system, q, given) <= allowed
-    return (q if beside else None), iterations
+    if not np.abs((q - start) / size).max() <= BESIDE:
+        return None, iterations
+    change = change_of_given(system, q, given)
+    kept = change <= max(KEPT**2, WORTH * change_of_given(system, start, given))
+    return (q if kept or _nearest_alone(system, workspace, q, change) else None), iterations
+
+
+def _nearest_alone(system: System, workspace: Workspace, q: np.ndarray, change: float) -> bool:
+    """True if no other closed positions can change given values less than q (3 nb,) does, squared: `change`.
+
+    Where all angles are given or driven, and places follow from angles, those would be near q; and near q there is one
+    sheet of closed positions only, as it bends by about 1 / sigma, the least singular value of the constraints that is
+    not zero.
+    """
+    if not ALONE * math.sqrt(change) < 1.0 or not system.fact("angles known", lambda: _angles_known(system)):
+        return False
+    open_by(workspace, 0.0, q, np.zeros_like(q))
+    values = np.linalg.svd(scaled_rows(system, workspace), compute_uv=False)
+    least = values[values > RANK * values[0]].min(initial=values[0])
+    return bool(least > ALONE * math.sqrt(change))
+
+
+def _angles_known(system: System) -> bool:
+    """True if the angle of every body is given, or tied by joints and drivers to one that is, or to the ground.
+
+    And if the joints are linear in the places of the bodies.
+    """
+    if not all(one.leaf.places and one.distance == 0.0 for one in system.model.joints.values()):
+        return False
+    groups = groups_at(system, 0.0)
+    bodies = system.model.initial.bodies
+    known = {groups[GROUND][0], *(groups[name][0] for name, values in bodies.items() if "angle" in values)}
+    return all(group in known for group, _ in groups.values())
 
 
 def _nearest(

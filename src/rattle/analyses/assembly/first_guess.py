@@ -168,12 +168,13 @@ def _out_of_cams(
 def driver_functions(system: System, t: float, workspace: Workspace | None = None) -> dict[str, float]:
     """The value of every driver's function at t [s] [rad or m]; 0 where it has none.
 
-    workspace: one that may be used for it.
+    workspace: one in which they have been evaluated at t.
     """
     if not system.model.drivers:
         return {}
-    workspace = system.workspace() if workspace is None else workspace
-    drive(workspace, t)
+    if workspace is None:
+        workspace = system.workspace()
+        drive(workspace, t)
     values = {name: float(workspace.values[system.driver_slot(name)]) for name in system.model.drivers}
     return {name: value if math.isfinite(value) else 0.0 for name, value in values.items()}
 
@@ -191,21 +192,23 @@ def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray,
     position the joints do not determine.
     """
     number = {name: 3 * n for n, name in enumerate(system.bodies)}
+    angles, rates, known, others = q[2::3].tolist(), v.tolist(), given.tolist(), otherwise.tolist()
 
     def rate_of(point: Any) -> tuple[float, float]:
         if point.body == "ground":
             return 0.0, 0.0
         k = number[point.body]
-        x, y = turned(float(q[k + 2]), point.at).tolist()
-        vx, vy, omega = v[k : k + 3].tolist()
-        return vx - omega * y, vy + omega * x
+        c, s, (x, y), omega = math.cos(angles[k // 3]), math.sin(angles[k // 3]), point.at, rates[k + 2]
+        return rates[k] - omega * (s * x + c * y), rates[k + 1] + omega * (c * x - s * y)
 
     for body, _, joint in ways_outward(system):
         k = number[body]
-        rate = otherwise[k : k + 2].tolist()
+        x, y = others[k : k + 2]
         if not leaves_place(joint):
             own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)
-            v[k : k + 2] = 0.0
-            rate = [one - two for one, two in zip(rate_of(other), rate_of(own), strict=True)]
-        known = given[k : k + 2].tolist()
-        v[k : k + 2] = [way if math.isnan(one) else one for way, one in zip(rate, known, strict=True)]
+            rates[k] = rates[k + 1] = 0.0
+            (x, y), (own_x, own_y) = rate_of(other), rate_of(own)
+            x, y = x - own_x, y - own_y
+        rates[k] = x if math.isnan(known[k]) else known[k]
+        rates[k + 1] = y if math.isnan(known[k + 1]) else known[k + 1]
+    v[:] = rates

@@ -346,7 +346,7 @@ def _onto_circle(start: complex, u: complex, radius: float) -> tuple[list[float]
 def groups_at(system: System, t: float, workspace: Workspace | None = None) -> dict[str, tuple[str, float]]:
     """Of every body, and of the ground, the group that turns with it at t [s], and how far it is ahead of it [rad].
 
-    workspace: one that may be used for it.
+    workspace: one in which the functions of drivers have been evaluated at t.
     """
     return _groups(system.model, driver_functions(system, t, workspace))
 

@@ -60,7 +60,7 @@ class Task:
     def mechanism_at(self, values: Sequence[float] | np.ndarray, told: bool = True) -> Mechanism:
         """The mechanism with values (k,) [SI] of the parameters that differ.  Raises ModelError.
 
-        told: whether its start has notes.
+        told: see `neighbour`.
         """
         given = dict(zip(self.names, map(float, values), strict=True))
         bad = next((name for name, value in given.items() if not math.isfinite(value)), "")
