@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from rattle import registry
 from rattle.language.expression import Node
@@ -389,6 +389,17 @@ class Model:
         """Names and SI units of the quantities that a run records besides bodies, joints and energies."""
         units = {name: one.unit for name, one in self.states.items()}
         return units | {name: self.signal_units.get(name, "") for name in self.signals}
+
+
+Data = TypeVar("Data")
+
+
+def with_fields(one: Data, **fields: Any) -> Data:
+    """As `dataclasses.replace`, for data without derived fields, in a fifth of the time."""
+    made = object.__new__(type(one))
+    made.__dict__.update(one.__dict__)
+    made.__dict__.update(fields)
+    return made
 
 
 def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float, ...]]:

@@ -98,8 +98,10 @@ def without_play(system: System, t: float = 0.0) -> tuple[System, Assembled | As
     if shut is None:
         return ideal_start(system.model, t, put_together, consistent_start)
     if "begun" not in shut.__dict__:
+        workspace = shut.assembly_workspace()
         try:
-            shut.__dict__["begun"] = consistent_start(shut, t)
+            shut.__dict__["begun"] = consistent_start(shut, t, workspace=workspace)
+            shut.__dict__["spare"] = workspace  # the first who takes it need not make one
         except AssemblyError as error:
             shut.__dict__["begun"] = error
     return shut, shut.__dict__["begun"]
@@ -176,10 +178,12 @@ def ideal_system(model: Model) -> System:
     return put_together(ideal_model(model))
 
 
-def consistent_start(system: System, t: float, ideal: Assembled | None = None) -> Assembled:
-    """As `assemble`, without notes on what could not be kept."""
+def consistent_start(
+    system: System, t: float, ideal: Assembled | None = None, workspace: Workspace | None = None
+) -> Assembled:
+    """As `assemble`, without notes on what could not be kept.  workspace: an `assembly_workspace` to work in."""
     model = system.model
-    workspace = system.assembly_workspace()
+    workspace = system.assembly_workspace() if workspace is None else workspace
     _require_values(system, workspace, t)
     links, open_ = (
         {name: model.joints[name] for name in names} for names in system.fact("play", lambda: _with_play(model))
@@ -362,7 +366,7 @@ def _hold_offsets(
 
     system, model: with these joints closed; here their bushes are shifted.  given: (3 nb,), nan if not given.
     """
-    q, workspace = ideal.q.copy(), system.assembly_workspace()
+    q, workspace = ideal.q.copy(), system.__dict__.pop("spare", None) or system.assembly_workspace()
     number = {name: n for n, name in enumerate(("ground", *system.bodies))}
     pins, places = [], []
     for name, offset in offsets.items():

@@ -17,12 +17,11 @@ KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))
 
 def given_values(system: System, turn: int) -> np.ndarray:
     """(3 nb,) given positions [m, m, rad] (turn 0) or rates [m/s, m/s, rad/s] (turn 1), nan if not given."""
-    given = np.full(3 * system.body_count, math.nan)
-    for name, values in system.model.initial.bodies.items():
-        n = system.bodies.index(name)
-        for k, key in enumerate(KEYS[turn]):
-            given[3 * n + k] = values.get(key, math.nan)
-    return given
+    bodies, given = system.model.initial.bodies, list[float]()
+    for name in system.bodies:
+        values = bodies.get(name, {})
+        given += [values.get(key, math.nan) for key in KEYS[turn]]
+    return np.array(given)
 
 
 def places(system: System, q: np.ndarray) -> dict[str, tuple[float, float, float]]:
@@ -32,8 +31,11 @@ def places(system: System, q: np.ndarray) -> dict[str, tuple[float, float, float
 
 def change_of_given(system: System, q: np.ndarray, given: np.ndarray) -> float:
     """Sum of the squared changes of given positions, angles in rad and lengths in sizes of the mechanism."""
-    change = (q - given) / np.tile([system.size, system.size, 1.0], system.body_count)
-    return float(np.nansum(change * change))
+    change = q - given
+    change[0::3] /= system.size
+    change[1::3] /= system.size
+    squares = change * change
+    return float(squares[squares == squares].sum())
 
 
 # ---------------------------------------------------------------- keeping them

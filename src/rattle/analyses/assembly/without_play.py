@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from rattle.description.model import Contact, Model
+from rattle.description.model import Contact, Model, with_fields
 from rattle.equations.motion import solve_motion
 from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError
@@ -38,13 +38,13 @@ def ideal_model(model: Model) -> Model:
     """The same mechanism with every clearance closed, and without stops and what bodies come to and leave."""
     closed = Contact("ideal", {})
     joints = {
-        name: replace(one, contact=closed if one.contact else None, stop=None)
+        name: with_fields(one, contact=closed if one.contact else None, stop=None) if one.contact or one.stop else one
         for name, one in model.joints.items()
         if not one.passing
     }
     if not model.initial.near:
-        return replace(model, joints=joints)
-    return replace(model, joints=joints, initial=replace(model.initial, near=model.initial.near_shut))
+        return with_fields(model, joints=joints)
+    return with_fields(model, joints=joints, initial=with_fields(model.initial, near=model.initial.near_shut))
 
 
 def ideal_start(
