@@ -1,6 +1,7 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup lanes oil wear] [--repeats 7]
+    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup assembly lanes oil wear]
+                             [--repeats 7]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 
+import assembly
 import contact
 import kinematics
 import lubrication
@@ -29,6 +31,7 @@ SECTIONS = {
     "kinematics": kinematics.kinematics_rows,
     "pressing": pressing.rows,
     "startup": startup.rows,
+    "assembly": assembly.rows,
     "lanes": straight_line.rows,
     "oil": lubrication.rows,
     "wear": wear.rows,
