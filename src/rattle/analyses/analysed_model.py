@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from rattle.equations.system import System
     from rattle.results.result import Result
 
-FORM_PAYS = 3  # changes of the same parameters from which on finding the form of the model pays
-
 
 class AnalysedModel(WrittenModel):
     """A model that can be analysed; every analysis checks it first and raises ModelError with all problems at once."""
@@ -72,6 +70,8 @@ class AnalysedModel(WrittenModel):
 
         The form of the model is found when the same parameters are given for the third time.
         """
+        from rattle.analyses.model_form import FORM_PAYS
+
         if not values or not all(isinstance(one, float) and math.isfinite(one) for one in values.values()):
             return None
         names = tuple(values)

@@ -31,6 +31,7 @@ from rattle.language.watched import Watch, Watched
 from rattle.trace.graph import Graph, both
 from rattle.trace.recording import Recorder
 
+FORM_PAYS = 3  # models with other numbers of the same parameters from which on a form pays
 MOST = 20_000  # operations beyond which a form is not worth its making
 TRIED = (1e-7, -1e-7, 1e-4, -1e-4, 0.01, -0.01, 0.1, -0.1)  # changes of all parameters, in shares of them
 LEAST_TRIED = 4  # of these, at which the form holds

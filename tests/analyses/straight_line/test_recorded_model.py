@@ -6,6 +6,7 @@ import pytest
 import at_random
 import rattle as rt
 from rattle.analyses.dynamics.run import start_state
+from rattle.analyses.model_form import FORM_PAYS
 from rattle.analyses.straight_line.recorded_model import read_at
 from rattle.analyses.straight_line.starts import Starts
 from rattle.equations.motion import derivative
@@ -130,6 +131,15 @@ def test_starts_are_those_of_the_assembly(name):
     for n, column in enumerate(values.T):
         want = start_state(*starts.assemble(column))
         np.testing.assert_allclose(begun.y[:, n], want, rtol=0.0, atol=2e-13 * max(1.0, np.abs(want).max()))
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_an_assembled_start_has_the_same_bits_read_or_of_a_form(name):
+    m = rt.example(name)
+    starts = Starts(m.recorded(list(m.parameters)), evaluate)
+    (column,) = changed(starts.model, np.random.default_rng(3), np.array([1e-3]), 1).T
+    found = [start_state(*starts.assemble(column)) for _ in range(FORM_PAYS + 1)]
+    assert all(np.array_equal(one, found[0]) for one in found)
 
 
 def test_a_parameter_reaches_masses_gravity_drivers_loads_and_the_start_through_expressions():
