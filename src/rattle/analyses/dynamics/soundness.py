@@ -24,7 +24,7 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.registry import Kind
 from rattle.results.columns import width
-from rattle.solvers import step_audit
+from rattle.solvers import energy_floor, step_audit
 from rattle.solvers.output_row import record
 from rattle.solvers.stepper import Stepper
 
@@ -71,17 +71,8 @@ def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
 
 
 def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) -> None:
-    """Set the energy [J] below which energy errors are ignored: that of a mechanism at rest, within the tolerances.
-
-    Positions are known to rtol [-] of the size, rates to atol [m/s, rad/s]; errors of steps add up, hence a hundred (a
-    hundred thousand) times that.  The applied forces are those at the start.
-    """
-    forces = np.abs(workspace.force[1:])
-    size = system.extent
-    moment = float(forces[:, 2].sum() + size * forces[:, :2].sum())
-    slow = 1e5 * atol * np.array([1.0, 1.0, 1.0 / size])
-    resting = 0.5 * float((system.arrays["mass"][1:] * slow**2).sum())
-    workspace.audit[at.FLOOR] = min(1e2 * rtol / LIMIT, 0.1) * moment + resting
+    """Set the energy [J] below which energy errors are ignored; see `solvers.energy_floor`."""
+    energy_floor.set_floor(workspace, system.extent, LIMIT, rtol, atol)
 
 
 def energy_share(seen: np.ndarray) -> float:

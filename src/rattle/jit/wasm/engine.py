@@ -1,0 +1,216 @@
+"""An engine: all kernels that some functions reach, as one WebAssembly module.
+
+The functions that are offered are called with the places of a result, of an exception and of their arguments in memory,
+see `packed`; whoever calls them needs no other convention.  Kernels that stand in the tables of a workspace are known
+by name: the section `rattle` of the module says what stands for each in a table.  Calls of other natives, which machine
+code makes by a place that the linker knows, become calls of the function itself.
+
+The same linked text is also compiled for this machine, so that a test can compare both bit for bit.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
+
+from rattle.jit import families, functions, machine
+from rattle.jit.folder import compiled_sources
+from rattle.jit.functions import KernelFunction
+from rattle.jit.layout import COLUMNS
+from rattle.jit.translation.calls import kinds_of
+from rattle.jit.translation.unit import ABOUT, Unit, function, told_where
+from rattle.jit.wasm import binary
+from rattle.jit.workspace import ARRAYS
+
+SECTION = "rattle"  # of the module: what it offers, as JSON
+TRIPLE = "wasm32-unknown-unknown"
+# bulk memory fills arrays with zeros without a function for it; conversions to integers do not trap
+FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
+STACK = 128 * 1024  # bytes
+TOLD = "rattle.told"  # place in memory of the address of the text of the last error
+MISSING = "a kernel was called that this engine does not have"
+LIBRARY = re.compile(r'^declare double @"(\w+)"\([^)]*\).*$', re.MULTILINE)
+INTRINSICS = {
+    f"llvm.{name}.f64": f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"
+    for name, count in (("fabs", 1), ("floor", 1), ("sqrt", 1), ("copysign", 2))
+}
+REMAINDER = re.compile(r"frem double (\S+), (\S+)")
+
+
+class Linked(NamedTuple):
+    """Functions that need nothing but each other, in LLVM's language."""
+
+    text: str
+    offered: dict[str, tuple[str, ...]]  # name: letters of result and arguments, see `families.SIGNATURE`
+    kernels: dict[str, str]  # family by symbol, of what stands in tables
+
+
+# ---------------------------------------------------------------- convention
+def packed(unit: Unit, name: str, one: KernelFunction, letters: Sequence[str]) -> str:
+    """The text of a function that is offered under a name: (result, exception, arguments) -> 0, or 1 if it failed.
+
+    The three are addresses; arguments stand one after the other, eight bytes for each number, address or length, an
+    array being its address and shape.  A result of several numbers is a structure of them.
+    """
+    result, kinds = kinds_of(letters)
+    made = function(unit, one.python, kinds)
+    return told_where(made, lambda: made.written(name, outer=result, packed=True))
+
+
+def called(unit: Unit, name: str, one: KernelFunction) -> str:
+    """The text of a native as other kernels call it."""
+    result, kinds = kinds_of(one.letters)
+    made = function(unit, one.python, kinds)
+    return told_where(made, lambda: made.written(name, outer=result))
+
+
+def layout() -> str:
+    """What a workspace is in memory, as a short text: another one means another engine."""
+    about = [(name, one.kind) for name, one in ARRAYS.items()], {name: len(one) for name, one in COLUMNS.items()}
+    return hashlib.sha256(repr((about, families.SIGNATURE, families.BY_PLACE)).encode()).hexdigest()[:16]
+
+
+# ---------------------------------------------------------------- linking
+def link(
+    offered: Mapping[str, tuple[KernelFunction, Sequence[str]]], kernels: Iterable[KernelFunction], library: str
+) -> Linked:
+    """The text of all that these functions and kernels reach.
+
+    offered: by name, with the letters of result and arguments.  kernels: those that may stand in tables.  library: text
+    of the functions "rattle.sin" and the like, and of "rattle.fmod", that kernels call.  Raises TranslationError for
+    what kernels cannot use.
+    """
+    unit, texts = Unit(), []
+    table = sorted(kernels, key=lambda one: one.symbol)
+    for name, (one, letters) in sorted(offered.items()):
+        texts.append(packed(unit, f"call.{name}", one, letters))
+    natives = {one.symbol: one for one in functions.natives()}
+    done: set[str] = set()
+    ahead = {one.symbol for one in table} | _places(unit)
+    while ahead:
+        for symbol in sorted(ahead):
+            text = called(unit, f"code.{symbol}", natives[symbol])
+            texts.append(text.replace("define i32", "define internal i32", 1))
+        done |= ahead
+        ahead = _places(unit) - done
+    whole = unit.whole("\n".join(texts)).replace(ABOUT, "")
+    text = "\n".join([_first(), _own_places(whole, done), _slots(table), library, ABOUT])
+    text += "\n".join(line for name, line in INTRINSICS.items() if f'@"{name}"' not in whole)
+    return Linked(text, {name: tuple(offered[name][1]) for name in sorted(offered)}, {k.symbol: k.family for k in table})
+
+
+def _places(unit: Unit) -> set[str]:
+    """Symbols of all natives that the functions of a unit call."""
+    found, seen, ahead = set(unit.declared), set(), list(unit.parts.values())
+    while ahead:
+        part = ahead.pop()
+        if part.name not in seen:
+            seen.add(part.name)
+            found |= set(part.unit.declared)
+            ahead += part.unit.parts.values()
+    return {name for name in found if name.startswith("rattle.place.")}
+
+
+def _own_places(text: str, symbols: Iterable[str]) -> str:
+    """A text whose places hold the functions that they stand for, and that calls the package's own library."""
+    places = [f'@"{one}" = internal constant i64 ptrtoint (ptr @"code.{one}" to i64)' for one in sorted(symbols)]
+    lines = [line for line in text.split("\n") if not line.endswith(" = external global i64")]
+    lines = [line for line in lines if not line.startswith((f'declare i64 @"{machine.FIND}"', 'declare void @"rattle'))]
+    text = "\n".join(lines)
+    for name in sorted(set(LIBRARY.findall(text))):
+        text = re.sub(rf'^declare double @"{name}"\(.*$\n?', "", text, flags=re.MULTILINE)
+        text = text.replace(f'call double @"{name}"(', f'call double @"rattle.{name}"(')
+    text = REMAINDER.sub(r'call double @"rattle.fmod"(double \1, double \2)', text)
+    return "\n".join([*places, text])
+
+
+def _first() -> str:
+    """What every engine has: nothing at address 0, and where errors are told."""
+    code = MISSING.encode() + b"\0"
+    words = "".join(f"\\{one:02X}" for one in b"RuntimeError: " + code)
+    return f"""@"rattle.nothing" = constant [2 x i64] zeroinitializer, align 16
+@"{TOLD}" = global i32 0
+@"rattle.missing" = private constant [{len(code) + 14} x i8] c"{words}"
+define internal void @"{machine.FAULT}"(ptr %text) noinline cold {{
+  %place = ptrtoint ptr %text to i64
+  %short = trunc i64 %place to i32
+  store i32 %short, ptr @"{TOLD}"
+  ret void
+}}
+define internal i64 @"{machine.FIND}"(i64 %place) noinline cold {{
+  call void @"{machine.FAULT}"(ptr @"rattle.missing")
+  ret i64 0
+}}"""
+
+
+def _slots(table: Sequence[KernelFunction]) -> str:
+    """The number of every kernel of a table in memory; of eight bytes, as a place holds it."""
+    slot = '@"slot.{0}" = global {{ i32, i32 }} {{ i32 ptrtoint (ptr @"code.{0}" to i32), i32 0 }}, align 8'
+    return "\n".join(slot.format(one.symbol) for one in table)
+
+
+# ---------------------------------------------------------------- compiling
+def _optimised(text: str, target: Any, triple: str, level: int) -> Any:
+    module = machine.parsed(text)
+    module.triple, module.data_layout = triple, str(target.target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=level)
+    options.loop_unrolling = options.loop_vectorization = options.slp_vectorization = False
+    builder = llvm.create_pass_builder(target, options)
+    builder.getModulePassManager().run(module, builder)
+    return module
+
+
+def engine(linked: Linked, more: Mapping[str, Any], level: int = 2, small: bool = True) -> bytes:
+    """The WebAssembly module of linked functions; the same text gives the same bytes.
+
+    more: what it says of itself besides.  small: code is kept small where that costs little speed.
+    """
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple(TRIPLE).create_target_machine(opt=2, features=FEATURES, reloc="static")
+    text = linked.text.replace("attributes #0 = { nounwind }", "attributes #0 = { nounwind optsize }", small)
+    made = binary.linked(bytes(target.emit_object(_optimised(text, target, TRIPLE, level))))
+    if made.symbols["rattle.nothing"].value != 0:
+        raise binary.BrokenModule("something stands at address 0 of the engine")
+    numbers = {}
+    for symbol, family in linked.kernels.items():
+        slot = made.symbols[f"slot.{symbol}"].value
+        numbers[symbol] = slot if family in families.BY_PLACE else made.word(slot)
+    about = {
+        "layout": layout(),
+        "sources": sources(),
+        "llvmlite": importlib.import_module("llvmlite").__version__,
+        "calls": {name: list(letters) for name, letters in linked.offered.items()},
+        "arrays": [[name, one.kind] for name, one in ARRAYS.items()],
+        "kernels": numbers,
+        "told": made.symbols[TOLD].value,
+        "free": 0,
+        **more,
+    }
+    offered = {f"call {name}": f"call.{name}" for name in linked.offered}
+    _, about["free"] = binary.module(made, offered, STACK, [])
+    section = binary.custom(SECTION, json.dumps(about, separators=(",", ":")).encode())
+    return binary.module(made, offered, STACK, [section])[0]
+
+
+def about(module: bytes) -> dict[str, Any]:
+    """What an engine says of itself.  Raises BrokenModule for another module."""
+    found = binary.custom_sections(module)
+    if SECTION not in found:
+        raise binary.BrokenModule("this WebAssembly module is no engine of rattle")
+    told: dict[str, Any] = json.loads(found[SECTION])
+    return told
+
+
+def sources() -> str:
+    """What all kernels are compiled from, as a short text."""
+    digest = hashlib.sha256()
+    for path in compiled_sources():
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,154 @@
+"""A run as bytes: the arrays of its workspace before its first step, and a description of them as JSON.
+
+`pages/viewer/core.js` lays them out in the memory of an engine and takes the steps that `analyses.dynamics.run` would
+take.  Kernels of tables are given by name: an engine says what stands for each.  A description belongs to one layout
+of workspaces; an engine of another one refuses it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses.dynamics.methods import choose_stepper, new_run
+from rattle.analyses.dynamics.run import How, Run
+from rattle.analyses.dynamics.simulate import output_times
+from rattle.errors import InputError
+from rattle.jit import functions
+from rattle.jit import layout as at
+from rattle.jit.wasm.engine import layout
+from rattle.jit.workspace import ARRAYS
+from rattle.mechanism import Mechanism
+from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, RTOL
+
+TABLE = "_table"  # ending of arrays that hold kernels
+
+
+class RunImage(NamedTuple):
+    """A run that has not begun."""
+
+    description: dict[str, Any]
+    content: bytes
+
+
+def image_of(m: Mechanism, t_end: float | None = None, method: str | None = None) -> RunImage:
+    """The run that `simulate` would make, from the start of the mechanism to t_end [s], as bytes.
+
+    Raises InputError for laws in Python, which no page can call.
+    """
+    system, settings = m.system, m.system.model.settings
+    end, times = output_times(settings, t_end, None)
+    rtol = settings.rtol or RTOL
+    stepper, step = choose_stepper(system, method or settings.method, settings.step, end)
+    return run_image(new_run(system, m.start, times, end, How(stepper, rtol, settings.atol or ATOL * rtol, step)))
+
+
+def run_image(run: Run) -> RunImage:
+    """A run before its first step as bytes.  Raises InputError for laws in Python, which no page can call."""
+    content, arrays, tables = _Content(), [], {}
+    named = _names()
+    for name in ARRAYS:
+        array = getattr(run.workspace, name)
+        if name.endswith(TABLE):
+            tables[name] = [_kernel(one, named) for one in (array if isinstance(array, tuple) else array.tolist())]
+            arrays.append([len(array), -1])
+        else:
+            arrays.append([*array.shape, content.add(array)])
+    return RunImage(
+        {
+            "layout": layout(),
+            "arrays": arrays,
+            "tables": tables,
+            "times": [len(run.t_eval), content.add(run.t_eval)],
+            "width": run.raw.shape[1],
+            "loop": run.stepper.leaf.loop,
+            "locates": run.lands_on_instants,
+            "adaptive": run.stepper.leaf.adaptive,
+            "passesJams": run.stepper.leaf.loop == EVENT_DRIVEN and _passes_jams(run),
+            "start": run.start.t,
+            "end": run.t_end,
+            "rtol": run.rtol,
+            "atol": run.atol,
+            "step": run.step,
+            "extent": run.system.extent,
+            "instants": run.table.instants.tolist(),
+            "switches": run.table.rows.tolist(),
+            "sides": run.table.sides.tolist(),
+            "jumps": [{"t": one.t, "row": run.system.first_row(one.driver)} for one in run.table.jumps],
+            "owners": _owners(run),
+        },
+        bytes(content.written),
+    )
+
+
+class _Content:
+    """Bytes to which arrays are added, each at a multiple of eight."""
+
+    def __init__(self) -> None:
+        self.written = bytearray()
+
+    def add(self, array: np.ndarray) -> int:
+        """Where an array stands; -1 for one that begins with zeros alone, which takes no bytes."""
+        if not array.view(np.int64).any():
+            return -1
+        self.written += np.ascontiguousarray(array).tobytes()
+        return len(self.written) - array.nbytes
+
+
+def _names() -> dict[Any, str]:
+    """Names of all kernels, by what stands for them in the tables of this process: see `functions.entries`."""
+    found: dict[Any, str] = {}
+    for one in functions.natives():
+        if one.__module__.startswith("rattle.") and one.family:
+            found[one.python] = one.symbol
+            if one._address:
+                found[one._address] = one.symbol
+            if one in functions._places:
+                found[functions._machine().where(functions._places[one])] = one.symbol
+    return found
+
+
+def _kernel(entry: int | Callable[..., Any], names: dict[Any, str]) -> str | None:
+    """The name of a kernel in a table; None if there is none."""
+    if entry == 0:
+        return None
+    if entry not in names:
+        raise InputError("a law in Python cannot be computed in a page")
+    return names[entry]
+
+
+def _passes_jams(run: Run) -> bool:
+    """Whether jams are passed by an impact without collision, see `EventDrivenRun.begin`."""
+    contact = run.system.arrays["contact"]
+    rigid = contact[contact[:, at.IMPACT] == 1]
+    return bool((run.workspace.values[rigid[:, at.NORMAL_P] + at.JAM] > 0.0).any())
+
+
+def _owners(run: Run) -> list[str]:
+    """The joint of every contact, then of every joint with friction: what events are numbered by."""
+    system = run.system
+    return [*(system.joints[n] for n in system.arrays["contact"][:, at.OWNER].tolist()), *system.dry_joints]
+
+
+def numbers() -> dict[str, float]:
+    """The numbers of arrays and statuses that a run has in common with `pages/viewer/core.js`."""
+    from rattle.analyses.dynamics import run, soundness
+    from rattle.equations import motion, unilateral
+    from rattle.language import bytecode, switching
+
+    places = ("T", "H", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "EVENT_AT")
+    statuses = {name: getattr(motion, name) for name in ("OK", "STEP_TOO_SMALL", "PAUSED", "DONE")}
+    statuses |= {name: getattr(unilateral, name) for name in ("NO_SOLUTION", "LOCKED")}
+    return {
+        **{name: getattr(at, name) for name in places},
+        **statuses,
+        "SIDE": bytecode.SIDE,
+        "SAME": switching.SAME,
+        "GLANCE": run.GLANCE,
+        "CHUNK": run.CHUNK,
+        "LIMIT": soundness.LIMIT,
+        "MOST_NUMBERS": run.MOST_NUMBERS,
+    }
