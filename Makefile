@@ -10,7 +10,7 @@ SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees do
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test check proofs wheel long times docs coverage bench clean
+.PHONY: help demo test check proofs wheel engine long times docs coverage bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
@@ -36,7 +36,10 @@ proofs: $(VENV)/.ready-dev $(VENV)/.ready-oldest ## all other tests: slow ones, 
 	$(OLDEST)/bin/python -m pytest -q -n 2 --part quick
 	$(PYTEST) --part rest
 
-wheel: $(VENV)/.ready-dev ## build wheel and sdist, install each into an empty environment and run it
+engine: $(VENV)/.ready-dev ## build the kernels for pages: src/rattle/pages/engine.wasm.gz
+	$(BIN)/python -m rattle.pages.engine -o src/rattle/pages/engine.wasm.gz
+
+wheel: engine ## build wheel and sdist, install each into an empty environment and run it
 	rm -rf build/dist build/installed
 	$(BIN)/python -m hatchling build -d build/dist
 	$(PYTHON) -m venv --clear $(WHEEL)

@@ -1,18 +1,32 @@
-"""The engine of pages: every kernel that a run needs, as one WebAssembly module, `python -m rattle.pages.engine`."""
+"""The engine of pages: every kernel that a run needs, as one WebAssembly module.
+
+`python -m rattle.pages.engine -o FILE` builds it.  A wheel holds a built one, `engine.wasm.gz`.  Where there is none,
+or one of other sources, as while they are changed, it is built when it is first needed and kept in the cache folder.
+"""
 
 from __future__ import annotations
 
 import argparse
+import functools
 import gzip
+import hashlib
+import pickle
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from importlib import resources
 from pathlib import Path
+from typing import Any
 
+from rattle.analyses.dynamics import run, soundness
+from rattle.equations import motion, unilateral
 from rattle.jit import functions
+from rattle.jit import layout as at
+from rattle.jit.cache import KeptFile
+from rattle.jit.folder import cache_folder, compiled_sources
 from rattle.jit.functions import KernelFunction
-from rattle.jit.wasm.engine import Linked, engine, link
-from rattle.pages.run_image import numbers
+from rattle.jit.wasm.engine import Linked, about, engine, link
+from rattle.language import bytecode, switching
 from rattle.solvers import step_loop
 from rattle.solvers.dry_friction_modes import decide
 from rattle.solvers.energy_floor import set_floor
@@ -21,50 +35,101 @@ from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import choose_sides
 from rattle.trace.library import library_text
 
-
-def offered() -> dict[str, tuple[KernelFunction, Sequence[str]]]:
-    """What a page calls: the functions that `analyses.dynamics` calls in a run, with letters of result and arguments."""
-    natives = {
-        "smooth.begin": step_loop.begin,
-        "smooth.resume": step_loop.resume,
-        "smooth.advance": step_loop.advance,
-        "events.start": event_driven.start,
-        "events.goOn": event_driven.go_on,
-        "events.advance": event_driven.advance,
-        "events.passJam": jams.pass_jam,
-        "stepping.start": moreau_jean.start,
-        "stepping.advance": moreau_jean.advance,
-        "record": record,
-        "decide": decide,
-        "jolt": jolts.jolt,
-        "floor": set_floor,
-    }
-    return {name: (one, one.letters) for name, one in natives.items()} | {
-        "chooseSides": (choose_sides, ("void", "h", "f", "f")),
-        "speeds": (jolts.speeds, ("void", "h", "f", "v")),
-    }
+OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
+BUILT = "engine.wasm.gz"  # in this folder
+NATIVES = {  # what a page calls: the functions that `analyses.dynamics` calls in a run
+    "smooth.begin": step_loop.begin,
+    "smooth.resume": step_loop.resume,
+    "smooth.advance": step_loop.advance,
+    "events.start": event_driven.start,
+    "events.goOn": event_driven.go_on,
+    "events.advance": event_driven.advance,
+    "events.passJam": jams.pass_jam,
+    "stepping.start": moreau_jean.start,
+    "stepping.advance": moreau_jean.advance,
+    "record": record,
+    "decide": decide,
+    "jolt": jolts.jolt,
+    "floor": set_floor,
+}
+WITH_LETTERS = {  # the same of functions whose types follow from their arguments
+    "chooseSides": (choose_sides, ("void", "h", "f", "f")),
+    "speeds": (jolts.speeds, ("void", "h", "f", "v")),
+}
+# columns and statuses, and settings of a run, that `viewer/core_run.js` uses by name
+COLUMNS = ("T", "H", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "EVENT_AT")
+STATUSES = {motion: ("OK", "STEP_TOO_SMALL", "PAUSED", "DONE"), unilateral: ("NO_SOLUTION", "LOCKED")}
+SETTINGS = {
+    bytecode: ("SIDE",),
+    switching: ("SAME",),
+    soundness: ("LIMIT",),
+    run: ("GLANCE", "CHUNK", "MOST_NUMBERS"),
+}
 
 
 def linked() -> Linked:
     """All that a page calls, with all kernels of the package that may stand in a table."""
     kernels = [one for one in functions.natives() if one.family and one.__module__.startswith("rattle.")]
-    return link(offered(), kernels, library_text())
+    offered: Mapping[str, tuple[KernelFunction, Sequence[str]]] = {
+        **{name: (one, one.letters) for name, one in NATIVES.items()},
+        **WITH_LETTERS,
+    }
+    return link(offered, kernels, library_text())
 
 
 def build() -> bytes:
-    """The engine of pages."""
-    return engine(linked(), {"numbers": numbers()})
+    """The engine of pages, made from the sources."""
+    named: dict[Any, tuple[str, ...]] = {at: COLUMNS, **STATUSES, **SETTINGS}
+    numbers = {name: getattr(one, name) for one in named for name in named[one]}
+    return engine(linked(), {"sources": sources(), "numbers": numbers})
+
+
+@functools.cache
+def sources() -> str:
+    """What the engine is made from, as a short text."""
+    here, digest = Path(__file__).parents[1], hashlib.sha256()
+    makers = [*(here / "jit" / "wasm").glob("*.py"), *(here / "trace" / name for name in OF_LIBRARY), Path(__file__)]
+    for path in [*compiled_sources(), *sorted(makers)]:
+        digest.update(path.relative_to(here).as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def compressed(module: bytes) -> bytes:
+    """A module as the package and its pages hold it."""
+    return gzip.compress(module, 9, mtime=0)
+
+
+def built() -> bytes | None:
+    """The engine that the package holds; None if it holds none."""
+    file = resources.files("rattle.pages") / BUILT
+    return gzip.decompress(file.read_bytes()) if file.is_file() else None
+
+
+@functools.cache
+def engine_of_pages() -> bytes:
+    """The engine for these sources, compressed: the one that the package holds, one that was kept, or a new one."""
+    held = built()
+    if held is not None and about(held)["sources"] == sources():
+        return compressed(held)
+    kept = KeptFile(cache_folder(), "engine", sources())
+    found: bytes | None = kept.read()
+    if found is None:
+        functions.say_once("compiling kernels for pages (once)")
+        found = compressed(build())
+        kept.write(lambda: pickle.dumps(found))
+    return found
 
 
 def main(arguments: Sequence[str]) -> None:
     """Build the engine into a file, and say what it has become."""
-    parser = argparse.ArgumentParser(prog="python -m rattle.pages.engine", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m rattle.pages.engine", description=main.__doc__)
     parser.add_argument("-o", dest="file", type=Path, required=True, help="the file, .wasm or .wasm.gz")
     file, began = parser.parse_args(arguments).file, time.process_time()
     module = build()
-    small = gzip.compress(module, mtime=0)
+    small = compressed(module)
     file.write_bytes(small if file.suffix == ".gz" else module)
-    print(f"{file}: {len(module)} bytes, {len(small)} compressed, {time.process_time() - began:.1f} s", file=sys.stderr)
+    took = time.process_time() - began
+    sys.stderr.write(f"{file}: {len(module)} bytes, {len(small)} compressed, {took:.1f} s\n")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ of workspaces; an engine of another one refuses it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -131,24 +130,3 @@ def _owners(run: Run) -> list[str]:
     """The joint of every contact, then of every joint with friction: what events are numbered by."""
     system = run.system
     return [*(system.joints[n] for n in system.arrays["contact"][:, at.OWNER].tolist()), *system.dry_joints]
-
-
-def numbers() -> dict[str, float]:
-    """The numbers of arrays and statuses that a run has in common with `pages/viewer/core.js`."""
-    from rattle.analyses.dynamics import run, soundness
-    from rattle.equations import motion, unilateral
-    from rattle.language import bytecode, switching
-
-    places = ("T", "H", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "EVENT_AT")
-    statuses = {name: getattr(motion, name) for name in ("OK", "STEP_TOO_SMALL", "PAUSED", "DONE")}
-    statuses |= {name: getattr(unilateral, name) for name in ("NO_SOLUTION", "LOCKED")}
-    return {
-        **{name: getattr(at, name) for name in places},
-        **statuses,
-        "SIDE": bytecode.SIDE,
-        "SAME": switching.SAME,
-        "GLANCE": run.GLANCE,
-        "CHUNK": run.CHUNK,
-        "LIMIT": soundness.LIMIT,
-        "MOST_NUMBERS": run.MOST_NUMBERS,
-    }

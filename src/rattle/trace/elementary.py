@@ -121,7 +121,7 @@ def _product(a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
 
 
 # ---------------------------------------------------------------- angles
-def _reduced(x: Any) -> tuple[Any, Any, Any]:
+def reduced(x: Any) -> tuple[Any, Any, Any]:
     """x = n pi/2 + r + s with |r| <= pi/4, s its rounding error: the remainder of n by 4, r, s."""
     n = _nearest(x * TWO_OVER_PI)
     first, second = x - n * HALF_PI[0], n * HALF_PI[1]  # both exact
@@ -133,16 +133,39 @@ def _reduced(x: Any) -> tuple[Any, Any, Any]:
 
 def _sine_and_cosine(x: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Quarter turns in x, by 4; sine and cosine of what is left, then the rounding errors of both."""
-    quarter, r, s = _reduced(x)
+    quarter, r, s = reduced(x)
+    sine, sine_low = _sine_of_rest(r, s)
+    cosine, cosine_low = _cosine_of_rest(r, s)
+    return quarter, sine, cosine, sine_low, cosine_low
+
+
+def _sine_of_rest(r: Any, s: Any) -> tuple[Any, Any]:
+    """Sine of r + s, as `reduced` leaves them, and its rounding error."""
     z = r * r
     v = z * r
     less = (z * (0.5 * s - v * polynomial(z, SIN[1:])) - s) - v * SIN[0]
     sine = r - less
+    return sine, (r - sine) - less
+
+
+def _cosine_of_rest(r: Any, s: Any) -> tuple[Any, Any]:
+    """Cosine of r + s, and its rounding error."""
+    z = r * r
     half = 0.5 * z
     w = 1.0 - half
     more = ((1.0 - w) - half) + (z * (z * polynomial(z, COS)) - r * s)
     cosine = w + more
-    return quarter, sine, cosine, (r - sine) - less, (w - cosine) + more
+    return cosine, (w - cosine) + more
+
+
+def sine_of_rest(r: Any, s: Any) -> Any:
+    """Sine of r + s, as `reduced` leaves them."""
+    return _sine_of_rest(r, s)[0]
+
+
+def cosine_of_rest(r: Any, s: Any) -> Any:
+    """Cosine of r + s, as `reduced` leaves them."""
+    return _cosine_of_rest(r, s)[0]
 
 
 def sine(x: Any) -> Any:

@@ -217,6 +217,19 @@ def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: 
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
 
 
+def instructions(graph: Graph, outputs: Sequence[Any], given: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Instructions for one sample whose inputs have these names, and what they call the outputs, as numbers.
+
+    The graph must be of exact operations alone.
+    """
+    body = _Body(graph, _written(1))
+    body._numbers = dict(zip(graph.inputs, given, strict=True))
+    for place in graph.live(outputs):
+        if graph.ops[place] != "input":
+            body.add(place)
+    return body.lines, [body.number(graph.place(x)) for x in outputs]
+
+
 # ---------------------------------------------------------------- machine code
 class MachineCode:
     """Compiled functions.  Their addresses are valid as long as this object lives."""

@@ -269,13 +269,18 @@ def linked(made: bytes) -> Linked:
     return Linked(parts, symbols(custom_sections(made)["linking"], pieces), bytes(memory))
 
 
-def module(one: Linked, offered: Mapping[str, str], stack: int, extra: Iterable[Section]) -> tuple[bytes, int]:
-    """The module that offers its memory and these functions, names by symbols, and the first free place in its memory.
+def top(one: Linked, stack: int) -> int:
+    """The first free place in the memory of a module, behind its data and a stack of so many bytes."""
+    return -(-(len(one.memory) + stack) // 16) * 16
 
-    stack: its size in bytes; it lies behind the data and is filled from its end.
+
+def module(one: Linked, offered: Mapping[str, str], stack: int, extra: Iterable[Section]) -> bytes:
+    """The module that offers its memory and these functions, names by symbols.
+
+    stack: its size in bytes; it is filled from its end.
     """
-    top = -(-(len(one.memory) + stack) // 16) * 16
-    pages = -(-top // PAGE)
+    end = top(one, stack)
+    pages = -(-end // PAGE)
     elements = Reader(one.parts.get(ELEMENT, b"\0"))
     entries = 1  # the first stands for no function
     for _ in range(elements.unsigned()):
@@ -291,13 +296,13 @@ def module(one: Linked, offered: Mapping[str, str], stack: int, extra: Iterable[
     own = {
         TABLE: listed([bytes([FUNCREF, 1]) + unsigned(entries) + unsigned(entries)]),
         MEMORY: listed([b"\0" + unsigned(pages)]),
-        GLOBAL: listed([bytes([I32, MUTABLE]) + _placed(top)]),
+        GLOBAL: listed([bytes([I32, MUTABLE]) + _placed(end)]),
         EXPORT: listed(offers),
         DATA: data,
     }
     kept = {kind: body for kind, body in one.parts.items() if kind not in (IMPORT, DATA_COUNT)} | own
     ordered = [Section(kind, kept[kind]) for kind in ORDER if kind in kept]
-    return written([*ordered, *extra]), top
+    return written([*ordered, *extra])
 
 
 def _placed(value: int) -> bytes:

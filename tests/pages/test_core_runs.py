@@ -1,0 +1,124 @@
+"""Runs by the engine of pages are those of `simulate`: the same steps, events and numbers."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core_engine import by_machine_code, in_node, new
+
+pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
+
+
+def apart(a, b):
+    """The largest difference of two (n, k) rows, as a share of the largest value of its column (of 1e-3 at least)."""
+    return float((np.abs(a - b) / np.maximum(np.abs(a).max(axis=0), 1e-3)).max())
+
+
+STEPPED_ALIKE = {  # difference of rows: that of the elementary functions of the C library
+    "bouncing_pin": 1e-12,  # impacts
+    "gear_rattle": 1e-9,  # compliant flanks
+    "fourbar_onesided": 1e-4,  # impacts with friction
+    "slider_crank_oil": 1e-2,  # an oil film: radau
+    "torque_converter": 1e-4,  # clutches
+    "ratchet": 1e-7,
+    "door_closer": 1e-7,  # a stop
+    "drawer": 1e-12,
+    "stick_slip": 1e-5,  # friction of a joint without play
+    "crank_rocker_play": 1e-3,  # massless links
+    "piston_engine": 1e-4,  # a table
+    "three_plays": 1e-6,  # Moreau-Jean
+    "excavator": 1e-4,  # switches of time
+}
+
+
+@pytest.mark.parametrize("name", STEPPED_ALIKE)
+def test_it_takes_the_steps_of_simulate(name, tmp_path):
+    said, run = in_node(tmp_path, new(name)), by_machine_code(new(name))
+    assert said["success"]
+    assert run["success"]
+    assert said["statistics"] == run["statistics"]
+    assert [one["kind"] for one in said["events"]] == run["events"][:, 2].tolist()
+    assert np.allclose([one["t"] for one in said["events"]], run["events"][:, 0], rtol=1e-4)
+    assert len(said["breaks"]) == len(run["breaks"])
+    assert apart(run["rows"], said["rows"]) < STEPPED_ALIKE[name]
+
+
+def test_equal_steps_of_another_method(tmp_path):
+    said, run = (by(new("squeezer", "rk4", 0.004)) for by in (lambda one: in_node(tmp_path, one), by_machine_code))
+    assert said["statistics"] == run["statistics"]
+    assert apart(run["rows"], said["rows"]) < 1e-9
+
+
+def test_a_run_in_slices_is_that_run(tmp_path):
+    whole = in_node(tmp_path, new("fourbar_onesided"))
+    steps = "let n = 0; run.N.CHUNK = 3; while (!run.advance(0)) n += 1; if (n < 20) throw new Error(n);"
+    assert (in_node(tmp_path, new("fourbar_onesided"), steps)["rows"] == whole["rows"]).all()
+
+
+def test_a_run_that_is_stopped_holds_what_was_computed(tmp_path):
+    steps = "let n = 0; run.N.CHUNK = 20; run.advance(Infinity, () => ++n >= 3);"
+    said = in_node(tmp_path, new("fourbar"), steps)
+    assert (said["success"], said["statistics"]["steps"]) == (False, 60)
+    assert 0 < said["outputs"] < 2001
+
+
+def test_a_state_that_is_no_number_ends_a_run(tmp_path):
+    run = new("fourbar_onesided")
+    run.workspace.state[:] = np.nan
+    said = in_node(tmp_path, run)
+    assert (said["success"], said["statistics"]["steps"]) == (False, 0)
+
+
+# ---------------------------------------------------------------- bit for bit
+ALIKE = (
+    *("bouncing_pin", "gear_rattle", "fourbar_onesided", "slider_crank_oil", "slider_crank_play", "double_pendulum"),
+    *(
+        "fourbar",
+        "three_plays",
+        "stick_slip",
+        "dc_motor_pid",
+        "torque_converter",
+        "stribeck",
+        "windows",
+        "cam_lift_off",
+    ),
+)
+SAME_BITS = """
+import json, sys
+from pathlib import Path
+import core_engine
+from core_engine import by_machine_code, in_node, new
+core_engine.use_own_functions()
+differ = {}
+for name in sys.argv[2:]:
+    said, run = in_node(Path(sys.argv[1]), new(name)), by_machine_code(new(name))
+    events = [[one["t"], one["kind"], *one["values"]] for one in said["events"]]
+    same = {
+        "statistics": said["statistics"] == run["statistics"],
+        "events": events == run["events"][:, [0, 2, 3, 4, 5, 6, 7]].tolist(),
+        "rows": (said["rows"] == run["rows"]).all() and said["rows"].shape == run["rows"].shape,
+        "breaks": said["breaks"].shape == run["breaks"].shape and (said["breaks"] == run["breaks"]).all(),
+        "jolts": len(said["jolts"]) == run["jolts"],
+    }
+    if wrong := [what for what, alike in same.items() if not alike]:
+        differ[name] = wrong
+print(json.dumps(differ))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere machine code calls other functions for sine and cosine")
+def test_with_the_same_elementary_functions_every_bit_is_the_same(tmp_path):
+    """Machine code calls those of the C library otherwise, whose last bits differ; chaotic motions show it."""
+    paths = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [sys.executable, "-c", SAME_BITS, tmp_path, *ALIKE],
+        env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == {}
