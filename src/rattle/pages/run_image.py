@@ -15,6 +15,7 @@ import numpy as np
 from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.simulate import output_times
+from rattle.equations.contact_table import CONTACT_TABLES
 from rattle.errors import InputError
 from rattle.jit import functions
 from rattle.jit import layout as at
@@ -48,11 +49,13 @@ def image_of(m: Mechanism, t_end: float | None = None, method: str | None = None
 def run_image(run: Run) -> RunImage:
     """A run before its first step as bytes.  Raises InputError for laws in Python, which no page can call."""
     content, arrays, tables = _Content(), [], {}
-    named = _names()
+    named, used = _names(), _used(run)
     for name in ARRAYS:
         array = getattr(run.workspace, name)
         if name.endswith(TABLE):
-            tables[name] = [_kernel(one, named) for one in (array if isinstance(array, tuple) else array.tolist())]
+            entries = array if isinstance(array, tuple) else array.tolist()
+            called = used.get(name, range(len(entries)))
+            tables[name] = [_kernel(one, named) if n in called else None for n, one in enumerate(entries)]
             arrays.append([len(array), -1])
         else:
             arrays.append([*array.shape, content.add(array)])
@@ -108,6 +111,15 @@ def _names() -> dict[Any, str]:
             if one in functions._places:
                 found[functions._machine().where(functions._places[one])] = one.symbol
     return found
+
+
+def _used(run: Run) -> dict[str, set[int]]:
+    """The kernels that the model calls, by table: others stand in it only where they run as plain Python."""
+    joint, load, contact, dry = (run.system.arrays[name] for name in ("joint", "load", "contact", "dry"))
+    found = {name: set(contact[:, column].tolist()) for name, (_, column) in CONTACT_TABLES.items()}
+    found["friction_table"] |= set(dry[:, at.DRY_LAW].tolist())
+    joints = {*joint[:, at.KERNEL].tolist(), *dry[:, at.DRY_KERNEL].tolist()}
+    return {**found, "joint_table": joints, "load_table": set(load[:, at.KERNEL].tolist())}
 
 
 def _kernel(entry: int | Callable[..., Any], names: dict[Any, str]) -> str | None:

@@ -1,0 +1,61 @@
+"""A run as bytes: the same with and without machine code, small, and without what a page could not call."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from core_engine import new
+from rattle.errors import InputError
+from rattle.jit.workspace import ARRAYS
+from rattle.pages.run_image import image_of, run_image
+
+IN_PYTHON = """
+import json, sys, rattle as rt
+from rattle.pages.run_image import image_of
+one = image_of(rt.example("fourbar_onesided"))
+open(sys.argv[1], "wb").write(one.content)
+print(json.dumps(one.description))
+"""
+
+
+def test_arrays_come_back():
+    run = new("slider_crank_oil")
+    said, content = run_image(run)
+    for (name, one), (*shape, at) in zip(ARRAYS.items(), said["arrays"], strict=True):
+        array = getattr(run.workspace, name)
+        assert list(array.shape) == shape
+        if at >= 0:
+            kind = np.float64 if one.kind[0] == "f" else np.int64
+            assert (np.frombuffer(content, kind, array.size, at) == array.ravel()).all()
+        elif name not in said["tables"]:
+            assert not array.any()
+    assert len(content) < 30_000  # arrays of zeros, most of a workspace, take no bytes
+
+
+def test_it_is_the_same_without_machine_code(tmp_path):
+    run = new("fourbar_onesided")
+    said, content = image_of(rt.example("fourbar_onesided"))
+    assert content == run_image(run).content
+    done = subprocess.run(
+        [sys.executable, "-c", IN_PYTHON, tmp_path / "content"],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, check=True,
+    )  # fmt: skip
+    assert json.loads(done.stdout) == said
+    there, here = (np.frombuffer(one) for one in ((tmp_path / "content").read_bytes(), content))
+    assert np.allclose(there, here, rtol=1e-12, atol=1e-12, equal_nan=True)
+
+
+def test_a_law_in_python_is_refused(laws):
+    @rt.load_law("breeze", c="N")
+    def breeze(t, state, p):
+        return p.c, 0.0, 0.0
+
+    m = rt.example("ellipse")
+    m.load("air", "breeze", body=next(iter(m.model.bodies)), c="1 N")
+    with pytest.raises(InputError, match="a law in Python cannot be computed in a page"):
+        image_of(m)
