@@ -68,6 +68,12 @@ def test_a_run_that_is_stopped_holds_what_was_computed(tmp_path):
     assert 0 < said["outputs"] < 2001
 
 
+def test_steps_may_be_limited(tmp_path):
+    steps = "run.mostSteps = 2500; if (!run.advance()) throw new Error('it goes on');"
+    said = in_node(tmp_path, new("fourbar"), steps)
+    assert (said["success"], said["statistics"]["steps"]) == (False, 2500)
+
+
 def test_a_state_that_is_no_number_ends_a_run(tmp_path):
     run = new("fourbar_onesided")
     run.workspace.state[:] = np.nan

@@ -10,6 +10,7 @@ import argparse
 import functools
 import gzip
 import hashlib
+import os
 import pickle
 import sys
 import time
@@ -111,7 +112,7 @@ def engine_of_pages() -> bytes:
     held = built()
     if held is not None and about(held)["sources"] == sources():
         return compressed(held)
-    kept = KeptFile(cache_folder(), "engine", sources())
+    kept = KeptFile(cache_folder(), "engine", (sources(), os.environ.get("NUMBA_BOUNDSCHECK", "0")))
     found: bytes | None = kept.read()
     if found is None:
         functions.say_once("compiling kernels for pages (once)")

@@ -122,7 +122,7 @@ none:
   %rest = select i1 %whole, double %x, double 0x7FF8000000000000
   ret double %rest
 }"""
-ATTRIBUTES = "attributes #1 = { nounwind memory(none) willreturn noinline }"
+ATTRIBUTES = "attributes #1 = { nounwind readnone willreturn noinline }"
 
 
 def library_text() -> str:

@@ -8,10 +8,10 @@ const LOOPS = { smooth: "smooth.advance", "event-driven": "events.advance" };
 
 /** One run in slices: `advance` until it returns true, then `result`. */
 export class CoreRun {
-  constructor(engine, image) {
+  constructor(engine, image, { mostSteps = Infinity } = {}) {
     this.m = new CoreMemory(engine, image);
     Object.assign(this, image.description, { N: engine.about.numbers, piece: 0 });
-    Object.assign(this, { events: [], breaks: [], kept: 0, crossings: [], jolts: [], jams: [] });
+    Object.assign(this, { mostSteps, events: [], breaks: [], kept: 0, crossings: [], jolts: [], jams: [] });
     this.leg = { start: this.start, end: this.start, h: 0, steps: 0 };
     this.status = null; // before the start
   }
@@ -19,7 +19,8 @@ export class CoreRun {
   get t() { return this.m.arrays.clock.data[this.N.T]; }
   get y() { return this.m.arrays.state; }
   tally(name) { return Number(this.m.arrays.tally.data[this.N[name]]); }
-  get done() { return this.status !== null && this.status !== this.N.PAUSED; }
+  get done() { return this.status !== null && (this.status !== this.N.PAUSED || this.tally("STEPS") >= this.mostSteps); }
+  get chunk() { return Math.max(1, Math.min(this.N.CHUNK, this.mostSteps - this.tally("STEPS"))); }
 
   /** Steps until so many milliseconds are over, or until `stopped()`; true at the end of the run. */
   advance(milliseconds = Infinity, stopped = () => false) {
@@ -119,9 +120,9 @@ export class CoreRun {
         const count = Math.max(1, Math.ceil((t - now) / (this.step || this.end) * (1 - 1e-12))), h = (t - now) / count;
         this.leg = { start: now - done * h, end: t, h, steps: done + count };
       }
-      return m.call("stepping.advance", this.leg.start, this.leg.h, this.leg.steps, out(t >= this.end ? this.times[0] : outputs), m.rows, N.CHUNK);
+      return m.call("stepping.advance", this.leg.start, this.leg.h, this.leg.steps, out(t >= this.end ? this.times[0] : outputs), m.rows, this.chunk);
     }
-    const status = m.call(LOOPS[this.loop], t, this.rtol, this.atol, this.longest, out(outputs), m.rows, N.CHUNK);
+    const status = m.call(LOOPS[this.loop], t, this.rtol, this.atol, this.longest, out(outputs), m.rows, this.chunk);
     const stuck = status === N.NO_SOLUTION || status === N.LOCKED || status === N.STEP_TOO_SMALL;
     return stuck && this.passesJams ? this.passJam(status, status === N.NO_SOLUTION ? 1 : 0) : status;
   }
