@@ -39,12 +39,11 @@ from rattle.trace.library import library_text
 OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
 BUILT = "engine.wasm.gz"  # in this folder
 NATIVES = {  # what a page calls: the functions that `analyses.dynamics` calls in a run
-    "smooth.begin": step_loop.begin,
-    "smooth.resume": step_loop.resume,
-    "smooth.advance": step_loop.advance,
+    "steps.begin": step_loop.begin,
+    "steps.resume": step_loop.resume,
+    "steps.advance": step_loop.advance,
     "events.start": event_driven.start,
     "events.goOn": event_driven.go_on,
-    "events.advance": event_driven.advance,
     "events.passJam": jams.pass_jam,
     "stepping.start": moreau_jean.start,
     "stepping.advance": moreau_jean.advance,
@@ -112,7 +111,7 @@ def engine_of_pages() -> bytes:
     held = built()
     if held is not None and about(held)["sources"] == sources():
         return compressed(held)
-    kept = KeptFile(cache_folder(), "engine", (sources(), os.environ.get("NUMBA_BOUNDSCHECK", "0")))
+    kept = KeptFile(cache_folder(), "engine", (sources(), os.environ.get("RATTLE_BOUNDSCHECK", "0")))
     found: bytes | None = kept.read()
     if found is None:
         functions.say_once("compiling kernels for pages (once)")

@@ -1,9 +1,9 @@
 """An engine: all kernels that some functions reach, as one WebAssembly module.
 
-The functions that are offered are called with the places of a result, of an exception and of their arguments in memory,
-see `packed`; whoever calls them needs no other convention.  Kernels that stand in the tables of a workspace are known
-by name: the section `rattle` of the module says what stands for each in a table.  Calls of other natives, which machine
-code makes by a place that the linker knows, become calls of the function itself.
+Functions are called as everywhere, see `machine`: with the place of the result, then numbers, addresses and shapes;
+they return 0, or 1 if they failed.  Kernels that stand in the tables of a workspace are known by name: the section
+`rattle` of the module says what stands for each in a table.  Calls of other natives, which machine code makes by a
+place that the linker knows, become calls of the function itself.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from rattle.jit.columns import COLUMNS
 from rattle.jit.functions import KernelFunction
 from rattle.jit.translation.calls import kinds_of
 from rattle.jit.translation.unit import ABOUT, Unit, function, told_where
+from rattle.jit.translation.values import parts_of
 from rattle.jit.wasm import binary
 from rattle.jit.workspace import ARRAYS
 
@@ -31,7 +32,7 @@ TRIPLE = "wasm32-unknown-unknown"
 FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
 STACK = 128 * 1024  # bytes
 TOLD = "rattle.told"  # place in memory of the address of the text of the last error
-MISSING = "a kernel was called that this engine does not have"
+MISSING = "a kernel of the family '{}' was called, but it is not in the table of this workspace"
 LIBRARY = re.compile(r'^declare double @"(\w+)"\([^)]*\).*$', re.MULTILINE)
 INTRINSICS = {
     f"llvm.{name}.f64": f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"
@@ -49,22 +50,24 @@ class Linked(NamedTuple):
 
 
 # ---------------------------------------------------------------- convention
-def packed(unit: Unit, name: str, one: KernelFunction, letters: Sequence[str]) -> str:
-    """The text of a function that is offered under a name: (result, exception, arguments) -> 0, or 1 if it failed.
-
-    The three are addresses; arguments stand one after the other, eight bytes for each number, address or length, an
-    array being its address and shape.  A result of several numbers is a structure of them.
-    """
+def called(unit: Unit, name: str, one: KernelFunction, letters: Sequence[str]) -> str:
+    """The text of a function as others call it by its address."""
     result, kinds = kinds_of(letters)
     made = function(unit, one.python, kinds)
-    return told_where(made, lambda: made.written(name, outer=result, packed=True))
-
-
-def called(unit: Unit, name: str, one: KernelFunction) -> str:
-    """The text of a native as other kernels call it."""
-    result, kinds = kinds_of(one.letters)
-    made = function(unit, one.python, kinds)
     return told_where(made, lambda: made.written(name, outer=result))
+
+
+def trap(family: str) -> str:
+    """The text of what stands in tables where there is no kernel: it fails, and says which family was called."""
+    _, kinds = kinds_of(families.SIGNATURE[family])
+    types = ["ptr", *(type_ for kind in kinds for type_ in parts_of(kind))]
+    name, words = f"trap.{family}", f"RuntimeError: {MISSING.format(family)}"
+    return f"""@"words.{name}" = private constant [{len(words) + 1} x i8] c"{words}\\00"
+define internal i32 @"{name}"({", ".join(types)}) noinline cold {{
+  call void @"{machine.FAULT}"(ptr @"words.{name}")
+  ret i32 1
+}}
+{_slot(name, name)}"""
 
 
 def layout() -> str:
@@ -86,18 +89,20 @@ def link(
     unit, texts = Unit(), []
     table = sorted(kernels, key=lambda one: one.symbol)
     for name, (one, letters) in sorted(offered.items()):
-        texts.append(packed(unit, f"call.{name}", one, letters))
+        texts.append(called(unit, f"call.{name}", one, letters))
     natives = {one.symbol: one for one in functions.natives()}
     done: set[str] = set()
     ahead = {one.symbol for one in table} | _places(unit)
     while ahead:
         for symbol in sorted(ahead):
-            text = called(unit, f"code.{symbol}", natives[symbol])
+            text = called(unit, f"code.{symbol}", natives[symbol], natives[symbol].letters)
             texts.append(text.replace("define i32", "define internal i32", 1))
         done |= ahead
         ahead = _places(unit) - done
     whole = unit.whole("\n".join(texts)).replace(ABOUT, "")
-    text = "\n".join([_first(), _own_places(whole, done), _slots(table), library, ABOUT])
+    slots = [_slot(one.symbol, f"code.{one.symbol}") for one in table]
+    traps = [trap(family) for family in families.SIGNATURE]
+    text = "\n".join([_first(), _own_places(whole, done), *slots, *traps, library, ABOUT])
     text += "\n".join(line for name, line in INTRINSICS.items() if f'@"{name}"' not in whole)
     return Linked(
         text, {name: tuple(offered[name][1]) for name in sorted(offered)}, {k.symbol: k.family for k in table}
@@ -131,11 +136,8 @@ def _own_places(text: str, symbols: Iterable[str]) -> str:
 
 def _first() -> str:
     """What every engine has: nothing at address 0, and where errors are told."""
-    code = MISSING.encode() + b"\0"
-    words = "".join(f"\\{one:02X}" for one in b"RuntimeError: " + code)
     return f"""@"rattle.nothing" = constant [2 x i64] zeroinitializer, align 16
 @"{TOLD}" = global i32 0
-@"rattle.missing" = private constant [{len(code) + 14} x i8] c"{words}"
 define internal void @"{machine.FAULT}"(ptr %text) noinline cold {{
   %place = ptrtoint ptr %text to i64
   %short = trunc i64 %place to i32
@@ -143,15 +145,15 @@ define internal void @"{machine.FAULT}"(ptr %text) noinline cold {{
   ret void
 }}
 define internal i64 @"{machine.FIND}"(i64 %place) noinline cold {{
-  call void @"{machine.FAULT}"(ptr @"rattle.missing")
-  ret i64 0
-}}"""
+  call void @llvm.trap()
+  unreachable
+}}
+declare void @llvm.trap()"""
 
 
-def _slots(table: Sequence[KernelFunction]) -> str:
-    """The number of every kernel of a table in memory; of eight bytes, as a place holds it."""
-    slot = '@"slot.{0}" = global {{ i32, i32 }} {{ i32 ptrtoint (ptr @"code.{0}" to i32), i32 0 }}, align 8'
-    return "\n".join(slot.format(one.symbol) for one in table)
+def _slot(name: str, function: str) -> str:
+    """The number of a function that may stand in a table, in memory: of eight bytes, as a place holds it."""
+    return f'@"slot.{name}" = global {{ i32, i32 }} {{ i32 ptrtoint (ptr @"{function}" to i32), i32 0 }}, align 8'
 
 
 # ---------------------------------------------------------------- compiling
@@ -160,7 +162,11 @@ def _optimised(text: str, target: Any) -> Any:
 
     Without `optsize` it is a sixth larger and 4 % faster, with level 3 and loops unrolled a fifth larger and as fast.
     """
-    module = machine.parsed(text.replace("attributes #0 = { nounwind }", "attributes #0 = { nounwind optsize }"))
+    module = machine.parsed(
+        re.sub(
+            r"^attributes (#\d) = { nounwind( alwaysinline)?", r"attributes \1 = { nounwind optsize", text, flags=re.M
+        )
+    )
     module.triple, module.data_layout = TRIPLE, str(target.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=2)
     options.loop_unrolling = options.loop_vectorization = options.slp_vectorization = False
@@ -180,16 +186,14 @@ def engine(linked: Linked, more: Mapping[str, Any]) -> bytes:
     made = binary.linked(bytes(target.emit_object(_optimised(linked.text, target))))
     if made.symbols["rattle.nothing"].value != 0:
         raise binary.BrokenModule("something stands at address 0 of the engine")
-    numbers = {}
-    for symbol, family in linked.kernels.items():
-        slot = made.symbols[f"slot.{symbol}"].value
-        numbers[symbol] = slot if family in families.BY_PLACE else made.word(slot)
+    numbers = {symbol: _number(made, symbol, family) for symbol, family in linked.kernels.items()}
     told = {
         "layout": layout(),
         "llvmlite": importlib.import_module("llvmlite").__version__,
         "calls": {name: list(letters) for name, letters in linked.offered.items()},
         "arrays": [[name, one.kind] for name, one in ARRAYS.items()],
         "kernels": numbers,
+        "traps": {family: _number(made, f"trap.{family}", family) for family in families.SIGNATURE},
         "told": made.symbols[TOLD].value,
         **more,
     }
@@ -197,6 +201,12 @@ def engine(linked: Linked, more: Mapping[str, Any]) -> bytes:
     told["free"] = binary.top(made, STACK)
     section = binary.custom(SECTION, json.dumps(told, separators=(",", ":")).encode())
     return binary.module(made, offered, STACK, [section])
+
+
+def _number(made: binary.Linked, name: str, family: str) -> int:
+    """What stands for a kernel of a family in tables."""
+    slot = made.symbols[f"slot.{name}"].value
+    return slot if family in families.BY_PLACE else made.word(slot)
 
 
 def about(module: bytes) -> dict[str, Any]:

@@ -45,13 +45,13 @@ export class CoreMemory {
     this.calls = new WebAssembly.Instance(module, {}).exports;
     const sizes = description.arrays.map((one) => one.slice(0, -1).reduce((a, b) => a * b, 1));
     this.end = Math.ceil(about.free / CELL) * CELL;
-    const given = this.take(16), table = this.take(3 * sizes.length);
+    const table = this.take(3 * sizes.length);
     const places = sizes.map((size) => this.take(size));
     const [count] = description.times, times = this.take(count), rows = this.take(count * description.width), sides = this.take(2 * description.width);
     const speeds = this.take(2 * sizes[about.arrays.findIndex(([name]) => name === "multiplier")]);
-    const result = this.take(8), exception = this.take(1);
+    const result = this.take(8);
     this.grow();
-    Object.assign(this, { given, table, result, exception, arrays: {}, word: new DataView(this.calls.memory.buffer) });
+    Object.assign(this, { table, result, arrays: {}, word: new DataView(this.calls.memory.buffer) });
     about.arrays.forEach(([name, kind], k) => {
       const shape = description.arrays[k].slice(0, -1);
       this.arrays[name] = this.view(places[k], shape, kind);
@@ -59,8 +59,8 @@ export class CoreMemory {
       const row = [places[k], shape[0], shape.at(-1)]; // as a handle of `rattle.jit.workspace` has it
       row.forEach((value, n) => this.word.setBigInt64(table + CELL * (3 * k + n), BigInt(value), true));
     });
-    for (const [name, kernels] of Object.entries(description.tables))
-      kernels.forEach((kernel, k) => { this.arrays[name].data[k] = BigInt(kernel === null ? 0 : this.numberOf(kernel)); });
+    for (const [name, { data }] of Object.entries(this.arrays))
+      if (name.endsWith("_table")) data.forEach((_, k) => { data[k] = BigInt(this.numberOf(description.tables[name]?.[k], name)); });
     this.times = this.view(times, [count], "f1");
     this.fill(this.times, content, description.times[1]);
     this.rows = this.view(rows, [count, description.width], "f2");
@@ -92,7 +92,9 @@ export class CoreMemory {
     if (offset >= 0) new Uint8Array(this.calls.memory.buffer, at, data.byteLength).set(content.subarray(offset, offset + data.byteLength));
   }
 
-  numberOf(kernel) {
+  // what stands for a kernel in a table; for none, what fails and says the family
+  numberOf(kernel, table) {
+    if (!kernel) return this.about.traps[table.replace("_table", "").replace("_", " ")];
     const number = this.about.kernels[kernel];
     if (number === undefined) throw new CoreError("kernel", `the engine does not have ${kernel.replace("rattle.place.", "")}`);
     return number;
@@ -103,21 +105,15 @@ export class CoreMemory {
     return { at: array.at + CELL * n * width, shape: [width], data: array.data.subarray(n * width, (n + 1) * width) };
   }
 
-  /** Call a kernel of the workspace: arguments are packed as `rattle.jit.wasm.engine` says; returns its first result. */
+  /** Call a kernel of the workspace; returns its first result. */
   call(name, ...given) {
     const [result, ...letters] = this.about.calls[name];
-    let at = this.given;
-    const put = (value, float) => {
-      if (float) this.word.setFloat64(at, value, true);
-      else this.word.setBigInt64(at, BigInt(value), true);
-      at += CELL;
-    };
-    letters.forEach((letter, k) => {
-      const one = letter === "h" ? this.table : given[k - 1];
-      if (letter === "f" || letter === "i" || letter === "h") put(one, letter === "f");
-      else [one.at, ...one.shape].forEach((part) => put(part, false));
+    const flat = letters.flatMap((letter, k) => {
+      if (letter === "h") return this.table;
+      const one = given[k - 1];
+      return letter === "f" ? one : letter === "i" ? BigInt(one) : [one.at, ...one.shape.map(BigInt)];
     });
-    if (this.calls[`call ${name}`](this.result, this.exception, this.given)) throw new CoreError("failed", this.told());
+    if (this.calls[`call ${name}`](this.result, ...flat)) throw new CoreError("failed", this.told());
     return result === "i" ? Number(this.word.getBigInt64(this.result, true)) : this.word.getFloat64(this.result, true);
   }
 

@@ -4,7 +4,6 @@
 
 import { CoreMemory } from "./core.js";
 
-const LOOPS = { smooth: "smooth.advance", "event-driven": "events.advance" };
 
 /** One run in slices: `advance` until it returns true, then `result`. */
 export class CoreRun {
@@ -70,7 +69,7 @@ export class CoreRun {
       if (status !== N.OK) return status;
       this.takeSides(t);
     }
-    const status = m.call("smooth.begin", t, this.end, this.rtol, this.atol, this.longest);
+    const status = m.call("steps.begin", t, this.end, this.rtol, this.atol, this.longest);
     this.setFloor();
     if (this.loop === "smooth") this.pace(t);
     return status === N.OK ? N.PAUSED : status;
@@ -122,7 +121,7 @@ export class CoreRun {
       }
       return m.call("stepping.advance", this.leg.start, this.leg.h, this.leg.steps, out(t >= this.end ? this.times[0] : outputs), m.rows, this.chunk);
     }
-    const status = m.call(LOOPS[this.loop], t, this.rtol, this.atol, this.longest, out(outputs), m.rows, this.chunk);
+    const status = m.call("steps.advance", t, this.rtol, this.atol, this.longest, out(outputs), m.rows, this.chunk);
     const stuck = status === N.NO_SOLUTION || status === N.LOCKED || status === N.STEP_TOO_SMALL;
     return stuck && this.passesJams ? this.passJam(status, status === N.NO_SOLUTION ? 1 : 0) : status;
   }
@@ -143,7 +142,7 @@ export class CoreRun {
       const status = m.call("events.goOn", t, jolted ? 1 : 0);
       if (status !== N.OK) return status;
     } else if (m.arrays.dry.shape[0]) m.call("decide", t, this.y, -1, 1);
-    m.call("smooth.resume", t);
+    m.call("steps.resume", t);
     if (this.loop === "smooth") this.pace(t);
     return N.PAUSED;
   }
