@@ -277,9 +277,6 @@ def test_what_has_no_straight_line_is_refused_with_the_reason(tmp_path):
     assert done.exit_code == 2
     assert "drivers.motor" in done.stderr
     assert "smooth function" in done.stderr
-    done = written(tmp_path, "woodpecker", name="model.js")
-    assert done.exit_code == 2
-    assert "contacts begin and end" in done.stderr
     assert not list(tmp_path.iterdir())
 
 
@@ -405,3 +402,82 @@ def test_the_c_program_of_the_guide_calls_the_functions_of_the_file(tmp_path):
     y = [float(line) for line in done.stdout.split()]
     assert len(y) == 6 * 3 + 2
     assert y[2] == pytest.approx(10.0 * 0.1, abs=1e-9)
+
+
+needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
+ASK = """
+import { run, names, units } from "./model.mjs";
+const said = run(%s);
+console.log(JSON.stringify({ ...said, names, units }));
+"""
+
+
+def asked(folder, end):
+    (folder / "ask.mjs").write_text(ASK % end)
+    done = subprocess.run(["node", "ask.mjs"], cwd=folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@needs_node
+@pytest.mark.parametrize(("name", "end"), [("woodpecker", 0.1), ("fourbar_onesided", 0.02), ("gear_rattle", 0.02)])
+def test_a_module_with_contacts_takes_the_steps_and_events_of_a_run(tmp_path, name, end):
+    done = written(tmp_path, name, "--t-end", f"{end} s", name="model.mjs")
+    assert done.exit_code == 0, done.stderr
+    assert "parameters keep the values" in done.stderr
+    said, r = asked(tmp_path, end), rt.example(name).simulate(end)
+    assert (said["success"], said["message"]) == (True, "")
+    events = [one for one in r.events if one.t + one.duration < end]  # those that last to the end are not over
+    assert [(one["joint"], one["kind"]) for one in said["events"]] == [(one.joint, one.kind) for one in events]
+    assert [one["t"] for one in said["events"]] == pytest.approx([one.t for one in events], abs=1e-9)
+    impulses = [one.impulse for one in events if one.kind in ("contact", "impact")]
+    assert [one["impulse"] for one in said["events"] if "impulse" in one] == pytest.approx(impulses, rel=1e-5)
+    table = np.array(said["rows"])
+    for name, unit, values in zip(said["names"][1:], said["units"][1:], table.T[1:], strict=True):
+        assert unit == r.unit(name)
+        assert values == pytest.approx(r[name], rel=1e-4, abs=1e-4 * max(np.abs(r[name]).max(), 1e-3)), name
+
+
+@needs_node
+def test_a_module_with_contacts_prints_its_motion_and_refuses_a_later_end(tmp_path):
+    assert written(tmp_path, "bouncing_pin", "--t-end", "10 ms", name="model.mjs").exit_code == 0
+    done = subprocess.run(["node", "model.mjs", "0.005"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    head, *rows = done.stdout.splitlines()
+    assert head.startswith("t,")
+    assert float(rows[-1].split(",")[0]) == pytest.approx(0.005)
+    done = subprocess.run(["node", "model.mjs", "0.5"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert "from 0 to 0.01 s, for which the model was written" in done.stderr
+
+
+@needs_node
+def test_a_module_whose_motion_cannot_go_on_says_why(tmp_path):
+    (tmp_path / "m.toml").write_text(PULSE)
+    done = written(tmp_path, str(tmp_path / "m.toml"), name="model.mjs")
+    assert done.exit_code == 0, done.stderr
+    said = asked(tmp_path, 1)
+    assert not said["success"]
+    assert "cannot go on at t = " in said["message"]
+    assert said["rows"]
+
+
+PULSE = """
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies.b]
+points = { P = [0, 0] }
+mass = 1
+inertia = 1
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "b.P"]
+clearance = "1 mm"
+contact = "impact"
+[loads.f]
+type = "force"
+at = "b.P"
+force = ["sqrt(0.5 - t)", 0]
+[simulate]
+t_end = 1
+"""

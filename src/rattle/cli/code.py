@@ -42,7 +42,9 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     FMU: for model exchange and co-simulation; the tool that runs it gives the tolerance.  It holds the C sources, and a
     library for this platform where there is a C compiler.
 
-    There are no events, so models with contacts are refused; massless links, loads and drivers are not.
+    Models with contacts, friction, clutches, oil, states or expressions that switch become a JavaScript module with the
+    compiled kernels of rattle: the steps and events of `rattle run`, for the written values of the parameters;
+    run(0.5) returns { rows, events, success, message, statistics }.  As C or FMU they are refused.
 
     \b
     Examples: rattle code fourbar -o model.c
@@ -52,6 +54,7 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     """
     from rattle.analyses.straight_line.code import LONGEST, c_program, javascript_module, program
     from rattle.atomic_file import atomic
+    from rattle.errors import TraceError
 
     ending = Path(output).suffix
     if ending not in WRITTEN:
@@ -69,12 +72,31 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
         _write_fmu(m, Path(file).stem, until, output)
         return
     write = c_program if ending == ".c" else javascript_module
-    made = program(m.recorded())
+    try:
+        made = program(m.recorded())
+    except TraceError:
+        if ending == ".c":
+            raise
+        _write_compiled(m, until, time(step) if step is not None else None, output)
+        return
     text = write(made, m.name or "A mechanism", until, longest)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
     for name, why in made.constants.items():
         click.echo(f"note: {name} stays fixed: {why}", err=True)
+    say_written(output)
+
+
+def _write_compiled(m: Mechanism, until: float, step: float | None, output: str) -> None:
+    from rattle.atomic_file import atomic
+    from rattle.pages.compiled_module import compiled_module
+
+    text, left_out = compiled_module(m, m.name or "A mechanism", until, step)
+    with atomic(output) as place:
+        place.write_text(text, encoding="utf-8")
+    click.echo("note: events need the compiled kernels: parameters keep the values that they have now", err=True)
+    if left_out:
+        click.echo(f"note: left out, as they follow from the others: {', '.join(left_out)}", err=True)
     say_written(output)
 
 

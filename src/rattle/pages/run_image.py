@@ -34,15 +34,19 @@ class RunImage(NamedTuple):
     content: bytes
 
 
-def image_of(m: Mechanism, t_end: float | None = None, method: str | None = None) -> RunImage:
+def image_of(
+    m: Mechanism, t_end: float | None = None, method: str | None = None, step: float | None = None
+) -> RunImage:
     """The run that `simulate` would make, from the start of the mechanism to t_end [s], as bytes.
+
+    step: the longest one [s].
 
     Raises InputError for laws in Python, which no page can call.
     """
     system, settings = m.system, m.system.model.settings
     end, times = output_times(settings, t_end, None)
     rtol = settings.rtol or RTOL
-    stepper, step = choose_stepper(system, method or settings.method, settings.step, end)
+    stepper, step = choose_stepper(system, method or settings.method, step or settings.step, end)
     return run_image(new_run(system, m.start, times, end, How(stepper, rtol, settings.atol or ATOL * rtol, step)))
 
 
@@ -127,7 +131,7 @@ def _kernel(entry: int | Callable[..., Any], names: dict[Any, str]) -> str | Non
     if entry == 0:
         return None
     if entry not in names:
-        raise InputError("a law in Python cannot be computed in a page")
+        raise InputError("a law in Python cannot be computed in a page or program")
     return names[entry]
 
 
