@@ -57,5 +57,16 @@ def entry(law: Callable[..., Any], pack: Any, sizes: Sequence[int], result: Any)
     exec(text, space)
     number = numba.types.float64
     called = numba.cfunc(numba.types.int32(numba.types.CPointer(number), *[number] * len(given)))(space["run"])
+    compiled: Any = law
+    if any(_may_be_none(numba, one.return_type) for one in compiled.nopython_signatures):
+        raise TypeError("there is a way to its end without a value to return")
     machine.keep(called)
     return machine.Entry(int(called.address), (result, *"f" * len(given)))
+
+
+def _may_be_none(numba: Any, kind: Any) -> bool:
+    """True for a result that is None on some ways, or holds such a value."""
+    parts = kind.types if isinstance(kind, numba.types.BaseTuple) else ()
+    return isinstance(kind, numba.types.Optional | numba.types.NoneType) or any(
+        _may_be_none(numba, one) for one in parts
+    )

@@ -13,7 +13,10 @@ import logging
 from abc import abstractmethod
 from collections import namedtuple
 from collections.abc import Callable, Sequence
+from inspect import isfunction, ismodule
 from typing import Any
+
+import numpy as np
 
 from rattle.jit.functions import KernelFunction
 
@@ -36,6 +39,7 @@ class UsersKernel(KernelFunction):
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
         self.fields = taking("pack", len(keys), {"pack": self.pack})
         super().__init__(self.plain(), family)
+        self._outside: Any = None  # what the machine code has taken from outside the law
         self.__module__, self.__name__ = law.__module__, law.__name__
 
     @abstractmethod
@@ -49,6 +53,14 @@ class UsersKernel(KernelFunction):
     @abstractmethod
     def flat(self, *given: float) -> Sequence[float]:
         """What the law returns as plain Python; arguments and result are numbers one after the other."""
+
+    @property
+    def address(self) -> int:
+        """Address of the machine code; made anew where what the law uses from outside has changed."""
+        now = outside(self.law)
+        if self._outside != now:
+            self._address, self._outside = 0, now
+        return super().address
 
     def _made(self) -> int:
         """Compile the kernel; returns its address."""
@@ -81,6 +93,49 @@ class UsersKernel(KernelFunction):
 
         count = sum(max(1, size) for size in self.sizes) + len(self.pack._fields)
         return machine.python_entry(self.flat, self.result, count)
+
+
+def outside(law: Any) -> Any:
+    """Numbers, texts and arrays that a function uses from outside, and those of the functions that it calls."""
+    found: dict[Any, Any] = {}
+    ahead, seen = [getattr(law, "py_func", law)], set()
+    while ahead:
+        function = ahead.pop()
+        code = getattr(function, "__code__", None)
+        if code is None or id(function) in seen:
+            continue
+        seen.add(id(function))
+        names = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
+        names |= {name: cell.cell_contents for name, cell in _cells(function) if cell is not None}
+        names |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
+        for name, value in names.items():
+            value = getattr(value, "py_func", value)
+            if isfunction(value):
+                ahead.append(value)
+            elif ismodule(value):
+                inside = {one: getattr(value, one) for one in code.co_names if hasattr(value, one)}
+                found |= {(id(code), name, one): repr(x) for one, x in inside.items() if isinstance(x, int | float)}
+            elif isinstance(value, np.ndarray):
+                found[id(code), name] = (value.shape, value.dtype.str, value.tobytes())
+            else:
+                found[id(code), name] = (
+                    repr(value) if isinstance(value, int | float | str | tuple | list) else id(value)
+                )
+    return found
+
+
+def _cells(function: Any) -> list[tuple[str, Any]]:
+    """Names from around a function, with what holds them; None where it is empty."""
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    return [(name, cell if _is_full(cell) else None) for name, cell in cells]
+
+
+def _is_full(cell: Any) -> bool:
+    try:
+        cell.cell_contents  # noqa: B018
+    except ValueError:
+        return False
+    return True
 
 
 def taking(make: str, count: int, known: dict[str, Any] | None = None) -> Callable[[Any, Any], Any]:

@@ -437,6 +437,8 @@ class Expressions(Writing, ABC):
         if called in EXTREMES and len(given) == 1 and is_array(given[0].kind):
             return self.kernel(_smallest if EXTREMES[called] == "lt" else _largest, given, node)
         if called in EXTREMES:
+            if called not in (min, max) and len(given) != 1:
+                raise TranslationError(f"'{ast.unparse(node)}': the second argument of NumPy is an axis")
             several = members(given[0]) if len(given) == 1 and isinstance(given[0].kind, tuple) else given
             return self._extreme(EXTREMES[called], [self._of_number(one, node) for one in several])
         if called in CONVERSIONS and len(given) == 1:

@@ -99,6 +99,8 @@ class Function(Calls):
 
     def _left(self, value: Value) -> None:
         """Return from the function."""
+        if self.careful and value.kind == NOTHING and self.result:
+            raise TranslationError("there is a way to its end without a value to return")
         kind = self.result if value.kind == NOTHING and self.result else joined(self.result or value.kind, value.kind)
         if kind != (self.result or NOTHING):
             if self.outer:
@@ -162,7 +164,9 @@ class Function(Calls):
 
     def _annassign_(self, node: ast.AnnAssign) -> None:
         if node.value is not None:
-            self._set(node.target, self.value(node.value))
+            value = self.value(node.value)
+            self.require_own(value, node.value, self._makes(node.value))
+            self._set(node.target, value)
 
     def _unpacked(self, array: Value, count: int) -> Value:
         """The numbers of a vector as a tuple; it must have as many."""
@@ -285,6 +289,7 @@ class Function(Calls):
             start = self.label()
             self.jump(start)
             self.begin(start)
+            self.require_own(one, node.iter, False)
             self._set(node.target, one)
             body = self.label()
             self.jump(body)

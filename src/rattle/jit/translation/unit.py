@@ -1,8 +1,10 @@
 """Functions that are translated and compiled together: one that is called by its address, and all that it contains."""
 
 from __future__ import annotations
+import __future__
 
 import ast
+import functools
 import hashlib
 import itertools
 import linecache
@@ -13,6 +15,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Callable, Sequence
 from inspect import isfunction
+from types import CodeType
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
@@ -78,8 +81,8 @@ class Unit:
 
     def part(self, called: Any, kinds: Sequence[Any]) -> tuple[str, Any, bool]:
         """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
-        key = called, tuple(kinds), self.checks
-        if key not in _parts:
+        key, known = (called, tuple(kinds), self.checks), _users_parts if isfunction(called) else _parts
+        if key not in known:
             if key in _under_way:
                 raise TranslationError(f"{called.__name__} calls itself; a function that does needs fixed types")
             _under_way.append(key)
@@ -87,10 +90,10 @@ class Unit:
                 name = f"{called.__module__}.{called.__name__}.{next(_numbers)}"
                 made = function(Unit(), getattr(called, "python", called), kinds, careful=isfunction(called))
                 text = told_where(made, lambda: made.written(name))
-                _parts[key] = Part(name, made.result if made.result is not None else "", made.fails, text, made.unit)
+                known[key] = Part(name, made.result if made.result is not None else "", made.fails, text, made.unit)
             finally:
                 _under_way.pop()
-        found = _parts[key]
+        found = known[key]
         self.parts[found.name] = found
         return found.name, found.result, found.fails
 
@@ -111,6 +114,9 @@ class Unit:
         return "\n".join([*declared.values(), *inside, text, ABOUT])
 
 
+FUTURE = functools.reduce(
+    lambda a, b: a | b, (getattr(__future__, name).compiler_flag for name in __future__.all_feature_names)
+)
 SMALL = 100  # lines of a function that becomes part of others, however many they are
 _NAMED = re.compile(r'@"([^"]+)"\(')
 
@@ -126,13 +132,17 @@ class Part(NamedTuple):
 
 
 _parts: dict[Any, Part] = {}  # by function and kinds: written once in a process
+_users_parts: dict[Any, Part] = {}  # those of functions of users, for one translation: what they use may change
 _under_way: list[Any] = []
 _numbers = itertools.count()  # parts of one name are told apart, also where one contains another
 
 
 def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any], careful: bool = False) -> Function:
     """A function that is to be translated, with its source; careful: it is not a kernel but written by a user."""
-    return Function(unit, python, source(python), kinds, careful)
+    tree = source(python)
+    if careful:
+        _require_loaded(python, tree)
+    return Function(unit, python, tree, kinds, careful)
 
 
 def told_where(made: Function, write: Callable[[], str]) -> str:
@@ -151,6 +161,7 @@ def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) 
 
     Raises TranslationError for what kernels cannot use, with the place.
     """
+    _users_parts.clear()
     unit = Unit()
     result, kinds = kinds_of(letters)
     made = function(unit, python, kinds)
@@ -161,6 +172,7 @@ def with_result(python: Callable[..., Any], kinds: Sequence[Any] | None) -> tupl
     """The letters of a function for arguments of these kinds; its result follows from its text."""
     if kinds is None:
         raise TranslationError(f"{python.__name__} takes numbers and contiguous arrays of float64 or int64")
+    _users_parts.clear()
     made = function(Unit(), python, kinds)
     told_where(made, lambda: made.written("any"))
     return letters_of(made.result or "", kinds)
@@ -224,6 +236,8 @@ def check() -> None:
 def source(python: Callable[..., Any]) -> ast.FunctionDef:
     """The syntax tree of a function.  Raises TranslationError if its source is not there."""
     code: Any = getattr(python, "__code__", None)
+    if code is not None:
+        linecache.checkcache(code.co_filename)
     lines = [] if code is None else linecache.getlines(code.co_filename, python.__globals__)
     if not lines:
         place = f"{python.__module__}.{python.__name__}, line {getattr(code, 'co_firstlineno', 0)}"
@@ -243,6 +257,34 @@ def source(python: Callable[..., Any]) -> ast.FunctionDef:
     if not isinstance(tree, ast.FunctionDef):
         raise TranslationError(f"{python.__name__} is not written as a function of its own")
     return tree
+
+
+def _require_loaded(python: Callable[..., Any], tree: ast.FunctionDef) -> None:
+    """Refuse a function whose source is no longer the one that Python has loaded.
+
+    Functions with `assert` are let pass: tools that run tests load something else than their source.
+    """
+    code: Any = python.__code__
+    if any(isinstance(one, ast.Assert) for one in ast.walk(tree)):
+        return
+    text = "".join(linecache.getlines(code.co_filename, getattr(python, "__globals__", None)))
+    flags = code.co_flags & FUTURE
+    try:
+        ahead = [compile(text, code.co_filename, "exec", flags, dont_inherit=True)]
+    except (SyntaxError, ValueError):
+        ahead = []
+    while ahead:
+        one = ahead.pop()
+        if one.co_name == code.co_name and one.co_firstlineno == code.co_firstlineno and _alike(one, code):
+            return
+        ahead += [part for part in one.co_consts if isinstance(part, CodeType)]
+    raise TranslationError("its source is not the one that was loaded: it was changed since")
+
+
+def _alike(one: CodeType, other: CodeType) -> bool:
+    """True for the same instructions on the same names and constants."""
+    parts = [[repr(x) for x in code.co_consts if not isinstance(x, CodeType)] for code in (one, other)]
+    return one.co_code == other.co_code and one.co_names == other.co_names and parts[0] == parts[1]
 
 
 def _source_of_lambda(python: Callable[..., Any], text: str, line: int) -> ast.FunctionDef:
