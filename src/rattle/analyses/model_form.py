@@ -23,10 +23,10 @@ from rattle.analyses.assembly.without_play import ideal_model
 from rattle.description.model import Model
 from rattle.description.read_values import is_computable
 from rattle.description.reader import read
-from rattle.equations.system import System, compile_system, lengths_of
+from rattle.equations.system import System, compile_system, length_of
 from rattle.errors import ModelError, TraceError
 from rattle.language import bytecode
-from rattle.language.recorded import Recorded, bare, symbol_of
+from rattle.language.recorded import Recorded
 from rattle.language.watched import Watch, Watched
 from rattle.trace.graph import Graph, both
 from rattle.trace.recording import Recorder
@@ -72,24 +72,16 @@ class ModelForm:
         """document: of which `model` was read, but for `initial.near`; names: parameters that are numbers in it."""
         self._model, self._names = model, tuple(names)
         graph = Graph()
-        recorder, watch, inputs = Recorder(graph), Watch(), [graph.input() for _ in names]
-
-        def number(value: float, symbol: Any) -> Any:
-            return Watched(value, symbol, recorder, watch)
-
-        chosen = {name: functools.partial(number, symbol=x) for name, x in zip(names, inputs, strict=True)}
+        recorder, watch = Recorder(graph), Watch()
         follow: list[Any] = []  # symbols of the numbers that follow
         try:
-            recorded = read(document, chosen=chosen)
-            if watch.lost:
-                raise TraceError(f"a value is taken without its record in {watch.lost[0]}")
-            recorded = _beside(recorded, model)
-            self._plan = _plan(recorded, model, follow)
+            recorded = beside(read_watched(document, names, recorder, watch), model)
+            self._plan = plan_of(recorded, model, follow)
             self._system, self._shut = None, None
             if not constants_of(model):
-                self._system = _SystemForm.of(recorded, model, graph, follow, watch)
+                self._system = _SystemForm.of(recorded, model, follow, watch)
                 if has_play(model):
-                    self._shut = _SystemForm.of(ideal_model(recorded), ideal_model(model), graph, follow, watch)
+                    self._shut = _SystemForm.of(ideal_model(recorded), ideal_model(model), follow, watch)
             self._numbers = _function(graph, [both(graph, recorder.assumed.values()), *follow])
         except (ModelError, *FAILURES) as error:
             raise TraceError(f"numbers of the model cannot be recorded: {error}") from error
@@ -135,6 +127,32 @@ class ModelForm:
             raise TraceError("the form of the model changes with its parameters")
 
 
+def read_watched(document: Mapping[str, Any], names: Sequence[str], recorder: Recorder, watch: Watch) -> Model:
+    """The model with parameters that are watched: each is a new input of the graph, in this order.
+
+    Raises TraceError where a value is taken without its record; ModelError.
+    """
+
+    def watched(value: float, symbol: Any) -> Any:
+        return Watched(value, symbol, recorder, watch)
+
+    inputs = [recorder.graph.input() for _ in names]
+    made = read(document, chosen={x: functools.partial(watched, symbol=y) for x, y in zip(names, inputs, strict=True)})
+    watch.require_record()
+    return made
+
+
+def recorded_places(system: System) -> dict[str, tuple[np.ndarray, list[Any]]]:
+    """Where numbers that follow stand in the arrays of a system, as flat indices, and their symbols."""
+    found = {}
+    for name, array in system.arrays.items():
+        flat = array.ravel()
+        where = [k for k, one in enumerate(flat) if isinstance(one, Recorded)] if array.dtype == object else []
+        if where:
+            found[name] = np.array(where), [flat[k].symbol for k in where]
+    return found
+
+
 def _read_at(document: Mapping[str, Any], values: Mapping[str, float], like: Model) -> Model | None:
     """The model as it is read with other values; None where it cannot be read."""
     table = dict(document["parameters"])
@@ -144,17 +162,17 @@ def _read_at(document: Mapping[str, Any], values: Mapping[str, float], like: Mod
         model = read({**document, "parameters": table})
     except ModelError:
         return None
-    return _beside(model, like)
+    return beside(model, like)
 
 
-def _beside(model: Model, other: Model) -> Model:
+def beside(model: Model, other: Model) -> Model:
     """A model whose start is looked for where that of another one is."""
     initial = dataclasses.replace(model.initial, near=other.initial.near, near_shut=other.initial.near_shut)
     return dataclasses.replace(model, initial=initial)
 
 
 # ---------------------------------------------------------------- which numbers follow
-def _plan(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
+def plan_of(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
     """Where numbers that follow stand in something that was read; their symbols are appended to `follow`.
 
     plain: the same, read without recording.  Raises TraceError where the two differ in other things.
@@ -176,7 +194,7 @@ def _plan(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
         parts = {key: (getattr(recorded, key), getattr(plain, key)) for key in keys}
     elif not alike(recorded, plain):
         raise TraceError("reading again gives other parts")
-    plans = {key: plan for key, (one, other) in parts.items() if (plan := _plan(one, other, follow)) is not None}
+    plans = {key: plan for key, (one, other) in parts.items() if (plan := plan_of(one, other, follow)) is not None}
     return plans or None
 
 
@@ -188,18 +206,15 @@ class _SystemForm(NamedTuple):
     arrays: Mapping[str, tuple[np.ndarray, np.ndarray]]  # where such numbers stand in an array, and which they are
 
     @classmethod
-    def of(cls, recorded: Model, model: Model, graph: Graph, follow: list[Any], watch: Watch) -> _SystemForm | None:
+    def of(cls, recorded: Model, model: Model, follow: list[Any], watch: Watch) -> _SystemForm | None:
         """The form of the system of a model; None where a value is taken without its record.
 
         Symbols of the numbers that follow are appended to `follow`.
         """
-        arrays, first, length, size = {}, len(follow), _length(recorded, graph), -1
-        for name, array in compile_system(recorded, length).arrays.items():
-            flat = array.ravel()
-            where = [k for k, one in enumerate(flat) if isinstance(one, Recorded)] if array.dtype == object else []
-            if where:
-                arrays[name] = np.array(where), np.arange(len(follow), len(follow) + len(where))
-                follow += [flat[k].symbol for k in where]
+        arrays, first, length, size = {}, len(follow), length_of(recorded), -1
+        for name, (where, symbols) in recorded_places(compile_system(recorded, length)).items():
+            arrays[name] = where, np.arange(len(follow), len(follow) + len(where))
+            follow += symbols
         if watch.lost:
             watch.lost.clear()
             del follow[first:]
@@ -216,18 +231,6 @@ class _SystemForm(NamedTuple):
             array = changed[name] = self.base.arrays[name].copy()
             array.ravel()[flat] = numbers[places]
         return self.base.with_numbers(model, changed, float(numbers[self.size]) if self.size >= 0 else self.base.size)
-
-
-def _length(recorded: Model, graph: Graph) -> Any:
-    """The length of a mechanism [m] with its record, whichever of its parts is the longest."""
-    longest, *others = lengths_of(recorded) or [1.0]
-    for one in others:
-        larger = graph.apply("less", symbol_of(longest), symbol_of(one))
-        symbol = graph.apply("select", larger, symbol_of(one), symbol_of(longest))
-        value = max(bare(longest), bare(one))
-        made = next((x.made for x in (longest, one) if isinstance(x, Recorded)), None)
-        longest = value if made is None else made(value, symbol)
-    return longest if longest > 0.0 else 1.0
 
 
 def _only_play(plan: Plan) -> bool:

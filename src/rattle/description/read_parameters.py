@@ -53,6 +53,16 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
     return found
 
 
+def chosen_parameters(document: Mapping[str, Any]) -> list[str]:
+    """Names of the parameters of a readable document that do not follow from others."""
+    values, found = Values(), []
+    for name, given in document.get("parameters", {}).items():
+        value = given["value"] if isinstance(given, Mapping) else given
+        if isinstance(read_quantity(values, value, ("parameters", name)), tuple):
+            found.append(name)
+    return found
+
+
 def values_where(document: Mapping[str, Any], numbers: Mapping[str, float]) -> dict[str, float]:
     """Values [SI] of the parameters of a readable document where some have these instead: expressions follow them.
 

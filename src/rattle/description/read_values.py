@@ -26,7 +26,7 @@ from rattle.language.expression import (
     value,
     walk,
 )
-from rattle.language.recorded import bare
+from rattle.language.recorded import as_number, bare
 from rattle.language.syntax import CALL, KNOWN
 from rattle.language.tables import NO_TABLES, Curve, Tables, tables_of
 from rattle.language.units import (
@@ -341,7 +341,7 @@ class Values:
         if not math.isfinite(bare(number)):
             self.wrong(path, f"{said(given)} is not a finite number; expected {expected(unit)}")
             return math.nan
-        if abs(bare(number)) > LARGEST or (least and number != 0.0 and not is_computable(number)):
+        if abs(bare(number)) > LARGEST or (least and bare(number) != 0.0 and not is_computable(number)):
             self.wrong(path, f"{said(given)} is beyond all numbers that can be computed with, {RANGE}")
             return math.nan
         if least and not LIMITS[least](number):
@@ -349,7 +349,7 @@ class Values:
                 path, f"{said(given)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
             )
             return math.nan
-        if unit == "rad" and _is_bare(given) and abs(float(number)) > 2.0 * math.pi:
+        if unit == "rad" and _is_bare(given) and abs(bare(number)) > 2.0 * math.pi:
             key = ".".join(str(part) for part in path)
             self.remarks.append(f'{key} = {number:g} is {number:g} rad; write "{number:g} deg" if degrees are meant')
         return number
@@ -434,7 +434,7 @@ def is_computable(number: float) -> bool:
 
 def _float(given: float) -> float:
     try:
-        return float(given)
+        return as_number(given)
     except OverflowError:
         return math.inf
 

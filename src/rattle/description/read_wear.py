@@ -12,6 +12,7 @@ from rattle.description.model import Contact, Wear
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, said
 from rattle.description.wear_profile import DEPTHS
+from rattle.language.recorded import as_number
 from rattle.registry import REQUIRED, Field
 
 RATE = "m^2/N"  # of k: 1 mm^3/(N*m) = 1e-9 m^2/N
@@ -114,10 +115,10 @@ def _wear(
 def _rate(reader: FieldReader, given: Any, path: Path) -> float:
     """k [m^2/N], from a number or from Archard's coefficient and the hardness; nan after a problem."""
     if not isinstance(given, Mapping):
-        return float(reader.values.value(given, RATE, path, "not negative"))
+        return as_number(reader.values.value(given, RATE, path, "not negative"))
     reader.values.keys(given, COEFFICIENT, path)
     found = {key: reader.field(one, key, given, {}, path) for key, one in COEFFICIENT.items()}
-    return float(found["coefficient"] / found["hardness"])
+    return as_number(found["coefficient"] / found["hardness"])
 
 
 def _layer(reader: FieldReader, given: Any, path: Path) -> float:
@@ -132,7 +133,7 @@ def _layer(reader: FieldReader, given: Any, path: Path) -> float:
     if nu >= 0.5:
         reader.values.wrong((*path, "nu"), f"{nu:g} is not below 0.5: such a layer cannot be compressed")
         return math.nan
-    return float((1.0 - nu) * found["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * found["thickness"]))
+    return as_number((1.0 - nu) * found["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * found["thickness"]))
 
 
 def _sizes(reader: FieldReader, contact: Contact, given: Any, path: Path) -> tuple[float, float] | None:

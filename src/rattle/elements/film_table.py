@@ -24,12 +24,14 @@ from __future__ import annotations
 import functools
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.errors import InputError
+from rattle.errors import InputError, TraceError
 from rattle.jit.functions import compiled
+from rattle.language.recorded import Recorded, bare, log
 
 Array = NDArray[np.float64]
 NODES = 25  # of sigma and of tau
@@ -164,11 +166,36 @@ def coefficients(name: str, ratio: float) -> Array:
     """
     if not 0.0 < ratio <= LONGEST:
         raise InputError(f"the table of films ends at L/D = {LONGEST:g}, not {ratio:g}")
-    values = nodes()[name]
-    found = _to_coefficients(_at_ratio(values, ratio), -1)
-    found = np.ascontiguousarray(_to_coefficients(found, 0) if name != "full" else found).ravel()
+    found = _over_states(name, _at_ratio(nodes()[name], ratio))
     found.setflags(write=False)
     return found
+
+
+def recorded_coefficients(name: str, ratio: Recorded) -> list[Recorded]:
+    """The same with a record, which holds between two nodes of L/D: sums of spline coefficients for single knots.
+
+    Its operations are others, so elsewhere it is right but for rounding.  Raises TraceError below the nodes.
+    """
+    count = len(RATIOS)
+    x: Any = (log(ratio) - math.log(RATIOS[0])) * (2.0 / math.log(2.0))
+    k = min(int(bare(x)), count - 2)
+    if not k <= x <= k + 1:
+        raise TraceError(f"the table of films has no record below L/D = {RATIOS[0]:g}")
+    knots = np.tensordot(_interpolation(count)[k : k + 4], nodes()[name], axes=1)
+    weights = spline_weights.python(x - float(k))
+    parts = [_over_states(name, one).tolist() for one in knots]
+    values = coefficients(name, bare(ratio)).tolist()
+    found = []
+    for value, c0, c1, c2, c3 in zip(values, *parts, strict=True):
+        total = weights[0] * c0 + weights[1] * c1 + weights[2] * c2 + weights[3] * c3
+        found.append(total.made(value, total.symbol))
+    return found
+
+
+def _over_states(name: str, values: Array) -> Array:
+    """Coefficients of the splines over the states, flat, from values at the nodes for one L/D."""
+    found = _to_coefficients(values, -1)
+    return np.ascontiguousarray(_to_coefficients(found, 0) if name != "full" else found).ravel()
 
 
 def _at_ratio(values: Array, ratio: float) -> Array:

@@ -6,8 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.language import bytecode
-from rattle.language.recorded import bare, operate
+from rattle.language.recorded import acos
 
 OPEN = ("none", "start", "end", "both")  # which ends are open; `end` is the one in the direction of the axis
 AT_START, AT_END, BOTH = 1.0, 2.0, 3.0
@@ -22,4 +21,4 @@ def half_angle(fields: Mapping[str, Any]) -> float:
     """beta [rad]: half the angle of an arc, as seen from its centre; nan if it does not reach the rim."""
     radius, distance = fields["radius"] + fields["play"], fields["axle_distance"]
     cos = (distance**2 + radius**2 - fields["rim"] ** 2) / (2.0 * radius * distance)
-    return operate(bytecode.ACOS, math.acos(bare(cos)), cos) if -1.0 < cos < 1.0 else math.nan
+    return acos(cos) if -1.0 < cos < 1.0 else math.nan

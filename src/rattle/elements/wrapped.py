@@ -23,6 +23,7 @@ from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import compiled
 from rattle.jit.geometry import ends
+from rattle.language.recorded import acos, sqrt
 
 SMALL = 0.2  # |S| by the radii, below which psi is counted from the start
 
@@ -42,12 +43,12 @@ class Wrapped(NamedTuple):
 
 def length_of(l: float, s: float) -> float:
     """F [m] at the distance l [m] of the centres; s: S [m]."""
-    return math.sqrt(l * l - s * s) - s * math.acos(s / l)
+    return sqrt(l * l - s * s) - s * acos(s / l)
 
 
 def bow_of(l: float, s: float) -> float:
     """Largest second derivative [1/m] of the gap by d near the distance l [m], with a margin of 2."""
-    root = math.sqrt(l * l - s * s)
+    root = sqrt(l * l - s * s)
     return 2.0 * (abs(s) / l**2 + s * s / (l * l * root) + root / l**2)
 
 

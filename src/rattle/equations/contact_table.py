@@ -12,6 +12,7 @@ from rattle.description.model import Choice, Contact, Joint, Model
 from rattle.elements.contact_geometry import OwnContact
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
+from rattle.language.recorded import bare, hypot
 
 GEOMETRIES = (
     "clearance",
@@ -67,7 +68,7 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
     if joint.stop is not None and kind is not None:
         ends = (joint.stop.minimum, joint.stop.maximum)
         p = (*points, *ends, 0.0 if joint.line is None else joint.line)
-        corners = tuple(k for k, end in enumerate(ends) if math.isfinite(end))
+        corners = tuple(k for k, end in enumerate(ends) if math.isfinite(bare(end)))
         found.append(ContactGroup(kind, joint.stop.contact, p, corners, ("joints", joint.name, "stop", "contact")))
     return found
 
@@ -214,8 +215,8 @@ def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
     light = 0.0
     for end in (joint.a, joint.b):
         if end.body in model.bodies:
-            one = model.bodies[end.body]
-            light += 1.0 / (one.inertia + one.mass * math.hypot(*end.at) ** 2 if angular else one.mass)
+            one, arm = model.bodies[end.body], hypot(*end.at)
+            light += 1.0 / (one.inertia + one.mass * (arm * arm) if angular else one.mass)
     return 1.0 / light
 
 

@@ -18,9 +18,10 @@ from rattle.equations.friction_table import friction_table
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
+from rattle.language import bytecode
 from rattle.language.expression import Node, compile_program, concatenate, replaced
 from rattle.language.local_function import packed
-from rattle.language.recorded import array_of, bare
+from rattle.language.recorded import array_of, bare, largest, least, operate
 from rattle.language.switching import Signals, Switch, find_switches
 
 LARGE = 400  # number of rows above which dense linear algebra is avoided and starting the machine code pays off
@@ -86,13 +87,9 @@ class System:
     def extent(self) -> float:
         """Size [m], independent of the position: its largest body, or the spread of its ground points."""
         joints, bodies = self.model.joints.values(), self.model.bodies.values()
-        lengths = [one.distance for one in joints]
-        held = {end.at for joint in joints for end in (joint.a, joint.b) if end.body == "ground"}
-        for group in (list(held), *([*body.points.values(), (0.0, 0.0)] for body in bodies)):
-            if group:
-                x, y = zip(*group, strict=True)
-                lengths.append(float(np.hypot(max(x) - min(x), max(y) - min(y))))
-        return max([*lengths, 0.0]) or self.size
+        held = [end.at for joint in joints for end in (joint.a, joint.b) if end.body == "ground"]
+        groups = [held, *([*body.points.values(), (0.0, 0.0)] for body in bodies)]
+        return largest(0.0, *(one.distance for one in joints), *map(_spread, filter(None, groups))) or self.size
 
     @property
     def element_states(self) -> int:
@@ -262,15 +259,19 @@ def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
     A fictitious mass is SHARE of the least mass of the model, a fictitious inertia SHARE of the least inertia.
     """
     found = [(i, k) for i in range(1, len(mass)) for k in range(3) if mass[i, k] == 0.0]
-    whole, weight = mass.copy(), np.zeros_like(mass)
+    whole = mass.copy()
     if found:
-        light = min((float(one.mass) for one in model.bodies.values() if one.mass > 0.0), default=1.0)
-        inertias = (float(one.inertia) for one in model.bodies.values() if one.inertia > 0.0)
-        turning = min(inertias, default=light * float(_size(model)) ** 2)
+        masses = [one.mass for one in model.bodies.values() if one.mass > 0.0]
+        inertias = [one.inertia for one in model.bodies.values() if one.inertia > 0.0]
+        light = least(*masses) if masses else 1.0
+        length = length_of(model)
+        turning = least(*inertias) if inertias else light * (length * length)
+        whole = whole.astype(object)  # any of these may be recorded
         for i, k in found:
             whole[i, k] = SHARE * (turning if k == 2 else light)
+    weight = np.zeros_like(whole)
     weight[1:] = 1.0 / whole[1:]
-    return _table(found, 2), weight
+    return _table(found, 2), array_of(weight)
 
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
@@ -337,7 +338,8 @@ def compile_system(model: Model, length: float | None = None) -> System:
         for unit in one.leaf.rows:
             rows.append(Row(name, unit, True))
             row_body.append((a, b))
-    length = _size(model) if length is None else length
+    if length is None:
+        length = max([*map(bare, _lengths_of(model)), 0.0]) or 1.0
     contact, lever, films = contact_table(model, number, values, length)
     dry = friction_table(model, number, values, joint, sum(one[at.STATES] for one in contact))
     of_laws = sum(one[at.STATES] for one in contact) + sum(one[at.DRY_STATES] for one in dry)
@@ -365,7 +367,7 @@ def compile_system(model: Model, length: float | None = None) -> System:
         "contact": _table(contact, at.width("contact")),
         "dry": _table(dry, at.width("dry")),
         "lever": array_of(lever).reshape(-1, at.width("lever")),
-        "film_coefficients": np.array(films, dtype=float),
+        "film_coefficients": array_of(films),
         "values": array_of(values),
         "code": code,
         "const": const,
@@ -450,12 +452,19 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
     return np.array(entries, np.int64).reshape(-1, width)
 
 
-def lengths_of(model: Model) -> list[float]:
+def _lengths_of(model: Model) -> list[float]:
     """Distances [m] of points from the mass centre of their body, or from the origin, and those that joints keep."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
     return [abs(x) + abs(y) for x, y in points] + [one.distance for one in model.joints.values()]
 
 
-def _size(model: Model) -> float:
+def length_of(model: Model) -> float:
     """Largest distance [m] of a point from its body's mass centre, or of a ground point from the origin; 1 if none."""
-    return max([*map(bare, lengths_of(model)), 0.0]) or 1.0
+    return largest(0.0, *_lengths_of(model)) or 1.0
+
+
+def _spread(points: Iterable[tuple[float, float]]) -> float:
+    """Diagonal [m] of the rectangle around some points."""
+    x, y = zip(*points, strict=True)
+    width, height = largest(*x) - least(*x), largest(*y) - least(*y)
+    return operate(bytecode.HYPOT, float(np.hypot(bare(width), bare(height))), width, height)

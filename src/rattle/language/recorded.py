@@ -134,6 +134,50 @@ def hypot(x: Any, y: Any) -> float:
     return operate(bytecode.HYPOT, math.hypot(bare(x), bare(y)), x, y)
 
 
+def sqrt(x: Any) -> float:
+    """Square root of a number that is not negative, with its record."""
+    return operate(bytecode.SQRT, math.sqrt(bare(x)), x)
+
+
+def cos(x: Any) -> float:
+    """Cosine of an angle [rad], with its record."""
+    return operate(bytecode.COS, math.cos(bare(x)), x)
+
+
+def sin(x: Any) -> float:
+    """Sine of an angle [rad], with its record."""
+    return operate(bytecode.SIN, math.sin(bare(x)), x)
+
+
+def acos(x: Any) -> float:
+    """Angle [rad] with this cosine, from -1 to 1, with its record."""
+    return operate(bytecode.ACOS, math.acos(bare(x)), x)
+
+
+def log(x: Any) -> float:
+    """Natural logarithm of a number above 0, with its record."""
+    return operate(bytecode.LOG, math.log(bare(x)), x)
+
+
+def is_whole(x: Any) -> bool:
+    """True of a number without a fraction."""
+    return bool(operate(bytecode.FLOOR, float(math.floor(bare(x))), x) == x)
+
+
+def largest(first: Any, *others: Any) -> float:
+    """The largest of some numbers, with its record, whichever it is."""
+    for one in others:
+        first = operate(bytecode.MAX, max(bare(first), bare(one)), first, one)
+    return as_number(first)
+
+
+def least(first: Any, *others: Any) -> float:
+    """The least of some numbers, with its record, whichever it is."""
+    for one in others:
+        first = operate(bytecode.MIN, min(bare(first), bare(one)), first, one)
+    return as_number(first)
+
+
 def operate(op: int, value: float, *given: Any) -> float:
     """`value`, found by an operation of `language.bytecode`, with its record if an operand has one."""
     for one in given:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+from rattle.errors import TraceError
 from rattle.language import bytecode
 from rattle.language.recorded import Journal, Recorded, bare, symbol_of
 
@@ -19,6 +20,11 @@ class Watch:
 
     def __init__(self) -> None:
         self.lost: list[str] = []  # where records were left behind: file and line
+
+    def require_record(self) -> None:
+        """Raise TraceError where a record was left behind."""
+        if self.lost:
+            raise TraceError(f"a value is taken without its record in {self.lost[0]}")
 
     def tell(self) -> None:
         """Keep the place that asks for a value."""

@@ -152,7 +152,7 @@ class Ambrosio(Friction):
         """Parameters of the kernel [-, m/s, m/s].  Raises InputError unless v0 < v1."""
         if not values["v0"] < values["v1"]:
             raise InputError(f"ambrosio needs v0 < v1, not {values['v0']:g} and {values['v1']:g} m/s")
-        return float(values["mu"]), float(values["v0"]), float(values["v1"])
+        return as_number(values["mu"]), as_number(values["v0"]), as_number(values["v1"])
 
 
 @kind("friction", "threlfall", threlfall)

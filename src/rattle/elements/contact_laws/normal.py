@@ -25,6 +25,7 @@ from typing import Any
 from rattle.elements.contact_laws.restitution import LEAST_RESTITUTION, checked, factor_returning, restitution_returned
 from rattle.errors import InputError
 from rattle.jit.functions import kernel
+from rattle.language.recorded import as_number, sqrt
 from rattle.registry import Field, kind, kinds
 
 
@@ -103,7 +104,7 @@ class Hysteretic(Damped):
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
         """Parameters of the kernel, p[k:] = a [-], least_speed [m/s]; `values` by field name [SI]."""
-        return cls.factor(checked(values["restitution"])), float(values["least_speed"])
+        return cls.factor(checked(values["restitution"])), as_number(values["least_speed"])
 
 
 def _at_least(e: float) -> float:
@@ -288,7 +289,7 @@ class KelvinVoigt(Damped):
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
         """Parameter of the kernel, p[k] = 2 zeta sqrt(m) [kg^0.5].  Raises InputError without effective mass [kg]."""
-        mass = float(values["effective_mass"])
+        mass = as_number(values["effective_mass"])
         if not mass > 0.0:
             raise InputError("kelvin-voigt needs the effective mass of the two bodies, in kg")
-        return (2.0 * cls.factor(checked(values["restitution"])) * math.sqrt(mass),)
+        return (2.0 * cls.factor(checked(values["restitution"])) * sqrt(mass),)

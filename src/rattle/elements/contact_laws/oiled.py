@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.elements.contact_laws import ContactKind
+from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 
 SIGMAS = 3.0  # boundary film over the roughness of both surfaces
@@ -50,4 +51,4 @@ class Lubricated(ContactKind):
 def boundary_film(read: Mapping[str, Any]) -> float:
     """Thickness [m] of the boundary film from `roughness`, of both surfaces together [m], and `clearance` [m]."""
     roughness: float = read.get("roughness", 0.0)
-    return SIGMAS * roughness if roughness > 0.0 else THIN * float(read.get("clearance", 0.0))
+    return SIGMAS * roughness if roughness > 0.0 else THIN * as_number(read.get("clearance", 0.0))

@@ -26,7 +26,7 @@ from typing import Any
 from rattle.errors import InputError
 from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus, material
-from rattle.language.recorded import as_number
+from rattle.language.recorded import as_number, sqrt
 from rattle.registry import Field, kind
 
 TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2, where the tangent begins
@@ -98,7 +98,7 @@ def sphere_stiffness(
     """
     if not 0.0 < pin_radius < bush_radius:
         raise InputError(f"a pin of radius {pin_radius:g} m has no clearance in a bush of radius {bush_radius:g} m")
-    curvature = math.sqrt(bush_radius * pin_radius / (bush_radius - pin_radius))
+    curvature = sqrt(bush_radius * pin_radius / (bush_radius - pin_radius))
     return 4.0 / 3.0 * contact_modulus(material_a, material_b) * curvature, 1.5
 
 
@@ -165,14 +165,14 @@ class LineContact(Cylinder):
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        modulus, length = _modulus(values), float(values["length"])
+        modulus, length = _modulus(values), as_number(values["length"])
         return 1.0 / (math.pi * modulus * length), cls.scale(modulus, length, *_radii(values))
 
     @classmethod
     def limit(cls, values: Mapping[str, Any]) -> float:
         """Force [N] at which the Hertz half-width sqrt(4 F R_A R_B/(pi E* L dR)) is R_B/2, at most D/e^2."""
         bush, pin, play = _radii(values)
-        narrow = math.pi * _modulus(values) * float(values["length"]) * play * pin / (16.0 * bush)
+        narrow = math.pi * _modulus(values) * as_number(values["length"]) * play * pin / (16.0 * bush)
         return min(narrow, cls.pack(values)[1] * FORCE_AT_TURN)
 
 
@@ -188,7 +188,7 @@ class Power(Elastic):
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        return float(values["stiffness"]), float(values["exponent"])
+        return as_number(values["stiffness"]), as_number(values["exponent"])
 
 
 @kind("stiffness", "sphere", power)
@@ -274,7 +274,7 @@ class Liu(Cylinder):
 
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        return 0.5 * math.pi * _modulus(values) * float(values["length"]), _radii(values)[2]
+        return 0.5 * math.pi * _modulus(values) * as_number(values["length"]), _radii(values)[2]
 
     @classmethod
     def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
@@ -305,7 +305,7 @@ class Pereira(Cylinder):
         else:
             y = 0.0151 * inside + 1.151
         n = y * play**-0.005
-        width = 1e3 * float(values["length"]) * 1e-6 * _modulus(values)  # L E* in N/mm
+        width = 1e3 * as_number(values["length"]) * 1e-6 * _modulus(values)  # L E* in N/mm
         return (0.965 * play + 0.0965) * width / play * 1e3**n, n
 
     @classmethod

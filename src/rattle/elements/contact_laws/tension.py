@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.jit.functions import kernel
+from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 
 
@@ -30,7 +31,7 @@ class Tension:
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
         """Parameter of the kernel, p[k] = c [N*s/m]."""
-        return (float(values["damping"]),)
+        return (as_number(values["damping"]),)
 
     @staticmethod
     def notes(values: Mapping[str, Any]) -> list[str]:

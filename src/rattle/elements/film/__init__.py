@@ -66,7 +66,7 @@ class FilmLaw:
     @classmethod
     def faults(cls, values: Mapping[str, Any], clearance: float) -> list[str]:
         """What makes the law useless for these values [SI] and this clearance [m], in words."""
-        ratio = clearance / float(values["bush_radius"])
+        ratio = clearance / as_number(values["bush_radius"])
         if ratio <= THINNEST:
             return []
         said = f"the clearance is {ratio:.3g} of the radius; the theory of thin films needs at most {THINNEST:g}"
@@ -93,7 +93,7 @@ class FilmLaw:
 
 def ratio_of(values: Mapping[str, Any]) -> float:
     """L/D [-] of the fields of a film."""
-    return 0.5 * float(values["length"]) / float(values["bush_radius"])
+    return 0.5 * as_number(values["length"]) / as_number(values["bush_radius"])
 
 
 CAVITATION = Field(

@@ -23,9 +23,11 @@ from rattle.elements.film_table import (
     read_line,
     read_ratios,
     read_sheet,
+    recorded_coefficients,
 )
 from rattle.elements.short_film import short_integrals, short_peaks
 from rattle.jit.functions import kernel
+from rattle.language.recorded import Recorded, array_of
 from rattle.registry import kind
 
 
@@ -81,14 +83,18 @@ class Finite(FilmLaw):
     @classmethod
     def table(cls, values: Mapping[str, Any]) -> Array:
         """Coefficients of the splines at the L/D of these fields."""
-        return coefficients("full" if values["cavitation"] == "full" else "potential", ratio_of(values))
+        name, ratio = "full" if values["cavitation"] == "full" else "potential", ratio_of(values)
+        if isinstance(ratio, Recorded):
+            return array_of(recorded_coefficients(name, ratio))
+        return coefficients(name, ratio)
 
     @classmethod
     def faults(cls, values: Mapping[str, Any], clearance: float) -> list[str]:
         """Thin films, and no longer than the table."""
-        ratio = ratio_of(values)
-        long = f"L/D is {ratio:.3g}; the table of the law 'finite' ends at {LONGEST:g}: use a shorter bush"
-        return super().faults(values, clearance) + ([long] if ratio > LONGEST * (1.0 + 1e-12) else [])
+        ratio, found = ratio_of(values), super().faults(values, clearance)
+        if ratio > LONGEST * (1.0 + 1e-12):
+            found.append(f"L/D is {ratio:.3g}; the table of the law 'finite' ends at {LONGEST:g}: use a shorter bush")
+        return found
 
     @classmethod
     def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:

@@ -23,6 +23,7 @@ from typing import Any
 from rattle.elements.contact_geometry import OwnContact
 from rattle.elements.joints import JointKind
 from rattle.jit.functions import kernel
+from rattle.language.recorded import bare, is_whole
 from rattle.registry import Field, kind
 
 MODELS = ("ideal", "viscous", "compliant", "ratchet")
@@ -77,7 +78,7 @@ class Clutch(JointKind):
                     f'"{name}"' for n, name in enumerate(MODELS) if key in (*NEEDS.get(n, ()), *MAY_HAVE.get(n, ()))
                 )
                 yield key, f'model = "{MODELS[model]}" has no {key}; leave it out, or take model = {suited}'
-        if model == RATCHET and fields["teeth"] != round(fields["teeth"]) and not math.isnan(fields["teeth"]):
+        if model == RATCHET and not math.isnan(bare(fields["teeth"])) and not is_whole(fields["teeth"]):
             yield "teeth", f"expected a whole number of teeth, got {fields['teeth']:g}"
 
     @staticmethod

@@ -25,6 +25,7 @@ from rattle.elements.geneva import half_angle
 from rattle.elements.joints import Fit, JointKind
 from rattle.elements.profile import Array
 from rattle.jit.functions import kernel
+from rattle.language.recorded import bare, cos, is_whole
 from rattle.registry import Field, kind
 
 FEWEST = 3  # arcs: with two the axes would have to coincide
@@ -72,7 +73,7 @@ class LockingDisc(JointKind):
     def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         """A number of arcs that is no number of slots."""
         arcs = fields["arcs"]
-        if not math.isnan(arcs) and (arcs != round(arcs) or arcs < FEWEST):
+        if not math.isnan(bare(arcs)) and (not is_whole(arcs) or arcs < FEWEST):
             yield "arcs", f"expected a whole number of at least {FEWEST}, got {arcs:g}"
 
     @staticmethod
@@ -86,7 +87,7 @@ class LockingDisc(JointKind):
         if not radius < distance:
             return f"radius = {radius:g} m must be less than axle_distance = {distance:g} m"
         beta = half_angle(fields)
-        if not (beta < 0.5 * math.pi and distance * math.cos(beta) > radius):
+        if not (beta < 0.5 * math.pi and distance * cos(beta) > radius):
             return (
                 f"a wheel with rim = {rim:g} m has no arcs of radius = {radius:g} m about centres {distance:g} m away"
                 f" that would hold it: rim must be more than {distance - radius - fields['play']:.4g} m and less than"

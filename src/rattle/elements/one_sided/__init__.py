@@ -6,12 +6,12 @@ Where the joint without contact holds two surfaces together on both sides, here 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from rattle.elements.contact_geometry import ContactGeometry
 from rattle.jit import layout as at
+from rattle.language.recorded import hypot
 
 
 class OneSidedKind(ContactGeometry):
@@ -34,7 +34,7 @@ class OneSidedKind(ContactGeometry):
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Arms [m] of the two points."""
-        return math.hypot(p[0], p[1]), math.hypot(p[2], p[3])
+        return hypot(p[0], p[1]), hypot(p[2], p[3])
 
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:

@@ -18,6 +18,7 @@ from typing import Any
 from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.wrapped import Wrapped, bow_of, length_of, write_line
 from rattle.jit.functions import kernel
+from rattle.language.recorded import cos, largest
 from rattle.registry import kind
 
 LEAST = 1e-3  # of the radii: gaps are judged by no less, whatever the backlash
@@ -32,7 +33,7 @@ def flanks(body, a, b, p, k, corner, row, kinematics):
 def base(fields: Mapping[str, Any]) -> tuple[float, float, float]:
     """Base radii a, b (negative inside of a ring) and the distance l_0 of the centres [m]."""
     (ra, rb), turned = fields["radii"], -1.0 if fields["internal"] else 1.0
-    share = math.cos(fields["pressure_angle"])
+    share = cos(fields["pressure_angle"])
     return ra * share, turned * rb * share, ra + turned * rb
 
 
@@ -53,8 +54,8 @@ class Flanks(OneSidedKind):
         """Base circles, phase and backlash."""
         (a, b, distance), side = base(fields), -1.0 if fields["internal"] else 1.0
         play = 0.5 * fields["backlash"] - side * length_of(distance, a + b)
-        phase = constants[0] * math.cos(fields["pressure_angle"]) if constants else math.nan
-        scale = max(fields["backlash"], LEAST * (a + abs(b)))
+        phase = constants[0] * cos(fields["pressure_angle"]) if constants else math.nan
+        scale = largest(fields["backlash"], LEAST * (a + abs(b)))
         return Wrapped(a, b, phase, side, play, 0.0, 0.0, scale)
 
     @staticmethod
@@ -66,4 +67,4 @@ class Flanks(OneSidedKind):
     def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
         """The larger base radius [m], and how fast the line of action turns as the centres move [1/m]."""
         a, b, distance = base(fields)
-        return max(a, abs(b)), 0.0, bow_of(distance, a + b)
+        return largest(a, abs(b)), 0.0, bow_of(distance, a + b)

@@ -29,7 +29,7 @@ from rattle.elements.one_sided import OneSidedKind
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import ends
-from rattle.language.recorded import hypot
+from rattle.language.recorded import cos, hypot, sin
 from rattle.registry import kind
 
 FAR = 1e30  # gap [m] of a contact before the first candidate
@@ -141,19 +141,19 @@ class LockedArcs(OneSidedKind):
         r, kappa, beta = fields["rounding"], 0.5 * fields["opening"], half_angle(fields)
         step, inner = 2.0 * math.pi / fields["arcs"], fields["radius"] - fields["rounding"]
         return Lock(
-            math.cos(fields["axis"]),
-            math.sin(fields["axis"]),
-            inner * math.cos(kappa),
-            inner * math.sin(kappa),
+            cos(fields["axis"]),
+            sin(fields["axis"]),
+            inner * cos(kappa),
+            inner * sin(kappa),
             r,
             fields["arcs"],
-            math.cos(step),
-            math.sin(step),
-            fields["axle_distance"] * math.cos(fields["first"]),
-            fields["axle_distance"] * math.sin(fields["first"]),
+            cos(step),
+            sin(step),
+            fields["axle_distance"] * cos(fields["first"]),
+            fields["axle_distance"] * sin(fields["first"]),
             fields["radius"] + fields["play"],
-            math.cos(beta),
-            math.sin(beta),
+            cos(beta),
+            sin(beta),
             fields["play"],
         )
 

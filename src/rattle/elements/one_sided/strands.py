@@ -16,6 +16,7 @@ from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.wrapped import SMALL, Wrapped, bow_of, length_of, write_line
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
+from rattle.language.recorded import largest
 from rattle.registry import kind
 
 LEAST = 1e-3  # of the radii: gaps are judged by this
@@ -70,4 +71,4 @@ class Strands(OneSidedKind):
     def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
         """The larger radius [m], and how fast the strands turn as the centres move [1/m]."""
         (a, b), distance = turning(fields), constants[1] if constants else math.nan
-        return max(a, abs(b)), 0.0, bow_of(distance, a + b) if distance > abs(a + b) else math.nan
+        return largest(a, abs(b)), 0.0, bow_of(distance, a + b) if distance > abs(a + b) else math.nan

@@ -1,0 +1,152 @@
+"""The arrays of a model as a recorded function of its parameters.
+
+A run computes with arrays of numbers.  Reading the model with watched numbers says how each of their entries follows
+from the parameters that may be chosen, in exact operations, so that a page can enter other values without reading.
+Whatever takes a value without its record is noticed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants
+from rattle.analyses.model_form import FAILURES, beside, plan_of, read_watched, recorded_places
+from rattle.description.model import Model
+from rattle.description.read_parameters import chosen_parameters
+from rattle.description.read_values import LARGEST
+from rattle.equations.system import System, compile_system, length_of
+from rattle.errors import TraceError
+from rattle.language import bytecode
+from rattle.language.recorded import Recorded, symbol_of
+from rattle.language.watched import Watch, Watched
+from rattle.trace.elementary import lower
+from rattle.trace.graph import Graph, both
+from rattle.trace.recording import Recorder
+
+
+@dataclass(frozen=True)
+class RecordedArrays:
+    """Entries of arrays that follow from parameters; see `entries` for what the outputs of the graph are.
+
+    Inputs of the graph are the parameters, then the constants that the start sets [m or rad].
+    """
+
+    names: tuple[str, ...]  # parameters
+    graph: Graph  # of exact operations
+    entries: dict[str, np.ndarray]  # by array of a workspace: flat indices of the entries that follow
+    facts: tuple[str, ...]  # numbers beside the arrays that follow: size, extent [m], settings of a run
+    outputs: list[Any]  # entries, array after array, then facts
+    holds: Any  # flag: with these inputs the model has the same form
+    of_times: tuple[str, ...]  # parameters from which the instants of a timetable follow, which are not recorded
+
+    @property
+    def operations(self) -> int:
+        """Number of operations."""
+        return self.graph.count([self.holds, *self.outputs])
+
+    def inputs(self, system: System) -> np.ndarray:
+        """(n_in,) inputs [SI] with which the arrays are those of a system."""
+        known = system.model.parameters
+        return np.array([*(known[name].value for name in self.names), *flat(constants_of(system.model))])
+
+    def at(self, given: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, float]] | None:
+        """Values [SI] of the entries by array, and of the facts, for inputs (n_in,); None for another form."""
+        holds, *found = self.graph.evaluate([self.holds, *self.outputs], given[:, None])[:, 0]
+        if not holds:
+            return None
+        numbers, first, arrays = np.array(found), 0, {}
+        for name, where in self.entries.items():
+            arrays[name] = numbers[first : first + len(where)]
+            first += len(where)
+        return arrays, dict(zip(self.facts, numbers[first:].tolist(), strict=True))
+
+
+def recorded_arrays(document: Mapping[str, Any], system: System, names: Sequence[str] | None = None) -> RecordedArrays:
+    """Record how the arrays of a system follow from parameters (default: all that do not follow from others).
+
+    document: the tables of the model file, of which the system was made.
+    Raises TraceError, with the place, where a value is taken without its record; ModelError.
+    """
+    asked = tuple(chosen_parameters(document) if names is None else names)
+    graph = Graph()
+    recorder, watch = Recorder(graph), Watch()
+    numbers: list[Any] = []  # symbols of the numbers of the model that follow
+    try:
+        model = beside(read_watched(document, asked, recorder, watch), system.model)
+        model = with_constants(model, dict(_counting(system.model, recorder, watch)))
+        plan_of(model, system.model, numbers)
+        recorded = compile_system(model, length_of(model))
+        watch.require_record()
+        facts = dict(_facts(recorded))
+        watch.require_record()
+    except FAILURES as error:
+        raise TraceError(f"the arrays cannot be recorded: {error}") from error
+    _require_alike(recorded, system)
+    places = recorded_places(recorded) | dict(_own_states(recorded))
+    follow = [x for _, symbols in places.values() for x in symbols] + list(facts.values())
+    sound = [abs(x) <= LARGEST for x in (*numbers, *follow)]
+    flag = both(graph, [*recorder.assumed.values(), *sound])
+    exact, (holds, *outputs) = lower(graph, [flag, *follow])
+    return RecordedArrays(
+        asked, exact, {name: where for name, (where, _) in places.items()}, tuple(facts), outputs, holds,
+        tuple(name for n, name in enumerate(asked) if graph.inputs[n] in _live(graph, _timed(recorded))),
+    )  # fmt: skip
+
+
+def _counting(model: Model, recorder: Recorder, watch: Watch) -> Iterator[tuple[str, tuple[Any, ...]]]:
+    """Constants that the start sets, by joint, as new inputs."""
+    for name, values in constants_of(model).items():
+        yield name, tuple(Watched(one, recorder.graph.input(), recorder, watch) for one in values)
+
+
+def _facts(recorded: System) -> Iterator[tuple[str, Any]]:
+    """Symbols of numbers beside the arrays that follow."""
+    settings = recorded.model.settings
+    held = {one.name: getattr(settings, one.name) for one in dataclasses.fields(settings)}
+    for name, value in {"size": recorded.size, "extent": recorded.extent, **held}.items():
+        if isinstance(value, Recorded):
+            yield name, symbol_of(value)
+
+
+def _own_states(recorded: System) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
+    """Where the start of the states of a model stands in the arrays of a workspace."""
+    starts = [one.start for one in recorded.model.states.values()]
+    where = np.array([k for k, one in enumerate(starts) if isinstance(one, Recorded)], dtype=int)
+    symbols = [symbol_of(starts[k]) for k in where]
+    if symbols:
+        yield "signals", (where, symbols)
+        yield "element_state", (where + recorded.element_states - len(starts), symbols)
+
+
+def _timed(recorded: System) -> list[Any]:
+    """Symbols of the constants of expressions that switch at instants of time."""
+    code, const = recorded.arrays["code"], recorded.arrays["const"]
+    signals, found = recorded.signals, list[Any]()
+    for one in recorded.switches:
+        if one.timed:
+            used = signals.used([(one.first, one.last)])
+            spans = [(one.first, one.last), *((a, b) for a, b, k in signals.rows if k in used)]
+            rows = np.concatenate([code[a:b] for a, b in spans])
+            found += const[rows[rows[:, 0] == bytecode.CONST, 1]].tolist()
+            if np.isin(rows[:, 0], (bytecode.CURVE, bytecode.BENT)).any():
+                found += const.tolist()  # numbers of tables are among them
+    return [symbol_of(x) for x in found if isinstance(x, Recorded)]
+
+
+def _live(graph: Graph, symbols: Sequence[Any]) -> set[int]:
+    return set(graph.live(symbols))
+
+
+def _require_alike(recorded: System, system: System) -> None:
+    """Raise TraceError unless the recorded arrays are those of the system, to the bit."""
+    for name, array in system.arrays.items():
+        found = recorded.arrays[name]
+        if found.dtype == object:
+            found = np.array([getattr(x, "bare", x) for x in found.ravel()], dtype=float).reshape(found.shape)
+        if not np.array_equal(found, array, equal_nan=array.dtype == float):
+            raise TraceError(f"the array '{name}' differs when it is recorded; this is a fault of rattle")
