@@ -10,7 +10,7 @@ from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.toml_locations import locate, locate_all
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
-WORK = 60  # calls of Python functions per character at most: linear reading makes about 15, quadratic thousands
+WORK = 75  # calls of Python functions per character at most: linear reading makes about 15, quadratic thousands
 MEMORY = 300e6  # bytes
 
 

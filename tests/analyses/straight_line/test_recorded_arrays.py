@@ -39,18 +39,19 @@ def _same(m: rt.Mechanism, made: RecordedArrays, values: dict[str, float]) -> bo
         return False
     assert wanted is not None, f"{values} are refused"
     numbers, facts = found
-    image = wanted.plain_workspace()
+    own, image = m.system.plain_workspace(), wanted.plain_workspace()
     for name, array in {**wanted.arrays, "signals": image.signals, "element_state": image.element_state}.items():
-        patched = m.system.arrays[name].copy() if name in m.system.arrays else array.copy()
+        patched = (m.system.arrays[name] if name in m.system.arrays else getattr(own, name)).copy()
         assert patched.shape == array.shape, f"{name}: {values}"
         if name in numbers:
             patched.ravel()[made.entries[name]] = numbers[name]
         if array.dtype.kind != "f":
             assert np.array_equal(patched, array), f"{name}: {values}"
             continue
+        alike = (patched == array) | (np.isnan(patched) & np.isnan(array))
         size = np.abs(array).max(initial=0.0) * OF_TABLE if name == "film_coefficients" else 0.0
-        near = ULPS * np.spacing(np.abs(array)) + size
-        assert ((np.abs(patched - array) <= near) | (np.isnan(patched) & np.isnan(array)) | (patched == array)).all(), (
+        near = ULPS * np.spacing(np.where(alike, 0.0, np.abs(array))) + size
+        assert (alike | (np.abs(np.where(alike, 0.0, patched) - np.where(alike, 0.0, array)) <= near)).all(), (
             f"{name}: {values}"
         )
     for name in ("size", "extent"):
