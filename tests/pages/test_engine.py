@@ -4,9 +4,9 @@ import shutil
 
 import numpy as np
 import pytest
-from live import computed, program_of
 
 import rattle as rt
+from live import computed, program_of
 from rattle.errors import TraceError
 from rattle.pages.live_program import live_program
 from rattle.results.columns import geometry
