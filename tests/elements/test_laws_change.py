@@ -8,10 +8,22 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle import registry
 from rattle.jit.translation.unit import translated
 from rattle.jit.translation.values import TranslationError
 
 K, TABLE = 1.0, np.array([1.0, 2.0])
+
+
+@pytest.fixture(autouse=True)
+def laws():
+    """The laws of this file stay in this file."""
+    before = dict(registry.kinds("load"))
+    for law in (of_a_number_outside, of_a_table_outside, without_a_value):
+        rt.load_law(law.__name__, between="points")(law)
+    yield
+    for name in registry.kinds("load").keys() - before.keys():
+        registry._families["load"].pop(name)
 
 
 def pushed(law):
@@ -25,12 +37,10 @@ def scaled(x):
     return K * x
 
 
-@rt.load_law("of_a_number_outside", between="points")
 def of_a_number_outside(t, length, rate, p):
     return -scaled(length)
 
 
-@rt.load_law("of_a_table_outside", between="points")
 def of_a_table_outside(t, length, rate, p):
     return -TABLE[0] * length
 
@@ -106,7 +116,6 @@ def test_what_would_not_be_what_python_computes_is_not_translated(law):
         translated(around, "test.around", ("f", "f"))
 
 
-@rt.load_law("without_a_value", between="points")
 def without_a_value(t, length, rate, p):
     if length < 0.3:
         return 100.0 * (0.3 - length)

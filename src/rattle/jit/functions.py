@@ -47,7 +47,7 @@ class KernelFunction:
         self._address, self._trap = 0, 0
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
-        self.__module__ = function.__module__
+        self.__module__ = function.__module__ or "__main__"  # what `exec` has made may be of no module
         if self.native:
             _natives.append(self)
 

@@ -40,7 +40,7 @@ class UsersKernel(KernelFunction):
         self.fields = taking("pack", len(keys), {"pack": self.pack})
         super().__init__(self.plain(), family)
         self._outside: Any = None  # what the machine code has taken from outside the law
-        self.__module__, self.__name__ = law.__module__, law.__name__
+        self.__module__, self.__name__ = law.__module__ or "__main__", law.__name__
 
     @abstractmethod
     def plain(self) -> Callable[..., Any]:
