@@ -18,7 +18,7 @@ STEPS = (  # one function of each stage of a run, in the order in which they are
     ("The model becomes flat arrays", ("compile_system",)),
     ("The mechanism is assembled: positions, then rates", ("assemble",)),
     ("The analysis makes the workspace of a run and integrates interval by interval", ("simulate", "output_times")),
-    ("Time integration steps, with contacts and switches located", ("advance", "search_step_for_events")),
+    ("Time integration steps, with contacts and switches located", ("advance", "first_event")),
     ("The equations at one instant: bodies, constraint rows, loads, accelerations", ("solve_motion", "derivative")),
     ("Multipliers follow from the constraint rows: the sparse factor", ("factorise", "analyse")),
     ("Recorded values get names and units", ("columns", "quantities")),
