@@ -48,9 +48,7 @@ def test_it_has_every_kernel_that_may_stand_in_a_table(module):
     assert [name for name, _ in told["arrays"]] == list(ARRAYS)
 
 
-@pytest.mark.skipif(
-    binding.llvm_version_info[0] < 21, reason="bytes of older LLVM depend on what was translated before"
-)
+@pytest.mark.skipif(binding.llvm_version_info[0] < 21, reason="older LLVM: bytes depend on what was made before")
 def test_the_same_sources_give_the_same_bytes(module, tmp_path):
     """In another process, in which text is hashed otherwise, and after another function was translated."""
     code = (
