@@ -424,7 +424,7 @@ def asked(folder, end):
 def test_a_module_with_contacts_takes_the_steps_and_events_of_a_run(tmp_path, name, end):
     done = written(tmp_path, name, "--t-end", f"{end} s", name="model.mjs")
     assert done.exit_code == 0, done.stderr
-    assert "parameters keep the values" in done.stderr
+    assert "parameters keep their values" in done.stderr
     said, r = asked(tmp_path, end), rt.example(name).simulate(end)
     assert (said["success"], said["message"]) == (True, "")
     events = [one for one in r.events if one.t + one.duration < end]  # those that last to the end are not over

@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+from test_contact_law import BUSH
 
 import rattle as rt
 from rattle import registry
@@ -20,26 +21,10 @@ pytestmark = [
 ]
 with_numba = pytest.mark.skipif(importlib.util.find_spec("numba") is None, reason="needs the extra `laws`")
 
-BUSH = """
-format = 1
-[ground.points]
-O = [0, 0]
-[bodies.pin]
-points = {{ P = [0, 0] }}
-mass = 1
-inertia = 1e-3
-[joints.O]
-type = "revolute"
-connect = ["ground.O", "pin.P"]
-clearance = "1 mm"
-contact = {{ {law}, stiffness = 1e9, bush_radius = "1 cm", friction = {{ {friction} }} }}
-[initial]
-pin = {{ x = 0, y = 0.0003, angle = 0, vx = 0.5, vy = 0.4, omega = 0 }}
-"""
-
 
 def bounce(law, friction, t_end=0.004):
-    return rt.loads(BUSH.format(law=law, friction=friction)).simulate(t_end, horizon=False)
+    contact = f'{{ {law}, stiffness = 1e9, bush_radius = "1 cm", friction = {{ {friction} }} }}'
+    return rt.loads(BUSH.format(contact=contact, vy=0.4)).simulate(t_end, horizon=False)
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from llvmlite.binding import llvm_version_info
 
 from core_engine import by_machine_code, in_node, new
 
@@ -119,6 +120,7 @@ print(json.dumps(differ))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere machine code calls other functions for sine and cosine")
+@pytest.mark.skipif(llvm_version_info[0] < 21, reason="older LLVM writes some powers otherwise for one of the targets")
 def test_with_the_same_elementary_functions_every_bit_is_the_same(tmp_path):
     """Machine code calls those of the C library otherwise, whose last bits differ; chaotic motions show it."""
     paths = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])

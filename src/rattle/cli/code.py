@@ -52,39 +52,52 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
               rattle code fourbar -o model.fmu
               rattle code slider_crank --set "speed=3000 rpm" --step 10us -o model.c
     """
-    from rattle.analyses.straight_line.code import LONGEST, c_program, javascript_module, program
-    from rattle.atomic_file import atomic
-    from rattle.errors import TraceError
+    from rattle.analyses.straight_line.code import LONGEST
 
     ending = Path(output).suffix
     if ending not in WRITTEN:
-        listed = ", ".join(f"{one} ({what})" for one, what in WRITTEN.items())
+        listed = ", ".join(f"{name} ({what})" for name, what in WRITTEN.items())
         raise click.UsageError(f"-o {output}: expected a name that ends in {listed}")
     if ending == ".fmu" and step is not None:
         raise click.UsageError("--step has no meaning in an FMU: the tool that runs it gives a tolerance")
     check_files(file, output)
     m = read_model(file, settings, ideal)
     until = m.model.settings.t_end if t_end is None else time(t_end)
-    longest = time(step) if step is not None else m.model.settings.step or LONGEST
+    asked = time(step) if step is not None else m.model.settings.step
+    longest = asked or LONGEST
     if not (until > 0.0 and longest > 0.0 and until / longest <= 1e9):
         raise click.UsageError("--t-end and --step must be positive, with at most 1e9 steps")
     if ending == ".fmu":
         _write_fmu(m, Path(file).stem, until, output)
-        return
-    write = c_program if ending == ".c" else javascript_module
-    try:
-        made = program(m.recorded())
-    except TraceError:
-        if ending == ".c":
-            raise
-        _write_compiled(m, until, time(step) if step is not None else None, output)
-        return
-    text = write(made, m.name or "A mechanism", until, longest)
+    elif ending == ".c":
+        _write_straight_line(m, True, until, longest, output)
+    else:
+        _write_javascript(m, until, longest, asked, output)
+
+
+def _write_straight_line(m: Mechanism, in_c: bool, until: float, longest: float, output: str) -> None:
+    """Raises TraceError for what straight-line code cannot follow."""
+    from rattle.analyses.straight_line.code import c_program, javascript_module, program
+    from rattle.atomic_file import atomic
+
+    made = program(m.recorded())
+    text = (c_program if in_c else javascript_module)(made, m.name or "A mechanism", until, longest)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
     for name, why in made.constants.items():
         click.echo(f"note: {name} stays fixed: {why}", err=True)
     say_written(output)
+
+
+def _write_javascript(m: Mechanism, until: float, longest: float, step: float | None, output: str) -> None:
+    """As straight-line code, whose parameters can be changed, or else with the compiled kernels."""
+    from rattle.errors import TraceError
+
+    try:
+        _write_straight_line(m, False, until, longest, output)
+    except TraceError as error:
+        _write_compiled(m, until, step, output)
+        click.echo(f"note: {error}: the file holds compiled kernels, and parameters keep their values", err=True)
 
 
 def _write_compiled(m: Mechanism, until: float, step: float | None, output: str) -> None:
@@ -94,7 +107,6 @@ def _write_compiled(m: Mechanism, until: float, step: float | None, output: str)
     text, left_out = compiled_module(m, m.name or "A mechanism", until, step)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
-    click.echo("note: events need the compiled kernels: parameters keep the values that they have now", err=True)
     if left_out:
         click.echo(f"note: left out, as they follow from the others: {', '.join(left_out)}", err=True)
     say_written(output)

@@ -224,6 +224,19 @@ def entries(functions: Iterable[KernelFunction]) -> Any:
     return tuple(one.python for one in functions)
 
 
+def names_in_tables() -> dict[Any, str]:
+    """Symbols of all kernels of the package, by what stands for them in tables: place, address or Python function."""
+    found: dict[Any, str] = {}
+    for kernel in natives():
+        if kernel.family and kernel.__module__.startswith("rattle."):
+            found[kernel.python] = kernel.symbol
+            if kernel._address:
+                found[kernel._address] = kernel.symbol
+            if kernel in _places:
+                found[_machine().where(_places[kernel])] = kernel.symbol
+    return found
+
+
 def jit_runs() -> bool:
     """True once compiled functions run as machine code."""
     return _jit

@@ -99,8 +99,8 @@ def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) 
     t_end: of its run [s]; step: the longest one [s].  Raises InputError for laws in Python.
     """
     image = image_of(m, t_end, step=step)
-    places, left_out = _places(m)
-    names, units = list(places), columns(m.system, _probe(m))[2]
+    places, units, left_out = _places(m)
+    names = list(places)
     data: dict[str, Any] = {
         "names": ["t", *names], "units": ["s", *(units[name] for name in names)], "columns": list(places.values()),
         "run": image.description, "content": base64.b64encode(image.content).decode(),
@@ -119,15 +119,13 @@ def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) 
     return head + joined + MAIN.replace("@data@", text), left_out
 
 
-def _probe(m: Mechanism) -> np.ndarray:
-    """Two rows of numbers that differ everywhere, as if they were written by a run."""
-    return np.random.default_rng(1).uniform(0.5, 1.0, (2, width(m.system)))
+def _places(m: Mechanism) -> tuple[dict[str, int], dict[str, str], list[str]]:
+    """Which number of a written row is which result curve, by name; their units; names of those that are none of them.
 
-
-def _places(m: Mechanism) -> tuple[dict[str, int], list[str]]:
-    """Which number of a written row is which result curve, by name; names of those that are none of them."""
-    raw = _probe(m)
-    made, names, _ = columns(m.system, raw)
+    Numbers that differ everywhere show it, as if they had been written by a run.
+    """
+    raw = np.random.default_rng(1).uniform(0.5, 1.0, (2, width(m.system)))
+    made, names, units = columns(m.system, raw)
     places, left_out = {}, []
     for name, values in zip(names, made.T, strict=True):
         same = np.flatnonzero((raw == values[:, None]).all(axis=0))
@@ -135,4 +133,4 @@ def _places(m: Mechanism) -> tuple[dict[str, int], list[str]]:
             places[name] = int(same[0]) if len(same) else -1
         else:
             left_out.append(name)
-    return places, left_out
+    return places, units, left_out

@@ -53,7 +53,7 @@ def image_of(
 def run_image(run: Run) -> RunImage:
     """A run before its first step as bytes.  Raises InputError for laws in Python, which no page can call."""
     content, arrays, tables = _Content(), [], {}
-    named, used = _names(), _used(run)
+    named, used = functions.names_in_tables(), _used(run)
     for name in ARRAYS:
         array = getattr(run.workspace, name)
         if name.endswith(TABLE):
@@ -102,19 +102,6 @@ class _Content:
             return -1
         self.written += np.ascontiguousarray(array).tobytes()
         return len(self.written) - array.nbytes
-
-
-def _names() -> dict[Any, str]:
-    """Names of all kernels, by what stands for them in the tables of this process: see `functions.entries`."""
-    found: dict[Any, str] = {}
-    for one in functions.natives():
-        if one.__module__.startswith("rattle.") and one.family:
-            found[one.python] = one.symbol
-            if one._address:
-                found[one._address] = one.symbol
-            if one in functions._places:
-                found[functions._machine().where(functions._places[one])] = one.symbol
-    return found
 
 
 def _used(run: Run) -> dict[str, set[int]]:

@@ -46,18 +46,12 @@ def write_end(m, h):
             dense[ERRORS + r, n] = 0.0
     for s in range(ends.shape[1]):  # the long loop is the inner one
         weight = ends[0, s]
-        if errors == 2:
-            weight1, weight2 = ends[1, s], ends[2, s]
-            for n in range(ny):
-                y_new[n] += weight * k[s, n]
-                dense[ERRORS, n] += weight1 * k[s, n]
-                dense[ERRORS + 1, n] += weight2 * k[s, n]
-            continue
         for n in range(ny):
             y_new[n] += weight * k[s, n]
-        if errors == 1:
+        for r in range(errors):
+            weight = ends[1 + r, s]
             for n in range(ny):
-                dense[ERRORS, n] += ends[1, s] * k[s, n]
+                dense[ERRORS + r, n] += weight * k[s, n]
     for n in range(ny):
         y_new[n] = y[n] + h * y_new[n]
 

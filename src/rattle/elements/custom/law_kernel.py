@@ -60,6 +60,7 @@ class UsersKernel(KernelFunction):
         now = outside(self.law)
         if self._outside != now:
             self._address, self._outside = 0, now
+            self._callers.clear()
         return super().address
 
     def _made(self) -> int:
@@ -106,7 +107,8 @@ def outside(law: Any) -> Any:
             continue
         seen.add(id(function))
         names = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
-        names |= {name: cell.cell_contents for name, cell in _cells(function) if cell is not None}
+        cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
+        names |= {name: content for name, cell in cells for content in _content(cell)}
         names |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
         for name, value in names.items():
             value = getattr(value, "py_func", value)
@@ -124,18 +126,12 @@ def outside(law: Any) -> Any:
     return found
 
 
-def _cells(function: Any) -> list[tuple[str, Any]]:
-    """Names from around a function, with what holds them; None where it is empty."""
-    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
-    return [(name, cell if _is_full(cell) else None) for name, cell in cells]
-
-
-def _is_full(cell: Any) -> bool:
+def _content(cell: Any) -> list[Any]:
+    """What a variable from around a function holds; nothing if it has not been set."""
     try:
-        cell.cell_contents  # noqa: B018
+        return [cell.cell_contents]
     except ValueError:
-        return False
-    return True
+        return []
 
 
 def taking(make: str, count: int, known: dict[str, Any] | None = None) -> Callable[[Any, Any], Any]:

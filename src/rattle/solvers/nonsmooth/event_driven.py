@@ -25,11 +25,7 @@ from rattle.equations.unilateral import CHATTER
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead, takes_impulses
-from rattle.solvers.contacts.contact_events import (
-    may_any_change,
-    near_peak,
-    start_contacts,
-)
+from rattle.solvers.contacts.contact_events import may_any_change, near_peak, start_contacts
 from rattle.solvers.contacts.gap_search import NONE, may_reach, rate_rounding
 from rattle.solvers.contacts.pawls import seat_pawls
 from rattle.solvers.contacts.penetration import scale_of
@@ -41,10 +37,7 @@ from rattle.solvers.peaks.glances import doubts, keep_forces, last_look, pass_lo
 from rattle.solvers.peaks.samples import START, gauge, stages_tell
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once
-from rattle.solvers.step_control import (
-    first_step,
-    never_switches,
-)  # fmt: skip
+from rattle.solvers.step_control import first_step, never_switches
 
 START_NEAR = 1e-6  # share of its scale within which a contact given at its wall is put there
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
@@ -97,6 +90,12 @@ def go_on(m, t, jolted):
 def is_rigid(m):
     """True if the run has set-valued contacts."""
     return m.mode.shape[0] > 0
+
+
+@compiled
+def is_implicit(m):
+    """True if the steps are those of an implicit method, as beside oil films."""
+    return m.jacobian.shape[0] > 0
 
 
 @native("i", "h", "f")
@@ -178,7 +177,7 @@ def restart(m, t, t_end, met, quiet, rtol, atol):
     met: 1 if an event has ended the step; quiet: 1 if the state is still that at its end.
     """
     if quiet == 0:
-        if met == 1 and m.stepper[at.STABLE] == 0 and t < t_end:  # oil damps what an impact has thrown, at its own rate
+        if met == 1 and is_implicit(m) and t < t_end:  # oil damps what an impact has thrown, at a rate of its own
             derivative(m, t, m.state_new, m.rate_new)
             m.clock[at.H] = min(m.clock[at.H], first_step(m, t, m.state_new, m.rate_new, t_end - t, rtol, atol))
         derivative(m, t, m.state_new, m.rate_new)

@@ -25,7 +25,7 @@ from rattle.solvers.tableau import Tableau
 # columns of `peaks`: largest value so far, its time, integral of the square; size up to which the quantity is rounding
 # or drift, and an arm that says so for moments [m]; then the samples of the present step
 BEST, WHEN, SQUARES, NOTHING, ARM, SAMPLE = range(6)
-START = 0  # first sample; those within the step follow, then `end_of`, `last_stage_of` and `probe_of`
+START = 0  # first sample; those within the step follow, then `end_of`, a last stage that is there too, and `probe_of`
 LEAST_WITHIN = 6  # places for samples within a step, at least
 # where the samples of a step lie: at the stages of the stepper, at Gauss points of the dense output, or evenly spaced
 STAGES, CUT, LOOKS = range(3)

@@ -32,6 +32,7 @@ from rattle.solvers.stepper import ATOL
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
+ROUNDING = 1e-14  # share of a range next to a bound that is the rounding of a search on the bound itself
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics")
 RTOL = 1e-10  # of a motion, at most: errors of the values are then far below the changes that a search looks at
 FEWEST = 400  # intervals between the instants of a run
@@ -72,7 +73,8 @@ class Question:
     def values(self, x: np.ndarray) -> dict[str, float]:
         """Values [SI] of the parameters at x (k,), the places between their bounds from 0 to 1."""
         inside = np.clip(x, 0.0, 1.0)
-        found = np.where(inside < 0.5, self.low + inside * self.width, self.high - (1.0 - inside) * self.width)
+        from_low, from_high = (np.where(one < ROUNDING, 0.0, one) for one in (inside, 1.0 - inside))
+        found = np.where(inside < 0.5, self.low + from_low * self.width, self.high - from_high * self.width)
         return dict(zip(self.names, found.tolist(), strict=True))
 
     def places(self, values: Mapping[str, float]) -> np.ndarray:
