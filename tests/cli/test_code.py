@@ -446,7 +446,26 @@ def test_a_module_with_contacts_prints_its_motion_and_refuses_a_later_end(tmp_pa
     assert head.startswith("t,")
     assert float(rows[-1].split(",")[0]) == pytest.approx(0.005)
     done = subprocess.run(["node", "model.mjs", "0.5"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert "from 0 to 0.01 s, for which the model was written" in done.stderr
+    assert done.stderr == "tEnd = 0.5: a time above 0 is expected, up to 0.01 s, the end that it has\n"
+    done = subprocess.run(["node", "model.mjs", "soon"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("tEnd = NaN: a time above 0 is expected")
+
+
+@needs_node
+def test_a_module_names_events_as_a_run_does_and_runs_again_alike(tmp_path):
+    assert written(tmp_path, "torque_converter", name="model.mjs").exit_code == 0
+    ask = 'import { run } from "./model.mjs";\nconsole.log(JSON.stringify([run(0.05), run(0.05), run()]));\n'
+    (tmp_path / "my_model.mjs").write_text(ask)
+    done = subprocess.run(["node", "my_model.mjs"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    short, again, whole = json.loads(done.stdout)  # importing prints nothing
+    assert short == again
+    assert 0.049 < short["rows"][-1][0] <= 0.05
+    assert all(one["t"] + one.get("duration", 0.0) <= 0.05 for one in short["events"])
+    r = rt.example("torque_converter").simulate()
+    events = [(one.joint, one.kind) for one in r.events if one.t + one.duration < r.t[-1]]
+    assert [(one["joint"], one["kind"]) for one in whole["events"]] == events
+    assert {"lock", "free"} <= {one["kind"] for one in whole["events"]}
 
 
 @needs_node

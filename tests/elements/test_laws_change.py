@@ -1,6 +1,8 @@
 """Laws in Python: what was loaded runs, with what it uses from outside as it is when a run begins."""
 
+import functools
 import importlib
+import linecache
 import logging
 import sys
 
@@ -128,3 +130,28 @@ def test_a_law_that_returns_nothing_ends_the_run_with_its_error(caplog):
         r = m.initial("b", x=0.5).simulate(0.1)
     assert not r.success
     assert "TypeError" in r.message
+
+
+def test_integers_beyond_64_bits_are_not_translated():
+    def around(x):
+        return -(10**20) * x + 100000000000000000000
+
+    with pytest.raises(TranslationError, match="64 bits"):
+        translated(around, "test.around", ("f", "f"))
+
+
+def test_fields_of_laws_are_known_after_the_sources_were_forgotten():
+    linecache.clearcache()
+
+    @rt.load_law("late", between="points", k="N/m")
+    def late(t, length, rate, p):
+        return -p.k * length
+
+    m = rt.Mechanism("m", gravity=[0, 0]).ground(O=[0, 0]).body("b", mass=1, inertia=1, points={"P": [0, 0]})
+    m = m.prismatic("g", "ground.O", "b.P").load("l", "late", connect=["ground.O", "b.P"], k=3)
+    assert float(m.initial("b", x=0.5).simulate(1e-6, t_eval=[0.0])["b.ax"][0]) == pytest.approx(-1.5)
+
+
+def test_an_object_that_is_no_function_is_refused_in_words():
+    with pytest.raises(rt.InputError, match="load law 'part': a function is expected"):
+        rt.load_law("part", between="points")(functools.partial(scaled, 1.0))

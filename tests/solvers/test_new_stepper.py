@@ -1,5 +1,6 @@
 """A stepper is one class: entered here, it runs through reader, schema, help, catalogue and simulation."""
 
+import math
 import shutil
 import zipfile
 
@@ -17,6 +18,7 @@ from rattle.errors import InputError
 from rattle.pages.live_program import live_program
 from rattle.registry import kind, kinds
 from rattle.solvers.explicit import step
+from rattle.solvers.peaks.samples import BLANK, sample_arrays
 from rattle.solvers.stepper import AdaptiveStepper, FixedStepper
 from rattle.solvers.tableau import Tableau
 
@@ -160,21 +162,98 @@ def test_an_fmu_holds_the_coefficients_of_a_new_stepper(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"weights": (1 / 2, 1 / 2)}, "time and a row for every stage"),
+        ({"times": (0,)}, "time and a row for every stage"),
+        ({"times": (), "rows": (), "weights": ()}, "time and a row for every stage"),
+        ({"rows": ((), (1, 0, 0, 0), (0.5, 0.5))}, "time and a row for every stage"),
         ({"rows": ((), (1,), (0.5,))}, "sum up to the time"),
-        ({"rows": ((), (0, 1), (1,))}, "stages before them"),
-        ({"order": 3}, "below degree 3"),
+        ({"rows": ((), (0, 1), (0.5, 0.5))}, "stages before them"),
+        ({"weights": (0.5, math.nan, 0.5)}, "finite numbers"),
+        ({"order": 3}, "not of order 3"),
+        ({"order": 0}, "whole number from 1 on"),
+        ({"order": 2.5}, "whole number from 1 on"),
         ({"errors": ((1, 0, 0),)}, "sum up to zero"),
-        ({"dense": ((0, 0, 0),) * 5}, "four dense rows"),
+        ({"errors": ((0, 0, 0),)}, "not zero"),
+        ({"errors": ((1, -1),)}, "a weight for every stage"),
+        ({"dense": ((0, 0, 0),) * 5}, "four rows of dense output"),
+        ({"dense": ((1,),)}, "a weight for every slope"),
+        ({"stable": -1}, "not negative"),
+        ({"times": (0, 1, 1, 0.5, 0.5), "rows": ((), (1,), (0.5, 0.5), (0.5,), (0.5,))}, "time 1, and its row"),
     ],
 )
 def test_a_tableau_that_cannot_be_is_refused(change, words):
     right = {"order": 2, "times": (0, 1, 1), "rows": ((), (1,), (0.5, 0.5)), "weights": (1 / 2, 1 / 2, 0)}
     assert Tableau(**right).stages == 3
-    if "weights" in change:
-        right["times"] = (0,)
     with pytest.raises(InputError, match=words):
         Tableau(**right | change)
+
+
+@pytest.mark.nojit
+def test_the_order_of_a_tableau_is_that_of_its_rows_too():
+    """These weights integrate quadratic functions of time; the motion would still be of order 2."""
+    with pytest.raises(InputError, match="not of order 3"):
+        Tableau(3, (0, 1 / 2, 1), ((), (1 / 2,), (0, 1)), (1 / 6, 2 / 3, 1 / 6))
+
+
+WITH_ENDS = {  # methods with a weight at the end of the step that is not their last stage, or several equal nodes
+    "ssprk3": (3, (0, 1, 1 / 2), ((), (1,), (1 / 4, 1 / 4)), (1 / 6, 1 / 6, 2 / 3)),
+    "kutta": (3, (0, 1 / 2, 1), ((), (1 / 2,), (-1, 2)), (1 / 6, 2 / 3, 1 / 6)),
+    "three eighths": (4, (0, 1 / 3, 2 / 3, 1), ((), (1 / 3,), (-1 / 3, 1), (1, -1, 1)), (1 / 8, 3 / 8, 3 / 8, 1 / 8)),
+    "euler": (1, (0,), ((),), (1,)),
+}
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("name", WITH_ENDS)
+def test_every_weight_of_a_method_belongs_to_a_sample(name):
+    arrays = sample_arrays(Tableau(*WITH_ENDS[name]))
+    shown = arrays["sample_weights"][0 if arrays["sampling"][0] != BLANK else 1 :]
+    assert shown.sum(axis=1) == pytest.approx(1.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("name", WITH_ENDS)
+def test_mean_squares_of_forces_are_those_of_another_method(name):
+    @kind("stepper", "with ends", step)
+    class WithEnds(FixedStepper):
+        """Only for this test. Source: see `WITH_ENDS`."""
+
+        tableau = Tableau(*WITH_ENDS[name])
+
+    try:
+        r = rt.loads(model("with ends")).simulate(2.0, step=1e-4 if name != "euler" else 1e-5, t_eval=[0.0, 2.0])
+    finally:
+        registry._families["stepper"].pop("with ends")
+    exact = rt.loads(model("dop853")).simulate(2.0, t_eval=[0.0, 2.0])
+    assert r.peaks["O.force"].rms == pytest.approx(exact.peaks["O.force"].rms, rel=1e-6 if name != "euler" else 1e-3)
+    assert r.peaks["O.force"].value == pytest.approx(
+        exact.peaks["O.force"].value, rel=1e-6 if name != "euler" else 1e-3
+    )
+
+
+def test_a_method_of_order_five_has_mean_squares_side_by_side_too():
+    @kind("stepper", "cash-karp", step)
+    class CashKarp(AdaptiveStepper):
+        """Source: Cash, Karp, ACM Trans. Math. Software 16 (1990) 201-222."""
+
+        tableau = Tableau(
+            order=5,
+            times=(0, 1 / 5, 3 / 10, 3 / 5, 1, 7 / 8),
+            rows=(
+                (), (1 / 5,), (3 / 40, 9 / 40), (3 / 10, -9 / 10, 6 / 5), (-11 / 54, 5 / 2, -70 / 27, 35 / 27),
+                (1631 / 55296, 175 / 512, 575 / 13824, 44275 / 110592, 253 / 4096),
+            ),
+            weights=(37 / 378, 0, 250 / 621, 125 / 594, 0, 512 / 1771),
+            errors=((37 / 378 - 2825 / 27648, 0, 250 / 621 - 18575 / 48384, 125 / 594 - 13525 / 55296,
+                     -277 / 14336, 512 / 1771 - 1 / 4),),
+        )  # fmt: skip
+
+    try:
+        m = rt.loads(model("cash-karp").replace("length = 0.5", 'length = "l"') + "[parameters]\nl = 0.5\n")
+        many = m.many({"l": [0.45, 0.5, 0.55]}, ["rms(O.force)"], t_end=1.0)
+        alone = [m.set(l=x).simulate(1.0).peaks["O.force"].rms for x in (0.45, 0.5, 0.55)]
+    finally:
+        registry._families["stepper"].pop("cash-karp")
+    assert len(many.generic) == 0
+    assert many["rms(O.force)"] == pytest.approx(alone, rel=1e-6)
 
 
 @pytest.mark.nojit

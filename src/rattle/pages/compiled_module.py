@@ -54,19 +54,17 @@ export const units = DATA.units;
  * that last to the end are not among them.
  */
 export function run(tEnd = DATA.run.end) {
-  if (!(tEnd > 0 && tEnd <= DATA.run.end * (1 + 1e-12)))
-    throw new RangeError(`tEnd = ${tEnd} s: from 0 to ${DATA.run.end} s, for which the model was written`);
-  const one = new CoreRun(engine, { description: DATA.run, content });
-  while (!one.advance(50) && one.t < tEnd);
-  const { t, rows: raw, width, status, statistics, events } = one.result(), reached = Math.min(tEnd, one.t), rows = [];
-  for (let k = 0; k < t.length && t[k] <= reached * (1 + 1e-12); k++) {
+  if (!(typeof tEnd === "number" && tEnd > 0 && tEnd <= DATA.run.end))
+    throw new RangeError(`tEnd = ${tEnd}: a time above 0 is expected, up to ${DATA.run.end} s, the end that it has`);
+  const one = new CoreRun(engine, { description: { ...DATA.run, end: tEnd }, content });
+  one.advance();
+  const { t, rows: raw, width, status, success, statistics, events } = one.result(), rows = [];
+  t.forEach((at, k) => {
     const row = raw.subarray(k * width, (k + 1) * width);
-    rows.push([t[k], ...DATA.columns.map((column) => (column < 0 ? total(row) - total(raw) : row[column]))]);
-  }
-  const success = one.t >= tEnd * (1 - 1e-12);
+    rows.push([at, ...DATA.columns.map((column) => (column < 0 ? total(row) - total(raw) : row[column]))]);
+  });
   const message = success ? "" : `cannot go on at t = ${one.t} s: ${DATA.words[status] ?? "the run stopped"}`;
-  const told = events.filter((event) => event.t <= reached).sort((a, b) => a.t - b.t).map(eventOf);
-  return { rows, events: told, success, message, statistics };
+  return { rows, events: events.map(eventOf).sort((a, b) => a.t - b.t), success, message, statistics };
 }
 
 // kinetic + potential - work + dissipated
@@ -76,17 +74,28 @@ function total(row) {
 }
 
 function eventOf({ t, joint, kind, values: [normal_speed, duration, peak_force, impulse, energy_lost] }) {
-  const name = DATA.kinds[kind], about = { t, joint, kind: name, normal_speed };
-  if (name !== "contact" && name !== "impact") return about;
+  const plain = DATA.kinds[kind], about = { t, joint, kind: DATA.words_of[joint]?.[plain] ?? plain, normal_speed };
+  if (plain !== "contact" && plain !== "impact") return about;
   return { ...about, duration, peak_force, impulse, energy_lost };
 }
 
-const file = typeof process === "object" && process.argv?.[1]?.split(/[\\\\/]/).at(-1); // what node was asked to run
-if (file && import.meta.url.endsWith(file)) {
-  const { rows, message } = run(...process.argv.slice(2).map(Number));
-  console.log([names.join(","), ...rows.map((row) => row.join(","))].join("\\n"));
-  if (message) {
-    console.error(message);
+/** In node: print the motion as CSV if this file is what node was asked to run. */
+if (typeof process === "object" && process.versions?.node && process.argv[1]) {
+  const { pathToFileURL } = await import("node:url"), { realpathSync } = await import("node:fs");
+  let asked = "";
+  try {
+    asked = pathToFileURL(realpathSync(process.argv[1])).href;
+  } catch {} // node runs something that is no file
+  if (asked === import.meta.url) print(process.argv.slice(2));
+}
+
+function print(words) {
+  try {
+    const { rows, message } = run(...words.map(Number));
+    console.log([names.join(","), ...rows.map((row) => row.join(","))].join("\\n"));
+    if (message) throw new Error(message);
+  } catch (error) {
+    console.error(error.message);
     process.exitCode = 1;
   }
 }
@@ -105,6 +114,7 @@ def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) 
         "names": ["t", *names], "units": ["s", *(units[name] for name in names)], "columns": list(places.values()),
         "run": image.description, "content": base64.b64encode(image.content).decode(),
         "engine": base64.b64encode(engine_of_pages()).decode(), "kinds": KINDS, "words": WORDS,
+        "words_of": _words_of(m),
         "energies": width(m.system) - at.ENERGIES,
     }  # fmt: skip
     viewer = resources.files("rattle.pages") / "viewer"
@@ -117,6 +127,11 @@ def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) 
     head += " * In node, `node FILE [tEnd]` prints it as CSV.  All numbers are in SI units. */\n"
     text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     return head + joined + MAIN.replace("@data@", text), left_out
+
+
+def _words_of(m: Mechanism) -> dict[str, dict[str, str]]:
+    """What joints call their events, where that is not what contacts do: a clutch locks."""
+    return {name: dict(words) for name, joint in m.model.joints.items() if (words := joint.leaf.events)}
 
 
 def _places(m: Mechanism) -> tuple[dict[str, int], dict[str, str], list[str]]:

@@ -119,6 +119,44 @@ def argument_at(m, t, h, share, n):
 
 
 @compiled
+def zero_between(m, t, h, n, side, low, high):
+    """Share of the step at which switching function n leaves its side: it has done so by the share `high`."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
+            break
+        if argument_at(m, t, h, middle, n) * side < 0.0:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@compiled
+def first_zero(m, t, h, n, side, until):
+    """Share of the step, before `until`, at which switching function n first leaves its side; NONE if it does not.
+
+    It is seen at even shares, and where the stages may have seen it.
+    """
+    left, seen = 0.0, NONE
+    for part in range(1, PARTS + 1):
+        right = part / PARTS
+        if left >= until:
+            return NONE
+        if argument_at(m, t, h, right, n) * side < 0.0:
+            seen = right
+            break
+        left = right
+    for s in range(m.stage_times.shape[0]):
+        share = m.stage_times[s]
+        if 0.0 < share < min(seen, 1.0) and argument_at(m, t, h, share, n) * side < 0.0:
+            seen = share
+    if seen == NONE:
+        return NONE
+    return zero_between(m, t, h, n, side, min(left, int(seen * PARTS) / PARTS), seen)
+
+
+@compiled
 def first_switch(m, t, h):
     """Share of the step at which the first switching function changes its sign (NONE if none does), and its index.
 
@@ -128,25 +166,9 @@ def first_switch(m, t, h):
     best, who = NONE, -1
     for n in range(switch.shape[0]):
         side = code[switch[n, at.OWN_CODE], SIDE]
-        left = 0.0
-        for part in range(1, PARTS + 1):
-            right = part / PARTS
-            if side == 0 or left >= best:
-                break
-            if argument_at(m, t, h, right, n) * side < 0.0:
-                low, high = left, right
-                for _ in range(60):
-                    middle = 0.5 * (low + high)
-                    if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
-                        break
-                    if argument_at(m, t, h, middle, n) * side < 0.0:
-                        high = middle
-                    else:
-                        low = middle
-                if high < best:
-                    best, who = high, n
-                break
-            left = right
+        zero = first_zero(m, t, h, n, side, best) if side != 0 else NONE
+        if zero < best:
+            best, who = zero, n
     return best, who
 
 
@@ -202,6 +224,24 @@ def turn(m, t, y, who, h):
         decide(m, t, y, who - switch.shape[0] if who >= switch.shape[0] else -1, 1)
     landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if again else 0.0
     landing[at.LAST_TURN] = t
+
+
+@native("i", "h", "f", "v")
+def follow_jump(m, t, y):
+    """Switches take the side to which their switching functions have jumped at (t [s], y), as rates do in an impact.
+
+    True if any has.
+    """
+    switch, code, jumped = m.switch, m.code, False
+    see(m, t, y)
+    for n in range(switch.shape[0]):
+        row = switch[n, at.OWN_CODE]
+        code[row, CROSSED] = 0
+        if argument(m, n, t) * code[row, SIDE] < 0.0:
+            code[row, SIDE] = -code[row, SIDE]
+            m.landing[at.TURNS] += 1.0
+            jumped = True
+    return jumped
 
 
 @native("i", "h", "f", "v", "v", "f")

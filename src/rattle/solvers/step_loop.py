@@ -76,6 +76,7 @@ from rattle.solvers.singular_passage import (
     suspect_pivots,
     watch_pivots,
 )
+from rattle.solvers.state_switches import follow_jump
 from rattle.solvers.step_audit import stands
 from rattle.solvers.step_control import (
     SHORT,
@@ -87,6 +88,7 @@ from rattle.solvers.step_control import (
     is_stable,
     largest_rate,
     lengthen,
+    never_switches,
     next_step,
     output_due,
     quarter,
@@ -102,6 +104,7 @@ LAID_ERROR = 1e-6  # the same of a step laid across a singular position: the pro
 USUAL = 2.0  # such a step is at most so many times as long as the last regular one
 ROUNDING_ACROSS = 1e-10  # error [the same] that is accepted while stages are projected: rounding, across the branch
 MOST_TRIES = 20
+WHOLE, BEYOND = 0.9, 1.05  # share of a step up to an event from which on it stands; else it is repeated: up to where
 CLEAR, COMES_NEAR, PASSES, UNRESOLVED = range(4)  # a step beside singular positions
 
 
@@ -284,6 +287,15 @@ def is_calm(m, h, changed, passed, low, suspect):
 
 
 @compiled
+def relies_on_stages(m):
+    """True if only stages tell that an expression or joint may have switched, or a monitored force its sign.
+
+    Those of a step that an event cuts short hardly lie in what is left of it.
+    """
+    return not never_switches(m) or m.watch.shape[0] > 0
+
+
+@compiled
 def watches_forces(m):
     """True unless sliding is summed instead, for wear."""
     return m.wear_work.shape[0] == 0
@@ -373,6 +385,8 @@ def pass_event(m, t, h, t_end, who, what):
     status, met = OK, who >= 0
     if met and is_rigid(m):
         status = take_event(m, t, h, t_end, who, what)
+        if status == OK and m.switch.shape[0] > 0 and follow_jump(m, t, m.state_new):
+            status = handle_event(m, t, m.state_new, -1, NOTHING)
     elif met:
         turn(m, who, t, m.state_new)
         finish_step(m, t, m.state_new, m.rate_new)
@@ -435,6 +449,11 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if share > NONE and shortens:  # events may be hidden in it
             m.landing[at.LANDS] = 0.0
             quarter(m, h)
+            continue
+        if who >= 0 and share < WHOLE and share * h > SHORT * (t_end - t) and relies_on_stages(m):
+            m.landing[at.LANDS] = 0.0
+            m.tally[at.REJECTED] += 1
+            clock[at.H] = BEYOND * share * h
             continue
         met, written = who >= 0, m.tally[at.OUTPUTS]
         until, t_until = (share, t + share * (t_new - t)) if met else (1.0, t_new)

@@ -5,7 +5,8 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,7 +28,8 @@ class Tableau:
     theta^2 (1 - theta)^2, theta^3 (1 - theta)^2 ...; it may take further stages.  Those follow the slope at the end of
     the step, which is computed in any case, in `times` and `rows`.
 
-    Raises InputError for coefficients that contradict each other, or the order.
+    Raises InputError for coefficients that contradict each other, or the order (its conditions up to the fourth, and
+    those of quadrature).  Source of these: the same book, table II.2.1.
     """
 
     order: int  # power of the step with which the error decreases
@@ -39,17 +41,50 @@ class Tableau:
     stable: int = 0  # fastest rate times step beyond which it is not stable, if its last stage shows it; 0: ignored
 
     def __post_init__(self) -> None:
-        few = len(self.weights)
-        if not (few <= len(self.times) == len(self.rows) and len(self.errors) <= 2 and len(self.dense) <= 4):
-            raise InputError("a tableau needs a time and a row for every stage, at most two errors, four dense rows")
+        self._require_shapes()
         a, c, ends = self.a, self.c, self.ends
         if np.triu(a).any() or np.abs(a.sum(axis=1) - c).max() > EXACT:
             raise InputError("rows of a tableau take slopes of stages before them, and sum up to the time of theirs")
-        moments = [abs(ends[0] @ c[:few] ** k - 1.0 / (k + 1)) for k in range(self.order)]
-        if max(moments) > EXACT:
-            raise InputError(f"these weights do not integrate polynomials below degree {self.order}: not of that order")
+        if self.dense_stages and c[self.stages] != 1.0:
+            raise InputError("before further stages a tableau lists the end of the step: time 1, and its row")
+        for sum_, value in self._conditions():
+            if abs(sum_ - value) > EXACT:
+                raise InputError(
+                    f"these coefficients are not of order {self.order}: a sum is {sum_:.6g}, not {value:.6g}"
+                )
         if len(ends) > 1 and np.abs(ends[1:].sum(axis=1)).max() > EXACT * np.abs(ends).max():
             raise InputError("weights of an error estimate sum up to zero")
+        if not ends[1:].any(axis=1).all():
+            raise InputError("an error estimate of a tableau has weights that are not zero")
+
+    def _require_shapes(self) -> None:
+        """Raise InputError for coefficients that are no numbers, or of which there are too few or too many."""
+        few, every = len(self.weights), len(self.times)
+        if isinstance(self.order, bool) or not isinstance(self.order, int) or self.order < 1:
+            raise InputError(f"the order of a tableau is a whole number from 1 on, not {self.order!r}")
+        if not (1 <= few <= every == len(self.rows)) or any(len(row) > every for row in self.rows):
+            raise InputError("a tableau has a time and a row for every stage, and a weight for those of the step")
+        if len(self.errors) > 2 or any(len(row) != few for row in self.errors):
+            raise InputError(
+                "a tableau has at most two error estimates, each with a weight for every stage of the step"
+            )
+        if len(self.dense) > 4 or any(len(row) != every for row in self.dense):
+            raise InputError("a tableau has at most four rows of dense output, each with a weight for every slope")
+        lists = (self.times, self.weights, *self.rows, *self.errors, *self.dense)
+        if not all(math.isfinite(x) for row in lists for x in row) or self.stable < 0:
+            raise InputError("coefficients of a tableau are finite numbers, and its bound of stability is not negative")
+
+    def _conditions(self) -> Iterator[tuple[float, float]]:
+        """Sums of the coefficients and what they are: quadrature up to the order, all conditions up to the fourth."""
+        few = self.stages
+        b, c, a = self.ends[0], self.c[:few], self.a[:few, :few]
+        yield from ((float(b @ c**k), 1.0 / (k + 1)) for k in range(self.order))
+        if self.order > 2:
+            yield float(b @ a @ c), 1.0 / 6.0
+        if self.order > 3:
+            yield float((b * c) @ a @ c), 1.0 / 8.0
+            yield float(b @ a @ c**2), 1.0 / 12.0
+            yield float(b @ a @ a @ c), 1.0 / 24.0
 
     @property
     def stages(self) -> int:
@@ -87,7 +122,7 @@ class Tableau:
     @cached_property
     def ends(self) -> np.ndarray:
         """(1 + errors, stages) weights of the state at the end and of the error estimates."""
-        return np.array([self.weights, *(row[: self.stages] for row in self.errors)], dtype=float)
+        return np.array([self.weights, *self.errors], dtype=float)
 
     @cached_property
     def gaps(self) -> np.ndarray:

@@ -27,7 +27,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.elements.custom import load_law
-from rattle.elements.custom.law_kernel import Law, UsersKernel, taking
+from rattle.elements.custom.law_kernel import Law, UsersKernel, place_of, taking
 from rattle.errors import InputError
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction
@@ -88,7 +88,7 @@ def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Calla
     def enter(law: Law) -> Law:
         text = (law.__doc__ or f"The {family} law '{name}', written in Python.").strip()
         if "Source:" not in text:
-            text += f"\n\nSource: {law.__module__}.{law.__qualname__}"
+            text += "\n\nSource: " + place_of(law, f"{family} law '{name}'")
         own = {key: Field(unit, key.replace("_", " ")) for key, unit in fields.items()}
         keys = tuple(fields)
         pack = staticmethod(lambda values: tuple(float(values[key]) for key in keys))

@@ -8,7 +8,6 @@ the interpreter.
 from __future__ import annotations
 
 import hashlib
-import linecache
 import logging
 from abc import abstractmethod
 from collections import namedtuple
@@ -18,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.jit.functions import KernelFunction
 
 log = logging.getLogger("rattle")
@@ -96,6 +96,13 @@ class UsersKernel(KernelFunction):
         return machine.python_entry(self.flat, self.result, count)
 
 
+def place_of(law: Any, words: str) -> str:
+    """Where a law is written.  Raises InputError for an object that is no function."""
+    if not hasattr(law, "__qualname__"):
+        raise InputError(f"{words}: a function is expected, got {law!r}; write one (def ...) that calls it")
+    return f"{law.__module__}.{law.__qualname__}"
+
+
 def outside(law: Any) -> Any:
     """Numbers, texts and arrays that a function uses from outside, and those of the functions that it calls."""
     found: dict[Any, Any] = {}
@@ -139,8 +146,9 @@ def taking(make: str, count: int, known: dict[str, Any] | None = None) -> Callab
     values = "".join(f"float(p[k + {n}]), " for n in range(count))
     text = f"def given(p, k):\n    return {make}({values})\n"
     file = f"<fields {hashlib.sha256(text.encode()).hexdigest()[:16]}>"
-    linecache.cache[file] = len(text), None, text.splitlines(keepends=True), file  # where its source is looked for
     space: dict[str, Any] = {"__name__": "fields", **(known or {})}
     exec(compile(text, file, "exec"), space)
-    found: Callable[[Any, Any], Any] = space["given"]
-    return found
+    found: Any = space["given"]
+    found.source = text.splitlines(keepends=True)  # for the translation
+    made: Callable[[Any, Any], Any] = found
+    return made

@@ -29,7 +29,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.elements.custom.law_forms import FORMS, Form
-from rattle.elements.custom.law_kernel import Law, UsersKernel
+from rattle.elements.custom.law_kernel import Law, UsersKernel, place_of
 from rattle.errors import InputError
 from rattle.jit import layout as at
 from rattle.language.units import dimension_of
@@ -65,7 +65,7 @@ def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: s
     def enter(law: Law) -> Law:
         text = (law.__doc__ or f"The load '{name}', written in Python.").strip()
         if "Source:" not in text:
-            text += f"\n\nSource: {law.__module__}.{law.__qualname__}"
+            text += "\n\nSource: " + place_of(law, f"load law '{name}'")
         form = FORMS[between]
         own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
         leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, **form.place, **own})

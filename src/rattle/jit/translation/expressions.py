@@ -99,6 +99,8 @@ class Expressions(Writing, ABC):
 
     # ---------------------------------------------------------------- names and constants
     def _constant(self, node: ast.Constant) -> Value:
+        if isinstance(node.value, int) and abs(node.value) >= 2**63:
+            raise TranslationError(f"{node.value} has more than 64 bits")
         found = Value(NOTHING, (), node.value) if isinstance(node.value, str) else known(node.value)
         if found is None:
             raise TranslationError(f"{node.value!r} is not known here: {SAID}")

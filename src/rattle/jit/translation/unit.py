@@ -140,7 +140,7 @@ _numbers = itertools.count()  # parts of one name are told apart, also where one
 def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any], careful: bool = False) -> Function:
     """A function that is to be translated, with its source; careful: it is not a kernel but written by a user."""
     tree = source(python)
-    if careful:
+    if careful and not hasattr(python, "source"):
         _require_loaded(python, tree)
     return Function(unit, python, tree, kinds, careful)
 
@@ -238,7 +238,9 @@ def source(python: Callable[..., Any]) -> ast.FunctionDef:
     code: Any = getattr(python, "__code__", None)
     if code is not None:
         linecache.checkcache(code.co_filename)
-    lines = [] if code is None else linecache.getlines(code.co_filename, python.__globals__)
+    lines = getattr(python, "source", None) or (
+        [] if code is None else linecache.getlines(code.co_filename, python.__globals__)
+    )
     if not lines:
         place = f"{python.__module__}.{python.__name__}, line {getattr(code, 'co_firstlineno', 0)}"
         raise TranslationError(f"{place}: its source is not there")

@@ -94,8 +94,7 @@ def sample_arrays(tableau: Tableau | None) -> dict[str, np.ndarray]:
     if tableau is not None and inner:
         c, weights = tableau.c, tableau.weights
         sample_of[inner] = 1 + np.arange(len(inner))
-        if weights[-1] != 0.0 and c[tableau.stages - 1] == 1.0:
-            sample_of[-1] = last
+        sample_of[[s for s in range(tableau.stages) if weights[s] != 0.0 and c[s] == 1.0]] = last
         separate = [s for n, s in enumerate(inner) if n + 1 == len(inner) or c[inner[n + 1]] != c[s]]
         shows = FINE if len(separate) >= TOLD_BY else COARSE
         count[STAGES] = len(separate) + 2

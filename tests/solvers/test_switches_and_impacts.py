@@ -1,0 +1,77 @@
+"""Expressions that switch with the state beside contacts: both sides of an impact, flights far shorter than steps.
+
+A ball that is thrown up from a stop has closed forms: its flights are parabolas.
+"""
+
+import math
+
+import pytest
+
+import rattle as rt
+
+
+def ball(contact, force, rate, t_end=2.0):
+    return rt.loads(f"""
+format = 1
+gravity = [0, 0]
+[ground.points]
+O = [0, 0]
+[bodies.ball]
+points = {{ C = [0, 0] }}
+mass = 1
+inertia = 0.1
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "ball.C"]
+stop = {{ min = 0, contact = {contact} }}
+[loads.push]
+type = "force"
+at = "ball.C"
+force = ["{force}", 0]
+[states.sum]
+rate = "{rate}"
+[initial]
+ball = {{ x = 0, vx = 1 }}
+[simulate]
+t_end = {t_end}
+""")
+
+
+ELASTIC = '{ model = "impact", restitution = 1 }'
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10, 1e-12])
+def test_a_path_grows_on_both_sides_of_every_impact(rtol):
+    """200 flights of 0.1 s up to 25 mm, within steps that would be a hundred times longer."""
+    r = ball(ELASTIC, -20, "abs(ball.vx)", 20.0).simulate(rtol=rtol)
+    assert r["sum"][-1] == pytest.approx(10.0, abs=1e-9)
+    assert r.success
+
+
+@pytest.mark.parametrize("t_end", [0.26, 2.0, 20.0])
+@pytest.mark.parametrize("force", ["-20 - 8*sign(ball.vx)", "-28 if ball.vx > 0 else -12"])
+def test_a_force_against_the_motion_brakes_after_an_impact_too(force, t_end):
+    r = ball('{ model = "impact", restitution = 0.6 }', force, "abs(ball.vx)", t_end).simulate()
+    t, v, expected, path = 0.0, 1.0, [], 0.0
+    for _ in range(4):
+        height = v * v / 56
+        down = math.sqrt(2 * height / 12)
+        t, path = t + v / 28 + down, path + 2 * height
+        expected.append((t, 12 * down))
+        v = 0.6 * 12 * down
+    impacts = [one for one in r.events if one.kind == "impact"][:4]
+    assert [one.t for one in impacts] == pytest.approx([one for one, _ in expected], abs=1e-9)
+    assert [one.normal_speed for one in impacts] == pytest.approx([one for _, one in expected], rel=1e-7)
+    assert r["sum"][-1] == pytest.approx(2 / 56 / (1 - 0.36 * 12 / 28), rel=1e-6)  # all flights
+
+
+def test_time_above_a_height_is_counted_in_every_flight():
+    """Starts and ends of a compliant contact cut steps short as impacts do; each flight is above 10 mm for 77 ms."""
+    contact = '{ model = "hertz", stiffness = "1e6 N/m", exponent = 1 }'
+    r = ball(contact, -20, "1 if ball.x > 0.01 else 0", 20.0).simulate()
+    above = 2 * math.sqrt(2 * (0.025 - 0.01) / 20)
+    period = 0.1 + math.pi / 1e3  # half an oscillation in contact, and what the force adds to it
+    flights = 20.0 / period
+    assert r["sum"][-1] == pytest.approx(above * flights, abs=1.5 * above)
+    short = ball(contact, -20, "1 if ball.x > 0.01 else 0", 20.0).simulate(step=0.01)
+    assert r["sum"][-1] == pytest.approx(short["sum"][-1], rel=1e-4)
