@@ -37,6 +37,7 @@ from rattle.solvers.peaks.glances import doubts, keep_forces, last_look, pass_lo
 from rattle.solvers.peaks.samples import START, gauge, stages_tell
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once
+from rattle.solvers.state_switches import follow_jump
 from rattle.solvers.step_control import first_step, never_switches
 
 START_NEAR = 1e-6  # share of its scale within which a contact given at its wall is put there
@@ -78,6 +79,8 @@ def start(m, t):
 def go_on(m, t, jolted):
     """Modes after expressions have switched at t; jolted: rates have jumped, contacts may open. Returns a status."""
     y = m.state
+    if jolted == 1 and m.switch.shape[0] > 0:
+        follow_jump(m, t, y)
     if jolted == 0:
         status = handle_event(m, t, y, -1, NOTHING)
     else:
