@@ -268,7 +268,7 @@ def geometry(model: Model) -> dict[str, Any]:
             joints[name]["coordinate"] = joint.leaf.coordinate
         if joint.line is not None:
             joints[name]["axis"] = joint.line
-            if math.isfinite(travel := joint.leaf.travel(joint.fields)):
+            if -math.inf < (travel := joint.leaf.travel(joint.fields)) < math.inf:
                 joints[name]["travel"] = travel
         joints[name]["fields"] = numbers(joint.fields)
         for key, outline in (
@@ -276,10 +276,10 @@ def geometry(model: Model) -> dict[str, Any]:
             ("borne_outline", joint.leaf.borne_outline(joint.fields)),
         ):
             if outline is not None:
-                joints[name][key] = [[float(x), float(y)] for x, y in outline]
+                joints[name][key] = [[x, y] for x, y in outline]
         if joint.stop is not None:  # an end that there is not is None
             ends = (joint.stop.minimum, joint.stop.maximum)
-            joints[name]["stop"] = [end if math.isfinite(end) else None for end in ends]
+            joints[name]["stop"] = [end if -math.inf < end < math.inf else None for end in ends]
         joints[name] |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
         if joint.contact and (film := joint.contact.film) is not None:
             joints[name]["oil"] = {key: getattr(film, key) for key in ("boundary", "density", "specific_heat")}
@@ -314,7 +314,7 @@ def numbers(fields: Mapping[str, Any]) -> dict[str, Any]:
     """Those values of fields [SI] that are finite numbers, or pairs of such."""
 
     def known(value: Any) -> bool:
-        return isinstance(value, float | int) and math.isfinite(value)
+        return isinstance(value, float | int) and -math.inf < value < math.inf
 
     found = {key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()}
     return {

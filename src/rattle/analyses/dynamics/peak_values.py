@@ -24,20 +24,28 @@ def peak_arrays(system: System, tableau: Tableau | None, watch: bool) -> dict[st
     watched = quantities(system) if watch else []
     table = np.zeros((len(watched), samples.width(tableau)))
     table[:, samples.BEST] = -math.inf
-    for row, (name, *_) in zip(table, watched, strict=True):
-        joint, _, of = name.rpartition(".")
-        contact = system.model.joints[joint].contact if joint in system.model.joints else None
-        if of == "moment" or (of == "stop" and system.model.joints[joint].stops_angle):
-            row[samples.ARM] = system.size
-        elif of == "penetration" and contact is not None and contact.rigid:
-            row[samples.NOTHING] = DEEP * (
-                system.model.joints[joint].clearance or system.size
-            )  # at a rigid wall it is only drift
+    for row, (arm, nothing) in zip(table, measures_of_peaks(system) if watch else (), strict=True):
+        row[samples.ARM], row[samples.NOTHING] = arm, nothing
     return {
         "quantity": np.array([one[1:] for one in watched], np.int64).reshape(-1, 2),
         "peaks": table,
         "peak_row": np.zeros(at.PER_JOINT * len(system.joints)),
     }
+
+
+def measures_of_peaks(system: System) -> list[tuple[float, float]]:
+    """Arm [m] of every watched quantity that is a moment, and what counts as nothing of it [SI]; otherwise 0."""
+    measures = []
+    for name, *_ in quantities(system):
+        joint, _, of = name.rpartition(".")
+        contact = system.model.joints[joint].contact if joint in system.model.joints else None
+        arm = nothing = 0.0
+        if of == "moment" or (of == "stop" and system.model.joints[joint].stops_angle):
+            arm = system.size
+        elif of == "penetration" and contact is not None and contact.rigid:
+            nothing = DEEP * (system.model.joints[joint].clearance or system.size)  # at a rigid wall it is only drift
+        measures.append((arm, nothing))
+    return measures
 
 
 def peak_names(system: System) -> set[str]:

@@ -64,10 +64,14 @@ def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
 
     energy_limit: largest share [-] for the energy error, given by the stepper.
     """
-    size = system.extent
     seen = np.zeros(at.width("audit"))
     seen[at.OPEN_LIMIT], seen[at.UNREST_LIMIT] = LIMIT, energy_limit
-    return {"measure": np.array([-1.0 if row.unit == "rad" else 1.0 / size for row in system.rows]), "audit": seen}
+    return {"measure": np.array(measures_of_rows(system)), "audit": seen}
+
+
+def measures_of_rows(system: System) -> list[float]:
+    """What an opening of every constraint row is multiplied by [1/m], or -1 for rows in rad."""
+    return [-1.0 if row.unit == "rad" else 1.0 / system.extent for row in system.rows]
 
 
 def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) -> None:

@@ -8,7 +8,7 @@ Whatever takes a value without its record is noticed.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,10 +66,17 @@ class RecordedArrays:
         return arrays, dict(zip(self.facts, numbers[first:].tolist(), strict=True))
 
 
-def recorded_arrays(document: Mapping[str, Any], system: System, names: Sequence[str] | None = None) -> RecordedArrays:
+Entries = Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]  # of arrays, by name: flat indices and symbols
+
+
+def recorded_arrays(
+    document: Mapping[str, Any], system: System, names: Sequence[str] | None = None,
+    further: Callable[[System], Entries] | None = None,
+) -> RecordedArrays:  # fmt: skip
     """Record how the arrays of a system follow from parameters (default: all that do not follow from others).
 
-    document: the tables of the model file, of which the system was made.
+    document: the tables of the model file, of which the system was made.  further: entries of other arrays, from the
+    system with recorded numbers.
     Raises TraceError, with the place, where a value is taken without its record; ModelError.
     """
     asked = tuple(chosen_parameters(document) if names is None else names)
@@ -83,11 +90,12 @@ def recorded_arrays(document: Mapping[str, Any], system: System, names: Sequence
         recorded = compile_system(model, length_of(model))
         watch.require_record()
         facts = dict(_facts(recorded))
+        more = dict(further(recorded)) if further is not None else {}
         watch.require_record()
     except FAILURES as error:
         raise TraceError(f"the arrays cannot be recorded: {error}") from error
     _require_alike(recorded, system)
-    places = recorded_places(recorded) | dict(_own_states(recorded))
+    places = recorded_places(recorded) | dict(_own_states(recorded)) | more
     follow = [x for _, symbols in places.values() for x in symbols] + list(facts.values())
     sound = [abs(x) <= LARGEST for x in (*numbers, *follow)]
     flag = both(graph, [*recorder.assumed.values(), *sound])
@@ -113,7 +121,7 @@ def _facts(recorded: System) -> Iterator[tuple[str, Any]]:
             yield name, symbol_of(value)
 
 
-def _own_states(recorded: System) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
+def _own_states(recorded: System) -> Entries:
     """Where the start of the states of a model stands in the arrays of a workspace."""
     starts = [one.start for one in recorded.model.states.values()]
     where = np.array([k for k, one in enumerate(starts) if isinstance(one, Recorded)], dtype=int)
