@@ -10,6 +10,7 @@ import numpy as np
 from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
+from rattle.jit import layout as at
 from rattle.language.bytecode import SIDE
 from rattle.language.switching import SAME, locate_all, merged, side_at
 from rattle.results.event import Event
@@ -51,9 +52,18 @@ class Timetable:
     jumps: tuple[Jump, ...]
     unresolved: tuple[str, ...]  # expressions with too many instants to follow
 
-    def piece_at(self, t: float) -> int:
-        """Index of the smooth piece that starts at or before t [s]."""
-        return int(np.searchsorted(self.instants, t, side="right"))
+    def arrays(self, system: System) -> dict[str, np.ndarray]:
+        """Workspace arrays with which a run follows it, see `solvers.run_loop`."""
+        jumps = np.zeros((len(self.jumps), at.width("driver_jump")))
+        jumps[:, at.JUMP_AT] = [jump.t for jump in self.jumps]
+        jumps[:, at.JUMP_ROW] = [system.first_row(jump.driver) for jump in self.jumps]
+        return {
+            "instants": self.instants,
+            "timed": self.rows,
+            "timed_sides": self.sides,
+            "driver_jump": jumps,
+            "jolt_rows": np.zeros((3 if self.jumps else 0, system.row_count)),
+        }
 
     def take(self, code: np.ndarray, piece: int) -> None:
         """Write the sides of a piece into the programs `code` (rows, 4) of a run."""

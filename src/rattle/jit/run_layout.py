@@ -124,6 +124,30 @@ declare("landing", """
     LANDS_IN [s] length of the step that ends there
 """)
 LANDS, GO_ON, TURNS, LAST_TURN, AGAIN, LANDS_IN = range(6)
+declare("course", """
+    LOOP [] RUNS_SMOOTHLY, RUNS_BY_EVENTS or RUNS_EQUAL_STEPS, see `run_loop`
+    EXTENT [m] size of the mechanism
+    PIECE [] number of instants of the timetable that are passed
+    JOLTS [] jumps of drivers that are passed
+    MAY_PASS [] 1 if a contact passes jams
+    JAMS [] jams passed
+    JAM_AT [s] the last of them
+    FIRST_JAM [s] the first
+    LEG_START [s] start of the run, if it had taken the present equal steps from there
+    LEG_END [s] instant at which they end
+    LEG_STEP [s] their length
+    LEG_STEPS [] steps of the run at that instant
+""")
+LOOP, EXTENT, PIECE, JOLTS, MAY_PASS, JAMS, JAM_AT, FIRST_JAM, LEG_START, LEG_END = range(10)
+LEG_STEP, LEG_STEPS = range(10, 12)
+RUNS_SMOOTHLY, RUNS_BY_EVENTS, RUNS_EQUAL_STEPS = range(3)
+declare("driver_jump", """
+    JUMP_AT [s] instant
+    JUMP_ROW [] first row of the driver
+    JUMP_IMPULSE [N*s or N*m*s] of the driver on its body B, once it is passed
+    JUMP_WORK [J] done by the driver
+""")
+JUMP_AT, JUMP_ROW, JUMP_IMPULSE, JUMP_WORK = range(4)
 declare("crossings", """
     CROSSING_T [s] instant
     CROSSING_FORCE [] number of the monitored force

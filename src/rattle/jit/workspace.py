@@ -246,6 +246,14 @@ ARRAYS = {
     "wear_load_last": Array("f2", "0 or nc, 4", "m/s", "their rates at the last step"),
     "wear_speed": Array("f1", "0 or nc", "m/s", "approach speeds of contacts that last from before the run"),
     "wear_count": Array("i2", "0 or nc, 3", "", "rows filled, steps in the present row, steps in a row"),
+    # around the step loop, see `run_loop`
+    "course": Array("f1", "12", "", "what is settled before the start, and the place in the run"),
+    "instants": Array("f1", "n", "s", "at which expressions of time switch, increasing"),
+    "timed": Array("i1", "switches of time", "", "their rows in `code`"),
+    "timed_sides": Array("i2", "n + 1, switches of time", "", "their sides before, between and after the instants"),
+    "driver_jump": Array("f2", "jumps, 4", "", "jumps of drivers in speed, in order of time"),
+    "jolt_rows": Array("f2", "0 or 3, nr", "m/s or rad/s, N*s", "nu before and after a jolt, Lambda"),
+    "jammed": Array("i1", "nc", "", "1 for contacts that were closed in the first jam"),
     "landing": Array("f1", "6", "", "of switches that depend on the state, see `state_switches`"),
 }
 

@@ -14,67 +14,35 @@ import os
 import pickle
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from rattle.analyses.dynamics import run, soundness
-from rattle.equations import motion, unilateral
+from rattle.analyses.dynamics import run
+from rattle.equations import motion
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.cache import KeptFile
 from rattle.jit.folder import cache_folder, compiled_sources
-from rattle.jit.functions import KernelFunction
 from rattle.jit.wasm.engine import Linked, about, engine, link
-from rattle.language import bytecode, switching
-from rattle.solvers import step_loop
-from rattle.solvers.dry_friction_modes import decide
-from rattle.solvers.energy_floor import set_floor
-from rattle.solvers.nonsmooth import event_driven, jams, jolts, moreau_jean
+from rattle.solvers import run_loop
 from rattle.solvers.output_row import record
-from rattle.solvers.state_switches import choose_sides
 from rattle.trace.library import library_text
 
 OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
 BUILT = "engine.wasm.gz"  # in this folder
-NATIVES = {  # what a page calls: the functions that `analyses.dynamics` calls in a run
-    "steps.begin": step_loop.begin,
-    "steps.resume": step_loop.resume,
-    "steps.advance": step_loop.advance,
-    "events.start": event_driven.start,
-    "events.goOn": event_driven.go_on,
-    "events.passJam": jams.pass_jam,
-    "stepping.start": moreau_jean.start,
-    "stepping.advance": moreau_jean.advance,
-    "record": record,
-    "decide": decide,
-    "jolt": jolts.jolt,
-    "floor": set_floor,
-}
-WITH_LETTERS = {  # the same of functions whose types follow from their arguments
-    "chooseSides": (choose_sides, ("void", "h", "f", "f")),
-    "speeds": (jolts.speeds, ("void", "h", "f", "v")),
-}
+NATIVES = {"run.begin": run_loop.begin, "run.advance": run_loop.advance, "record": record}  # what a page calls
 # columns and statuses, and settings of a run, that `viewer/core_run.js` uses by name
-COLUMNS = ("T", "H", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "EVENT_AT")
-STATUSES = {motion: ("OK", "STEP_TOO_SMALL", "PAUSED", "DONE"), unilateral: ("NO_SOLUTION", "LOCKED")}
-SETTINGS = {
-    bytecode: ("SIDE",),
-    switching: ("SAME",),
-    soundness: ("LIMIT",),
-    run: ("GLANCE", "CHUNK", "MOST_NUMBERS"),
-}
+COLUMNS = ("T", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "JOLTS", "JAMS", "JAM_AT")
+STATUSES = {motion: ("PAUSED", "DONE")}
+SETTINGS = {run: ("CHUNK", "MOST_NUMBERS")}
 
 
 def linked() -> Linked:
     """All that a page calls, with all kernels of the package that may stand in a table."""
     kernels = [one for one in functions.natives() if one.family and one.__module__.startswith("rattle.")]
-    offered: Mapping[str, tuple[KernelFunction, Sequence[str]]] = {
-        **{name: (one, one.letters) for name, one in NATIVES.items()},
-        **WITH_LETTERS,
-    }
-    return link(offered, kernels, library_text())
+    return link({name: (one, one.letters) for name, one in NATIVES.items()}, kernels, library_text())
 
 
 def build() -> bytes:

@@ -22,7 +22,7 @@ from rattle.jit import layout as at
 from rattle.jit.wasm.engine import layout
 from rattle.jit.workspace import ARRAYS
 from rattle.mechanism import Mechanism
-from rattle.solvers.stepper import ATOL, EVENT_DRIVEN, RTOL
+from rattle.solvers.stepper import ATOL, RTOL
 
 TABLE = "_table"  # ending of arrays that hold kernels
 
@@ -71,19 +71,12 @@ def run_image(run: Run) -> RunImage:
             "times": [len(run.t_eval), content.add(run.t_eval)],
             "width": run.raw.shape[1],
             "loop": run.stepper.leaf.loop,
-            "locates": run.lands_on_instants,
-            "adaptive": run.stepper.leaf.adaptive,
-            "passesJams": run.stepper.leaf.loop == EVENT_DRIVEN and _passes_jams(run),
             "start": run.start.t,
             "end": run.t_end,
             "rtol": run.rtol,
             "atol": run.atol,
             "step": run.step,
             "extent": run.system.extent,
-            "instants": run.table.instants.tolist(),
-            "switches": run.table.rows.tolist(),
-            "sides": run.table.sides.tolist(),
-            "jumps": [{"t": one.t, "row": run.system.first_row(one.driver)} for one in run.table.jumps],
             "owners": _owners(run),
         },
         bytes(content.written),
@@ -120,13 +113,6 @@ def _kernel(entry: int | Callable[..., Any], names: dict[Any, str]) -> str | Non
     if entry not in names:
         raise InputError("a law in Python cannot be computed in a page or program")
     return names[entry]
-
-
-def _passes_jams(run: Run) -> bool:
-    """Whether jams are passed by an impact without collision, see `EventDrivenRun.begin`."""
-    contact = run.system.arrays["contact"]
-    rigid = contact[contact[:, at.IMPACT] == 1]
-    return bool((run.workspace.values[rigid[:, at.NORMAL_P] + at.JAM] > 0.0).any())
 
 
 def _owners(run: Run) -> list[str]:

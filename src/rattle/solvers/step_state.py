@@ -35,6 +35,13 @@ def step_loop_arrays(y: np.ndarray, watched: int) -> dict[str, np.ndarray]:
     }
 
 
+def course(loop: int, extent: float) -> np.ndarray:
+    """The array `course` of a run before its start; loop: as in its column, extent: of the mechanism [m]."""
+    begins = np.zeros(at.width("course"))
+    begins[at.LOOP], begins[at.EXTENT], begins[at.JAM_AT] = loop, extent, -math.inf
+    return begins
+
+
 def integrator(stepper: Kind, stiff: bool) -> Kind:
     """The stepper whose kernels a run with this one calls: another one, or itself; stiff: the model has oil films."""
     by = (stepper.leaf.if_stiff if stiff else "") or stepper.leaf.integrates_by

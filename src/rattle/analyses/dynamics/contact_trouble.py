@@ -120,16 +120,18 @@ def dependent_or_locked(system: System, t: float, names: str) -> str:
 
 def closed_joints(system: System, workspace: Workspace) -> list[str]:
     """Names of the joints whose contacts are closed, in quotes."""
-    owner = system.arrays["contact"][touching(system, workspace), at.OWNER]
+    return joints_of(system, touching(system, workspace))
+
+
+def joints_of(system: System, chosen: np.ndarray) -> list[str]:
+    """Names of the joints of the chosen (nc,) contacts, in quotes."""
+    owner = system.arrays["contact"][chosen, at.OWNER]
     return [f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in owner)]
 
 
 def touching(system: System, workspace: Workspace) -> np.ndarray:
     """(nc,) True for set-valued contacts that are closed, or about to."""
-    near = workspace.contact_kinematics[:, at.GAP] < 1e-6 * system.arrays["lever"][:, at.GAP_SIZE]
-    clutch = system.arrays["contact"][:, at.LEVEL] == 1  # has no gap, and may be overrun
-    near &= ~clutch | (workspace.contact_kinematics[:, at.DGAP] < 1e-6)
-    return np.asarray(((workspace.mode != complementarity.OFF) | near) & _rigid(system))
+    return np.array([bool(jams.touches(workspace, n)) for n in range(len(system.arrays["contact"]))], bool)
 
 
 def rough(system: System, workspace: Workspace) -> np.ndarray:

@@ -19,28 +19,23 @@ from rattle.analyses.dynamics.soundness import (
 )
 from rattle.analyses.timetable import Jolt, timetable
 from rattle.elements.custom import load_law
-from rattle.equations.motion import DONE, OK, PAUSED
+from rattle.equations.motion import DONE, PAUSED
 from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-from rattle.language.switching import SAME
 from rattle.progress_bar import progress_bar
 from rattle.registry import Kind
 from rattle.results.columns import width
-from rattle.solvers import step_state
+from rattle.solvers import run_loop, step_state
 from rattle.solvers.contacts.penetration import ESCAPED
 from rattle.solvers.contacts.wear_sum import wear_arrays
-from rattle.solvers.dry_friction_modes import decide
-from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
 from rattle.solvers.singular_passage import passage_arrays
-from rattle.solvers.state_switches import choose_sides
 from rattle.solvers.step_audit import UNSOUND
 
 stop = threading.Event()  # when set, all runs of the process end where they are, as after Ctrl-C
-GLANCE = 1e-6  # share of a run to look ahead for the side of a switching function that is zero
 MOST_NUMBERS = 8_000_000  # of output rows beside events that a run keeps: 64 MB
 CHUNK = 2000  # steps between two checks of progress and of Ctrl-C
 
@@ -59,14 +54,12 @@ class How(NamedTuple):
 class Run(ABC):
     """One run from start to end with fixed settings, in smooth pieces between the instants of the timetable."""
 
-    lands_on_instants: ClassVar[bool]  # True: steps end where switches of the state change their side
+    loop: ClassVar[int]  # RUNS_SMOOTHLY, RUNS_BY_EVENTS or RUNS_EQUAL_STEPS of `layout`
 
     def __init__(self, system: System, start: Assembled, t_eval: np.ndarray, t_end: float, how: How) -> None:
         self.system, self.start, self.t_eval, self.t_end = system, start, t_eval, t_end
         self.stepper, self.rtol, self.atol, self.step, self.ports, self.wear = how
         self.table = timetable(system, start.t, t_end)
-        self.piece = 0  # index of the present smooth piece of the run
-        self.jolts: list[Jolt] = []
         self.workspace = self.prepare()
         self.clock, self.tally = self.workspace.clock, self.workspace.tally
         self.raw = np.zeros((len(t_eval), width(system, self.ports)))
@@ -86,18 +79,6 @@ class Run(ABC):
     @abstractmethod
     def loop_arrays(self) -> dict[str, Any]:
         """Workspace arrays of this step loop, besides those of every run."""
-
-    @abstractmethod
-    def begin(self, t: float) -> int:
-        """Prepare steps from the time t [s] and the state in the workspace; returns PAUSED, or a failure status."""
-
-    @abstractmethod
-    def take_steps(self, t: float, chunk: int, outputs: int) -> int:
-        """Up to `chunk` steps towards t [s] without switching, with the first `outputs`; returns as `advance`."""
-
-    @abstractmethod
-    def go_on(self, t: float, jolted: bool) -> int:
-        """Prepare further steps from t [s], after expressions have switched there; PAUSED or a failure status."""
 
     @abstractmethod
     def remarks(self) -> tuple[str, ...]:
@@ -137,74 +118,44 @@ class Run(ABC):
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
         peaks = peak_arrays(self.system, self.tableau, not self.wear)
         arrays |= passage_arrays(len(y), self.system.row_count, len(peaks["peaks"]))
+        arrays |= self.table.arrays(self.system)
+        arrays["course"] = step_state.course(self.loop, self.system.extent)
         return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
 
-    def break_arrays(self) -> dict[str, np.ndarray]:
-        """Room for the rows that `CHUNK` steps may write beside events; none where rows are not of this kind."""
-        rows = 0 if self.ports or self.wear else 2 * CHUNK
+    def break_arrays(self, steps: int = CHUNK) -> dict[str, np.ndarray]:
+        """Room for the rows beside an instant, and beside the events of so many steps; none for rows of another kind.
+
+        steps: 0 where only expressions of time may bend the curves.
+        """
+        if not steps and not len(self.table.rows):
+            return {}
+        rows = 0 if self.ports or self.wear else 2 * steps + 2
         return {"break_rows": np.zeros((rows, width(self.system))), "break_times": np.zeros(rows + 1)}
 
-    def take_sides(self, t: float) -> None:
-        """Set every switch to the side that it has from the time t [s] on.
-
-        If steps do not end at switches of the state, the values of their switching functions decide.
-        """
-        self.piece = self.table.piece_at(t)
-        self.table.take(self.workspace.code, self.piece)
-        if len(self.workspace.switch) and self.lands_on_instants:
-            choose_sides(self.workspace, t, GLANCE * (self.t_end - t))
-        if len(self.workspace.dry) and self.lands_on_instants:
-            decide(self.workspace, t, self.workspace.state, -1, 0)
-
-    def ahead(self) -> float:
-        """The next instant at which an expression of time switches [s]; inf if there is none."""
-        instants = self.table.instants
-        return float(instants[self.piece]) if self.piece < len(instants) else math.inf
+    def begin(self, t: float) -> int:
+        """Prepare steps from the time t [s] and the state in the workspace; returns PAUSED, or a failure status."""
+        how = self.rtol, self.atol, self.step or math.inf
+        return int(run_loop.begin(self.workspace, t, self.t_end, *how, self.t_eval, self.raw))
 
     def advance(self, t: float, chunk: int) -> int:
         """Up to `chunk` steps towards the time t [s]; returns PAUSED before t, DONE at t, or the status of a failure.
 
         Steps end at the instants at which expressions switch.
         """
-        instant = self.ahead()
-        if instant > t:
-            return self.take_steps(t, chunk, len(self.t_eval))
-        status = self.take_steps(instant, chunk, self.outputs_before(instant))
-        if status == DONE:
-            status = self.switch(instant)
-        return DONE if status == PAUSED and self.clock[at.T] >= t and self.ahead() > t else status
+        how = self.rtol, self.atol, self.step or math.inf
+        return int(run_loop.advance(self.workspace, t, self.t_end, *how, self.t_eval, self.raw, chunk))
 
-    def outputs_before(self, t: float) -> int:
-        """Number of outputs before the time t [s]; at an instant the values just after it are recorded."""
-        return int(np.searchsorted(self.t_eval, t - SAME * self.t_end))
+    @property
+    def piece(self) -> int:
+        """Index of the present smooth piece of the run."""
+        return int(self.workspace.course[at.PIECE])
 
-    def switch(self, t: float) -> int:
-        """Switch expressions at t [s]: sides of the next piece, a jolt if a driver jumps; PAUSED or a failure."""
-        handle, nr = self.workspace, self.system.row_count
-        self.take_breaks()
-        sides = np.zeros((2, width(self.system)))
-        record(handle, t, handle.state, sides[0])
-        before, after, percussion = np.zeros((3, nr))
-        jumps = [jump for jump in self.table.jumps if jump.t == t]
-        if jumps:
-            speeds(handle, t, before)
-        self.piece += 1
-        self.table.take(self.workspace.code, self.piece)
-        if jumps:
-            speeds(handle, t, after)
-            status = int(jolt(handle, t, before, percussion))
-            if status != OK:
-                return status
-            work = -0.5 * percussion * (before + after)
-            for jump in jumps:
-                row = self.system.first_row(jump.driver)
-                self.jolts.append(Jolt(jump, -float(percussion[row]), float(work[row])))
-        status = self.go_on(t, bool(jumps))
-        if status == PAUSED:
-            self.record_now(t)
-            record(handle, t, handle.state, sides[1])
-            self.keep_breaks(np.array([t, t]), sides)
-        return status
+    @property
+    def jolts(self) -> list[Jolt]:
+        """The jumps of drivers that are passed, with what they took."""
+        passed = self.workspace.driver_jump[: int(self.workspace.course[at.JOLTS])]
+        numbers = passed[:, [at.JUMP_IMPULSE, at.JUMP_WORK]].tolist()
+        return [Jolt(jump, *pair) for jump, pair in zip(self.table.jumps, numbers, strict=False)]
 
     def take_breaks(self) -> None:
         """Keep the rows that steps have written beside events, and make room for others."""
@@ -231,16 +182,6 @@ class Run(ABC):
             self.room = MOST_NUMBERS - sum(part[1].size for part in self.breaks)
         if self.room < 0:
             self.breaks = []
-
-    def record_now(self, t: float) -> None:
-        """Write the outputs at the instant t [s], with the values just after it, or let the next step write them."""
-        if not self.lands_on_instants:
-            return
-        k = int(self.tally[at.OUTPUTS])
-        while k < len(self.t_eval) and self.t_eval[k] <= t + SAME * self.t_end:
-            record(self.workspace, t, self.workspace.state, self.raw[k])
-            k += 1
-        self.tally[at.OUTPUTS] = k
 
     def record_first(self, y: np.ndarray) -> None:
         """Write the output at the start, if one is due, from the state y [SI]."""
@@ -272,8 +213,6 @@ class Run(ABC):
             status = self.begin(self.start.t)
             mark = (0, self.start.t)
             self.first_sign[:] = m.sign
-            if status == PAUSED and self.lands_on_instants:
-                self.record_first(m.state)
             while status == PAUSED:
                 if stop.is_set():
                     raise KeyboardInterrupt

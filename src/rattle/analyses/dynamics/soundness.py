@@ -24,7 +24,7 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.registry import Kind
 from rattle.results.columns import width
-from rattle.solvers import energy_floor, step_audit
+from rattle.solvers import step_audit
 from rattle.solvers.output_row import record
 from rattle.solvers.stepper import Stepper
 
@@ -72,11 +72,6 @@ def audit_arrays(system: System, energy_limit: float) -> dict[str, np.ndarray]:
 def measures_of_rows(system: System) -> list[float]:
     """What an opening of every constraint row is multiplied by [1/m], or -1 for rows in rad."""
     return [-1.0 if row.unit == "rad" else 1.0 / system.extent for row in system.rows]
-
-
-def set_floor(system: System, workspace: Workspace, rtol: float, atol: float) -> None:
-    """Set the energy [J] below which energy errors are ignored; see `solvers.energy_floor`."""
-    energy_floor.set_floor(workspace, system.extent, LIMIT, rtol, atol)
 
 
 def energy_share(seen: np.ndarray) -> float:

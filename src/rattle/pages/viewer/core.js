@@ -47,8 +47,7 @@ export class CoreMemory {
     this.end = Math.ceil(about.free / CELL) * CELL;
     const table = this.take(3 * sizes.length);
     const places = sizes.map((size) => this.take(size));
-    const [count] = description.times, times = this.take(count), rows = this.take(count * description.width), sides = this.take(2 * description.width);
-    const speeds = this.take(2 * sizes[about.arrays.findIndex(([name]) => name === "multiplier")]);
+    const [count] = description.times, times = this.take(count), rows = this.take(count * description.width);
     const result = this.take(8);
     this.grow();
     Object.assign(this, { table, result, arrays: {}, word: new DataView(this.calls.memory.buffer) });
@@ -64,8 +63,6 @@ export class CoreMemory {
     this.times = this.view(times, [count], "f1");
     this.fill(this.times, content, description.times[1]);
     this.rows = this.view(rows, [count, description.width], "f2");
-    this.sides = this.view(sides, [2, description.width], "f2");
-    this.speeds = this.view(speeds, [2, this.arrays.multiplier.shape[0]], "f2");
   }
 
   take(cells) {

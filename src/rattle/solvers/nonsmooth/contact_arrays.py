@@ -28,7 +28,7 @@ def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str,
     return {
         **({} if soft or nc <= complementarity.FEW else contact_network.arrays(system.arrays["row_body"], contact)),
         **soft,
-        **{name: np.zeros(nc, np.int64) for name in ("mode", "active", "candidate", "slide")},
+        **{name: np.zeros(nc, np.int64) for name in ("mode", "active", "candidate", "slide", "jammed")},
         "pivots": np.zeros(2 * nc, np.int64),
         "row_fixed": np.zeros(2 * nc, np.int64),
         "impact_reaction": np.zeros(nr),

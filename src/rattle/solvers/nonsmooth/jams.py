@@ -29,6 +29,7 @@ from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 from rattle.solvers.nonsmooth.impacts import count_impulses
 from rattle.solvers.nonsmooth.rubbing_impacts import forget_rubbing
 
+ABOUT = 1e-6  # gap of a contact that is about to close, as a share of its size; rate of a clutch [rad/s]
 NEARLY = 1e-3  # share by which T may exceed mu N if the lock is about to occur
 
 
@@ -36,6 +37,16 @@ NEARLY = 1e-3  # share by which T may exceed mu N if the lock is about to occur
 def passes_jams(m, n):
     """True if contact n passes jams (`jam = "impact"`)."""
     return m.values[m.contact[n, at.NORMAL_P] + at.JAM] > 0.0
+
+
+@native("i", "h", "i")
+def touches(m, n):
+    """True if the set-valued contact n is closed, or about to."""
+    contact, kinematics = m.contact, m.contact_kinematics
+    near = kinematics[n, at.GAP] < ABOUT * m.lever[n, at.GAP_SIZE]
+    if contact[n, at.LEVEL] == 1:  # a clutch has no gap, and may be overrun
+        near = near and kinematics[n, at.DGAP] < ABOUT
+    return contact[n, at.IMPACT] == 1 and (m.mode[n] != OFF or near)
 
 
 @native("f", "h", "f")

@@ -164,7 +164,7 @@ def _forward(run: Run, t: float) -> None:
     """Take steps until t [s] is passed, or the run ends; rows of outputs are in `raw`."""
     load_law.forget()
     status = run.begin(run.start.t)
-    if status == PAUSED:
+    if status == PAUSED and not run.tally[at.OUTPUTS]:
         run.record_first(run.workspace.state)
     while status == PAUSED and run.clock[at.T] < t:
         status = _advance(run, 64)
