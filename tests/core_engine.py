@@ -57,9 +57,9 @@ TWO = ("pow", "atan2", "hypot", "fmod")
 
 
 def new(name, method=None, t_end=None, **changes):
-    """A run of an example as `simulate` makes it, before its first step."""
+    """A run of an example, or of a mechanism, as `simulate` makes it, before its first step."""
     functions.start()
-    m = rt.example(name)
+    m = rt.example(name) if isinstance(name, str) else name
     m = m.set(**changes) if changes else m
     settings = m.system.model.settings
     end, times = output_times(settings, t_end, None)
@@ -101,7 +101,7 @@ def by_machine_code(run):
         "rows": run.raw[: run.tally[at.OUTPUTS]],
         "events": events,
         "breaks": np.concatenate(breaks) if breaks else np.zeros((0, 1 + run.raw.shape[1])),
-        "jolts": len(run.jolts),
+        "jolts": [[one.jump.t, one.impulse] for one in run.jolts],
     }
 
 

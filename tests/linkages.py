@@ -1,4 +1,6 @@
-"""Mechanisms that several tests share, as model texts."""
+"""Mechanisms that several tests share, as model texts but for one."""
+
+from rattle import loads
 
 
 def fourbar_text(
@@ -212,3 +214,24 @@ force = "7 kN - 500 N*s/m*cylinder.rate"
 right = { angle = "25 deg" }
 left = { angle = "155 deg" }
 """
+
+
+BORE, ARM = 0.01, 0.1  # of the parallelogram: radius of its loose bushes, length of crank and rocker [m]
+
+
+def loose_parallelogram(play, friction, jam="impact", loose="C"):
+    """A driven parallelogram with a loose pin: where its bars are in line, its coupler and rocker may lock."""
+    text = "format = 1\n[ground.points]\nA = [0, 0]\nD = [0.3, 0]\n"
+    for name, ends, length, mass in (
+        ("crank", "AB", ARM, 0.2),
+        ("coupler", "BC", 0.3, 0.5),
+        ("rocker", "DC", ARM, 0.2),
+    ):
+        text += f'[bodies.{name}]\nbar = ["{ends[0]}", "{ends[1]}"]\nlength = {length}\nmass = {mass}\n'
+    contact = f'model = "impact", bush_radius = {BORE}, restitution = 0.5, friction = {friction}, jam = "{jam}"'
+    pins = (("A", "ground", "crank"), ("D", "ground", "rocker"), ("B", "crank", "coupler"), ("C", "coupler", "rocker"))
+    for name, one, other in pins:
+        text += f'[joints.{name}]\ntype = "revolute"\nconnect = ["{one}.{name}", "{other}.{name}"]\n'
+        text += f"clearance = {play}\ncontact = {{ {contact} }}\n" if name in loose else ""
+    text += '[drivers.m]\njoint = "A"\nangle = "0.7 + 10*t"\n'
+    return loads(text + "[initial]\ncoupler = { angle = 0 }\nrocker = { angle = 0.7 }\n")

@@ -11,7 +11,10 @@ import numpy as np
 import pytest
 from llvmlite.binding import llvm_version_info
 
+import rattle as rt
 from core_engine import by_machine_code, in_node, new
+from linkages import loose_parallelogram
+from rattle.jit import layout as at
 
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 
@@ -54,6 +57,45 @@ def test_equal_steps_of_another_method(tmp_path):
     said, run = (by(new("squeezer", "rk4", 0.004)) for by in (lambda one: in_node(tmp_path, one), by_machine_code))
     assert said["statistics"] == run["statistics"]
     assert apart(run["rows"], said["rows"]) < 1e-9
+
+
+LEVER = """
+format = 1
+[ground.points]
+A = [0, 0]
+[bodies.lever]
+bar = ["A", "B"]
+length = 0.3
+mass = 1
+[joints.A]
+type = "revolute"
+connect = ["ground.A", "lever.A"]
+[drivers.motor]
+joint = "A"
+angle = "3*max(0, t - 0.2)"
+"""
+
+
+@pytest.mark.parametrize("method", [None, "rk4"])
+def test_a_driver_that_jumps_makes_a_jolt(method, tmp_path):
+    said = in_node(tmp_path, new(rt.loads(LEVER), method, 0.4))
+    (jolt,) = said["jolts"]
+    assert jolt["t"] == pytest.approx(0.2, rel=1e-12)
+    assert jolt["impulse"] == pytest.approx(0.3**2 / 3 * 3.0, rel=1e-12)  # J w of the lever
+    assert said["breaks"][:, 0].tolist() == [jolt["t"], jolt["t"]]
+    work = said["breaks"][:, -2]
+    assert work[1] - work[0] == pytest.approx(0.5 * 0.3**2 / 3 * 3.0**2, rel=1e-12)
+
+
+def test_jams_are_passed_at_the_same_places(tmp_path):
+    said, run = (
+        in_node(tmp_path, new(loose_parallelogram(1e-3, 0.3), t_end=1.0)),
+        new(loose_parallelogram(1e-3, 0.3), t_end=1.0),
+    )
+    run.go()
+    course = run.workspace.course
+    assert len(said["jams"]) == course[at.JAMS] > 0
+    assert said["jams"][0] == pytest.approx(course[at.FIRST_JAM], rel=1e-6)
 
 
 def test_a_run_in_slices_is_that_run(tmp_path):
@@ -111,7 +153,7 @@ for name in sys.argv[2:]:
         "events": events == run["events"][:, [0, 2, 3, 4, 5, 6, 7]].tolist(),
         "rows": (said["rows"] == run["rows"]).all() and said["rows"].shape == run["rows"].shape,
         "breaks": said["breaks"].shape == run["breaks"].shape and (said["breaks"] == run["breaks"]).all(),
-        "jolts": len(said["jolts"]) == run["jolts"],
+        "jolts": [[one["t"], one["impulse"]] for one in said["jolts"]] == run["jolts"],
     }
     if wrong := [what for what, alike in same.items() if not alike]:
         differ[name] = wrong

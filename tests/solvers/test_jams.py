@@ -9,36 +9,18 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from linkages import BORE, loose_parallelogram
 from rattle.analyses.dynamics.contact_trouble import firmness, friction_locks
 from rattle.equations.complementarity import BACKWARD, FORWARD, STICK
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import jams
 
 DATA = Path(__file__).parents[1] / "data"
-BORE, ARM, COUPLER = 0.01, 0.1, 0.3
-
-
-def parallelogram(play, friction, jam="impact", loose="C"):
-    """A driven parallelogram with a loose pin: where its bars are in line, its coupler and rocker may lock."""
-    text = "format = 1\n[ground.points]\nA = [0, 0]\nD = [0.3, 0]\n"
-    for name, ends, length, mass in (
-        ("crank", "AB", ARM, 0.2),
-        ("coupler", "BC", COUPLER, 0.5),
-        ("rocker", "DC", ARM, 0.2),
-    ):
-        text += f'[bodies.{name}]\nbar = ["{ends[0]}", "{ends[1]}"]\nlength = {length}\nmass = {mass}\n'
-    contact = f'model = "impact", bush_radius = {BORE}, restitution = 0.5, friction = {friction}, jam = "{jam}"'
-    pins = (("A", "ground", "crank"), ("D", "ground", "rocker"), ("B", "crank", "coupler"), ("C", "coupler", "rocker"))
-    for name, one, other in pins:
-        text += f'[joints.{name}]\ntype = "revolute"\nconnect = ["{one}.{name}", "{other}.{name}"]\n'
-        text += f"clearance = {play}\ncontact = {{ {contact} }}\n" if name in loose else ""
-    text += '[drivers.m]\njoint = "A"\nangle = "0.7 + 10*t"\n'
-    return rt.loads(text + "[initial]\ncoupler = { angle = 0 }\nrocker = { angle = 0.7 }\n")
 
 
 @pytest.mark.parametrize(("play", "friction"), [(1e-3, 0.3), (1e-3, 0.6), (3e-4, 0.6)])
 def test_loose_parallelogram_passes_its_change_points_by_impacts_that_end_slip(play, friction):
-    mechanism = parallelogram(play, friction)
+    mechanism = loose_parallelogram(play, friction)
     run = mechanism.simulate(1.0, rtol=1e-8)
     assert run.success, run.message
     assert run.trust.energy_balance < 1e-5  # of the 1 J that goes round; before a jam forces reach 1e11 N
@@ -56,7 +38,7 @@ def test_loose_parallelogram_passes_its_change_points_by_impacts_that_end_slip(p
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-7, 3e-8, 1e-8, 1e-9])  # whatever ends it there: steps, modes or energy
 def test_dead_end_that_friction_holds_is_named_at_any_tolerance(rtol):
-    run = parallelogram(1e-4, 0.6).simulate(1.0, rtol=rtol)
+    run = loose_parallelogram(1e-4, 0.6).simulate(1.0, rtol=rtol)
     assert not run.success
     assert "friction holds 'C'" in run.message
     assert "dead end" in run.message
@@ -64,7 +46,7 @@ def test_dead_end_that_friction_holds_is_named_at_any_tolerance(rtol):
 
 
 def test_dead_end_that_friction_holds_lies_in_the_cone():
-    mechanism = parallelogram(1e-4, 0.6)
+    mechanism = loose_parallelogram(1e-4, 0.6)
     run = mechanism.simulate(1.0, rtol=1e-9)
     end = float(re.search(r"t = ([\d.]+) s", run.message).group(1))
     last = mechanism.simulate(end - 1e-9, rtol=1e-9, t_eval=[end - 1e-9])
@@ -83,7 +65,7 @@ def test_dead_end_that_friction_holds_lies_in_the_cone():
 
 def test_contacts_that_lock_together_are_told_though_each_alone_would_not(monkeypatch):
     """Each is pushed open by friction of the other alone: (1, -mu; -mu, 1) N is what the forces part them by."""
-    system = parallelogram(1e-3, 0.3, loose="CD").system
+    system = loose_parallelogram(1e-3, 0.3, loose="CD").system
     contact, lines = system.arrays["contact"], np.eye(4)
     lines[0, 3] = lines[3, 0] = lines[1, 2] = lines[2, 1] = -1.0
     values = system.arrays["values"].copy()
