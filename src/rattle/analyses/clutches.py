@@ -13,7 +13,7 @@ import numpy as np
 from rattle.description.model import Joint
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
-from rattle.results.columns import overrun
+from rattle.results.columns import overrun, rates_of
 
 ROUNDING = 1e-9  # share of the largest rate below which a driving body is not ahead
 
@@ -45,7 +45,8 @@ def run_backwards(system: System, t: np.ndarray, raw: np.ndarray) -> list[str]:
     """Notes on clutches that a prescribed motion turns against their sense; t: (n,) [s], raw: its output rows."""
     notes = []
     for name, joint, smooth in _clutches(system):
-        rate, size = overrun(system, joint, raw)
+        a, b = rates_of(system, joint, raw)
+        rate, size = overrun(joint, a, b), float(max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0)))
         wrong = rate < -ROUNDING * size
         if not smooth and wrong.any():
             k = int(np.argmax(wrong))

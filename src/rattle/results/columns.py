@@ -138,7 +138,7 @@ def columns(
             joint = model.joints[name]
             if joint.leaf.bodies:
                 add(f"{name}.torque", "N*m", c + at.EFFORT)
-                add(f"{name}.slip", "rad/s", c + at.EX, overrun(system, joint, raw)[0])
+                add(f"{name}.slip", "rad/s", c + at.EX, overrun(joint, *rates_of(system, joint, raw)))
                 add(f"{name}.locked", "", c + at.JOINT_TANGENT)
                 c += at.PER_JOINT
                 continue
@@ -152,7 +152,7 @@ def columns(
             if joint.stop is not None:
                 add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
             if joint.one_sided is not None and joint.one_sided.records:
-                forces = _two_forces(joint, raw[:, c : c + at.PER_JOINT])
+                forces = _two_forces(joint, raw, c)
                 for key, one in zip(joint.one_sided.records, forces, strict=True):
                     add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, one)
             elif joint.contact is not None:
@@ -190,25 +190,29 @@ def reaction_columns(system: System, units: Mapping[str, str]) -> np.ndarray:
     return np.array([name.rpartition(".")[0] in held and unit in REACTIONS for name, unit in units.items()])
 
 
-def _two_forces(joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _two_forces(joint: Joint, raw: np.ndarray, c: int) -> tuple[np.ndarray, np.ndarray]:
     """The larger and the smaller force (n,) [N] of two strands; of a belt that cannot stretch, about its pretension."""
-    one, other = raw[:, at.JOINT_NORMAL], raw[:, at.JOINT_TANGENT]
+    one, other = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
     if not joint.is_loose:
-        half = 0.5 * raw[:, at.EFFORT]
-        one, other = joint.fields["pretension"] + half, joint.fields["pretension"] - half
+        half, pretension = 0.5 * raw[:, c + at.EFFORT], float(joint.fields["pretension"])
+        one, other = pretension + half, pretension - half
     return np.maximum(one, other), np.minimum(one, other)
 
 
-def overrun(system: System, joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, float]:
-    """Rate (n,) [rad/s] at which body B of a clutch overruns body A in its sense, and the size of its terms [rad/s]."""
+def rates_of(system: System, joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rates (n,) [rad/s] of bodies A and B of a joint."""
 
     def rate(body: str) -> np.ndarray:
-        if body == "ground":
-            return np.zeros(len(raw))
-        return np.asarray(raw[:, at.PER_BODY * system.bodies.index(body) + at.RATE + 2])
+        column = raw[:, 0 if body == "ground" else at.PER_BODY * system.bodies.index(body) + at.RATE + 2]
+        return np.zeros_like(column) if body == "ground" else column
 
-    a, b = rate(joint.a.body), rate(joint.b.body)
-    return joint.fields["sense"] * (b - a), float(max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0)))
+    return rate(joint.a.body), rate(joint.b.body)
+
+
+def overrun(joint: Joint, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Rate (n,) [rad/s] at which body B of a clutch overruns body A in its sense; a, b: of both bodies [rad/s]."""
+    rate: np.ndarray = float(joint.fields["sense"]) * (b - a)
+    return rate
 
 
 OF_CONTACT = {"ex": at.EX, "ey": at.EY, "normal": at.JOINT_NORMAL, "tangential": at.JOINT_TANGENT}
@@ -229,7 +233,7 @@ def _of_contact(
         if link:
             with np.errstate(invalid="ignore", divide="ignore"):
                 made["normal"] = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
-            made["penetration"] = distance - joint.clearance
+            made["penetration"] = distance - float(joint.clearance)
         else:
             made["normal"] = np.hypot(fx, fy)
             if joint.one_sided is not None and joint.one_sided.contacts == 1:  # its row is the slope of the gap

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,10 +21,10 @@ LITTLE = 0.01  # force of the film over that of the dry contact, below which the
 class PinMotion(NamedTuple):
     """Where the pin is in its bush and how it moves, and what acts on it, at n instants."""
 
-    place: Array  # (2, n) e [m], from the centre of the bush to that of the pin
-    rate: Array  # (2, n) e' [m/s]
-    turning: Array  # (2, n) rates of bush and pin [rad/s]
-    force: Array  # (2, n) of film and dry contact together, on the pin [N]
+    place: Sequence[Array]  # (2, n) e [m], from the centre of the bush to that of the pin
+    rate: Sequence[Array]  # (2, n) e' [m/s]
+    turning: Sequence[Array]  # (2, n) rates of bush and pin [rad/s]
+    force: Sequence[Array]  # (2, n) of film and dry contact together, on the pin [N]
     moment: Array  # (n,) of both about the centre of the pin [N*m]
     normal: Array  # (n,) of the dry contact [N]
     tangential: Array  # (n,) its friction [N]
@@ -42,9 +43,9 @@ def film_columns(
         for end in (joint.a, joint.b)
     )
     moment = raw[:, c + at.MOMENT] - (raw[:, c + at.STOP] if joint.stops_angle else 0.0)
-    place, force = raw[:, [c + at.EX, c + at.EY]].T, raw[:, [c + at.FX, c + at.FY]].T
+    place, force = (raw[:, c + at.EX], raw[:, c + at.EY]), (raw[:, c + at.FX], raw[:, c + at.FY])
     dry = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
-    return film_values(joint, PinMotion(place, b[:2] - a[:2], np.array([a[2], b[2]]), force, moment, *dry))
+    return film_values(joint, PinMotion(place, (b[0] - a[0], b[1] - a[1]), (a[2], b[2]), force, moment, *dry))
 
 
 def film_values(joint: Joint, pin: PinMotion) -> dict[str, tuple[str, Array]]:
@@ -59,12 +60,12 @@ def film_values(joint: Joint, pin: PinMotion) -> dict[str, tuple[str, Array]]:
     contact = joint.contact
     assert contact is not None, "called for a joint with a contact"
     assert contact.film is not None, "called for a joint with oil"
-    film, clearance = contact.film, joint.clearance
+    film, clearance = contact.film, float(joint.clearance)
     e, v, (wa, wb), normal, friction = pin.place, pin.rate, pin.turning, pin.normal, pin.tangential
-    size = np.hypot(*e)
-    on_a = contact.bush_radius - 0.5 * (clearance - size)  # see the clearance `pin`
+    size, mean = np.hypot(*e), 0.5 * (wa + wb)
+    on_a = float(contact.bush_radius) - 0.5 * (clearance - size)  # see the clearance `pin`
     fx, fy = _of_film(pin)
-    u = v + 0.5 * (wa + wb) * np.array([e[1], -e[0]])
+    u = v[0] + mean * e[1], v[1] + mean * -e[0]
     on_pin = pin.moment + friction * (on_a - size)  # of the film alone
     shear = -on_pin - 0.5 * (e[0] * fy - e[1] * fx)  # T_c, see `rattle.elements.film`
     slip = _across(e, v) + wb * (on_a - size) - wa * on_a
@@ -87,50 +88,54 @@ def film_values(joint: Joint, pin: PinMotion) -> dict[str, tuple[str, Array]]:
         "leakage": ("m^3/s", leakage),
         "sommerfeld": ("", sommerfeld),
         "regime": ("", regime),
-        "lambda_ratio": ("", (clearance - size) / film.roughness),
+        "lambda_ratio": ("", (clearance - size) / float(film.roughness)),
     }
 
 
-def _point_rate(system: System, end: Point, raw: Array) -> Array:
+def _point_rate(system: System, end: Point, raw: Array) -> Sequence[Array]:
     """(3, n): velocity of a point of a body [m/s], and the rate of the body [rad/s]."""
     if end.body == "ground":
-        return np.zeros((3, len(raw)))
+        still = np.zeros_like(raw[:, 0])
+        return still, still, still
     k = at.PER_BODY * system.bodies.index(end.body)
-    angle, (vx, vy, w) = raw[:, k + at.PLACE + 2], raw[:, k + at.RATE : k + at.RATE + 3].T
+    angle, vx, vy, w = (raw[:, k + n] for n in (at.PLACE + 2, at.RATE, at.RATE + 1, at.RATE + 2))
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = cos * end.at[0] - sin * end.at[1], sin * end.at[0] + cos * end.at[1]
-    return np.array([vx - w * y, vy + w * x, w])
+    return vx - w * y, vy + w * x, w
 
 
-def _turning_only(system: System, end: Point, turning: Array) -> Array:
+def _turning_only(system: System, end: Point, turning: Array) -> Sequence[Array]:
     """(3, n): no velocity of the point, and the rate of its body [rad/s]."""
-    found = np.zeros((3, len(turning)))
-    if end.body != "ground":
-        found[2] = turning[:, 1 + system.bodies.index(end.body)]
-    return found
+    still = np.zeros_like(turning[:, 0])
+    return still, still, still if end.body == "ground" else turning[:, 1 + system.bodies.index(end.body)]
 
 
-def _of_film(pin: PinMotion) -> Array:
+def _of_film(pin: PinMotion) -> Sequence[Array]:
     """Force (2, n) [N] of the film on B: what the dry contact leaves of that of the joint."""
     size = np.hypot(*pin.place)
     with np.errstate(divide="ignore", invalid="ignore"):
-        nx, ny = np.where(size > 0.0, pin.place / size, 0.0)
-    found = pin.force + pin.normal * np.array([nx, ny]) + pin.tangential * np.array([-ny, nx])
-    return np.asarray(found)
+        nx, ny = (np.where(size > 0.0, x / size, 0.0) for x in pin.place)
+    fx, fy = pin.force
+    return fx + pin.normal * nx + pin.tangential * -ny, fy + pin.normal * ny + pin.tangential * nx
 
 
-def _pressure(film: OilFilm, e: Array, u: Array, clearance: float) -> tuple[Array, Array]:
+def _pressure(film: OilFilm, e: Sequence[Array], u: Sequence[Array], clearance: float) -> tuple[Array, Array]:
     """(n,): largest pressure [Pa] and leakage [m^3/s]; u: the velocity [m/s] that the film sees."""
     law, values = registry.kinds("film")[film.law.kind].leaf, film.law.values
     mu, length, radius = (float(values[key]) for key in ("viscosity", "length", "bush_radius"))
     speed = np.hypot(*u)
     alpha = np.abs(np.arctan2(e[0] * u[1] - e[1] * u[0], e[0] * u[0] + e[1] * u[1]))
-    part = np.minimum(np.hypot(*e), clearance - film.boundary) / clearance
-    peak = mu * length**2 * speed / clearance**3 * law.peak(values, part, alpha)
-    return peak, 2.0 * radius * length * speed * law.leakage(values, part, alpha)
+    part = np.minimum(np.hypot(*e), clearance - float(film.boundary)) / clearance
+    peak = mu * length**2 * speed / clearance**3 * of_law(law.peak, values, part, alpha)
+    return peak, 2.0 * radius * length * speed * of_law(law.leakage, values, part, alpha)
 
 
-def _across(e: Array, v: Array) -> Array:
+def of_law(method: Callable[..., Array], values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+    """What a film law says: a place where another way to call it may be put."""
+    return method(values, e, alpha)
+
+
+def _across(e: Sequence[Array], v: Sequence[Array]) -> Array:
     """Velocity (n,) [m/s] of the centre of the pin across the eccentricity."""
     size = np.hypot(*e)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -31,7 +31,7 @@ from rattle.language.expression import OPERATIONS
 from rattle.language.recorded import Recorded, symbol_of
 from rattle.trace.graph import FUNCTIONS, Graph, Symbol, both, select
 from rattle.trace.recorded_table import recorded_table
-from rattle.trace.symbol_arrays import arrays
+from rattle.trace.symbol_arrays import Column, arrays
 
 CLOSED = 1e-9  # residual that a projection may leave [m or rad, times the size of the mechanism where that is larger]
 CONSTANT = frozenset(("mass", "weight", "gravity", "lever", "const"))  # float arrays that a run only reads
@@ -119,13 +119,13 @@ class Recorder:
             return arrays(self.graph)
         if isinstance(thing, KernelFunction):
             return self.recorded(thing.python)
-        if isinstance(thing, FunctionType) and thing.__module__ == module:
+        if isinstance(thing, FunctionType) and (thing in self._made or thing.__module__ == module):
             return self.recorded(thing)
         return thing
 
-    def replace(self, function: KernelFunction, own: Callable[..., Any]) -> None:
-        """Record calls of a function of the compiled layer by another one; before anything that calls it."""
-        self._made[function.python] = own
+    def replace(self, function: KernelFunction | Callable[..., Any], own: Callable[..., Any]) -> None:
+        """Record calls of a function by another one; before anything that calls it."""
+        self._made[function.python if isinstance(function, KernelFunction) else function] = own
 
     def workspace(self, system: System) -> SimpleNamespace:
         """A workspace for recorded functions."""
@@ -162,7 +162,9 @@ def _symbols(array: np.ndarray) -> np.ndarray:
 
 
 def _as_it_is(x: Any) -> Any:
-    return x if isinstance(x, Symbol) else float(x)
+    if isinstance(x, Recorded):  # of a model, among columns of symbols
+        return Column([symbol_of(x)])
+    return x if isinstance(x, Symbol | Column) else float(x)
 
 
 def _smaller(*given: Any) -> Any:

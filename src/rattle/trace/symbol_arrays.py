@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import SimpleNamespace
@@ -25,8 +26,19 @@ class Column:
         spread = [x.values * (count // len(x.values)) if isinstance(x, Column) else [x] * count for x in given]
         return Column(function(*row) for row in zip(*spread, strict=True))
 
-    def __getitem__(self, part: slice) -> Column:
-        return Column(self.values[part])
+    @property
+    def shape(self) -> tuple[int]:
+        """How many there are."""
+        return (len(self.values),)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, part: int | slice) -> Any:
+        return Column(self.values[part]) if isinstance(part, slice) else self.values[part]
+
+    def __setitem__(self, place: int, value: Any) -> None:
+        self.values[place] = value
 
     def clip(self, low: float, high: float) -> Column:
         """Values outside of the bounds become the bounds."""
@@ -50,8 +62,20 @@ class Column:
     def __rmul__(self, other: Any) -> Column:
         return self.each(operator.mul, other, self)
 
+    def __rsub__(self, other: Any) -> Column:
+        return self.each(operator.sub, other, self)
+
     def __truediv__(self, other: Any) -> Column:
         return self.each(_quotient, self, other)
+
+    def __rtruediv__(self, other: Any) -> Column:
+        return self.each(_quotient, other, self)
+
+    def __pow__(self, other: int) -> Column:
+        return self.each(lambda x: x**other, self)
+
+    def __lt__(self, other: Any) -> Column:
+        return self.each(operator.lt, self, other)
 
     def __gt__(self, other: Any) -> Column:
         return self.each(operator.gt, self, other)
@@ -102,7 +126,15 @@ def arrays(graph: Graph) -> SimpleNamespace:
     def each(op: str) -> Callable[..., Column]:
         return lambda *given: Column.each(lambda *row: graph.apply(op, *row), *given)
 
+    def chosen(a: Any, b: Any, first: Any) -> Any:  # as NumPy: nan if one of them is
+        return select(first | (a != a), a, b) if isinstance(first, Symbol) else a if first or a != a else b
+
     return SimpleNamespace(
-        hypot=each("hypot"), cos=each("cos"), sin=each("sin"), where=lambda *given: Column.each(select, *given),
-        zeros_like=lambda x: Column([0.0] * len(x.values)), errstate=np.errstate, ndarray=np.ndarray,
+        hypot=each("hypot"), cos=each("cos"), sin=each("sin"), arctan2=each("atan2"), copysign=each("copysign"),
+        abs=lambda x: Column.each(abs, x), where=lambda *given: Column.each(select, *given),
+        minimum=lambda *given: Column.each(lambda a, b: chosen(a, b, a <= b), *given),
+        maximum=lambda *given: Column.each(lambda a, b: chosen(a, b, a >= b), *given),
+        zeros_like=lambda x: Column([0.0] * len(x.values)), empty=lambda n: Column([0.0] * n),
+        ones=lambda n: Column([1.0] * n), full=lambda n, value: Column([value] * n), array=lambda x: x, nan=math.nan,
+        errstate=np.errstate, ndarray=np.ndarray,
     )  # fmt: skip

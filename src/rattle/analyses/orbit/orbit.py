@@ -218,13 +218,11 @@ def _columns(joint: Joint, base: Result, rows: Array) -> dict[str, tuple[str, Ar
     assert joint.contact is not None, "called for a joint with oil"
     n, name = len(rows), joint.name
     x, y, vx, vy, normal, tangential, moment = rows.T
-    force = np.array([base[f"{name}.fx"][:n], base[f"{name}.fy"][:n]])
-    turning = np.array([_rate(base, end)[:n] for end in (joint.a.body, joint.b.body)])
+    force = base[f"{name}.fx"][:n], base[f"{name}.fy"][:n]
+    turning = _rate(base, joint.a.body)[:n], _rate(base, joint.b.body)[:n]
     size = np.hypot(x, y)
     on_b = joint.contact.bush_radius - 0.5 * (joint.clearance - size) - size  # see the clearance `pin`
-    pin = PinMotion(
-        np.array([x, y]), np.array([vx, vy]), turning, force, moment - tangential * on_b, normal, tangential
-    )
+    pin = PinMotion((x, y), (vx, vy), turning, force, moment - tangential * on_b, normal, tangential)
     assert joint.contact.film is not None, "called for a joint with oil"
     plain = {
         "fx": ("N", force[0]),

@@ -83,10 +83,7 @@ class Finite(FilmLaw):
     @classmethod
     def table(cls, values: Mapping[str, Any]) -> Array:
         """Coefficients of the splines at the L/D of these fields."""
-        name, ratio = "full" if values["cavitation"] == "full" else "potential", ratio_of(values)
-        if isinstance(ratio, Recorded):
-            return array_of(recorded_coefficients(name, ratio))
-        return coefficients(name, ratio)
+        return _coefficients("full" if values["cavitation"] == "full" else "potential", values)
 
     @classmethod
     def faults(cls, values: Mapping[str, Any], clearance: float) -> list[str]:
@@ -100,16 +97,24 @@ class Finite(FilmLaw):
     def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
         short = np.empty(len(e))
         short_peaks(e, alpha, short)
-        return short * cls._ratio("peak", values, e, alpha)
+        return short * _ratio("peak", values, e, alpha)
 
     @classmethod
     def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
-        return cls._ratio("leakage", values, e, alpha)
+        return _ratio("leakage", values, e, alpha)
 
-    @staticmethod
-    def _ratio(name: str, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
-        """A ratio to the short film from its table."""
-        kept = coefficients(f"{'full_' if values['cavitation'] == 'full' else ''}{name}", ratio_of(values))
-        found = np.empty(len(e))
-        read_ratios(e, alpha, np.array(kept), found)  # a copy: compiled functions take no read-only array
-        return found
+
+def _coefficients(name: str, values: Mapping[str, Any]) -> Array:
+    """Coefficients of the splines of one table of films at the L/D of these fields."""
+    ratio = ratio_of(values)
+    if isinstance(ratio, Recorded):
+        return array_of(recorded_coefficients(name, ratio))
+    return coefficients(name, ratio)
+
+
+def _ratio(name: str, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+    """A ratio to the short film from its table."""
+    kept = _coefficients(f"{'full_' if values['cavitation'] == 'full' else ''}{name}", values)
+    found = np.empty(len(e))
+    read_ratios(e, alpha, np.array(kept), found)  # a copy: compiled functions take no read-only array
+    return found

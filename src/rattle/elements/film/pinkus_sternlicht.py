@@ -22,6 +22,7 @@ import numpy as np
 from rattle.elements.film import FilmLaw, ratio_of
 from rattle.elements.film_frame import CLEARANCE, SHEAR, book, relative_place, seen_velocity
 from rattle.elements.film_table import Array
+from rattle.elements.long_film import long_peaks
 from rattle.jit.functions import kernel
 from rattle.registry import kind
 
@@ -70,18 +71,6 @@ class PinkusSternlicht(FilmLaw):
     @classmethod
     def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
         """The largest pressure of the exact solution for the wedge and the squeeze of a long film, together."""
-        found = np.array([_peak(*one) for one in zip(e.tolist(), alpha.tolist(), strict=True)])
+        found = np.empty(len(e))
+        long_peaks(e, alpha, found)
         return found * 3.0 / ratio_of(values) ** 2
-
-
-def _peak(e: float, alpha: float) -> float:
-    """The largest pressure over 12 mu R^2 |v|/c^3, by a parabola through the three largest of 1000 on the circle."""
-    phi = np.linspace(0.0, 2.0 * math.pi, 1001)[:-1]
-    wide, un, ut = 1.0 - e * np.cos(phi), math.cos(alpha), math.sin(alpha)
-    wedge = ut * np.sin(phi) * (1.0 + wide) / (2.0 + e * e)
-    squeeze = un * (1.0 + np.cos(phi)) * (1.0 + e + wide) / (2.0 * (1.0 + e) ** 2)
-    p = (wedge + squeeze) / wide**2
-    k = int(np.argmax(p))
-    before, here, after = (float(p[n % len(p)]) for n in (k - 1, k, k + 1))
-    bend = before - 2.0 * here + after
-    return here - (after - before) ** 2 / (8.0 * bend) if bend < 0.0 else here
