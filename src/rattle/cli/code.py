@@ -104,11 +104,9 @@ def _write_compiled(m: Mechanism, until: float, step: float | None, output: str)
     from rattle.atomic_file import atomic
     from rattle.pages.compiled_module import compiled_module
 
-    text, left_out = compiled_module(m, m.name or "A mechanism", until, step)
+    text = compiled_module(m, m.name or "A mechanism", until, step)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
-    if left_out:
-        click.echo(f"note: left out, as they follow from the others: {', '.join(left_out)}", err=True)
     say_written(output)
 
 

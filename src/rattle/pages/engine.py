@@ -14,17 +14,21 @@ import os
 import pickle
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from rattle.analyses.dynamics import run
+from rattle.elements.film_table import read_ratios
+from rattle.elements.long_film import long_peaks
+from rattle.elements.short_film import short_peaks
 from rattle.equations import motion
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.cache import KeptFile
 from rattle.jit.folder import cache_folder, compiled_sources
+from rattle.jit.functions import KernelFunction
 from rattle.jit.wasm.engine import Linked, about, engine, link
 from rattle.solvers import run_loop
 from rattle.solvers.output_row import record
@@ -33,6 +37,12 @@ from rattle.trace.library import library_text
 OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
 BUILT = "engine.wasm.gz"  # in this folder
 NATIVES = {"run.begin": run_loop.begin, "run.advance": run_loop.advance, "record": record}  # what a page calls
+WITH_LETTERS = {  # the same of functions whose types follow from their arguments
+    # arrays of results: what `pages/result_data.py` leaves to them
+    "short_peaks": (short_peaks, ("void", "v", "v", "v")),
+    "long_peaks": (long_peaks, ("void", "v", "v", "v")),
+    "read_ratios": (read_ratios, ("void", "v", "v", "v", "v")),
+}
 # columns and statuses, and settings of a run, that `viewer/core_run.js` uses by name
 COLUMNS = ("T", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "JOLTS", "JAMS", "JAM_AT")
 STATUSES = {motion: ("PAUSED", "DONE")}
@@ -42,7 +52,11 @@ SETTINGS = {run: ("CHUNK", "MOST_NUMBERS")}
 def linked() -> Linked:
     """All that a page calls, with all kernels of the package that may stand in a table."""
     kernels = [one for one in functions.natives() if one.family and one.__module__.startswith("rattle.")]
-    return link({name: (one, one.letters) for name, one in NATIVES.items()}, kernels, library_text())
+    offered: Mapping[str, tuple[KernelFunction, Sequence[str]]] = {
+        **{name: (one, one.letters) for name, one in NATIVES.items()},
+        **WITH_LETTERS,
+    }
+    return link(offered, kernels, library_text())
 
 
 def build() -> bytes:

@@ -41,7 +41,7 @@ export class CoreMemory {
   constructor({ module, about }, { description, content }) {
     if (description.layout !== about.layout)
       throw new CoreError("version", "the model was written by another version of rattle than its engine");
-    this.about = about;
+    Object.assign(this, { module, about });
     this.calls = new WebAssembly.Instance(module, {}).exports;
     const sizes = description.arrays.map((one) => one.slice(0, -1).reduce((a, b) => a * b, 1));
     this.end = Math.ceil(about.free / CELL) * CELL;

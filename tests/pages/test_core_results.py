@@ -1,0 +1,106 @@
+"""What a page makes of the end of a compiled run is the result of `simulate`."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from llvmlite.binding import llvm_version_info
+
+import rattle as rt
+
+TYPICAL = (
+    *("crank_rocker_play", "slider_crank_oil", "torque_converter", "belt_drive", "guide_play", "three_plays"),
+    *("gear_rattle", "ratchet", "stick_slip"),
+)
+OTHERS = sorted({path.stem for path in (Path(rt.__file__).parent / "examples").glob("*.toml")} - {*TYPICAL})
+CLOSE = 1e-12  # share of a column's largest value: sines of NumPy and of the page, and powers as products
+SAME_RESULTS = """
+import json, sys
+from pathlib import Path
+import numpy as np
+import core_engine
+from core_engine import in_node, new
+import rattle as rt
+from rattle.analyses.dynamics.report import report
+from rattle.pages.result_data import result_data
+from rattle.trace.javascript import BITS
+core_engine.use_own_functions()
+STEPS = '''run.advance();
+  const { resultOf } = await import("%s/core_result.js");
+  const { data, functions } = await import("./result.mjs");
+  const { t: times, columns, units, names, ...others } = resultOf(run, data, functions);
+  const values = names.map((one) => Array.from(columns[one], (x) => (Number.isFinite(x) ? x : null)));
+  fs.writeFileSync("result.json", JSON.stringify({ ...others, units, names, columns: values }));
+''' % core_engine.VIEWER.as_uri()
+folder, close, differ = Path(sys.argv[1]), float(sys.argv[2]), {}
+nan = lambda x: float("nan") if x is None else x
+for name in sys.argv[3:]:
+    data, functions = result_data(rt.example(name))
+    exports = f"export const data = {json.dumps(data)};\\nexport {{ resultFunctions as functions }};"
+    (folder / "result.mjs").write_text(f"{BITS}\\n{functions}\\n{exports}")
+    said = in_node(folder, new(name), STEPS)
+    if "error" in said:
+        differ[name] = said["error"]
+        continue
+    got = json.loads((folder / "result.json").read_text())
+    run = new(name)
+    run.go()
+    want, wrong = report(run, None), []
+    if got["names"] != list(want.stored) or got["units"] != {one: want.unit(one) for one in want.stored}:
+        wrong.append("names or units")
+    else:
+        for one, mine in zip(want.stored, got["columns"], strict=True):
+            theirs, mine = want[one], np.array([nan(x) for x in mine])
+            of = {one.replace("penetration", "ex"), one.replace("penetration", "ey"), one}  # it may be rounding
+            size = max(np.abs(want[each][np.isfinite(want[each])]).max(initial=0.0) for each in of)
+            bound = 1e-9 if one.endswith("film_pressure") else close  # next to the bush it grows with rounding
+            if not np.allclose(mine, theirs, rtol=0.0, atol=bound * size, equal_nan=True):
+                wrong.append(one)
+    peaks = {key: [nan(x) for x in one] for key, one in got["peaks"].items()}
+    if peaks != {key: list(one) for key, one in want.peaks.items()}:
+        wrong.append("peaks")
+    jolts = [one for one in got["events"] if one["kind"] == "jolt"]
+    for one in jolts:  # the work of a driver is not among what a page knows
+        one["energy_lost"] = 0.0
+    theirs = [one._replace(energy_lost=0.0) if one.kind == "jolt" else one for one in want.events]
+    if [tuple(one.values()) for one in got["events"]] != [tuple(one) for one in theirs]:
+        wrong.append("events")
+    trust = got["trust"]
+    for key in ("drift", "drift_angle", "drift_joint", "energy_share", "t_end", "stopped", "pulled", "first_pull",
+                "contacts", "impacts", "fewest_steps"):
+        if trust[key] != getattr(want.trust, key):
+            wrong.append(f"trust.{key}")
+    if abs(nan(trust["energy"]) - want.trust.energy_balance) > 1e-12 * max(1.0, abs(want["energy.kinetic"]).max()):
+        wrong.append("trust.energy")
+    if wrong:
+        differ[name] = wrong
+print(json.dumps(differ))
+"""
+pytestmark = [
+    pytest.mark.skipif(shutil.which("node") is None, reason="no node"),
+    pytest.mark.skipif(sys.platform != "linux", reason="elsewhere machine code calls other functions for sine"),
+    pytest.mark.skipif(llvm_version_info[0] < 21, reason="older LLVM writes some powers otherwise"),
+]
+
+
+def differing(folder, names):
+    """What differs, by example."""
+    paths = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [sys.executable, "-c", SAME_RESULTS, folder, str(CLOSE), *names],
+        env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_typical_results_are_those_of_simulate(tmp_path):
+    assert differing(tmp_path, TYPICAL) == {}
+
+
+def test_the_results_of_all_other_examples_are_those_of_simulate(tmp_path):
+    assert differing(tmp_path, OTHERS) == {}
