@@ -1,4 +1,4 @@
-"""The largest pressure of a long film: the exact solution for wedge and squeeze together; see `film.pinkus_sternlicht`."""
+"""The largest pressure of a long film: exact for wedge and squeeze together; see `film.pinkus_sternlicht`."""
 
 from __future__ import annotations
 

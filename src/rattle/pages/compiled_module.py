@@ -17,6 +17,7 @@ from rattle.pages.result_data import result_data
 from rattle.pages.run_image import image_of
 from rattle.trace.javascript import BITS
 
+SCRIPTS = ("core.js", "core_run.js", "trust_words.js", "core_result.js")
 MAIN = """
 const DATA = @data@;
 const engine = await openCore(await bytesFrom(DATA.engine));
@@ -30,7 +31,7 @@ export const units = DATA.units;
  * The motion from the start to tEnd [s], not beyond the end that the model was written for.
  *
  * Returns { rows, events, peaks, success, message, statistics }: rows as names lists them; events { t, joint, kind,
- * normal_speed, duration, peak_force, impulse, energy_lost } [SI]; peaks by name: value, time and root mean square [SI].
+ * normal_speed, duration, peak_force, impulse, energy_lost }; peaks by name: value, time, root mean square [SI].
  */
 export function run(tEnd = DATA.run.end) {
   if (!(typeof tEnd === "number" && tEnd > 0 && tEnd <= DATA.run.end))

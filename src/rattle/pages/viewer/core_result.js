@@ -4,7 +4,7 @@
 
 import { general, trustLines } from "./trust_words.js";
 
-const CELL = 8;
+const NUMBER_BYTES = 8;
 
 /** What a page shows of a run that has ended, or was stopped; columns are those of `simulate`. */
 export function resultOf(run, data, functions, p = data.values, milliseconds = 0) {
@@ -66,10 +66,10 @@ class Aside {
   constructor({ module, about }, cells) {
     this.about = about;
     this.calls = new WebAssembly.Instance(module, {}).exports;
-    const { memory } = this.calls, start = Math.ceil(about.free / CELL) * CELL;
-    const missing = Math.ceil((start + CELL * (cells + 8) - memory.buffer.byteLength) / 65536);
+    const { memory } = this.calls, start = Math.ceil(about.free / NUMBER_BYTES) * NUMBER_BYTES;
+    const missing = Math.ceil((start + NUMBER_BYTES * (cells + 8) - memory.buffer.byteLength) / 65536);
     if (missing > 0) memory.grow(missing);
-    Object.assign(this, { result: start, room: start + 8 * CELL });
+    Object.assign(this, { result: start, room: start + 8 * NUMBER_BYTES });
   }
 
   /** Call a kernel that fills an array of n numbers. */
@@ -78,11 +78,11 @@ class Aside {
     let at = this.room;
     const flat = every.flatMap((values) => {
       new Float64Array(buffer, at, values.length).set(values);
-      at += CELL * values.length;
-      return [at - CELL * values.length, BigInt(values.length)];
+      at += NUMBER_BYTES * values.length;
+      return [at - NUMBER_BYTES * values.length, BigInt(values.length)];
     });
     if (this.calls[`call ${name}`](this.result, ...flat)) throw new Error(`the kernel ${name} failed`);
-    return new Float64Array(buffer, at - CELL * n, n).slice();
+    return new Float64Array(buffer, at - NUMBER_BYTES * n, n).slice();
   }
 }
 
