@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.assembly.computable import not_finite, require_digits
-from rattle.analyses.assembly.first_guess import first_guess, place_rates
+from rattle.analyses.assembly.first_guess import first_guess, ways_of_kernels
 from rattle.analyses.assembly.guesses import Guesses, least_open, why_open_from
 from rattle.analyses.assembly.outside import outside
 from rattle.analyses.assembly.rank import RANK, free_motions, loose_without_mass, scaled_rows
@@ -39,9 +39,10 @@ from rattle.analyses.assembly.without_play import along_reactions, ideal_model, 
 from rattle.description.model import Contact, Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by, place_only
 from rattle.equations.dense import LARGE
-from rattle.equations.kept_values import NOT_CLOSED, NOT_FINITE, hold_pins
+from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins
 from rattle.equations.motion import constraints, drive
 from rattle.equations.placement import point_at, pose, turned
+from rattle.equations.start_near import close_near, place_rates
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
@@ -54,7 +55,6 @@ KEPT = (
 )
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
-BESIDE = 0.5  # change from a start near by [rad, mechanism sizes] up to which this one is on its branch, as recorded
 ALONE = 10.0  # bending of closed positions, about 2, with room for what is not counted
 HARD = 8  # guesses from which it is tried hard to close, until one does
 LOOKED = 6  # closings that are looked at more closely, at most
@@ -215,7 +215,7 @@ def consistent_start(
         v = _free_rates(system, workspace, t, q, given)
     else:
         v = np.where(np.isnan(given), ideal.v, given)
-        place_rates(system, q, v, given, ideal.v)
+        place_rates(workspace, q, v, given, ways_of_kernels(system))
         v = _closed_rates(system, workspace, t, q, v, given)
     _refuse_contradiction(system, workspace, t, q, v)
     residual = float(open_by(workspace, t, q, v))
@@ -457,13 +457,11 @@ def _near_by(system: System, workspace: Workspace, given: np.ndarray) -> tuple[n
     if any(name not in near for name in system.bodies):
         return None, 0
     start = np.array([near[name] for name in system.bodies]).ravel()
-    q, least = start.copy(), 1e-9 * system.size
-    gap, iterations = close_position(workspace, 0.0, q, np.empty_like(q), 1e-3 * least, 60)
-    if not gap <= least:
-        return None, iterations
-    q = keep_positions(system, workspace, 0.0, q, given)
-    size = np.tile([system.size, system.size, 1.0], system.body_count)
-    if not np.abs((q - start) / size).max() <= BESIDE:
+    q = start.copy()
+    became, iterations = close_near(workspace, 0.0, q, given, system.size, np.empty((2, len(q))))
+    if became == NOT_FINITE:
+        raise not_finite()
+    if became != MOVED:
         return None, iterations
     change = change_of_given(system, q, given)
     kept = change <= max(KEPT**2, WORTH * change_of_given(system, start, given))
@@ -566,7 +564,7 @@ def _refuse_contradiction(system: System, workspace: Workspace, t: float, q: np.
 def _free_rates(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
     """Rates of an ideal mechanism: given ones are kept if the joints allow, the others follow."""
     v = np.where(np.isnan(given), 0.0, given)
-    place_rates(system, q, v, given, v.copy())
+    place_rates(workspace, q, v, given, ways_of_kernels(system))
     return _closed_rates(system, workspace, t, q, v, given)
 
 

@@ -1,4 +1,4 @@
-"""Bodies placed by their joints, from the ground outwards: positions from angles, rates from angular velocities."""
+"""Bodies placed by their joints, from the ground outwards: positions from angles."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ import numpy as np
 from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations.motion import drive
 from rattle.equations.placement import turned
+from rattle.equations.start_near import ABOUT_POINT, ALONG_LINE, FIXED
 from rattle.equations.system import System
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 
@@ -185,30 +187,19 @@ def first_guess(system: System, t: float = 0.0) -> np.ndarray:
     return place_positions(system, passed_angles(system.model, functions)[0], system.model.initial.offsets, functions)
 
 
-def place_rates(system: System, q: np.ndarray, v: np.ndarray, given: np.ndarray, otherwise: np.ndarray) -> None:
-    """Set vx and vy [m/s] in v from its angular velocities [rad/s], by the joints from the ground outwards.
+def ways_of_kernels(system: System) -> np.ndarray:
+    """`ways_outward` as `equations.start_near` reads them (n, 6)."""
 
-    q, v: (3 nb,); given: (3 nb,) rates given by the user, nan elsewhere; otherwise: (3 nb,) rates of bodies whose
-    position the joints do not determine.
-    """
-    number = {name: 3 * n for n, name in enumerate(system.bodies)}
-    angles, rates, known, others = q[2::3].tolist(), v.tolist(), given.tolist(), otherwise.tolist()
+    def find() -> np.ndarray:
+        number = {name: n for n, name in enumerate(("ground", *system.bodies))}
+        first = dict(zip(system.joints, system.arrays["joint"][:, at.FIRST_P].tolist(), strict=True))
+        ways = [
+            (*(number[name] for name in (body, parent, joint.a.body, joint.b.body)), first[joint.name], free(joint))
+            for body, parent, joint in ways_outward(system)
+        ]
+        return np.array(ways, dtype=np.int64).reshape(-1, 6)
 
-    def rate_of(point: Any) -> tuple[float, float]:
-        if point.body == "ground":
-            return 0.0, 0.0
-        k = number[point.body]
-        c, s, (x, y), omega = math.cos(angles[k // 3]), math.sin(angles[k // 3]), point.at, rates[k + 2]
-        return rates[k] - omega * (s * x + c * y), rates[k + 1] + omega * (c * x - s * y)
+    def free(joint: Joint) -> int:
+        return FIXED if not leaves_place(joint) else ALONG_LINE if joint.line is not None else ABOUT_POINT
 
-    for body, _, joint in ways_outward(system):
-        k = number[body]
-        x, y = others[k : k + 2]
-        if not leaves_place(joint):
-            own, other = (joint.b, joint.a) if joint.b.body == body else (joint.a, joint.b)
-            rates[k] = rates[k + 1] = 0.0
-            (x, y), (own_x, own_y) = rate_of(other), rate_of(own)
-            x, y = x - own_x, y - own_y
-        rates[k] = x if math.isnan(known[k]) else known[k]
-        rates[k + 1] = y if math.isnan(known[k + 1]) else known[k + 1]
-    v[:] = rates
+    return system.fact("ways of kernels", find)

@@ -3,53 +3,71 @@
 from __future__ import annotations
 
 import math
+from typing import Any
+
+import numpy as np
 
 from rattle.description.model import Joint
-from rattle.equations.compliant import locate_contacts
+from rattle.equations.start_near import first_outside
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
+from rattle.language.recorded import bare
 
 
 def outside(system: System, workspace: Workspace) -> str:
     """In words, which pin is outside its bush, block outside its guide or joint beyond its stop; "" if none is."""
-    contact, lever = system.arrays["contact"], system.arrays["lever"]
-    if not len(contact):
+    if not len(system.arrays["contact"]):
         return ""
-    locate_contacts(workspace)
-    for entry, one, gap in zip(contact, lever, workspace.contact_kinematics[:, at.GAP], strict=True):
-        name = system.joints[entry[at.OWNER]]
-        joint = system.model.joints[name]
-        oil = joint.contact.film if joint.contact is not None and entry[at.FILM_LAW] >= 0 else None
-        if oil is not None and gap > -oil.boundary:  # the dry contact begins at the boundary film
-            continue
-        slight = 1e-4 if entry[at.WORN] == 1 else 1e-6  # a worn surface is a polygon
-        if oil is None and gap >= -slight * one[at.GAP_SCALE]:
-            continue
+    n = first_outside(workspace, np.array([math.nextafter(*least) for least in least_gaps(system)]))
+    if n < 0:
+        return ""
+    entry, gap = system.arrays["contact"][n], float(workspace.contact_kinematics[n, at.GAP])
+    name = system.joints[entry[at.OWNER]]
+    joint = system.model.joints[name]
+    oil, clearance = _film(joint, entry), joint.clearance
+    if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
+        return _beyond(joint, int(entry[at.SENSE]), gap)
+    if joint.one_sided is not None:
+        return (
+            f"joint '{name}' starts {-gap:.3g} m inside {joint.one_sided.wall}: give its bodies positions in"
+            " [initial] at which they are clear of each other, or none, and they touch"
+        )
+    if oil is not None:
+        gap += oil.boundary
+        if gap > -1e-9 * clearance:
+            said = f"of '{name}' in [initial] within its clearance of {clearance:.3g} m"
+            return f"joint '{name}' starts on its bush, where no oil is left: give an offset {said}"
+    return (
+        f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
+        f" positions with the pin inside, or an offset of '{name}' in [initial]"
+    )
+
+
+def least_gaps(system: System) -> list[tuple[Any, float]]:
+    """The gap [m or rad] that every contact may have at the start, at least; inf beside it: it has to be larger."""
+    found: list[tuple[Any, float]] = []
+    for entry, bounds in zip(system.arrays["contact"], system.arrays["lever"], strict=True):
+        joint = system.model.joints[system.joints[entry[at.OWNER]]]
+        oil = _film(joint, entry)
+        least = -(1e-4 if entry[at.WORN] == 1 else 1e-6) * bounds[at.GAP_SCALE]  # a worn surface is a polygon
         if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
-            if joint.stop.contact.rigid:
-                return _beyond(joint, int(entry[at.SENSE]), float(gap))
-        elif one[at.ANGULAR] > 0.0:
-            continue  # teeth: a run begins behind the tooth that is there
+            free = not joint.stop.contact.rigid
+        else:  # teeth: a run begins behind the tooth that is there
+            compliant = joint.contact is not None and not joint.contact.rigid
+            free = bare(bounds[at.ANGULAR]) > 0.0 or (joint.one_sided is not None and compliant)
+        if free:
+            found.append((-math.inf, -math.inf))
+        elif oil is not None:  # the dry contact begins at the boundary film
+            found.append((-oil.boundary, math.inf))
         else:
-            clearance = joint.clearance
-            if joint.one_sided is not None and joint.contact is not None and not joint.contact.rigid:
-                continue
-            if joint.one_sided is not None:
-                return (
-                    f"joint '{name}' starts {-gap:.3g} m inside {joint.one_sided.wall}: give its bodies positions in"
-                    " [initial] at which they are clear of each other, or none, and they touch"
-                )
-            if oil is not None:
-                gap += oil.boundary
-                if gap > -1e-9 * clearance:
-                    said = f"of '{name}' in [initial] within its clearance of {clearance:.3g} m"
-                    return f"joint '{name}' starts on its bush, where no oil is left: give an offset {said}"
-            return (
-                f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
-                f" positions with the pin inside, or an offset of '{name}' in [initial]"
-            )
-    return ""
+            found.append((least, least))
+    return found
+
+
+def _film(joint: Joint, entry: np.ndarray) -> Any:
+    """The oil film of a contact; None if it has none."""
+    return joint.contact.film if joint.contact is not None and entry[at.FILM_LAW] >= 0 else None
 
 
 def _beyond(joint: Joint, sense: int, gap: float) -> str:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from rattle.description.model import Contact, Model, with_fields
-from rattle.equations.motion import solve_motion
+from rattle.equations.start_near import press_pins
 from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError
 from rattle.language.syntax import Node, names
@@ -94,13 +94,8 @@ def along_reactions(
     system: without play; t: [s]; q, v: (3 nb,) its start [m, m, rad and their rates].
     clearances: of the joints that are asked for [m].
     """
-    workspace = system.workspace()
-    solve_motion(workspace, t, q, v)
-    found = {}
-    for name, clearance in clearances.items():
-        row = system.first_row(name)
-        force = -workspace.multiplier[row : row + 2]  # on B
-        size = float(np.hypot(*force))
-        n = -force / size if size > 1e-12 * system.arrays["mass"].max() else np.array([1.0, 0.0])
-        found[name] = (float(n[0]) * clearance, float(n[1]) * clearance)
-    return found
+    rows = np.array([system.first_row(name) for name in clearances], np.int64).reshape(-1, 1)
+    pins = np.zeros((len(rows), 3))
+    pins[:, 0] = list(clearances.values())
+    press_pins(system.workspace(), t, q, v, rows, pins)
+    return {name: (x, y) for name, (_, x, y) in zip(clearances, pins.tolist(), strict=True)}
