@@ -23,7 +23,7 @@ from rattle.analyses.dynamics import run
 from rattle.elements.film_table import read_ratios
 from rattle.elements.long_film import long_peaks
 from rattle.elements.short_film import short_peaks
-from rattle.equations import motion
+from rattle.equations import closure, kept_values, motion, start_near
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.cache import KeptFile
@@ -36,17 +36,37 @@ from rattle.trace.library import library_text
 
 OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
 BUILT = "engine.wasm.gz"  # in this folder
-NATIVES = {"run.begin": run_loop.begin, "run.advance": run_loop.advance, "record": record}  # what a page calls
+NATIVES = {  # what a page calls: the functions that `analyses.dynamics` and `analyses.assembly` call for a run
+    "run.begin": run_loop.begin,
+    "run.advance": run_loop.advance,
+    "record": record,
+    "start.near": start_near.close_near,
+    "start.close": closure.close_position,
+    "start.keep": kept_values.keep_given,
+    "start.hold": kept_values.hold_pins,
+    "start.place": start_near.place_outward,
+    "start.rates": start_near.rates_near,
+    "start.press": start_near.press_pins,
+    "start.outside": start_near.outside_at,
+    "start.open": closure.open_by,
+}
 WITH_LETTERS = {  # the same of functions whose types follow from their arguments
     # arrays of results: what `pages/result_data.py` leaves to them
     "short_peaks": (short_peaks, ("void", "v", "v", "v")),
     "long_peaks": (long_peaks, ("void", "v", "v", "v")),
     "read_ratios": (read_ratios, ("void", "v", "v", "v", "v")),
 }
-# columns and statuses, and settings of a run, that `viewer/core_run.js` uses by name
-COLUMNS = ("T", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "JOLTS", "JAMS", "JAM_AT")
-STATUSES = {motion: ("PAUSED", "DONE")}
-SETTINGS = {run: ("CHUNK", "MOST_NUMBERS")}
+# columns and statuses, and settings, that `viewer/core_run.js` and `viewer/core_start.js` use by name
+COLUMNS = (
+    *("T", "OUTPUTS", "FOUND", "EVENT_COUNT", "STEPS", "REJECTED", "EVALUATIONS", "JOLTS", "JAMS", "JAM_AT"),
+    *("RES", "GAP"),
+)
+STATUSES = {
+    motion: ("PAUSED", "DONE"),
+    kept_values: ("MOVED", "NOT_CLOSED", "NOT_FINITE"),
+    start_near: ("TOO_FAR",),
+}
+SETTINGS = {run: ("CHUNK", "MOST_NUMBERS"), start_near: ("BESIDE", "SHUT", "ITERATIONS")}
 
 
 def linked() -> Linked:
@@ -61,8 +81,8 @@ def linked() -> Linked:
 
 def build() -> bytes:
     """The engine of pages, made from the sources."""
-    named: dict[Any, tuple[str, ...]] = {at: COLUMNS, **STATUSES, **SETTINGS}
-    numbers = {name: getattr(one, name) for one in named for name in named[one]}
+    named: list[tuple[Any, tuple[str, ...]]] = [(at, COLUMNS), *STATUSES.items(), *SETTINGS.items()]
+    numbers = {name: getattr(one, name) for one, names in named for name in names}
     return engine(linked(), {"sources": sources(), "numbers": numbers})
 
 

@@ -16,11 +16,12 @@ from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.simulate import output_times
 from rattle.equations.contact_table import CONTACT_TABLES
+from rattle.equations.system import System
 from rattle.errors import InputError
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.wasm.engine import layout
-from rattle.jit.workspace import ARRAYS
+from rattle.jit.workspace import ARRAYS, Workspace
 from rattle.mechanism import Mechanism
 from rattle.solvers.stepper import ATOL, RTOL
 
@@ -52,22 +53,10 @@ def image_of(
 
 def run_image(run: Run) -> RunImage:
     """A run before its first step as bytes.  Raises InputError for laws in Python, which no page can call."""
-    content, arrays, tables = _Content(), [], {}
-    named, used = functions.names_in_tables(), _used(run)
-    for name in ARRAYS:
-        array = getattr(run.workspace, name)
-        if name.endswith(TABLE):
-            entries = array if isinstance(array, tuple) else array.tolist()
-            called = used.get(name, range(len(entries)))
-            tables[name] = [_kernel(one, named) if n in called else None for n, one in enumerate(entries)]
-            arrays.append([len(array), -1])
-        else:
-            arrays.append([*array.shape, content.add(array)])
+    content = Content()
     return RunImage(
         {
-            "layout": layout(),
-            "arrays": arrays,
-            "tables": tables,
+            **workspace_image(run.system, run.workspace, content),
             "times": [len(run.t_eval), content.add(run.t_eval)],
             "width": run.raw.shape[1],
             "loop": run.stepper.leaf.loop,
@@ -83,7 +72,26 @@ def run_image(run: Run) -> RunImage:
     )
 
 
-class _Content:
+def workspace_image(system: System, workspace: Workspace, content: Content) -> dict[str, Any]:
+    """What a description says of the arrays of a workspace, which are added to the content.
+
+    Raises InputError for laws in Python, which no page can call.
+    """
+    arrays, tables = [], {}
+    named, used = functions.names_in_tables(), _used(system)
+    for name in ARRAYS:
+        array = getattr(workspace, name)
+        if name.endswith(TABLE):
+            entries = array if isinstance(array, tuple) else array.tolist()
+            called = used.get(name, range(len(entries)))
+            tables[name] = [_kernel(one, named) if n in called else None for n, one in enumerate(entries)]
+            arrays.append([len(array), -1])
+        else:
+            arrays.append([*array.shape, content.add(array)])
+    return {"layout": layout(), "arrays": arrays, "tables": tables}
+
+
+class Content:
     """Bytes to which arrays are added, each at a multiple of eight."""
 
     def __init__(self) -> None:
@@ -97,9 +105,9 @@ class _Content:
         return len(self.written) - array.nbytes
 
 
-def _used(run: Run) -> dict[str, set[int]]:
+def _used(system: System) -> dict[str, set[int]]:
     """The kernels that the model calls, by table: others stand in it only where they run as plain Python."""
-    joint, load, contact, dry = (run.system.arrays[name] for name in ("joint", "load", "contact", "dry"))
+    joint, load, contact, dry = (system.arrays[name] for name in ("joint", "load", "contact", "dry"))
     found = {name: set(contact[:, column].tolist()) for name, (_, column) in CONTACT_TABLES.items()}
     found["friction_table"] |= set(dry[:, at.DRY_LAW].tolist())
     joints = {*joint[:, at.KERNEL].tolist(), *dry[:, at.DRY_KERNEL].tolist()}

@@ -48,6 +48,8 @@ export class CoreMemory {
     const table = this.take(3 * sizes.length);
     const places = sizes.map((size) => this.take(size));
     const [count] = description.times, times = this.take(count), rows = this.take(count * description.width);
+    const more = Object.entries(description.more ?? {}).map(([name, [kind, offset, ...shape]]) =>
+      [name, kind, offset, shape, this.take(shape.reduce((a, b) => a * b, 1))]);
     const result = this.take(8);
     this.grow();
     Object.assign(this, { table, result, arrays: {}, word: new DataView(this.calls.memory.buffer) });
@@ -60,6 +62,10 @@ export class CoreMemory {
     });
     for (const [name, { data }] of Object.entries(this.arrays))
       if (name.endsWith("_table")) data.forEach((_, k) => { data[k] = BigInt(this.numberOf(description.tables[name]?.[k], name)); });
+    for (const [name, kind, offset, shape, at] of more) { // arrays that are no part of a workspace
+      this[name] = this.view(at, shape, kind);
+      this.fill(this[name], content, offset);
+    }
     this.times = this.view(times, [count], "f1");
     this.fill(this.times, content, description.times[1]);
     this.rows = this.view(rows, [count, description.width], "f2");
@@ -111,7 +117,7 @@ export class CoreMemory {
       return letter === "f" ? one : letter === "i" ? BigInt(one) : [one.at, ...one.shape.map(BigInt)];
     });
     if (this.calls[`call ${name}`](this.result, ...flat)) throw new CoreError("failed", this.told());
-    return result === "i" ? Number(this.word.getBigInt64(this.result, true)) : this.word.getFloat64(this.result, true);
+    return result[0] === "i" ? Number(this.word.getBigInt64(this.result, true)) : this.word.getFloat64(this.result, true);
   }
 
   told() {
