@@ -186,7 +186,7 @@ def consistent_start(
     workspace = system.assembly_workspace() if workspace is None else workspace
     _require_values(system, workspace, t)
     links, open_ = (
-        {name: model.joints[name] for name in names} for names in system.fact("play", lambda: _with_play(model))
+        {name: model.joints[name] for name in names} for names in system.fact("play", lambda: with_play(model))
     )
     offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
     shut, held = system, list[str]()
@@ -195,7 +195,7 @@ def consistent_start(
         shut, found = without_play(system, t)
         if isinstance(found, Assembled):
             ideal = found
-        held = _undetermined(system, t, first_guess(system, t) if ideal is None else ideal.q, open_)
+        held = undetermined(system, t, first_guess(system, t) if ideal is None else ideal.q, open_)
         if isinstance(found, AssemblyError) and (links or held):  # it need not close if given values determine all
             shut, ideal = _partly_closed(model, t, [*links, *held], found)
         missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
@@ -236,7 +236,7 @@ def _has_play(joint: Joint) -> bool:
     return joint.is_loose and not joint.passing
 
 
-def _with_play(model: Model) -> tuple[list[str], list[str]]:
+def with_play(model: Model) -> tuple[list[str], list[str]]:
     """Joints that are massless links, and those whose contacts hold the mechanism together."""
     joints = model.joints.items()
     return [name for name, one in joints if is_link(one)], [name for name, one in joints if _has_play(one)]
@@ -322,7 +322,7 @@ def _inside(
     return otherwise
 
 
-def _undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
+def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
     """Joints, of those with contacts, whose pins have an offset or are not where other joints and given values say.
 
     Surfaces that only push touch, unless an angle is given for their bodies too.

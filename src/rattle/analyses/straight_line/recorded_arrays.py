@@ -70,13 +70,15 @@ Entries = Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]  # of arrays, by na
 
 
 def recorded_arrays(
-    document: Mapping[str, Any], system: System, names: Sequence[str] | None = None,
-    further: Callable[[System], Entries] | None = None,
+    document: Mapping[str, Any], system: System, names: Sequence[str] | None = None, *,
+    form: Callable[[Model], Model] | None = None, entries: Callable[[System], Entries] | None = None,
+    also: Callable[[System], Mapping[str, Any]] | None = None,
 ) -> RecordedArrays:  # fmt: skip
     """Record how the arrays of a system follow from parameters (default: all that do not follow from others).
 
-    document: the tables of the model file, of which the system was made.  further: entries of other arrays, from the
-    system with recorded numbers.
+    document: the tables of the model file, of which the system was made.  form: what was made of its model first.
+    entries: of other arrays, from the system with recorded numbers.  also: further numbers of it, by name; those that
+    follow become facts.
     Raises TraceError, with the place, where a value is taken without its record; ModelError.
     """
     asked = tuple(chosen_parameters(document) if names is None else names)
@@ -84,13 +86,16 @@ def recorded_arrays(
     recorder, watch = Recorder(graph), Watch()
     numbers: list[Any] = []  # symbols of the numbers of the model that follow
     try:
-        model = beside(read_watched(document, asked, recorder, watch), system.model)
+        read = read_watched(document, asked, recorder, watch)
+        model = beside(read if form is None else form(read), system.model)
         model = with_constants(model, dict(_counting(system.model, recorder, watch)))
         plan_of(model, system.model, numbers)
         recorded = compile_system(model, length_of(model))
         watch.require_record()
         facts = dict(_facts(recorded))
-        more = dict(further(recorded)) if further is not None else {}
+        more = dict(entries(recorded)) if entries is not None else {}
+        numbers_beside = also(recorded) if also is not None else {}
+        facts |= {name: symbol_of(x) for name, x in numbers_beside.items() if isinstance(x, Recorded)}
         watch.require_record()
     except FAILURES as error:
         raise TraceError(f"the arrays cannot be recorded: {error}") from error

@@ -4,7 +4,8 @@ import { curves } from "./core_result.js";
 
 /**
  * {time, first, motion} of a result of `resultOf` and of a tighter one: up to when all curves, and all positions and
- * rates, agree.  run: the CoreRun of the first, whose kernels show how much of a curve is rounding.
+ * rates, agree.  run: the CoreRun of the first, whose kernels show how much of a curve is rounding; `shaken` of its image
+ * is room for two rows.
  */
 export function agreement(first, second, run, data, functions, p = data.values) {
   const { AGREE, STILL, MOST_NOISE } = data.horizon, n = Math.min(first.t.length, second.t.length);
@@ -58,7 +59,7 @@ const larger = (a, b) => (b > a ? b : a); // as Python: the first where one is n
 function rounding(run, data, functions, p, names, n) {
   const { NOISE, SHAKEN } = data.horizon, { m } = run, count = 6 * data.bodies, [first, last] = data.own_states;
   const most = Object.fromEntries(names.map((name) => [name, 0])), held = m.arrays.state.data.slice(), { rows } = run.result();
-  const kept = [m.row(m.sides, 0), m.row(m.sides, 1)], both = new Float64Array(2 * data.width), y = m.arrays.state.data;
+  const kept = [m.row(m.shaken, 0), m.row(m.shaken, 1)], both = new Float64Array(2 * data.width), y = m.arrays.state.data;
   let seed = 1; // a linear congruential generator: the same numbers in every browser
   const random = () => (seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) / 2 ** 31 - 1;
   for (const k of new Set(Array.from({ length: SHAKEN }, (_, i) => Math.trunc((i * (n - 1)) / (SHAKEN - 1))))) {

@@ -1,0 +1,280 @@
+"""What a page needs to find the start of a mechanism for other parameters: `viewer/core_start.js` does.
+
+Python finds what belongs to the form: which pins lie where joints do not say, which are pressed by reactions, what is
+put together first (the mechanism without play, and without joints whose rows count from the start).  Numbers that
+follow from parameters are recorded; see `analyses.straight_line.recorded_arrays`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses.assembly.assembly import (
+    Assembled,
+    consistent_start,
+    undetermined,
+    with_play,
+    without_play,
+)
+from rattle.analyses.assembly.first_guess import first_guess, ways_of_kernels
+from rattle.analyses.assembly.outside import least_gaps
+from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants, without_counting
+from rattle.analyses.assembly.start_values import KEYS
+from rattle.analyses.assembly.vector_loops import given_in_one_turn
+from rattle.analyses.assembly.without_play import ideal_model
+from rattle.analyses.straight_line.recorded_arrays import recorded_arrays
+from rattle.description.model import Model, driven_ends
+from rattle.elements.joints import JointKind
+from rattle.elements.joints.belt import Belt
+from rattle.equations.dense import LARGE
+from rattle.equations.start_near import LINE
+from rattle.equations.system import System, compile_system, is_link, joint_rows
+from rattle.errors import TraceError
+from rattle.jit import layout as at
+from rattle.language.local_function import packed
+from rattle.mechanism import Mechanism
+from rattle.pages.run_image import Content, workspace_image
+from rattle.trace import javascript
+
+Form = Callable[[Model], Model]
+Numbers = Mapping[tuple[str, int], Any]  # by vector and place in it
+UNCOUNTED = ("extent", "size")  # facts from which no start follows
+ALL, MOVING = True, False  # entries of arrays that count: all, or those from which positions and rates follow
+NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where it is pressed
+
+
+class StartData(NamedTuple):
+    """A start that can be found for other parameters."""
+
+    description: dict[str, Any]  # see `_Writer.start`
+    content: bytes
+    functions: str  # text of an ES module: `functions`, one for every system
+
+
+def start_data(m: Mechanism) -> StartData:
+    """The start of a mechanism as data for pages.
+
+    Raises TraceError, with the reason, where no page can follow its search; ModelError, AssemblyError.
+    """
+    writer = _Writer(m)
+    description = writer.start(m.system, lambda model: model, m.start, MOVING)
+    names = list(writer.names)
+    known = m.model.parameters
+    functions = [
+        javascript.BITS, *writer.texts,
+        f"export const functions = [{', '.join(f'start{n}Of' for n in range(len(writer.texts)))}];\n",
+    ]  # fmt: skip
+    return StartData(
+        {"parameters": names, "own": [known[name].value for name in names], "start": description},
+        bytes(writer.content.written), "\n".join(functions),
+    )  # fmt: skip
+
+
+class _Writer:
+    """Collects the systems that a start needs: their images, and functions of the numbers in them."""
+
+    def __init__(self, m: Mechanism) -> None:
+        self.document, self.content = m._document, Content()
+        self.texts: list[str] = []
+        self.names: tuple[str, ...] = ()
+
+    def start(
+        self, system: System, form: Form, start: Assembled, counted: bool, presses: Sequence[str] = ()
+    ) -> dict[str, Any]:
+        """A start, and those that are found before it.
+
+        counted: whether all entries of arrays count, or `MOVING`; presses: joints whose reactions are asked for.
+        """
+        if system.row_count > LARGE:
+            raise TraceError("the mechanism has too many joints for a page that finds its start")
+        model = system.model
+        links, open_ = with_play(model)
+        offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
+        missing = [x for x in links if math.hypot(*offsets[x]) < NO_OFFSET * model.joints[x].clearance]
+        ideal, held = None, list[str]()
+        if offsets:
+            shut, without = without_play(system)
+            near = without.q if isinstance(without, Assembled) else first_guess(system)
+            held = [*links, *undetermined(system, 0.0, near, {name: model.joints[name] for name in open_})]
+            if isinstance(without, Assembled):
+                ideal = self.start(shut, lambda read: ideal_model(form(read)), without, bool(missing), missing)
+            elif held:
+                raise TraceError(f"its start without play is not known: {without}")
+        given = [name in model.initial.offsets for name in held]
+        every = list(dict.fromkeys([*held, *open_])) if ideal is not None else []
+        vectors, numbers = _start_numbers(system, every, missing)
+        vectors["first"] = np.array([system.first_row(x) for x in presses], np.int64).reshape(-1, 1)
+        vectors["pressed"] = np.zeros((len(presses), 3))
+        made: dict[str, Any] = {
+            "system": self.system(system, form, counted, vectors, numbers),
+            "q": start.q.tolist(), "v": start.v.tolist(), "constants": flat(constants_of(model)), "size": system.size,
+            "rows": [[row.owner, row.unit, row.driver] for row in system.rows],
+            "contacts": [system.joints[n] for n in system.arrays["contact"][:, at.OWNER].tolist()],
+            "ideal": ideal, "held": held, "missing": missing, "keeps": not missing and not any(given),
+            "loose": None, "every": every, "holds": [],
+        }  # fmt: skip
+        if constants_of(model):
+            made |= self._counting(system, form)
+        for names in ([held] if held else []) + ([every] if every != held and not missing else []):
+            made["holds"].append(self._closed(system, form, names, alike=len(names) == len(offsets)))
+        return made
+
+    def _counting(self, system: System, form: Form) -> dict[str, Any]:
+        """What is put together before the constants are known, and the rows that tell them."""
+        model = system.model
+        loose = compile_system(without_counting(model))
+        if any(is_link(one) for one in loose.model.joints.values()):
+            raise TraceError("gears beside massless links: no page finds such a start")
+        known = constants_of(model)
+
+        def without(read: Model) -> Model:
+            read = form(read)
+            rows = {k: replace(one, contact=None) if one.leaf.from_start else one for k, one in read.joints.items()}
+            return replace(read, joints=rows)
+
+        zero = dict.fromkeys(known, 0.0)
+        counting = compile_system(with_constants(without(model), zero))
+        joints = []
+        for name in known:
+            leaf = model.joints[name].leaf
+            polar = leaf.start_constants is Belt.start_constants
+            if not polar and leaf.start_constants is not JointKind.start_constants:
+                raise TraceError(f"joint '{name}' has constants of a kind that no page knows")
+            first, ends = counting.first_row(name), (model.joints[name].a.body, model.joints[name].b.body)
+            bodies = [1 + system.bodies.index(x) if x in system.bodies else 0 for x in ends]
+            joints.append({"row": first, "rows": len(leaf.rows), "polar": polar, "ends": bodies,
+                           "values": counting.first_value(name)})  # fmt: skip
+        return {
+            "loose": self.start(
+                loose, lambda read: without_counting(form(read)), consistent_start(loose, 0.0), MOVING
+            ),
+            "counting": {"system": self.system(counting, without, MOVING, {}, {}), "joints": joints},
+        }  # fmt: skip
+
+    def _closed(self, system: System, form: Form, held: list[str], alike: bool) -> dict[str, Any]:
+        """The mechanism with some joints closed, whose pins are held: the first of `every`."""
+        model, number = system.model, {name: n for n, name in enumerate(("ground", *system.bodies))}
+
+        def closed(read: Model) -> Model:
+            read = form(read)
+            joints = {name: replace(one, contact=None) if name in held else one for name, one in read.joints.items()}
+            return replace(read, joints=joints)
+
+        shut = compile_system(closed(model))
+        if alike and not constants_of(model):
+            shut, closed = without_play(system)[0], lambda read: ideal_model(form(read))
+        pins, which = [], []
+        for n, name in enumerate(held):
+            for owner in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
+                pins.append((number[model.joints[name].a.body], shut.first_value(owner)))
+                which.append(n)
+        vectors = {"pins": np.array(pins, np.int64).reshape(-1, 2), "shifts": np.zeros((len(pins), 4))}
+        return {"system": self.system(shut, closed, MOVING, vectors, {}), "which": which}
+
+    def system(
+        self, system: System, form: Form, counted: bool, vectors: Mapping[str, np.ndarray], numbers: Numbers
+    ) -> dict[str, Any]:
+        """The image of a workspace, and how numbers in it, and in vectors beside it, follow from parameters."""
+        n = 3 * system.body_count
+        state = {name: np.zeros(n) for name in ("q", "v", "given", "rates") if name not in vectors}
+        every = {**state, "scratch": np.zeros((2, n)), **vectors}
+        recorded = recorded_arrays(
+            self.document, system, form=form,
+            also=lambda other: {_key(place): x for place, x in _numbers_of(other, numbers).items()},
+        )  # fmt: skip
+        self.names = recorded.names
+        self.texts.append(
+            javascript.function(recorded.graph, [recorded.holds, *recorded.outputs], f"start{len(self.texts)}Of")
+        )
+        counts = [x for name, where in recorded.entries.items() for x in _counts(system, name, where, counted)]
+        facts = [tuple(name.split()) if " " in name else (name, -1) for name in recorded.facts]
+        counts += [vector not in (*UNCOUNTED, "least") and place != -1 for vector, place in facts]
+        own = recorded.graph.evaluate(recorded.outputs, recorded.inputs(system)[:, None])[:, 0]
+        return {
+            "function": len(self.texts) - 1,
+            "image": {
+                **workspace_image(system, system.assembly_workspace(), self.content),
+                "times": [0, -1], "width": 0,
+                "more": {
+                    name: [f"{'f' if one.dtype == float else 'i'}{one.ndim}", self.content.add(one), *one.shape]
+                    for name, one in every.items()
+                },
+            },
+            "entries": [[name, where.tolist()] for name, where in recorded.entries.items()],
+            "facts": [[vector, int(place)] for vector, place in facts],
+            "counts": [int(x) for x in counts], "own": own.tolist(),
+        }  # fmt: skip
+
+
+def _key(place: tuple[str, int]) -> str:
+    return f"{place[0]} {place[1]}"
+
+
+def _counts(system: System, name: str, where: np.ndarray, counted: bool) -> list[bool]:
+    """Whether positions and rates of the start depend on entries of an array."""
+    if counted:
+        return [True] * len(where)
+    if name == "values":
+        return [int(k) < _values_of_joints(system.model) for k in where]
+    moving = name == "weight" or (name == "const" and len(system.arrays["jet"]) > 0)
+    return [moving] * len(where)
+
+
+def _values_of_joints(model: Model) -> int:
+    """How many parameters of joints and drivers there are in `values`: they come first."""
+    joints = sum(len(packed([*one.a.at, *one.b.at, *joint_rows(one)[1]])) for one in model.joints.values())
+    return joints + sum(at.POINTS + len(driven_ends(model, one)[2]) + 3 for one in model.drivers.values())
+
+
+# ---------------------------------------------------------------- numbers beside the arrays
+def _start_numbers(system: System, held: list[str], missing: list[str]) -> tuple[dict[str, np.ndarray], Any]:
+    """Vectors of what is given for a start, and how their numbers follow from those of a model, see `_numbers_of`."""
+    n, ways, one_turn = 3 * system.body_count, ways_of_kernels(system), given_in_one_turn(system, 0.0)
+    joints = _way_joints(system)
+
+    def find(other: System) -> dict[tuple[str, int], Any]:
+        model, found = other.model, dict[tuple[str, int], Any]()
+        for turn, vector in enumerate(("given", "rates")):
+            for b, body in enumerate(other.bodies):
+                for k, key in enumerate(KEYS[turn]):
+                    found[vector, 3 * b + k] = model.initial.bodies.get(body, {}).get(key, math.nan)
+        for k, name in enumerate(joints):
+            offset, joint = model.initial.offsets.get(name, (0.0, 0.0)), model.joints[name]
+            found["offsets", 2 * k], found["offsets", 2 * k + 1] = offset
+            found["lines", 2 * k + LINE], found["lines", 2 * k + 1] = joint.line or 0.0, joint.distance
+        for k, name in enumerate(held):
+            place = *model.joints[name].a.at, *model.initial.offsets.get(name, (0.0, 0.0))
+            found |= {("held", 4 * k + i): x for i, x in enumerate(place)}
+        for k, name in enumerate(missing):
+            found["clearances", k] = model.joints[name].clearance
+        for k, (least, _) in enumerate(least_gaps(other)):
+            found["least", k] = least
+        return found
+
+    plain = find(system)
+    shapes = {
+        "given": (n,), "rates": (n,), "offsets": (len(ways), 2), "lines": (len(ways), 2), "held": (len(held), 4),
+        "clearances": (len(missing),), "least": (len(system.arrays["contact"]),),
+    }  # fmt: skip
+    vectors: dict[str, np.ndarray] = {name: np.zeros(shape) for name, shape in shapes.items()}
+    for (name, place), value in plain.items():
+        vectors[name].ravel()[place] = value
+    turns = one_turn - vectors["given"]  # whole ones
+    vectors |= {"given": one_turn, "turns": np.where(np.isnan(turns), 0.0, turns), "ways": ways}
+    return vectors, find
+
+
+def _numbers_of(system: System, numbers: Any) -> dict[tuple[str, int], Any]:
+    found: dict[tuple[str, int], Any] = numbers(system) if callable(numbers) else {}
+    return found
+
+
+def _way_joints(system: System) -> list[str]:
+    """The joint of every way outward."""
+    first = {int(p): name for name, p in zip(system.joints, system.arrays["joint"][:, at.FIRST_P], strict=True)}
+    return [first[int(way)] for way in ways_of_kernels(system)[:, 4]]

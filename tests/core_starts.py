@@ -1,0 +1,86 @@
+"""Starts that pages find, in node: those of many values of the parameters of an example."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+import rattle as rt
+from rattle.errors import AssemblyError, ModelError
+from rattle.jit import functions
+from rattle.pages.engine import engine_of_pages
+from rattle.pages.start_data import start_data
+
+VIEWER = Path(rt.__file__).parent / "pages" / "viewer"
+SCRIPT = """
+import fs from "node:fs";
+import zlib from "node:zlib";
+import { openCore } from "%(viewer)s/core.js";
+import { StartFinder } from "%(viewer)s/core_start.js";
+import { functions } from "./functions.mjs";
+const engine = await openCore(zlib.gunzipSync(fs.readFileSync("engine.wasm.gz")));
+const data = { description: JSON.parse(fs.readFileSync("start.json")), content: fs.readFileSync("start.bin") };
+const finder = new StartFinder(engine, data, functions);
+const starts = JSON.parse(fs.readFileSync("asked.json")).map((p) => finder.find(Float64Array.from(p)));
+const plain = (x) => x && [...x];
+const plainly = ({ q, v, constants, error }) => ({ q: plain(q), v: plain(v), constants: plain(constants), error });
+console.log(JSON.stringify(starts.map(plainly)));
+"""
+
+
+def found_in_node(folder, m, asked):
+    """What a page finds for lists of values of all parameters, in this order, in one finder."""
+    functions.start()
+    data = start_data(m)
+    (folder / "engine.wasm.gz").write_bytes(engine_of_pages())
+    (folder / "start.json").write_text(json.dumps(data.description, allow_nan=False))
+    (folder / "start.bin").write_bytes(data.content)
+    (folder / "functions.mjs").write_text(data.functions)
+    (folder / "asked.json").write_text(json.dumps(asked))
+    (folder / "go.mjs").write_text(SCRIPT % {"viewer": VIEWER.as_uri()}, encoding="utf-8")
+    done = subprocess.run(["node", "go.mjs"], cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def changed_values(m):
+    """(name, value [SI]) for every parameter that can be chosen: a small step, and a larger one towards its limits."""
+    known = m.model.parameters
+    for name in start_data(m).description["parameters"]:
+        one = known[name]
+        far = one.maximum if one.maximum is not None and one.maximum > one.value else one.minimum
+        yield name, (one.value or 1.0) * 1.004
+        yield name, one.value * 1.1 if far is None or far == one.value else one.value + 0.1 * (far - one.value)
+
+
+def starts_apart(folder, name):
+    """By parameter and value, how starts in a page differ from those of Python; only those that do."""
+    m = rt.example(name)
+    values = list(changed_values(m))
+    names = start_data(m).description["parameters"]
+    own = [m.model.parameters[x].value for x in names]
+    asked = [own]
+    for changed, value in values:
+        asked.append([value if x == changed else y for x, y in zip(names, own, strict=True)])
+    first, *starts = found_in_node(folder, m, asked)
+    assert first["error"] is None
+    assert first["q"] == m.start.q.tolist()
+    assert first["v"] == m.start.v.tolist()
+    differ = {}
+    for (changed, value), start in zip(values, starts, strict=True):
+        try:
+            want = m.set({changed: value}).start
+        except (ModelError, AssemblyError) as error:
+            if start["error"] is None:
+                differ[changed, value] = f"only Python says: {error}"
+            continue
+        if start["error"] is not None:
+            differ[changed, value] = f"only the page says: {start['error']}"
+            continue
+        size = np.tile([m.system.size, m.system.size, 1.0], m.system.body_count)
+        q = np.abs((np.array(start["q"]) - want.q) / size).max()
+        v = np.abs((np.array(start["v"]) - want.v) / size).max() / max(1.0, np.abs(want.v / size).max())
+        if not max(q, v) < 1e-10:
+            differ[changed, value] = f"{q:.2g}, {v:.2g}"
+    return differ
