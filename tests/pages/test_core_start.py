@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from core_starts import found_in_node, starts_apart
+from rattle.pages.start_data import start_data
 
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 
@@ -32,36 +33,43 @@ def test_starts_follow_parameters(name, tmp_path):
     assert starts_apart(tmp_path, name) == {}
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("name", [one for one in EXAMPLES if one not in (*QUICK, *NOT_RECORDED)])
-def test_starts_of_every_example_follow(name, tmp_path):
-    unlike = starts_apart(tmp_path, name)
-    known = UNLIKE.get(name, {})
-    assert {key: said for key, said in unlike.items() if known.get(key[0], "nothing") not in said} == {}
+def test_starts_of_every_other_example_follow(tmp_path):
+    unlike = {}
+    for name in EXAMPLES:
+        if name in (*QUICK, *NOT_RECORDED):
+            continue
+        known = UNLIKE.get(name, {})
+        apart = {key: said for key, said in starts_apart(tmp_path, name).items() if known.get(key[0], "no") not in said}
+        if apart:
+            unlike[name] = apart
+    assert unlike == {}
 
 
 def test_a_mechanism_that_cannot_be_closed_is_told_and_the_next_one_found(tmp_path):
-    m = rt.example("fourbar")
-    names = list(m.model.parameters)
-    own = [one.value for one in m.model.parameters.values()]
-    long = [10.0 * x if name == "l2" else x for name, x in zip(names, own, strict=True)]
-    near = [1.01 * x if name == "l2" else x for name, x in zip(names, own, strict=True)]
-    first, open_, own_again, other, *rest = found_in_node(tmp_path, m, [near, long, own, near, long])
-    assert "cannot be assembled" in open_["error"]
+    m = rt.Mechanism("four-bar", gravity=[0, -9.81])
+    m.parameter("b", "0.35 m")
+    m.ground(O=[0, 0], C=[0.4, 0])
+    for name, length in (("crank", "0.1 m"), ("coupler", "b"), ("rocker", "0.3 m")):
+        m.bar(name, "A", "B", length=length, mass=1)
+    m.revolute("O", "ground.O", "crank.A")
+    m.revolute("P", "crank.B", "coupler.A")
+    m.revolute("Q", "coupler.B", "rocker.B")
+    m.revolute("C", "ground.C", "rocker.A")
+    m.initial("crank", angle="60 deg")
+    near, open_, own, other, again = found_in_node(tmp_path, m, [[0.36], [1.0], [0.35], [0.36], [1.0]])
+    assert "stays open by" in open_["error"]
     assert open_["q"] is None
-    assert (own_again["q"], own_again["error"]) == (m.start.q.tolist(), None)
-    assert other == first
-    assert rest == [open_]
+    assert (own["q"], own["error"]) == (m.start.q.tolist(), None)
+    assert other == near
+    assert again == open_
 
 
 def test_a_parameter_that_does_not_reach_the_start_leaves_every_bit(tmp_path):
-    m = rt.example("fourbar_onesided")
-    for changed in ("mu", "e"):
-        if changed not in m.model.parameters:
-            continue
-        other = [0.9 * one.value if name == changed else one.value for name, one in m.model.parameters.items()]
-        (start,) = found_in_node(tmp_path, m, [other])
-        assert (start["q"], start["v"]) == (m.start.q.tolist(), m.start.v.tolist())
+    m = rt.example("bouncing_pin")
+    names = start_data(m).description["parameters"]
+    other = [0.9 * m.model.parameters[name].value if name == "e" else m.model.parameters[name].value for name in names]
+    (start,) = found_in_node(tmp_path, m, [other])
+    assert (start["q"], start["v"]) == (m.start.q.tolist(), m.start.v.tolist())
 
 
 def test_given_rates_follow_parameters(tmp_path):
@@ -69,7 +77,7 @@ def test_given_rates_follow_parameters(tmp_path):
     m.parameter("v0", "2 m/s")
     m.ground(O=[0, 0])
     m.body("pin", mass=1, inertia=0.1, points={"P": [0, 0]})
-    m.revolute("O", "ground.O", "pin.P", clearance="10 mm", contact="impact", e=0.5)
+    m.revolute("O", "ground.O", "pin.P", clearance="10 mm", contact={"model": "impact", "restitution": 0.5})
     m.initial("pin", x=0.001, y=0, angle=0, vx="v0", vy=0, omega=0)
     own, other = found_in_node(tmp_path, m, [[2.0], [3.0]])
     assert own["v"] == m.start.v.tolist()
