@@ -29,8 +29,6 @@ from rattle.analyses.assembly.vector_loops import given_in_one_turn
 from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.straight_line.recorded_arrays import recorded_arrays
 from rattle.description.model import Model, driven_ends
-from rattle.elements.joints import JointKind
-from rattle.elements.joints.belt import Belt
 from rattle.equations.dense import LARGE
 from rattle.equations.start_near import LINE
 from rattle.equations.system import System, compile_system, is_link, joint_rows
@@ -45,6 +43,7 @@ Form = Callable[[Model], Model]
 Numbers = Mapping[tuple[str, int], Any]  # by vector and place in it
 UNCOUNTED = ("extent", "size")  # facts from which no start follows
 ALL, MOVING = True, False  # entries of arrays that count: all, or those from which positions and rates follow
+OFFSET = (3.0, 4.0)  # of the points of a joint, at which it tells what its constants are
 NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where it is pressed
 
 
@@ -142,8 +141,10 @@ class _Writer:
         joints = []
         for name in known:
             leaf = model.joints[name].leaf
-            polar = leaf.start_constants is Belt.start_constants
-            if not polar and leaf.start_constants is not JointKind.start_constants:
+            residuals = tuple(float(k + 1) for k in range(len(leaf.rows)))
+            told = leaf.start_constants(residuals, OFFSET)
+            polar = told == (residuals[0], math.hypot(*OFFSET), math.atan2(OFFSET[1], OFFSET[0]), 0.0)
+            if not polar and told != residuals:
                 raise TraceError(f"joint '{name}' has constants of a kind that no page knows")
             first, ends = counting.first_row(name), (model.joints[name].a.body, model.joints[name].b.body)
             bodies = [1 + system.bodies.index(x) if x in system.bodies else 0 for x in ends]
