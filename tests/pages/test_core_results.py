@@ -11,6 +11,9 @@ import pytest
 from llvmlite.binding import llvm_version_info
 
 import rattle as rt
+from core_engine import VIEWER, in_node, new
+from rattle.pages.result_data import result_data
+from rattle.trace.javascript import BITS
 
 TYPICAL = (
     *("crank_rocker_play", "slider_crank_oil", "torque_converter", "belt_drive", "guide_play", "three_plays"),
@@ -104,3 +107,27 @@ def test_typical_results_are_those_of_simulate(tmp_path):
 
 def test_the_results_of_all_other_examples_are_those_of_simulate(tmp_path):
     assert differing(tmp_path, OTHERS) == {}
+
+
+HORIZON = """
+run.advance();
+  const { resultOf } = await import("%s/core_result.js");
+  const { agreement } = await import("%s/core_horizon.js");
+  const { data, functions } = await import("./result.mjs");
+  const finer = { ...image.description, rtol: run.rtol / 10, atol: run.atol / 10 };
+  const tight = new CoreRun(engine, { description: finer, content: image.content });
+  tight.advance();
+  const [first, second] = [run, tight].map((each) => resultOf(each, data, functions));
+  fs.writeFileSync("reach.json", JSON.stringify(agreement(first, second, run, data, functions)));
+"""
+
+
+@pytest.mark.parametrize("name", ["gear_rattle", "slider_crank_oil", "double_pendulum"])
+def test_the_horizon_of_a_page_is_that_of_simulate(name, tmp_path):
+    viewer, (data, functions) = VIEWER.as_uri(), result_data(rt.example(name))
+    exports = f"export const data = {json.dumps(data)};\nexport {{ resultFunctions as functions }};"
+    (tmp_path / "result.mjs").write_text(f"{BITS}\n{functions}\n{exports}")
+    assert "error" not in in_node(tmp_path, new(name), HORIZON % (viewer, viewer))
+    reach, trust = json.loads((tmp_path / "reach.json").read_text()), rt.example(name).simulate(horizon=True).trust
+    assert reach["time"] == pytest.approx(trust.horizon, rel=0.05)  # rounding of other functions grows
+    assert reach["motion"] == pytest.approx(trust.horizon_motion, rel=0.05)
