@@ -24,6 +24,7 @@ from rattle.elements.wrapped import write_turning
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
+from rattle.language.recorded import least
 from rattle.registry import Field, kind
 
 PLAY = 0.5  # of the smaller radius, or of the distance in a ring: more backlash than any teeth have
@@ -71,7 +72,7 @@ class Gear(JointKind):
     def fit(fields: Mapping[str, Any]) -> Fit:
         """The pitch circles touch: centres at the sum of the radii, or at their difference."""
         (ra, rb), ring = fields["radii"], fields["internal"]
-        slack = SLACK * min(ra, rb) if fields["pressure_angle"] > 0.0 else 0.0
+        slack = SLACK * least(ra, rb) if fields["pressure_angle"] > 0.0 else 0.0
         words = f"its pitch radii of {ra:.9g} m and {rb:.9g} m need a distance of the centres of {{}}"
         return Fit(ra - rb if ring else ra + rb, None, words, slack=slack)
 
@@ -112,7 +113,7 @@ class Gear(JointKind):
                 f"radii: the wheel inside, {rb:g} m, must be smaller than its ring, {ra:g} m;"
                 " the ring is A, the first in `connect` and `radii`"
             )
-        most = PLAY * min(rb, abs(ra - rb) if fields["internal"] else ra)
+        most = PLAY * least(rb, abs(ra - rb) if fields["internal"] else ra)
         if fields["backlash"] > most:
             return f"backlash: {fields['backlash']:g} m is more than between teeth of these wheels, {most:.3g} m"
         return ""
