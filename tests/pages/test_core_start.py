@@ -18,7 +18,7 @@ QUICK = (
 UNLIKE = {  # by parameter, what a page does otherwise than Python, in words of `starts_apart`
     "bouncing_pin": {"mu": "another form"},  # no friction in the model: no law of friction in its arrays
     "ellipse": {"tilt": "6.3", "start": "6.3"},  # a page goes on in the same turn, `set` takes the one next to zero
-    "jansen_leg": {"d": "stays open", "c": "stays open"},  # Python searches from elsewhere
+    "jansen_leg": {"d": "stays open", "c": "stays open"},  # Python finds another closing, turned by 2 rad
     "rotor_whirl": {"L": "another form"},  # the table of the film has another size
 }
 EXAMPLES = sorted(
