@@ -1,4 +1,4 @@
-"""A live page of every shipped example that can be computed in a browser, and a replay of every other one."""
+"""A live page of every shipped example."""
 
 from __future__ import annotations
 
@@ -6,25 +6,17 @@ from html import escape
 from pathlib import Path
 
 import rattle as rt
-from making.runs import run
-from making.tree import module_with
 
 FOLDER = Path("beside") / "live"  # copied as it is: live/NAME.html
-FRONT = "front"  # the page on the front: `rattle page crank_rocker_play`
+FRONT = "front"  # the page on the front: `rattle page slider_crank_play`
 
 
 def pages(folder: Path) -> dict[str, str]:
     """Writes the pages into `folder`/beside/live; nothing is included by other pages."""
     (folder / FOLDER).mkdir(parents=True, exist_ok=True)
-    rt.example("crank_rocker_play").page(folder / FOLDER / f"{FRONT}.html")
+    rt.example("slider_crank_play").page(folder / FOLDER / f"{FRONT}.html")
     for name in rt.examples():
-        path = folder / FOLDER / f"{name}.html"
-        try:
-            scene = module_with("live_scene").live_scene(rt.example(name))
-        except module_with("TraceError").TraceError:
-            run(name).result.animate(path)
-        else:
-            module_with("write_page").write_page(scene, path)
+        rt.example(name).page(folder / FOLDER / f"{name}.html")
     return {}
 
 

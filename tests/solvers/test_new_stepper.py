@@ -15,7 +15,7 @@ from rattle import registry
 from rattle.cli.main import main
 from rattle.description.schema import schema
 from rattle.errors import InputError
-from rattle.pages.live_program import live_program
+from rattle.pages.live_model import live_model
 from rattle.registry import kind, kinds
 from rattle.solvers.explicit import step
 from rattle.solvers.peaks.samples import BLANK, sample_arrays
@@ -140,7 +140,7 @@ def test_samples_side_by_side_are_run_by_a_new_stepper_as_one_by_one(name):
 @pytest.mark.parametrize("name", ["heun", "bogacki-shampine"])
 def test_a_page_takes_the_steps_of_a_new_stepper(name, tmp_path):
     m = rt.loads(model(name))
-    live = live_program(m, t_end=0.5)
+    live = live_model(m, 0.5)
     run = computed(tmp_path, live)
     r = m.simulate(0.5, t_eval=run["t"])
     assert not live.notes

@@ -97,16 +97,18 @@ def _write_javascript(m: Mechanism, until: float, longest: float, step: float | 
         _write_straight_line(m, False, until, longest, output)
     except TraceError as error:
         _write_compiled(m, until, step, output)
-        click.echo(f"note: {error}: the file holds compiled kernels, and parameters keep their values", err=True)
+        click.echo(f"note: {error}: the file holds compiled kernels", err=True)
 
 
 def _write_compiled(m: Mechanism, until: float, step: float | None, output: str) -> None:
     from rattle.atomic_file import atomic
     from rattle.pages.compiled_module import compiled_module
 
-    text = compiled_module(m, m.name or "A mechanism", until, step)
+    text, fixed = compiled_module(m, m.name or "A mechanism", until, step)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
+    for name, why in fixed.items():
+        click.echo(f"note: {name} stays fixed: {why}", err=True)
     say_written(output)
 
 

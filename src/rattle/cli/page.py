@@ -42,8 +42,9 @@ def page(
     sliders, the others number boxes; two sets of them can be compared.  The page says how far its motion can be trusted
     in the words of `rattle run`.
 
-    Contacts, friction and oil need rattle itself: such a page holds the runs of a small sweep, three to seven values
-    between min and max of every parameter, to choose from.  --over asks for other values.
+    Contacts, impacts, friction, clutches and oil are computed in the page too, by rattle's own kernels.  Laws in Python
+    are not: such a page holds the runs of a small sweep, three to seven values between min and max of every parameter,
+    to choose from.  --over asks for such a page with values of your own.
 
     \b
     Examples: rattle page fourbar -o fourbar.html

@@ -15,6 +15,8 @@ import numpy as np
 
 from rattle.language import bytecode
 
+ROUNDING = 1e-12  # share of a number that expressions may be off
+
 
 class Journal(Protocol):
     """What keeps the record."""
@@ -160,8 +162,8 @@ def log(x: Any) -> float:
 
 
 def is_whole(x: Any) -> bool:
-    """True of a number without a fraction."""
-    return bool(operate(bytecode.FLOOR, float(math.floor(bare(x))), x) == x)
+    """True of a number without a fraction, but for the rounding of what it was computed by."""
+    return bool(abs(operate(bytecode.FLOOR, float(math.floor(bare(x) + 0.5)), x + 0.5) - x) <= ROUNDING * abs(x))
 
 
 def largest(first: Any, *others: Any) -> float:

@@ -1,46 +1,50 @@
 """An ES module that moves one mechanism with the compiled kernels: contacts, impacts, friction, oil and states too.
 
-It holds the engine of pages, a run before its first step, and what turns its rows into result curves.
+It holds what a live page holds behind its pictures: the engine, and the model for any values of its parameters.
 """
 
 from __future__ import annotations
 
-import base64
-import json
-import re
-from importlib import resources
-from typing import Any
+from collections.abc import Mapping
 
+from rattle.errors import InputError
 from rattle.mechanism import Mechanism
-from rattle.pages.engine import engine_of_pages
-from rattle.pages.result_data import result_data
-from rattle.pages.run_image import image_of
-from rattle.trace.javascript import BITS
+from rattle.pages.live_model import live_model
+from rattle.pages.page import engine_in_text, in_function, model_text
+from rattle.pages.viewer_text import joined, viewer_files
 
-SCRIPTS = ("core.js", "core_run.js", "trust_words.js", "core_result.js")
 MAIN = """
-const DATA = @data@;
-const engine = await openCore(await bytesFrom(DATA.engine));
-const content = await bytesFrom(DATA.content);
+const model = await (async () => {
+  const { data, functions } = @model@;
+  return CoreModel.open(await openCore(await bytesFrom("@engine@")), data, functions);
+})();
 
 /** Names of what is in a row: t, then the outputs; and their units. */
-export const names = DATA.names;
-export const units = DATA.units;
+export const names = ["t", ...model.data.result.names];
+export const units = ["s", ...model.data.result.names.map((name) => model.data.result.units[name])];
+/** Values of the parameters in the model [SI], by name. */
+export const parameters = Object.fromEntries(model.names.map((name, k) => [name, model.own[k]]));
 
 /**
- * The motion from the start to tEnd [s], not beyond the end that the model was written for.
+ * The motion from the start to tEnd [s], with outputs every `step` [s] and other values of parameters [SI], by name.
  *
  * Returns { rows, events, peaks, success, message, statistics }: rows as names lists them; events { t, joint, kind,
  * normal_speed, duration, peak_force, impulse, energy_lost }; peaks by name: value, time, root mean square [SI].
  */
-export function run(tEnd = DATA.run.end) {
-  if (!(typeof tEnd === "number" && tEnd > 0 && tEnd <= DATA.run.end))
-    throw new RangeError(`tEnd = ${tEnd}: a time above 0 is expected, up to ${DATA.run.end} s, the end that it has`);
-  const moved = new CoreRun(engine, { description: { ...DATA.run, end: tEnd }, content });
-  moved.advance();
-  const { t, columns, peaks, events, success, message } = resultOf(moved, DATA.result, resultFunctions);
-  const rows = Array.from(t, (at, k) => [at, ...DATA.result.names.map((name) => columns[name][k])]);
-  return { rows, events, peaks, success, message, statistics: moved.result().statistics };
+export function run(tEnd = undefined, step = undefined, p = {}) {
+  for (const [value, what] of [[tEnd, "tEnd"], [step, "step"]])
+    if (value !== undefined && !(typeof value === "number" && value > 0 && value < Infinity))
+      throw new RangeError(`${what} = ${value}: a time above 0 is expected [s]`);
+  for (const name of Object.keys(p))
+    if (!(name in parameters))
+      throw new RangeError(`no parameter ${name}; there are ${model.names.join(", ") || "none"}`);
+  const moved = model.begin(p, { t_end: tEnd, interval: step });
+  moved.advance(Infinity);
+  const { t, columns, peaks, success, message, stats, events: lists } = moved.result();
+  const rows = Array.from(t, (at, k) => [at, ...names.slice(1).map((name) => columns[name][k])]);
+  const events = lists.map((values) => Object.fromEntries(values.map((value, k) => [EVENT_PARTS[k], value])));
+  const { steps, rejected, evaluations } = stats;
+  return { rows, events, peaks, success, message, statistics: { steps, rejected, evaluations } };
 }
 
 /** In node: print the motion as CSV if this file is what node was asked to run. */
@@ -66,27 +70,18 @@ function print(words) {
 """
 
 
-def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) -> str:
-    """The text of the module.
+def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) -> tuple[str, Mapping[str, str]]:
+    """The text of the module, and parameters that it cannot change, with the reason.
 
-    t_end: of its run [s]; step: the longest one [s].  Raises InputError for laws in Python.
+    t_end: of its run [s]; step: the longest one [s].  Raises TraceError for laws in Python and what else no page moves.
     """
-    image, (result, functions) = image_of(m, t_end, step=step), result_data(m, t_end)
-    data: dict[str, Any] = {
-        "names": ["t", *result["names"]], "units": ["s", *result["units"].values()], "result": result,
-        "run": image.description, "content": base64.b64encode(image.content).decode(),
-        "engine": base64.b64encode(engine_of_pages()).decode(),
-    }  # fmt: skip
-    viewer = resources.files("rattle.pages") / "viewer"
-    scripts = [
-        (viewer / name).read_text(encoding="utf-8")
-        for name in ("core.js", "core_run.js", "trust_words.js", "core_result.js")
-    ]
-    joined = "\n".join(re.sub(r"^import .*$|^export (?=class|async|function)", "", one, flags=re.M) for one in scripts)
+    if step is not None:
+        raise InputError("the steps of a module with compiled kernels are those of the model: give step in [simulate]")
+    live = live_model(m, t_end)
     safe = title.replace("*/", "* /")
     head = (
-        f"/** {safe}\n *\n * The motion with contacts and events: import {{ run, names, units }}, then run(tEnd) [s].\n"
+        f"/** {safe}\n *\n * The motion with contacts and events: import {{ run, names, units, parameters }}, then\n"
+        " * run(tEnd, step, p).  In node, `node FILE [tEnd]` prints it as CSV.  All numbers are in SI units. */\n"
     )
-    head += " * In node, `node FILE [tEnd]` prints it as CSV.  All numbers are in SI units. */\n"
-    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
-    return "\n".join([head + joined, BITS, functions, MAIN.replace("@data@", text)])
+    main = MAIN.replace("@model@", model_text(live)).replace("@engine@", engine_in_text())
+    return head + in_function(joined(viewer_files(), "core_model.js")) + main.replace("</", "<\\/"), live.fixed

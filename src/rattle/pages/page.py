@@ -13,10 +13,12 @@ from typing import Any
 
 from rattle.errors import InputError, TraceError, suggest
 from rattle.mechanism import Mechanism
-from rattle.pages.live_program import LiveProgram, live_program
+from rattle.pages.engine import engine_of_pages
+from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
 from rattle.pages.replay import write_page
-from rattle.pages.scene import frame_of
+from rattle.pages.scene import FEWEST_ROWS, OF_GHOST, frame_of, run_of
 from rattle.pages.sweep_page import sweep_scene
+from rattle.pages.thinning import shared_rows
 from rattle.pages.viewer_text import joined, viewer_files
 from rattle.results.columns import geometry
 from rattle.results.derived import rules
@@ -27,7 +29,6 @@ EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
 RECORDED = re.compile(r"^function \w+Of\d*\(.*?^\}$", re.MULTILINE | re.DOTALL)  # a function of operations
 NAME = re.compile(r"\bx(\d+)\b")
 SPACED = re.compile(r" ([-+*/=<]|<=|===|&&|\|\||[?:]) ")
-NAMES = "names, units, parameters, sliders, values, start, inputs, layout, functions, geometry, needsIdeal, setIdeal"
 
 
 def page(
@@ -45,7 +46,7 @@ def page(
     if over is None:
         try:
             scene = live_scene(m, t_end)
-            why = _nothing_to_turn(scene, m)
+            why = ""
         except TraceError as error:
             why = str(error).replace("straight-line code", "a page")
     if scene is None or why:
@@ -65,22 +66,13 @@ def _require_curves(scene: Mapping[str, Any], curves: Sequence[str]) -> None:
             raise InputError(f"the motion has no curve '{name}'{suggest(name, known)}")
 
 
-def _nothing_to_turn(scene: Mapping[str, Any], m: Mechanism) -> str:
-    """Why a live page would have no slider though the model has limits for some; "" if it has some or none has any."""
-    asked = [name for name, one in m.model.parameters.items() if one.minimum is not None or one.maximum is not None]
-    if not asked or {one["name"] for one in scene["knobs"]} & set(asked):
-        return ""
-    said = [note for note in scene["notes"] if any(name in note for name in asked)]
-    return said[0].partition("(")[2].rstrip(")") if said else "its parameters cannot be changed in a page"
-
-
 def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
     """The scene of a live page, without a run: the page computes it.
 
     t_end: of the motion at first [s], instead of the model's.  Raises TraceError, with the reason, for a mechanism
     whose motion cannot be computed in a page; ModelError, AssemblyError.
     """
-    live = live_program(m, t_end)
+    live = live_model(m, t_end)
     drawing = json.loads(json.dumps(geometry(m.model)))
     return {
         **frame_of(drawing),
@@ -91,23 +83,29 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "ideal": None,
         "knobs": knobs(m, live),
         "live": {
-            "packed": _packed(worker_text(live)), "settings": {"t_end": live.settings["t_end"]},
-            "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.program.names),
+            "packed": _packed(worker_text(live)), "settings": {"t_end": live.t_end}, "ideal": live.ideal is not None,
+            "model": m.to_toml(), "names": list(live.names), "replay": _replay(m, t_end),
         },
         "show": {"ghost": live.ideal is not None},
         "notes": [*live.notes, *_fixed(live)],
     }  # fmt: skip
 
 
-def knobs(m: Mechanism, live: LiveProgram) -> list[dict[str, Any]]:
+def _replay(m: Mechanism, t_end: float | None) -> dict[str, Any]:
+    """The motion of the bodies as it was computed now, for browsers that cannot compute it."""
+    result = m.simulate(t_end)
+    rows = shared_rows(result, FEWEST_ROWS)
+    return run_of(result, "", result.geometry, OF_GHOST, kept=(rows, {}))
+
+
+def knobs(m: Mechanism, live: LiveModel) -> list[dict[str, Any]]:
     """The parameters that a page can change [SI], and the unit in which the model file writes each."""
     return [
         {
-            "name": one.name, "value": one.value, "unit": one.unit, "min": one.low, "max": one.high,
-            **words_of(m, one.name), "shown": m.written_unit(one.name)[1],
-            "together": [name for name in live.program.bound if one.name in live.program.bound],
+            "name": name, "value": parameter.value, "unit": parameter.unit, "min": parameter.minimum,
+            "max": parameter.maximum, **words_of(m, name), "shown": m.written_unit(name)[1],
         }
-        for one in live.program.parameters
+        for name, parameter in live.parameters.items()
     ]  # fmt: skip
 
 
@@ -117,30 +115,44 @@ def words_of(m: Mechanism, name: str) -> dict[str, str]:
     return {"label": one.label or name, "description": one.description}
 
 
-def _fixed(live: LiveProgram) -> list[str]:
+def _fixed(live: LiveModel) -> list[str]:
     """What a reader must know of parameters that stay as they are."""
     groups: dict[str, list[str]] = {}
-    for name, why in live.constants.items():
-        if not why.startswith("it follows from"):
+    for name, why in live.fixed.items():
+        if why != FOLLOWS:
             groups.setdefault(why, []).append(name)
     return [f"not to be changed here: {', '.join(names)} ({why})" for why, names in groups.items()]
 
 
-def worker_text(live: LiveProgram) -> str:
-    """The program of the page's worker: the engine, the recorded functions, and settings of their runs."""
+def worker_text(live: LiveModel) -> str:
+    """The program of the page's worker: the engine, the recorded functions, and the numbers of their models."""
     models = {"model": live} | ({} if live.ideal is None else {"ideal": live.ideal})
-    parts = [
-        f"{name}: (() => {{\n{_inside(shortened(one.module))}return {{ {NAMES} }};\n}})()"
-        for name, one in models.items()
-    ]
-    engine = _inside(joined(viewer_files(), WORKER))
+    parts = [f"{name}: {model_text(part)}" for name, part in models.items()]
     return (
-        f'"use strict";\n(() => {{\n{engine}'
-        f"const models = {{ settings: {json.dumps(live.settings)}, {', '.join(parts)} }};\n"
-        "if (models.model.needsIdeal) models.model.setIdeal(models.ideal.start);\n"
-        "const serve = (port) => serveModels(port, models);\n"
-        'if (typeof document === "undefined") serve(self);\nelse globalThis.rattleLive = serve;\n})();\n'
+        f'"use strict";\n(() => {{\n{in_function(joined(viewer_files(), WORKER))}'
+        f'const engineText = "{engine_in_text()}";\nconst models = {{ {", ".join(parts)} }};\n'
+        "const begin = (port) => serve(port, engineText, models);\n"
+        'if (typeof document === "undefined") begin(self);\nelse globalThis.rattleLive = begin;\n})();\n'
     )
+
+
+def model_text(live: LiveModel) -> str:
+    """An expression: the data and functions of a model."""
+    return f"(() => {{\n{shortened(live.functions)}\nreturn {{ data: {_json(live.data)}, functions }};\n}})()"
+
+
+def engine_in_text() -> str:
+    """The engine in letters, see `bytesFrom` of viewer/core.js."""
+    return base64.b64encode(engine_of_pages()).decode("ascii")
+
+
+def in_function(module: str) -> str:
+    """The text of a module as the inside of a function."""
+    return EXPORT.sub("", module)
+
+
+def _json(data: Any) -> str:
+    return json.dumps(data, separators=(",", ":"), allow_nan=False)
 
 
 def shortened(module: str) -> str:
@@ -159,11 +171,6 @@ def _letters(n: int) -> str:
     while n >= 0:
         text, n = ascii_letters[n % 52] + text, n // 52 - 1
     return text
-
-
-def _inside(module: str) -> str:
-    """The text of a module as the inside of a function."""
-    return EXPORT.sub("", module)
 
 
 def _packed(text: str) -> str:

@@ -64,17 +64,17 @@ class ResultData(NamedTuple):
     functions: str  # JavaScript, after `javascript.BITS`: an object `resultFunctions`
 
 
-def result_data(m: Mechanism, t_end: float | None = None) -> ResultData:
+def result_data(m: Mechanism, t_end: float | None = None, names: Sequence[str] | None = None) -> ResultData:
     """Names, numbers and functions with which the end of a run of a mechanism becomes a result.
 
-    Parameters are in the order of `chosen_parameters`; t_end: of its runs [s].
+    t_end: of its runs [s].  names: of the parameters, by default those of `chosen_parameters`.
+    Raises TraceError where a value is taken without its record.
     """
-    system, names = m.system, chosen_parameters(m._document)
+    system, names = m.system, chosen_parameters(m._document) if names is None else names
     try:
         record = _record(m, names)
-    except (TraceError, *FAILURES):
-        names = []
-        record = _record(m, names)
+    except FAILURES as error:
+        raise TraceError(f"the columns cannot be recorded: {error}") from error
     texts = [javascript.function(record.graph, record.outputs[name], f"{name}OfRow") for name in ENDINGS]
     listed = ", ".join(f"{name}: {name}OfRow" for name in ENDINGS)
     functions = "\n".join([*texts, f"const resultFunctions = {{ {listed} }};\n"])

@@ -35,20 +35,13 @@ class RunImage(NamedTuple):
     content: bytes
 
 
-def image_of(
-    m: Mechanism, t_end: float | None = None, method: str | None = None, step: float | None = None
-) -> RunImage:
-    """The run that `simulate` would make, from the start of the mechanism to t_end [s], as bytes.
-
-    step: the longest one [s].
-
-    Raises InputError for laws in Python, which no page can call.
-    """
+def planned_run(m: Mechanism, t_end: float | None = None, method: str | None = None, step: float | None = None) -> Run:
+    """The run that `simulate` would make, from the start of the mechanism to t_end [s].  step: the longest one [s]."""
     system, settings = m.system, m.system.model.settings
     end, times = output_times(settings, t_end, None)
     rtol = settings.rtol or RTOL
     stepper, step = choose_stepper(system, method or settings.method, step or settings.step, end)
-    return run_image(new_run(system, m.start, times, end, How(stepper, rtol, settings.atol or ATOL * rtol, step)))
+    return new_run(system, m.start, times, end, How(stepper, rtol, settings.atol or ATOL * rtol, step))
 
 
 def run_image(run: Run) -> RunImage:
@@ -59,6 +52,7 @@ def run_image(run: Run) -> RunImage:
             **workspace_image(run.system, run.workspace, content),
             "times": [len(run.t_eval), content.add(run.t_eval)],
             "width": run.raw.shape[1],
+            "more": {"shaken": ["f2", -1, 2, run.raw.shape[1]]},  # rows of a state and of one beside it
             "loop": run.stepper.leaf.loop,
             "start": run.start.t,
             "end": run.t_end,

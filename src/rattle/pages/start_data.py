@@ -55,12 +55,12 @@ class StartData(NamedTuple):
     functions: str  # text of an ES module: `functions`, one for every system
 
 
-def start_data(m: Mechanism) -> StartData:
-    """The start of a mechanism as data for pages.
+def start_data(m: Mechanism, names: Sequence[str] | None = None) -> StartData:
+    """The start of a mechanism as data for pages.  names: of the parameters, by default all that follow from none.
 
     Raises TraceError, with the reason, where no page can follow its search; ModelError, AssemblyError.
     """
-    writer = _Writer(m)
+    writer = _Writer(m, names)
     description = writer.start(m.system, lambda model: model, m.start, MOVING)
     names = list(writer.names)
     known = m.model.parameters
@@ -77,8 +77,8 @@ def start_data(m: Mechanism) -> StartData:
 class _Writer:
     """Collects the systems that a start needs: their images, and functions of the numbers in them."""
 
-    def __init__(self, m: Mechanism) -> None:
-        self.document, self.content = m._document, Content()
+    def __init__(self, m: Mechanism, asked: Sequence[str] | None) -> None:
+        self.document, self.content, self.asked = m._document, Content(), asked
         self.texts: list[str] = []
         self.names: tuple[str, ...] = ()
 
@@ -185,7 +185,7 @@ class _Writer:
         state = {name: np.zeros(n) for name in ("q", "v", "given", "rates") if name not in vectors}
         every = {**state, "scratch": np.zeros((2, n)), **vectors}
         recorded = recorded_arrays(
-            self.document, system, form=form,
+            self.document, system, self.asked, form=form,
             also=lambda other: {_key(place): x for place, x in _numbers_of(other, numbers).items()},
         )  # fmt: skip
         self.names = recorded.names

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rattle.trace.graph import ROUND, Graph
-from rattle.trace.javascript_text import BEGIN, GUIDE, HEAD, MAIN, NO_BEGIN, READABLE, SAME_BEGIN
+from rattle.trace.javascript_text import BEGIN, GUIDE, HEAD, MAIN, NO_BEGIN
 from rattle.trace.program import PIECES, ROWS, Begin, Input, Program
 from rattle.trace.text import pieces
 
@@ -47,7 +47,6 @@ function mantissaOf(x) {{
   return number[0];
 }}
 """
-BESIDE = "y.set(beside(p), NQ); "
 SIZE = 2000  # operations of one function: engines leave large ones to their slow tiers (V8 beyond 60 kB of byte code)
 
 
@@ -99,8 +98,7 @@ def shared(made: Program, functions: Sequence[str]) -> list[str]:
     """
     pairs = ", ".join(f"[{as_text(one.name)}, {number(one.value)}]" for one in made.parameters)
     table = "".join(f"  {_input(one)},\n" for one in made.parameters)
-    same = SAME_BEGIN if "readable" in made.further else NO_BEGIN
-    begin = (same if made.begin is None else _begin(made.begin)).replace("@readable@", READABLE.strip())
+    begin = NO_BEGIN if made.begin is None else _begin(made.begin)
     head = HEAD.replace("@begin@", begin)
     for key, text in (
         ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))),
@@ -133,7 +131,7 @@ def _begin(begin: Begin) -> str:
         ("sizes", ", ".join(map(number, begin.sizes))),
         ("gaps", as_text([[name, unit] for name, _, unit in begin.gaps])), ("rounds", str(begin.rounds)),
         ("small", number(begin.small)), ("closed", number(begin.closed)), ("far", number(begin.far)),
-        ("missed", number(begin.missed)), ("pieces", str(PIECES)), ("guess", BESIDE if begin.beside else ""),
+        ("missed", number(begin.missed)), ("pieces", str(PIECES)),
     ):  # fmt: skip
         text = text.replace(f"@{key}@", value)
     return text

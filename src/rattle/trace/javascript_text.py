@@ -217,31 +217,7 @@ function refuse(why, q, p) {
   throw new Error(`the mechanism cannot be put together with these parameters: ${said}`);
 }
 
-@readable@
-// y at t = 0 for other parameters than the model's, from y for the model's: at once, or in up to @pieces@ pieces
-function begin(y, p) {
-  requireReadable(y, p);
-  let why = "open", once, first, q;
-  for (let n = 1; why !== "" && n <= @pieces@; n *= 2) {
-    q = y.slice(0, NQ);
-    why = "";
-    for (let k = 1; why === "" && k <= n; k++)
-      why = closePositions(q, k === n ? p : model.map((x, i) => x + (k / n) * (p[i] - x)));
-    if (n === 1) [once, first] = [why, q];
-  }
-  if (why !== "") refuse(once, first, p);
-  y.set(q);
-  @guess@put(0, y, p);
-  closeRatesOf(input, found);
-  let fastest = 0;
-  for (let i = 0; i < NQ; i++) fastest = larger(fastest, Math.abs(found[i]));
-  if (found[NQ + 1] === 0) refuse("singular", q, p);
-  if (!(found[NQ] <= @missed@ * larger(1, fastest))) refuse("given rates contradict the joints", q, p);
-  y.set(found.subarray(0, NQ), NQ);
-  requireFinite(0, y);
-}
-"""
-READABLE = """// throws for parameters that the model does not take
+// throws for parameters that the model does not take
 function requireReadable(y, p) {
   const flag = new Float64Array(1);
   sliders.forEach(({ name }, i) => {
@@ -257,16 +233,29 @@ function requireReadable(y, p) {
   });
   throw new Error("with these parameters the model is refused or has another form; write its code anew");
 }
-"""
-
-SAME_BEGIN = """
-@readable@
-// parameters do not change the start
+// y at t = 0 for other parameters than the model's, from y for the model's: at once, or in up to @pieces@ pieces
 function begin(y, p) {
   requireReadable(y, p);
+  let why = "open", once, first, q;
+  for (let n = 1; why !== "" && n <= @pieces@; n *= 2) {
+    q = y.slice(0, NQ);
+    why = "";
+    for (let k = 1; why === "" && k <= n; k++)
+      why = closePositions(q, k === n ? p : model.map((x, i) => x + (k / n) * (p[i] - x)));
+    if (n === 1) [once, first] = [why, q];
+  }
+  if (why !== "") refuse(once, first, p);
+  y.set(q);
+  put(0, y, p);
+  closeRatesOf(input, found);
+  let fastest = 0;
+  for (let i = 0; i < NQ; i++) fastest = larger(fastest, Math.abs(found[i]));
+  if (found[NQ + 1] === 0) refuse("singular", q, p);
+  if (!(found[NQ] <= @missed@ * larger(1, fastest))) refuse("given rates contradict the joints", q, p);
+  y.set(found.subarray(0, NQ), NQ);
+  requireFinite(0, y);
 }
 """
-
 NO_BEGIN = """
 function begin() {
   throw new Error("only the parameters of the model have a start here");

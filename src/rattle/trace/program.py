@@ -40,7 +40,6 @@ class Begin(NamedTuple):
     far: float
     rounds: int
     small: float
-    beside: bool = False  # rates of y at the start are those of another model, the mechanism without play
 
 
 class Program(NamedTuple):
@@ -58,7 +57,6 @@ class Program(NamedTuple):
     switching: Sequence[str] = ()  # expressions with abs, sign, min, max or if
     constants: Mapping[str, str] = {}  # parameters of the model file that the program does not take, and why
     bound: Sequence[str] = ()  # parameters that have no start where they are changed alone
-    further: Mapping[str, Sequence[Any]] = {}  # functions that only some uses of the program need, by name
 
     @property
     def functions(self) -> dict[str, Sequence[Any]]:
@@ -66,14 +64,9 @@ class Program(NamedTuple):
         found: dict[str, Sequence[Any]] = {
             "derivative": self.derivative, "project": self.projection, "outputs": self.outputs,
         }  # fmt: skip
-        return found | self.starting
-
-    @property
-    def starting(self) -> dict[str, Sequence[Any]]:
-        """The recorded functions of the start by name."""
         if self.begin is None:
-            return {}
-        return {
+            return found
+        return found | {
             "readable": [self.begin.readable], "correct": self.begin.correction, "closeRates": self.begin.rates,
             "gaps": [gap for _, gap, _ in self.begin.gaps],
         }  # fmt: skip

@@ -32,11 +32,8 @@ def program(model: RecordedModel) -> Program:
     return straight_line(*with_parameters(model))
 
 
-def with_parameters(model: RecordedModel, beside_ideal: bool = False) -> tuple[RecordedModel, dict[str, str]]:
-    """A model, recorded without parameters, with all that can be inputs; the other parameters, and why they cannot.
-
-    beside_ideal: see `record_start`.
-    """
+def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]]:
+    """A model, recorded without parameters, with all that can be inputs; the other parameters, and why they cannot."""
     if counting := constants_of(model.system.model):
         why = f"the start sets how {', '.join(counting)} mesh, anew with every parameter: only `rattle` can do that"
         return model, dict.fromkeys(model.values, why)
@@ -44,7 +41,7 @@ def with_parameters(model: RecordedModel, beside_ideal: bool = False) -> tuple[R
     chosen = [name for name in list(model.values) if name not in constants]
     if not chosen:
         return model, constants
-    made, refused = _recorded(model, chosen, beside_ideal)
+    made, refused = _recorded(model, chosen)
     constants |= refused
     if made is not None and made.first is None:
         why = "the start does not follow from given values alone: only `rattle` can put the mechanism together anew"
@@ -54,7 +51,7 @@ def with_parameters(model: RecordedModel, beside_ideal: bool = False) -> tuple[R
         fixed = _structural(made)
         constants |= fixed
         if fixed:
-            made, _ = _recorded(model, [name for name in made.parameters if name not in fixed], beside_ideal)
+            made, _ = _recorded(model, [name for name in made.parameters if name not in fixed])
     return made or model, constants
 
 
@@ -71,23 +68,21 @@ def _dependent(document: Mapping[str, Any], known: Sequence[str]) -> dict[str, s
     return found
 
 
-def _recorded(
-    model: RecordedModel, chosen: Sequence[str], beside_ideal: bool
-) -> tuple[RecordedModel | None, dict[str, str]]:
+def _recorded(model: RecordedModel, chosen: Sequence[str]) -> tuple[RecordedModel | None, dict[str, str]]:
     """The model recorded with these parameters, without those that cannot be recorded, and why not."""
     if not chosen:
         return None, {}
     try:
-        return record_model(model.document, model.system, model.start, chosen, beside_ideal), {}
+        return record_model(model.document, model.system, model.start, chosen), {}
     except TraceError as error:
         if len(chosen) == 1:
             return None, {chosen[0]: str(error)}
     refused: dict[str, str] = {}
     for name in chosen:
-        refused |= _recorded(model, [name], beside_ideal)[1]
+        refused |= _recorded(model, [name])[1]
     if not refused:  # each alone, but not together
         return None, dict.fromkeys(chosen, "it cannot be recorded together with the others")
-    made, more = _recorded(model, [name for name in chosen if name not in refused], beside_ideal)
+    made, more = _recorded(model, [name for name in chosen if name not in refused])
     return made, refused | more
 
 
@@ -120,25 +115,21 @@ def _bound(model: RecordedModel) -> list[str]:
     return [name for k, name in enumerate(model.parameters) if not good[2 * k : 2 * k + 2].any()]
 
 
-def straight_line(
-    model: RecordedModel, constants: Mapping[str, str] | None = None, further: Mapping[str, Sequence[Any]] | None = None
-) -> Program:
+def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = None) -> Program:
     """The functions of a recorded model, with its parameters.
 
-    constants: parameters of the model file that are none of the program, and why.  further: symbols of its graph that
-    make up more functions, by name.
+    constants: parameters of the model file that are none of the program, and why.
     """
-    curves, first, further = all_curves(model), model.first, further or {}
+    curves, first = all_curves(model), model.first
     parts: list[list[Any]] = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
     if first is not None:
         parts += [[model.readable], first.correction, first.rates, [gap.open for gap in first.gaps]]
-    parts += [list(one) for one in further.values()]
     graph, every = lower(model.graph, [x for part in parts for x in part])
     ends = np.cumsum([0, *map(len, parts)])
     rates, projection, outputs, *more = (every[one:other] for one, other in itertools.pairwise(ends))
     begin, size = None, model.system.size
     if first is not None:
-        (readable,), correction, closing, gaps = more[:4]
+        (readable,), correction, closing, gaps = more
         said = [(one.words, gap, one.unit) for one, gap in zip(first.gaps, gaps, strict=True)]
         begin = Begin(
             readable, correction, closing, said, [size, size, 1.0] * model.system.body_count, CLOSED * size, MISSED,
@@ -153,7 +144,6 @@ def straight_line(
     return Program(
         graph, rates, projection, outputs, list(curves), units_of(model, curves), inputs,
         model.start_state.tolist(), begin, switching, constants or {}, [] if first is None else _bound(model),
-        dict(zip(further, more[len(more) - len(further) :], strict=True)),
     )  # fmt: skip
 
 

@@ -105,11 +105,10 @@ class RecordedModel:
 
 def record_model(
     document: Mapping[str, Any], system: System, start: Assembled, names: Sequence[str] = (),
-    beside_ideal: bool = False,
 ) -> RecordedModel:  # fmt: skip
     """Record a model.  names: parameters that become inputs.
 
-    document: the tables of the model file, of which `system` was made.  beside_ideal: see `record_start`.
+    document: the tables of the model file, of which `system` was made.
     Raises TraceError, with the reason, where it cannot be straight-line code; UnknownName.
     """
     require_parameters(system, names)
@@ -127,7 +126,7 @@ def record_model(
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
-    first = record_start(system, start, recorded, recorder, y, beside_ideal) if names else None
+    first = record_start(system, start, recorded, recorder, y) if names else None
     made = RecordedModel(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
         [*rate, sound_rate], [*closed, sound_closed],

@@ -19,7 +19,6 @@ from rattle.analyses.assembly.first_guess import outward
 from rattle.analyses.assembly.loops import loops
 from rattle.analyses.assembly.start_constants import constants_of, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
-from rattle.analyses.straight_line.rates_beside_ideal import rates_beside_ideal
 from rattle.description.model import Driver, Model, Point
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import constraints, drive, place
@@ -63,26 +62,21 @@ class Kept(NamedTuple):
 
 
 def record_start(
-    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray, beside_ideal: bool = False
+    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray
 ) -> RecordedStart | None:
     """Record how the start follows from the parameters; None where given values and joints do not determine it.
 
     system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.
-    beside_ideal: where no rate is given, rates follow from those of the mechanism without play: the rates in y.
     """
     nq = 3 * system.body_count
     kept = _kept(_placing(system), start, _pins_at_offsets(system, start), 0)
     kept_rates = _kept(system, start, _pins_at_rest(system, start), 1)
-    beside_ideal &= kept_rates is None and bool(np.isnan(given_values(system, 1)).all())
-    if kept is None or (kept_rates is None and not beside_ideal):
+    if kept is None or kept_rates is None:
         return None
     q = y[:nq]
     slack = KEPT * _scale(system, start.q)
     correction, sound_correction, gaps = _positions(recorded, recorder, kept, q, slack * _sizes(system))
-    if kept_rates is None:
-        rates, sound_rates = rates_beside_ideal(recorded, recorder, q, y[nq : 2 * nq])
-    else:
-        rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
+    rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
     return RecordedStart(
         [*correction, sound_correction], [*rates, sound_rates], gaps, _constants(recorded, recorder, q)
     )

@@ -112,7 +112,7 @@ class LockingDisc(JointKind):
     @staticmethod
     def borne_outline(fields: Mapping[str, Any]) -> Array:
         """The wheel without its slots: hollow arcs, and its rim between them."""
-        hollow, beta, count = fields["radius"] + fields["play"], half_angle(fields), int(fields["arcs"])
+        hollow, beta, count = fields["radius"] + fields["play"], half_angle(fields), round(fields["arcs"])
         turns = math.pi - np.linspace(-beta, beta, POINTS // count)
         arc = np.column_stack([fields["axle_distance"] + hollow * np.cos(turns), hollow * np.sin(turns)])
         gamma = abs(math.atan2(arc[-1, 1], arc[-1, 0]))

@@ -141,7 +141,7 @@ function trustOf(run, data, balance, events, gaps, message) {
     energy: balance.reduce((most, x) => (Math.abs(x) > most || Number.isNaN(x) ? Math.abs(x) : most), balance.length ? 0 : NaN),
     energy_share: exchanged > 0 ? seen("MOST_UNREST") / exchanged : 0, t_end: clock.data[data.at.clock.T],
     stopped: message !== "", ...pulls(run, data), pending: balance.length > 1, horizon: null, horizon_motion: null, horizon_curve: "",
-    contacts: data.contacts ? count("contact") : null, impacts: count("impact"),
+    contact_count: data.contacts ? count("contact") : null, impact_count: count("impact"), contacts: [],
     fewest_steps: data.contacts && fewest < Infinity ? fewest : null, gaps, singular: singular(run, data), limits: [], notes: [...data.notes],
   };
   if (run.adaptive && run.rtol > data.loose)

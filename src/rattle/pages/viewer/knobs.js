@@ -110,7 +110,8 @@ export class Knobs {
       if (box !== this.viewer.shadow.activeElement) box.value = tidy(set[name] / shown.factor);
       element.classList.toggle("changed", set[name] !== knob.value);
     }
-    if (this.end !== null) this.time.value = `${tidy(this.end)} s`;
+    const end = this.end === this.usualEnd ? this.runs[this.now]?.t_end ?? this.end : this.end;
+    if (this.end !== null) this.time.value = `${tidy(end)} s`;
     this.time.parentElement.hidden = this.end === null;
     const names = this.sets.B ? ["A", "B"] : [];
     this.which.replaceChildren(...names.map((one) => make("button", { type: "button", class: "chip strong", "aria-pressed": String(one === this.now),
@@ -192,8 +193,9 @@ export class Knobs {
   }
 
   // ---------------------------------------------------------------- motions
+  // the end only where somebody has chosen one: otherwise it may follow from parameters
   settings() {
-    return this.end === null ? {} : { t_end: this.end };
+    return this.end === this.usualEnd ? {} : { t_end: this.end };
   }
 
   async follow(slot) {
@@ -207,10 +209,12 @@ export class Knobs {
       if (!run || !this.sets[slot]) return;
       run.label = slot;
       this.runs[slot] = run;
+      this.error = null;
       this.refuse("");
       this.show();
       this.viewer.emit("set", run.parameters);
     } catch (error) {
+      this.error = error.message;
       this.refuse([error.message, this.advice(slot), this.runs[slot] ? "The motion shown is the one before." : ""].filter(Boolean).join(". ").replace("..", "."));
       throw error;
     } finally {
@@ -253,9 +257,15 @@ export class Knobs {
     const { busy } = this.viewer.parts;
     if (!this.working) busy.hidden = true;
     else this.sayBusy = setTimeout(() => {
-      say(busy, "computing …");
+      const stop = make("button", { type: "button", class: "chip", title: "Show what was computed so far", onclick: () => this.source.stop?.() }, "Stop");
+      this.share = make("span", {}, "computing …");
+      busy.replaceChildren(this.share, ...(this.source.stop ? [stop] : []));
       busy.hidden = false;
     }, 250);
+  }
+
+  progress(share) {
+    if (this.share) say(this.share, `computing … ${Math.floor(100 * share)} %`);
   }
 
   refuse(text) {

@@ -8,13 +8,23 @@ import { unpack } from "./data.js";
 const PATIENCE = 400; // milliseconds after which a task that is out of date is given up
 
 export class LiveSource {
-  // live: of the scene; heard(slot, trust): called when the horizon of the last motion of a slot is known
-  constructor(live, heard) {
-    Object.assign(this, { heard, slots: new Map(), tasks: new Map(), count: 0, gone: false });
+  // live: of the scene; heard(slot, trust): called when the horizon of the last motion of a slot is known; progress(share):
+  // of the run that is computed
+  constructor(live, heard, progress = () => {}) {
+    Object.assign(this, { heard, progress, slots: new Map(), tasks: new Map(), count: 0, gone: false });
+    this.ready = new Promise((resolve, reject) => { Object.assign(this, { opened: resolve, refused: reject }); });
+    this.ready.catch(() => {}); // whoever waits for a motion hears it
     this.port = openPort(live).then((port) => {
       port.onmessage = ({ data }) => this.take(data);
+      this.opened();
       return port;
     });
+    this.port.catch(this.refused);
+  }
+
+  // The run that is computed ends where it is, and what was computed is shown.
+  stop() {
+    for (const { now } of this.slots.values()) if (now) this.port.then((port) => port.postMessage({ do: "stop", id: now.id }), () => {});
   }
 
   // A promise of the run for these parameters; null if a later wish of this slot came first and was refused.
@@ -52,9 +62,10 @@ export class LiveSource {
     this.start(one);
   }
 
-  take({ id, run, trust, error }) {
+  take({ id, run, trust, error, progress }) {
     const one = this.tasks.get(id);
     if (!one || this.gone) return;
+    if (progress !== undefined) return void this.progress(progress);
     if (trust) return void this.heard(one.done, trust);
     const { waiters, slot } = one.now;
     Object.assign(one, { now: null, done: slot });
@@ -119,7 +130,8 @@ async function openPort(live) {
   const text = await liveText(live), address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
   try {
     return await startedWorker(address);
-  } catch {
+  } catch (error) {
+    if (error.failed) throw error;
     return await portInPage(address);
   } finally {
     URL.revokeObjectURL(address);
@@ -129,7 +141,7 @@ async function openPort(live) {
 function startedWorker(address) {
   return new Promise((resolve, reject) => {
     const worker = new Worker(address);
-    worker.onmessage = () => resolve(worker); // it says that it is there
+    worker.onmessage = ({ data }) => (data.failed ? reject(failure(data.failed)) : resolve(worker)); // it says that it is there
     worker.onerror = (event) => {
       event.preventDefault?.();
       worker.terminate();
@@ -147,10 +159,15 @@ function portInPage(address) {
       const serve = globalThis.rattleLive;
       delete globalThis.rattleLive;
       if (!serve) return void reject(new Error("this browser cannot compute the motion"));
+      channel.port2.onmessage = ({ data }) => (data.failed ? reject(failure(data.failed)) : resolve(channel.port2));
       serve(channel.port1);
-      resolve(channel.port2);
     };
     script.onerror = () => reject(new Error("this browser cannot compute the motion"));
     document.head.append(script);
   });
+}
+
+// Nothing can be computed in this browser, worker or not.
+function failure(message) {
+  return Object.assign(new Error(message), { failed: true });
 }

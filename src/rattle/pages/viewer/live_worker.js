@@ -1,36 +1,52 @@
-// The engine behind a page: takes what is to be computed from a port, works in slices, and answers.
+// What computes behind a page: takes what is to be computed from a port, works in slices, and answers.
 //
 // In a worker the port is the worker itself, without workers one end of a channel in the page.  Messages in:
-// {do: "compute", id, model, parameters, settings}, {do: "forget", id}.  Out: {id, run}, {id, trust} when the horizon is
-// known, {id, error} in plain words.  One motion is computed at a time; a horizon only while nothing else waits.
+// {do: "compute", id, model, parameters, settings}, {do: "forget", id}, {do: "stop", id}.  Out: {ready}, {failed} where
+// nothing can be computed, {id, progress} of long runs, {id, run}, {id, trust} when the horizon is known, {id, error} in
+// plain words.  One motion is computed at a time; a horizon only while nothing else waits.
 
-import { advanceRun, beginRun, beginSecond, endRun } from "./engine.js";
-import { agreement } from "./horizon.js";
+import { CoreModel } from "./core_model.js";
+import { bytesFrom, openCore } from "./core.js";
 import { trustLines } from "./trust_words.js";
 
 const SLICE = 12; // milliseconds between two looks at the messages
+const TELL = 250; // milliseconds between two words of progress
 
-export function serveModels(port, models) {
+/** Open the models of a page, { name: { data, functions } }, and serve a port. */
+export async function serve(port, engineText, models) {
+  try {
+    const engine = await openCore(await bytesFrom(engineText)), opened = {};
+    for (const [name, { data, functions }] of Object.entries(models)) opened[name] = await CoreModel.open(engine, data, functions);
+    serveModels(port, opened);
+    port.postMessage({ ready: true });
+  } catch (error) {
+    port.postMessage({ failed: error.message });
+  }
+}
+
+function serveModels(port, models) {
   const waiting = new Map(), trusting = new Map(); // tasks by number, and by slot: horizons that are still unknown
   let busy = false;
   const channel = new MessageChannel();
   const soon = () => channel.port2.postMessage(0); // a pause that lets messages in, shorter than a timer's
   const move = (task) => {
-    task.first ??= begunFor(models[task.model], { ...models.settings, ...task.settings }, task.parameters);
-    if (!advanceRun(task.first, SLICE)) return;
+    task.first ??= models[task.model].begin(task.parameters, task.settings);
+    if (!task.first.advance(SLICE)) return void tellProgress(port, task);
     waiting.delete(task.id);
+    task.made = task.first.result();
     answer(port, task);
-    if (task.first.written > 1 && task.model === "model") trusting.set(task.slot, task);
+    if (task.made.trust.pending && task.model === "model") trusting.set(task.slot, task);
   };
   const trust = (task) => {
-    task.second ??= beginSecond(task.first);
-    if (!advanceRun(task.second, SLICE)) return;
+    task.second ??= task.first.second();
+    if (!task.second.advance(SLICE)) return;
     trusting.delete(task.slot);
-    port.postMessage({ id: task.id, trust: endRun(task.first, agreement(task.first, task.second)).trust });
+    const said = { ...task.made.trust, ...task.first.agreement(task.second), pending: false };
+    port.postMessage({ id: task.id, trust: { ...said, text: trustLines(said) } });
   };
   const giveUp = (task) => { // a horizon that cannot be known is not waited for
     trusting.delete(task.slot);
-    const { trust: known } = endRun(task.first), said = { ...known, pending: false };
+    const said = { ...task.made.trust, pending: false };
     port.postMessage({ id: task.id, trust: { ...said, text: trustLines(said) } });
   };
   channel.port1.onmessage = () => {
@@ -47,8 +63,11 @@ export function serveModels(port, models) {
     if (busy) soon();
   };
   port.onmessage = ({ data }) => {
+    const task = waiting.get(data.id);
     if (data.do === "forget") waiting.delete(data.id);
-    else {
+    else if (data.do === "stop") {
+      if (task?.first) task.first.stopped = true;
+    } else {
       waiting.set(data.id, data);
       trusting.delete(data.slot);
     }
@@ -57,19 +76,18 @@ export function serveModels(port, models) {
       soon();
     }
   };
-  port.postMessage({ ready: true });
 }
 
-// a model need not have all parameters of another one
-function begunFor(model, settings, parameters) {
-  const known = Object.entries(parameters).filter(([name]) => name in model.parameters);
-  return beginRun(model, settings, Object.fromEntries(known));
+function tellProgress(port, task) {
+  const now = performance.now();
+  if (now - (task.told ?? task.first.began) < TELL) return;
+  task.told = now;
+  port.postMessage({ id: task.id, progress: task.first.run.progress });
 }
 
-function answer(port, task) {
-  const { columns, t, ...rest } = endRun(task.first), rows = t.length;
-  const data = new Float64Array(rest.names.length * rows);
+function answer(port, { id, made }) {
+  const { columns, t, written, ...rest } = made, rows = t.length, data = new Float64Array(rest.names.length * rows);
   rest.names.forEach((name, c) => data.set(columns[name], c * rows));
   const times = t.slice();
-  port.postMessage({ id: task.id, run: { ...rest, times, data } }, [times.buffer, data.buffer]);
+  port.postMessage({ id, run: { ...rest, times, data } }, [times.buffer, data.buffer]);
 }

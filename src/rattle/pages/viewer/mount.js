@@ -40,6 +40,14 @@ function appOf(viewer) {
     seek: (t) => viewer.seek(t),
     get speed() { return viewer.clock.speed; },
     set speed(value) { viewer.setSpeed(value); },
+    get live() { return viewer.live ?? false; },
+    get error() { return viewer.refusal?.() ?? null; },
+    get events() { return (viewer.motion?.events ?? []).map(({ t, joint, kind, speed, impulse, duration, force, lost }) =>
+      ({ t, joint, kind, normal_speed: speed, impulse, duration, peak_force: force, energy_lost: lost })); },
+    get statistics() {
+      const { steps, rejected, evaluations } = viewer.motion?.run.stats ?? {};
+      return steps === undefined ? null : { steps, rejected, evaluations };
+    },
     get trust() { return viewer.motion?.trust ?? null; },
     get run() { return viewer.motion?.run ?? null; },
     setRun: (run, options) => viewer.setRun(run, options),
@@ -53,10 +61,18 @@ function appOf(viewer) {
 function computeMotions(viewer, scene, host, first) {
   let knobs = null;
   const heard = (slot, trust) => knobs.heard(slot, trust);
-  const source = scene.live ? new LiveSource(scene.live, heard) : new HostSource(host, heard);
+  const source = scene.live ? new LiveSource(scene.live, heard, (share) => knobs.progress(share)) : new HostSource(host, heard);
   knobs = new Knobs(viewer, source, { ideal: Boolean(scene.live?.ideal), model: scene.live?.model ?? "", first });
   viewer.turnKnob = (name, value) => knobs.turned(name, value);
+  viewer.refusal = () => knobs.error ?? null;
+  source.ready?.then(() => { viewer.live = true; }, ({ message }) => showReplay(viewer, scene.live.replay, message));
   viewer.ends.push(() => knobs.destroy());
+}
+
+// A browser that cannot compute shows the motion that was computed when the page was written, and says so.
+function showReplay(viewer, replay, why) {
+  viewer.scene.notes = [...(viewer.scene.notes ?? []), `this page replays the motion of its bodies that was computed when it was written: ${why}`];
+  if (replay) viewer.setRun(unpack(replay), { ghost: null });
 }
 
 // Number of the run with this value of a parameter, of several the one in which least else changes.

@@ -1,0 +1,209 @@
+"""A model as data with which a page moves it: the run before its first step, and what follows from parameters.
+
+The compiled kernels of the engine take the steps (`pages.engine`).  What is a model's own are the numbers in the arrays
+of its run, which follow from the parameters as `recorded_arrays` says, its start (`pages.start_data`), the curves that
+rows are turned into (`pages.result_data`), and the numbers of its drawing.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses.dynamics.peak_values import measures_of_peaks
+from rattle.analyses.dynamics.run import Run
+from rattle.analyses.dynamics.simulate import POINTS
+from rattle.analyses.dynamics.soundness import measures_of_rows
+from rattle.analyses.straight_line.recorded_arrays import RecordedArrays, recorded_arrays
+from rattle.description.model import Parameter
+from rattle.description.read_parameters import chosen_parameters
+from rattle.equations.state import state_layout
+from rattle.equations.system import System
+from rattle.errors import AssemblyError, InputError, ModelError, TraceError
+from rattle.jit import layout as at
+from rattle.language.recorded import Recorded, symbol_of
+from rattle.mechanism import Mechanism
+from rattle.pages.result_data import result_data
+from rattle.pages.run_image import planned_run, run_image
+from rattle.pages.start_data import start_data
+from rattle.results.columns import geometry
+from rattle.solvers.peaks import samples
+from rattle.solvers.stepper import RTOL
+from rattle.trace import javascript
+
+MOST_STEPS = 1_000_000  # of a run in a page
+FOLLOWS = "it follows from others"
+DRAWING = "drawing"  # entries that are numbers of the drawing
+Place = tuple[str | int, ...]
+
+
+class LiveModel(NamedTuple):
+    """A model that computes in a page."""
+
+    data: dict[str, Any]  # for JSON
+    functions: str  # text of JavaScript: a list of functions, by name
+    parameters: Mapping[str, Parameter]  # that a page can change
+    fixed: Mapping[str, str]  # parameters that it cannot change, and why
+    names: tuple[str, ...]  # of curves
+    t_end: float  # of its run [s]
+    notes: tuple[str, ...]  # that a reader needs
+    ideal: LiveModel | None = None  # the same mechanism without play
+
+
+def live_model(m: Mechanism, t_end: float | None = None) -> LiveModel:
+    """What a page needs to move a mechanism up to t_end [s], by default the model's.
+
+    Raises TraceError for what a page cannot compute, with the reason; ModelError, AssemblyError.
+    """
+    try:
+        run = planned_run(m, t_end)
+        image = run_image(run)
+    except InputError as error:
+        raise TraceError(str(error)) from error
+    names, fixed = _changeable(m, run)
+    arrays, places, drawing = _recorded(m, run, names)
+    result, start = result_data(m, t_end, names), start_data(m, names)
+    functions = [
+        javascript.BITS,
+        javascript.function(arrays.graph, [arrays.holds, *arrays.outputs], "arraysOf"),
+        result.functions,
+        f"const startFunctions = (() => {{\n{_inside(start.functions)}return functions;\n}})();",
+        "const functions = { arraysOf, result: resultFunctions, start: startFunctions };",
+    ]
+    data = {
+        "run": image.description,
+        "content": base64.b64encode(image.content).decode(),
+        "parameters": [_written(name, m.model.parameters[name]) for name in names],
+        "constants": start.description["start"]["constants"],
+        "entries": [[name, where.tolist()] for name, where in arrays.entries.items() if name != DRAWING],
+        "facts": list(arrays.facts),
+        "drawing": json.loads(json.dumps(drawing, default=_bare)),
+        "drawn": [list(place) for place in places],
+        "settings": _settings(m, t_end),
+        "method": {"name": run.stepper.name, "refinement": run.stepper.leaf.refinement, "usual": RTOL},
+        "result": result.data,
+        "start": {"description": start.description, "content": base64.b64encode(start.content).decode()},
+    }  # fmt: skip
+    known = {name: m.model.parameters[name] for name in names}
+    notes = (f"the model as it is written: {note}" for note in m.start.notes)
+    return LiveModel(
+        data, "\n".join(functions), known, fixed, tuple(result.data["names"]), run.t_end, tuple(notes),
+        _without_play(m, t_end),
+    )  # fmt: skip
+
+
+def _written(name: str, parameter: Parameter) -> list[Any]:
+    """A parameter: name, value, limits or None [SI], unit."""
+    return [name, parameter.value, parameter.minimum, parameter.maximum, parameter.unit]
+
+
+def _settings(m: Mechanism, t_end: float | None) -> dict[str, Any]:
+    """What is given for runs, and does not follow from their end."""
+    given = m.model.settings
+    return {
+        "interval": given.output, "outputs": POINTS, "end_given": t_end is not None,
+        "timed": any(switch.timed for switch in m.system.switches),
+        "step_given": given.step is not None, "atol_given": given.atol is not None, "most_steps": MOST_STEPS,
+    }  # fmt: skip
+
+
+def _inside(module: str) -> str:
+    """The text of a module as the inside of a function."""
+    return re.sub(r"^export ", "", module, flags=re.MULTILINE)
+
+
+def _without_play(m: Mechanism, t_end: float | None) -> LiveModel | None:
+    """The same mechanism without play, if it has play; None too where a page cannot move it."""
+    if not _has_play(m):
+        return None
+    try:
+        ideal = m.ideal()
+        return None if _has_play(ideal) else live_model(ideal, t_end)  # a belt always has its contacts
+    except (TraceError, ModelError, AssemblyError):
+        return None
+
+
+def _has_play(m: Mechanism) -> bool:
+    return any(joint.contact is not None and not joint.contact.closed for joint in m.model.joints.values())
+
+
+# ---------------------------------------------------------------- what follows from parameters
+def _changeable(m: Mechanism, run: Run) -> tuple[list[str], dict[str, str]]:
+    """Parameters that the arrays of a run and its drawing follow as recorded, and the others with the reason."""
+    asked = list(chosen_parameters(m._document))
+    fixed = dict(_bound(m, asked))
+    try:
+        timed = _recorded(m, run, asked)[0].of_times
+        fixed |= dict.fromkeys(timed, "instants at which expressions switch follow from it")
+    except TraceError:
+        for name in asked:
+            try:
+                _recorded(m, run, [name])
+            except TraceError as error:
+                fixed[name] = str(error)
+    return [name for name in asked if name not in fixed], fixed
+
+
+def _bound(m: Mechanism, asked: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Parameters that follow from others."""
+    for name in m.model.parameters:
+        if name not in asked:
+            yield name, FOLLOWS
+
+
+def _recorded(m: Mechanism, run: Run, names: Sequence[str]) -> tuple[RecordedArrays, list[Place], Any]:
+    """The arrays of a run as functions of parameters, the places of the drawing's numbers that follow, the drawing.
+
+    Raises TraceError where something takes a value without its record.
+    """
+    drawings: list[Any] = []
+
+    def further(recorded: System) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
+        drawings.append(geometry(recorded.model))
+        numbers = [value for _, value in _numbers(drawings[0]) if isinstance(value, Recorded)]
+        yield from _of_run(recorded, run)
+        yield DRAWING, (np.arange(len(numbers)), [symbol_of(x) for x in numbers])  # the last entries
+
+    arrays = recorded_arrays(m._document, m.system, names, entries=further)
+    return arrays, [place for place, value in _numbers(drawings[0]) if isinstance(value, Recorded)], drawings[0]
+
+
+def _of_run(recorded: System, run: Run) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
+    """Entries of the arrays of a run, besides those of its system, that follow from parameters."""
+    columns = run.workspace.peaks.shape[1]
+    every: dict[str, list[tuple[int, Any]]] = {"measure": list(enumerate(measures_of_rows(recorded)))}
+    every["peaks"] = [
+        (row * columns + column, value)
+        for row, pair in enumerate(measures_of_peaks(recorded) if len(run.workspace.peaks) else ())
+        for column, value in zip((samples.ARM, samples.NOTHING), pair, strict=True)
+    ]
+    if len(run.workspace.held):
+        every["held"] = [(at.SIZE, recorded.size)]
+    own = state_layout(recorded).own_states
+    every["state"] = list(enumerate((state.start for state in recorded.model.states.values()), own.start))
+    for name, values in every.items():
+        follow = [(k, symbol_of(value)) for k, value in values if isinstance(value, Recorded)]
+        if follow:
+            yield name, (np.array([k for k, _ in follow]), [symbol for _, symbol in follow])
+
+
+def _numbers(tree: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
+    """All numbers of a nested dictionary or list, with their places."""
+    if isinstance(tree, Mapping):
+        for key, inner in tree.items():
+            yield from _numbers(inner, (*place, key))
+    elif isinstance(tree, list | tuple):
+        for k, inner in enumerate(tree):
+            yield from _numbers(inner, (*place, k))
+    elif isinstance(tree, float | int) and not isinstance(tree, bool):
+        yield place, tree
+
+
+def _bare(value: Any) -> Any:
+    """A number of the drawing without its record."""
+    return getattr(value, "bare", value)
