@@ -16,7 +16,9 @@ from rattle.analyses.dynamics.simulate import output_times
 from rattle.jit import functions, machine
 from rattle.jit import layout as at
 from rattle.pages.engine import engine_of_pages
+from rattle.pages.result_data import result_data
 from rattle.pages.run_image import run_image
+from rattle.pages.tape import Tape
 from rattle.solvers.stepper import ATOL, RTOL
 from rattle.trace.library import NAMES, library_text
 
@@ -41,6 +43,9 @@ try {
 }
 console.log(JSON.stringify(said));
 """
+RESULT = f"""const {{ openTape, functionsByName }} = await import("{VIEWER.as_uri()}/tape.js");
+  const {{ data, tape, numbers }} = JSON.parse(fs.readFileSync("result_data.json"));
+  const functions = functionsByName(await openTape(tape), numbers);"""
 # sine and cosine of one angle, and powers of 2, are calls of their own in machine code
 TOGETHER = """define void @"rattle.sincos"(double %x, ptr %s, ptr %c) {
   %a = call double @"rattle.sin"(double %x)
@@ -66,6 +71,13 @@ def new(name, method=None, t_end=None, **changes):
     rtol = settings.rtol or RTOL
     stepper, step = choose_stepper(m.system, method or settings.method, settings.step, end)
     return new_run(m.system, m.start, times, end, How(stepper, rtol, settings.atol or ATOL * rtol, step))
+
+
+def with_result(folder, m):
+    """Write what `RESULT` reads: the data and functions with which the end of a run becomes a result."""
+    tape = Tape()
+    data, numbers = result_data(m, tape)
+    (folder / "result_data.json").write_text(json.dumps({"data": data, "tape": tape.written(), "numbers": numbers}))
 
 
 def in_node(folder, run, steps="run.advance();", **changes):

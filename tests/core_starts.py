@@ -11,6 +11,7 @@ from rattle.errors import AssemblyError, ModelError
 from rattle.jit import functions
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.start_data import start_data
+from rattle.pages.tape import Tape
 
 VIEWER = Path(rt.__file__).parent / "pages" / "viewer"
 SCRIPT = """
@@ -18,9 +19,10 @@ import fs from "node:fs";
 import zlib from "node:zlib";
 import { openCore } from "%(viewer)s/core.js";
 import { StartFinder } from "%(viewer)s/core_start.js";
-import { functions } from "./functions.mjs";
+import { openTape } from "%(viewer)s/tape.js";
 const engine = await openCore(zlib.gunzipSync(fs.readFileSync("engine.wasm.gz")));
 const data = { description: JSON.parse(fs.readFileSync("start.json")), content: fs.readFileSync("start.bin") };
+const functions = await openTape(JSON.parse(fs.readFileSync("tape.json")));
 const finder = new StartFinder(engine, data, functions);
 const starts = JSON.parse(fs.readFileSync("asked.json")).map((p) => finder.find(Float64Array.from(p)));
 const plain = (x) => x && [...x];
@@ -32,11 +34,12 @@ console.log(JSON.stringify(starts.map(plainly)));
 def found_in_node(folder, m, asked):
     """What a page finds for lists of values of all parameters, in this order, in one finder."""
     functions.start()
-    data = start_data(m)
+    tape = Tape()
+    data = start_data(m, tape)
     (folder / "engine.wasm.gz").write_bytes(engine_of_pages())
     (folder / "start.json").write_text(json.dumps(data.description, allow_nan=False))
     (folder / "start.bin").write_bytes(data.content)
-    (folder / "functions.mjs").write_text(data.functions)
+    (folder / "tape.json").write_text(json.dumps(tape.written()))
     (folder / "asked.json").write_text(json.dumps(asked))
     (folder / "go.mjs").write_text(SCRIPT % {"viewer": VIEWER.as_uri()}, encoding="utf-8")
     done = subprocess.run(["node", "go.mjs"], cwd=folder, capture_output=True, text=True, timeout=300, check=False)
@@ -47,7 +50,7 @@ def found_in_node(folder, m, asked):
 def changed_values(m):
     """(name, value [SI]) for every parameter that can be chosen: a small step, and a larger one towards its limits."""
     known = m.model.parameters
-    for name in start_data(m).description["parameters"]:
+    for name in start_data(m, Tape()).description["parameters"]:
         one = known[name]
         far = one.maximum if one.maximum is not None and one.maximum > one.value else one.minimum
         yield name, (one.value or 1.0) * 1.004
@@ -58,7 +61,7 @@ def starts_apart(folder, name):
     """By parameter and value, how starts in a page differ from those of Python; only those that do."""
     m = rt.example(name)
     values = list(changed_values(m))
-    names = start_data(m).description["parameters"]
+    names = start_data(m, Tape()).description["parameters"]
     own = [m.model.parameters[x].value for x in names]
     asked = [own]
     for changed, value in values:

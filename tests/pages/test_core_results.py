@@ -11,9 +11,7 @@ import pytest
 from llvmlite.binding import llvm_version_info
 
 import rattle as rt
-from core_engine import VIEWER, in_node, new
-from rattle.pages.result_data import result_data
-from rattle.trace.javascript import BITS
+from core_engine import RESULT, VIEWER, in_node, new, with_result
 
 TYPICAL = (
     *("crank_rocker_play", "slider_crank_oil", "torque_converter", "belt_drive", "guide_play", "three_plays"),
@@ -26,25 +24,21 @@ import json, sys
 from pathlib import Path
 import numpy as np
 import core_engine
-from core_engine import in_node, new
+from core_engine import in_node, new, with_result
 import rattle as rt
 from rattle.analyses.dynamics.report import report
-from rattle.pages.result_data import result_data
-from rattle.trace.javascript import BITS
 core_engine.use_own_functions()
 STEPS = '''run.advance();
   const { resultOf } = await import("%s/core_result.js");
-  const { data, functions } = await import("./result.mjs");
+  %s
   const { t: times, columns, units, names, ...others } = resultOf(run, data, functions);
   const values = names.map((one) => Array.from(columns[one], (x) => (Number.isFinite(x) ? x : null)));
   fs.writeFileSync("result.json", JSON.stringify({ ...others, units, names, columns: values }));
-''' % core_engine.VIEWER.as_uri()
+''' % (core_engine.VIEWER.as_uri(), core_engine.RESULT)
 folder, close, differ = Path(sys.argv[1]), float(sys.argv[2]), {}
 nan = lambda x: float("nan") if x is None else x
 for name in sys.argv[3:]:
-    data, functions = result_data(rt.example(name))
-    exports = f"export const data = {json.dumps(data)};\\nexport {{ resultFunctions as functions }};"
-    (folder / "result.mjs").write_text(f"{BITS}\\n{functions}\\n{exports}")
+    with_result(folder, rt.example(name))
     said = in_node(folder, new(name), STEPS)
     if "error" in said:
         differ[name] = said["error"]
@@ -113,7 +107,7 @@ HORIZON = """
 run.advance();
   const { resultOf } = await import("%s/core_result.js");
   const { agreement } = await import("%s/core_horizon.js");
-  const { data, functions } = await import("./result.mjs");
+  %s
   const finer = { ...image.description, rtol: run.rtol / 10, atol: run.atol / 10 };
   const tight = new CoreRun(engine, { description: finer, content: image.content });
   tight.advance();
@@ -124,10 +118,9 @@ run.advance();
 
 @pytest.mark.parametrize("name", ["gear_rattle", "slider_crank_oil", "double_pendulum"])
 def test_the_horizon_of_a_page_is_that_of_simulate(name, tmp_path):
-    viewer, (data, functions) = VIEWER.as_uri(), result_data(rt.example(name))
-    exports = f"export const data = {json.dumps(data)};\nexport {{ resultFunctions as functions }};"
-    (tmp_path / "result.mjs").write_text(f"{BITS}\n{functions}\n{exports}")
-    assert "error" not in in_node(tmp_path, new(name), HORIZON % (viewer, viewer))
+    viewer = VIEWER.as_uri()
+    with_result(tmp_path, rt.example(name))
+    assert "error" not in in_node(tmp_path, new(name), HORIZON % (viewer, viewer, RESULT))
     reach, trust = json.loads((tmp_path / "reach.json").read_text()), rt.example(name).simulate(horizon=True).trust
     assert reach["time"] == pytest.approx(trust.horizon, rel=0.05)  # rounding of other functions grows
     assert reach["motion"] == pytest.approx(trust.horizon_motion, rel=0.05)

@@ -8,6 +8,7 @@ import pytest
 import rattle as rt
 from core_starts import found_in_node, starts_apart
 from rattle.pages.start_data import start_data
+from rattle.pages.tape import Tape
 
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 
@@ -66,7 +67,7 @@ def test_a_mechanism_that_cannot_be_closed_is_told_and_the_next_one_found(tmp_pa
 
 def test_a_parameter_that_does_not_reach_the_start_leaves_every_bit(tmp_path):
     m = rt.example("bouncing_pin")
-    names = start_data(m).description["parameters"]
+    names = start_data(m, Tape()).description["parameters"]
     other = [0.9 * m.model.parameters[name].value if name == "e" else m.model.parameters[name].value for name in names]
     (start,) = found_in_node(tmp_path, m, [other])
     assert (start["q"], start["v"]) == (m.start.q.tolist(), m.start.v.tolist())

@@ -15,8 +15,8 @@ from rattle.pages.viewer_text import joined, viewer_files
 
 MAIN = """
 const model = await (async () => {
-  const { data, functions } = @model@;
-  return CoreModel.open(await openCore(await bytesFrom("@engine@")), data, functions);
+  const { data, tape } = @model@;
+  return CoreModel.open(await openCore(await bytesFrom("@engine@")), data, await openTape(tape));
 })();
 
 /** Names of what is in a row: t, then the outputs; and their units. */
@@ -77,7 +77,7 @@ def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) 
     """
     if step is not None:
         raise InputError("the steps of a module with compiled kernels are those of the model: give step in [simulate]")
-    live = live_model(m, t_end)
+    live = live_model(m, t_end, alone=True)
     safe = title.replace("*/", "* /")
     head = (
         f"/** {safe}\n *\n * The motion with contacts and events: import {{ run, names, units, parameters }}, then\n"

@@ -7,9 +7,7 @@ rows are turned into (`pages.result_data`), and the numbers of its drawing.
 
 from __future__ import annotations
 
-import base64
 import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -28,13 +26,14 @@ from rattle.errors import AssemblyError, InputError, ModelError, TraceError
 from rattle.jit import layout as at
 from rattle.language.recorded import Recorded, symbol_of
 from rattle.mechanism import Mechanism
+from rattle.pages.packed import packed
 from rattle.pages.result_data import result_data
 from rattle.pages.run_image import planned_run, run_image
 from rattle.pages.start_data import start_data
+from rattle.pages.tape import Tape, add_arrays
 from rattle.results.columns import geometry
 from rattle.solvers.peaks import samples
 from rattle.solvers.stepper import RTOL
-from rattle.trace import javascript
 
 MOST_STEPS = 1_000_000  # of a run in a page
 FOLLOWS = "it follows from others"
@@ -46,7 +45,7 @@ class LiveModel(NamedTuple):
     """A model that computes in a page."""
 
     data: dict[str, Any]  # for JSON
-    functions: str  # text of JavaScript: a list of functions, by name
+    tape: Tape  # its functions, and those of the same mechanism without play
     parameters: Mapping[str, Parameter]  # that a page can change
     fixed: Mapping[str, str]  # parameters that it cannot change, and why
     names: tuple[str, ...]  # of curves
@@ -55,11 +54,13 @@ class LiveModel(NamedTuple):
     ideal: LiveModel | None = None  # the same mechanism without play
 
 
-def live_model(m: Mechanism, t_end: float | None = None) -> LiveModel:
+def live_model(m: Mechanism, t_end: float | None = None, *, alone: bool = False, tape: Tape | None = None) -> LiveModel:
     """What a page needs to move a mechanism up to t_end [s], by default the model's.
 
+    alone: not the same mechanism without play too.  tape: to which its functions are added, by default a new one.
     Raises TraceError for what a page cannot compute, with the reason; ModelError, AssemblyError.
     """
+    tape = Tape() if tape is None else tape
     try:
         run = planned_run(m, t_end)
         image = run_image(run)
@@ -67,17 +68,10 @@ def live_model(m: Mechanism, t_end: float | None = None) -> LiveModel:
         raise TraceError(str(error)) from error
     names, fixed = _changeable(m, run)
     arrays, places, drawing = _recorded(m, run, names)
-    result, start = result_data(m, t_end, names), start_data(m, names)
-    functions = [
-        javascript.BITS,
-        javascript.function(arrays.graph, [arrays.holds, *arrays.outputs], "arraysOf"),
-        result.functions,
-        f"const startFunctions = (() => {{\n{_inside(start.functions)}return functions;\n}})();",
-        "const functions = { arraysOf, result: resultFunctions, start: startFunctions };",
-    ]
+    result, start = result_data(m, tape, t_end, names), start_data(m, tape, names)
     data = {
         "run": image.description,
-        "content": base64.b64encode(image.content).decode(),
+        "content": packed(image.content),
         "parameters": [_written(name, m.model.parameters[name]) for name in names],
         "constants": start.description["start"]["constants"],
         "entries": [[name, where.tolist()] for name, where in arrays.entries.items() if name != DRAWING],
@@ -87,13 +81,14 @@ def live_model(m: Mechanism, t_end: float | None = None) -> LiveModel:
         "settings": _settings(m, t_end),
         "method": {"name": run.stepper.name, "refinement": run.stepper.leaf.refinement, "usual": RTOL},
         "result": result.data,
-        "start": {"description": start.description, "content": base64.b64encode(start.content).decode()},
+        "functions": {"arrays": add_arrays(tape, arrays), **result.functions},
+        "start": {"description": start.description, "content": packed(start.content)},
     }  # fmt: skip
     known = {name: m.model.parameters[name] for name in names}
     notes = (f"the model as it is written: {note}" for note in m.start.notes)
     return LiveModel(
-        data, "\n".join(functions), known, fixed, tuple(result.data["names"]), run.t_end, tuple(notes),
-        _without_play(m, t_end),
+        data, tape, known, fixed, tuple(result.data["names"]), run.t_end, tuple(notes),
+        None if alone else _without_play(m, t_end, tape),
     )  # fmt: skip
 
 
@@ -112,18 +107,15 @@ def _settings(m: Mechanism, t_end: float | None) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _inside(module: str) -> str:
-    """The text of a module as the inside of a function."""
-    return re.sub(r"^export ", "", module, flags=re.MULTILINE)
-
-
-def _without_play(m: Mechanism, t_end: float | None) -> LiveModel | None:
+def _without_play(m: Mechanism, t_end: float | None, tape: Tape) -> LiveModel | None:
     """The same mechanism without play, if it has play; None too where a page cannot move it."""
     if not _has_play(m):
         return None
     try:
         ideal = m.ideal()
-        return None if _has_play(ideal) else live_model(ideal, t_end)  # a belt always has its contacts
+        return (
+            None if _has_play(ideal) else live_model(ideal, t_end, alone=True, tape=tape)
+        )  # a belt always has its contacts
     except (TraceError, ModelError, AssemblyError):
         return None
 

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import base64
-import gzip
 import json
 import os
 import re
 from collections.abc import Mapping, Sequence
-from string import ascii_letters
 from typing import Any
 
 from rattle.errors import InputError, TraceError, suggest
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
+from rattle.pages.packed import packed
 from rattle.pages.replay import write_page
 from rattle.pages.scene import FEWEST_ROWS, OF_GHOST, frame_of, run_of
 from rattle.pages.sweep_page import sweep_scene
@@ -26,9 +25,6 @@ from rattle.results.handy_units import written_units
 
 WORKER = "live_worker.js"
 EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
-RECORDED = re.compile(r"^function \w+Of\d*\(.*?^\}$", re.MULTILINE | re.DOTALL)  # a function of operations
-NAME = re.compile(r"\bx(\d+)\b")
-SPACED = re.compile(r" ([-+*/=<]|<=|===|&&|\|\||[?:]) ")
 
 
 def page(
@@ -83,8 +79,9 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "ideal": None,
         "knobs": knobs(m, live),
         "live": {
-            "packed": _packed(worker_text(live)), "settings": {"t_end": live.t_end}, "ideal": live.ideal is not None,
-            "model": m.to_toml(), "names": list(live.names), "replay": _replay(m, t_end),
+            "packed": packed(worker_text(live).encode()), "settings": {"t_end": live.t_end},
+            "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.names),
+            "replay": _replay(m, t_end),
         },
         "show": {"ghost": live.ideal is not None},
         "notes": [*live.notes, *_fixed(live)],
@@ -126,19 +123,18 @@ def _fixed(live: LiveModel) -> list[str]:
 
 def worker_text(live: LiveModel) -> str:
     """The program of the page's worker: the engine, the recorded functions, and the numbers of their models."""
-    models = {"model": live} | ({} if live.ideal is None else {"ideal": live.ideal})
-    parts = [f"{name}: {model_text(part)}" for name, part in models.items()]
+    models = {"model": live.data} | ({} if live.ideal is None else {"ideal": live.ideal.data})
     return (
         f'"use strict";\n(() => {{\n{in_function(joined(viewer_files(), WORKER))}'
-        f'const engineText = "{engine_in_text()}";\nconst models = {{ {", ".join(parts)} }};\n'
-        "const begin = (port) => serve(port, engineText, models);\n"
+        f'const engineText = "{engine_in_text()}";\nconst models = {_json(models)};\n'
+        f"const begin = (port) => serve(port, engineText, {_json(live.tape.written())}, models);\n"
         'if (typeof document === "undefined") begin(self);\nelse globalThis.rattleLive = begin;\n})();\n'
     )
 
 
 def model_text(live: LiveModel) -> str:
-    """An expression: the data and functions of a model."""
-    return f"(() => {{\n{shortened(live.functions)}\nreturn {{ data: {_json(live.data)}, functions }};\n}})()"
+    """An expression: the data of a model, and the tape with its functions."""
+    return _json({"data": live.data, "tape": live.tape.written()})
 
 
 def engine_in_text() -> str:
@@ -153,26 +149,3 @@ def in_function(module: str) -> str:
 
 def _json(data: Any) -> str:
     return json.dumps(data, separators=(",", ":"), allow_nan=False)
-
-
-def shortened(module: str) -> str:
-    """A module with its recorded functions in fewer letters: no spaces, short names, one list of constants."""
-    return RECORDED.sub(lambda found: _short(found[0]), module)
-
-
-def _short(function: str) -> str:
-    text = NAME.sub(lambda found: f"${_letters(int(found[1]))}", function)
-    return SPACED.sub(r"\1", text).replace("\n  ", "\n").replace(";\nconst ", ",")
-
-
-def _letters(n: int) -> str:
-    """A number written with letters."""
-    text = ""
-    while n >= 0:
-        text, n = ascii_letters[n % 52] + text, n // 52 - 1
-    return text
-
-
-def _packed(text: str) -> str:
-    """A text, compressed, in letters."""
-    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode("ascii")

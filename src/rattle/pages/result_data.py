@@ -29,13 +29,13 @@ from rattle.jit.functions import KernelFunction
 from rattle.language.recorded import symbol_of
 from rattle.language.watched import Watch
 from rattle.mechanism import Mechanism
+from rattle.pages.tape import PARAMETER, Tape
 from rattle.results.columns import columns, quantities, reaction_columns, states_of, width
 from rattle.results.film_columns import film_columns, of_law
 from rattle.solvers.contacts.penetration import ESCAPED
 from rattle.solvers.peaks import samples
 from rattle.solvers.state_switches import SLIDES
 from rattle.solvers.step_audit import UNSOUND
-from rattle.trace import javascript
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, Symbol
 from rattle.trace.recording import Recorder
@@ -61,11 +61,11 @@ class ResultData(NamedTuple):
     """What `viewer/core_result.js` needs besides a run."""
 
     data: dict[str, Any]
-    functions: str  # JavaScript, after `javascript.BITS`: an object `resultFunctions`
+    functions: dict[str, int]  # numbers on the tape of `ENDINGS`
 
 
-def result_data(m: Mechanism, t_end: float | None = None, names: Sequence[str] | None = None) -> ResultData:
-    """Names, numbers and functions with which the end of a run of a mechanism becomes a result.
+def result_data(m: Mechanism, tape: Tape, t_end: float | None = None, names: Sequence[str] | None = None) -> ResultData:
+    """Names, numbers and functions on a tape with which the end of a run of a mechanism becomes a result.
 
     t_end: of its runs [s].  names: of the parameters, by default those of `chosen_parameters`.
     Raises TraceError where a value is taken without its record.
@@ -75,9 +75,9 @@ def result_data(m: Mechanism, t_end: float | None = None, names: Sequence[str] |
         record = _record(m, names)
     except FAILURES as error:
         raise TraceError(f"the columns cannot be recorded: {error}") from error
-    texts = [javascript.function(record.graph, record.outputs[name], f"{name}OfRow") for name in ENDINGS]
-    listed = ", ".join(f"{name}: {name}OfRow" for name in ENDINGS)
-    functions = "\n".join([*texts, f"const resultFunctions = {{ {listed} }};\n"])
+    counts = {"row": width(system), "energy": at.ENERGIES, "call": len(record.calls)}
+    keys = [(PARAMETER, name) for name in names] + [(kind, k) for kind, n in counts.items() for k in range(n)]
+    functions = {name: tape.add(record.graph, record.outputs[name], keys) for name in ENDINGS}
     titles, model = list(record.units), system.model
     layout, settings = state_layout(system), model.settings
     end = t_end or settings.t_end

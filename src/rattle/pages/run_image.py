@@ -50,7 +50,7 @@ def run_image(run: Run) -> RunImage:
     return RunImage(
         {
             **workspace_image(run.system, run.workspace, content),
-            "times": [len(run.t_eval), content.add(run.t_eval)],
+            "times": _times(run.t_eval, content),
             "width": run.raw.shape[1],
             "more": {"shaken": ["f2", -1, 2, run.raw.shape[1]]},  # rows of a state and of one beside it
             "loop": run.stepper.leaf.loop,
@@ -64,6 +64,14 @@ def run_image(run: Run) -> RunImage:
         },
         bytes(content.written),
     )
+
+
+def _times(times: np.ndarray, content: Content) -> list[Any]:
+    """How many times, and where they stand; -1 and the last for equal steps from 0 on, which take no bytes."""
+    count, last = len(times), float(times[-1])
+    if np.array_equal(times, np.linspace(0.0, last, count)):
+        return [count, -1, last]
+    return [count, content.add(times)]
 
 
 def workspace_image(system: System, workspace: Workspace, content: Content) -> dict[str, Any]:

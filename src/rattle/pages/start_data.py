@@ -37,7 +37,7 @@ from rattle.jit import layout as at
 from rattle.language.local_function import packed
 from rattle.mechanism import Mechanism
 from rattle.pages.run_image import Content, workspace_image
-from rattle.trace import javascript
+from rattle.pages.tape import Tape, add_arrays
 
 Form = Callable[[Model], Model]
 Numbers = Mapping[tuple[str, int], Any]  # by vector and place in it
@@ -52,34 +52,27 @@ class StartData(NamedTuple):
 
     description: dict[str, Any]  # see `_Writer.start`
     content: bytes
-    functions: str  # text of an ES module: `functions`, one for every system
 
 
-def start_data(m: Mechanism, names: Sequence[str] | None = None) -> StartData:
-    """The start of a mechanism as data for pages.  names: of the parameters, by default all that follow from none.
+def start_data(m: Mechanism, tape: Tape, names: Sequence[str] | None = None) -> StartData:
+    """The start of a mechanism as data for pages; its functions are added to a tape.
 
+    names: of the parameters, by default all that follow from none.
     Raises TraceError, with the reason, where no page can follow its search; ModelError, AssemblyError.
     """
-    writer = _Writer(m, names)
+    writer = _Writer(m, tape, names)
     description = writer.start(m.system, lambda model: model, m.start, MOVING)
     names = list(writer.names)
     known = m.model.parameters
-    functions = [
-        javascript.BITS, *writer.texts,
-        f"export const functions = [{', '.join(f'start{n}Of' for n in range(len(writer.texts)))}];\n",
-    ]  # fmt: skip
-    return StartData(
-        {"parameters": names, "own": [known[name].value for name in names], "start": description},
-        bytes(writer.content.written), "\n".join(functions),
-    )  # fmt: skip
+    own = [known[name].value for name in names]
+    return StartData({"parameters": names, "own": own, "start": description}, bytes(writer.content.written))
 
 
 class _Writer:
     """Collects the systems that a start needs: their images, and functions of the numbers in them."""
 
-    def __init__(self, m: Mechanism, asked: Sequence[str] | None) -> None:
-        self.document, self.content, self.asked = m._document, Content(), asked
-        self.texts: list[str] = []
+    def __init__(self, m: Mechanism, tape: Tape, asked: Sequence[str] | None) -> None:
+        self.document, self.content, self.tape, self.asked = m._document, Content(), tape, asked
         self.names: tuple[str, ...] = ()
 
     def start(
@@ -189,15 +182,11 @@ class _Writer:
             also=lambda other: {_key(place): x for place, x in _numbers_of(other, numbers).items()},
         )  # fmt: skip
         self.names = recorded.names
-        self.texts.append(
-            javascript.function(recorded.graph, [recorded.holds, *recorded.outputs], f"start{len(self.texts)}Of")
-        )
         counts = [x for name, where in recorded.entries.items() for x in _counts(system, name, where, counted)]
         facts = [tuple(name.split()) if " " in name else (name, -1) for name in recorded.facts]
         counts += [vector not in (*UNCOUNTED, "least") and place != -1 for vector, place in facts]
-        own = recorded.graph.evaluate(recorded.outputs, recorded.inputs(system)[:, None])[:, 0]
         return {
-            "function": len(self.texts) - 1,
+            "function": add_arrays(self.tape, recorded),
             "image": {
                 **workspace_image(system, system.assembly_workspace(), self.content),
                 "times": [0, -1], "width": 0,
@@ -208,7 +197,7 @@ class _Writer:
             },
             "entries": [[name, where.tolist()] for name, where in recorded.entries.items()],
             "facts": [[vector, int(place)] for vector, place in facts],
-            "counts": [int(x) for x in counts], "own": own.tolist(),
+            "counts": [int(x) for x in counts], "inputs": recorded.inputs(system).tolist(),
         }  # fmt: skip
 
 

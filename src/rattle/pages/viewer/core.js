@@ -47,7 +47,7 @@ export class CoreMemory {
     this.end = Math.ceil(about.free / CELL) * CELL;
     const table = this.take(3 * sizes.length);
     const places = sizes.map((size) => this.take(size));
-    const [count] = description.times, times = this.take(count), rows = this.take(count * description.width);
+    const [count, stored, last] = description.times, times = this.take(count), rows = this.take(count * description.width);
     const more = Object.entries(description.more ?? {}).map(([name, [kind, offset, ...shape]]) =>
       [name, kind, offset, shape, this.take(shape.reduce((a, b) => a * b, 1))]);
     const result = this.take(8);
@@ -67,7 +67,8 @@ export class CoreMemory {
       this.fill(this[name], content, offset);
     }
     this.times = this.view(times, [count], "f1");
-    this.fill(this.times, content, description.times[1]);
+    this.fill(this.times, content, stored);
+    if (stored < 0) this.times.data.forEach((_, k, every) => { every[k] = k === count - 1 ? last : k * (last / (count - 1)); });
     this.rows = this.view(rows, [count, description.width], "f2");
   }
 

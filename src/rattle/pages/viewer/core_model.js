@@ -1,6 +1,6 @@
 // A model that a page moves: its run, its start and its drawing, for any values of its parameters.
 //
-// data, functions: of `rattle.pages.live_model`.
+// data: of `rattle.pages.live_model`; functions: of its tape, by their numbers.
 
 import { bytesFrom } from "./core.js";
 import { CoreRun } from "./core_run.js";
@@ -8,6 +8,7 @@ import { general } from "./trust_words.js";
 import { StartFinder } from "./core_start.js";
 import { agreement } from "./core_horizon.js";
 import { curves, resultOf } from "./core_result.js";
+import { functionsByName } from "./tape.js";
 
 const MOST_BESIDE = 400_000; // numbers beside events that a page keeps of a run
 const MOST_OUTPUTS = 20_000;
@@ -21,10 +22,11 @@ export class CoreModel {
   }
 
   constructor(engine, data, functions, content) {
-    Object.assign(this, { engine, data, functions, content });
+    Object.assign(this, { engine, data, content });
+    this.functions = functionsByName(functions, data.functions);
     this.names = data.parameters.map(([name]) => name);
     this.own = Float64Array.from(data.parameters, ([, value]) => value);
-    this.finder = new StartFinder(engine, data.start, functions.start);
+    this.finder = new StartFinder(engine, data.start, functions);
   }
 
   /** A run that has not begun.  parameters: values [SI] by name; settings: t_end, interval of outputs [s], rtol. */
@@ -50,7 +52,7 @@ export class CoreModel {
   arrays(p, constants) {
     const { entries, facts } = this.data, input = Float64Array.from([...p, ...constants]);
     const made = new Float64Array(1 + entries.reduce((sum, [, where]) => sum + where.length, 0) + facts.length + this.data.drawn.length);
-    this.functions.arraysOf(input, made);
+    this.functions.arrays(input, made);
     if (!made[0]) throw new Error("with these values the mechanism has another form, which this page does not hold: open the model with rattle for it");
     let first = 1;
     const found = entries.map(([name, where]) => {
@@ -90,11 +92,10 @@ class ModelRun {
     const changed = end !== run.end || count + 1 !== run.times[0];
     const longest = step ?? (data.settings.step_given ? facts.step ?? run.step : run.step && run.step * Math.min(1, end / run.end));
     const atol = data.settings.atol_given ? (facts.atol ?? run.atol) * share : (run.atol / run.rtol) * rtol;
-    const description = { ...run, end, rtol, atol, step: longest, times: changed ? [count + 1, -1] : run.times };
+    const description = { ...run, end, rtol, atol, step: longest, times: changed ? [count + 1, -1, end] : run.times };
     const core = new CoreRun(engine, { description, content }, { mostSteps: data.settings.most_steps });
     const { m } = core, state = m.arrays.state.data;
     core.method = data.method.name;
-    if (changed) m.times.data.forEach((_, k, times) => { times[k] = k === count ? end : k * (end / count); });
     for (const [name, where, values] of entries) where.forEach((place, k) => { m.arrays[name].data[place] = values[k]; });
     if (start) {
       state.set(start.q);
@@ -114,8 +115,8 @@ class ModelRun {
 
   /** Up to which time [s] the second run, which has ended, agrees with this one. */
   agreement(second) {
-    const { data, functions } = this.model, other = resultOf(second, data.result, functions.result, this.p);
-    const { time, first, motion } = agreement(this.made, other, this.run, data.result, functions.result, this.p);
+    const { data, functions } = this.model, other = resultOf(second, data.result, functions, this.p);
+    const { time, first, motion } = agreement(this.made, other, this.run, data.result, functions, this.p);
     return { horizon: time, horizon_curve: first, horizon_motion: motion };
   }
 
@@ -126,7 +127,7 @@ class ModelRun {
   /** What a page shows. */
   result() {
     const { model, p, run, arrays: { sizes } } = this, { data, functions } = model;
-    const made = this.made = resultOf(run, data.result, functions.result, p, performance.now() - this.began);
+    const made = this.made = resultOf(run, data.result, functions, p, performance.now() - this.began);
     const parameters = Object.fromEntries(model.names.map((name, k) => [name, p[k]]));
     const message = this.stopped && !made.success ? `stopped at t = ${run.t.toPrecision(6)} s; what was computed before is shown` : made.message;
     return { ...made, label: "", t_end: run.end, message, parameters, events: made.events.map((event) => EVENT_PARTS.map((key) => event[key])), geometry: model.drawing(sizes), between: this.between() };
@@ -139,7 +140,7 @@ class ModelRun {
     breaks.sort((a, b) => a.t - b.t);
     const every = new Float64Array(breaks.length * width), t = Float64Array.from(breaks, (one) => one.t);
     breaks.forEach(({ row }, k) => every.set(row, k * width));
-    const made = curves(run, data.result, functions.result, this.p, every, rows.subarray(0, width));
+    const made = curves(run, data.result, functions, this.p, every, rows.subarray(0, width));
     return Object.fromEntries(Object.entries(made).map(([name, y]) => [name, { t, y }]));
   }
 }

@@ -1,5 +1,5 @@
 // The start of a mechanism for other parameters, by the compiled kernels: what `rattle.analyses.assembly` does near a
-// start that is known.  data: `rattle.pages.start_data`, { description, content }; functions: those of its module.
+// start that is known.  data: `rattle.pages.start_data`, { description, content }; functions: of its tape, by their numbers.
 
 import { CoreMemory } from "./core.js";
 
@@ -36,7 +36,9 @@ export class StartFinder {
 class Part {
   constructor(engine, content, made, functions) {
     Object.assign(this, made, { m: new CoreMemory(engine, { description: made.image, content }), numbers: functions[made.function] });
-    this.out = new Float64Array(1 + made.own.length);
+    this.out = new Float64Array(1 + made.counts.length);
+    this.numbers(Float64Array.from(made.inputs), this.out);
+    this.own = this.out.slice(1); // its numbers for the model's own parameters
     this.memory = () => new Uint8Array(this.m.calls.memory.buffer, engine.about.free, this.m.end - engine.about.free);
     this.image = this.memory().slice();
   }

@@ -7,16 +7,17 @@
 
 import { CoreModel } from "./core_model.js";
 import { bytesFrom, openCore } from "./core.js";
+import { openTape } from "./tape.js";
 import { trustLines } from "./trust_words.js";
 
 const SLICE = 12; // milliseconds between two looks at the messages
 const TELL = 250; // milliseconds between two words of progress
 
-/** Open the models of a page, { name: { data, functions } }, and serve a port. */
-export async function serve(port, engineText, models) {
+/** Open the models of a page, data by name, whose functions are on a tape, and serve a port. */
+export async function serve(port, engineText, tape, models) {
   try {
-    const engine = await openCore(await bytesFrom(engineText)), opened = {};
-    for (const [name, { data, functions }] of Object.entries(models)) opened[name] = await CoreModel.open(engine, data, functions);
+    const engine = await openCore(await bytesFrom(engineText)), functions = await openTape(tape), opened = {};
+    for (const [name, data] of Object.entries(models)) opened[name] = await CoreModel.open(engine, data, functions);
     serveModels(port, opened);
     port.postMessage({ ready: true });
   } catch (error) {
