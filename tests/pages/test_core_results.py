@@ -17,7 +17,9 @@ TYPICAL = (
     *("crank_rocker_play", "slider_crank_oil", "torque_converter", "belt_drive", "guide_play", "three_plays"),
     *("gear_rattle", "ratchet", "stick_slip"),
 )
-OTHERS = sorted({path.stem for path in (Path(rt.__file__).parent / "examples").glob("*.toml")} - {*TYPICAL})
+NOT_RECORDED = ("cam_lift_off",)  # no page computes it: the form of its cam is checked with numbers
+EXAMPLES = {path.stem for path in (Path(rt.__file__).parent / "examples").glob("*.toml")}
+OTHERS = sorted(EXAMPLES - {*TYPICAL, *NOT_RECORDED})
 CLOSE = 1e-12  # share of a column's largest value: sines of NumPy and of the page, and powers as products
 SAME_RESULTS = """
 import json, sys
@@ -68,8 +70,8 @@ for name in sys.argv[3:]:
         wrong.append("events")
     trust = got["trust"]
     for key in ("drift", "drift_angle", "drift_joint", "energy_share", "t_end", "stopped", "pulled", "first_pull",
-                "contacts", "impacts", "fewest_steps"):
-        if trust[key] != getattr(want.trust, key):
+                "contact_count", "impact_count", "fewest_steps"):
+        if trust[key] != getattr(want.trust, {"contact_count": "contacts", "impact_count": "impacts"}.get(key, key)):
             wrong.append(f"trust.{key}")
     if abs(nan(trust["energy"]) - want.trust.energy_balance) > 1e-12 * max(1.0, abs(want["energy.kinetic"]).max()):
         wrong.append("trust.energy")
