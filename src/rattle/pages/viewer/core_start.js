@@ -37,8 +37,7 @@ class Part {
   constructor(engine, content, made, functions) {
     Object.assign(this, made, { m: new CoreMemory(engine, { description: made.image, content }), numbers: functions[made.function] });
     this.out = new Float64Array(1 + made.counts.length);
-    this.numbers(Float64Array.from(made.inputs), this.out);
-    this.own = this.out.slice(1); // its numbers for the model's own parameters
+    this.own = null; // its numbers for the model's own parameters, when they are asked for
     this.memory = () => new Uint8Array(this.m.calls.memory.buffer, engine.about.free, this.m.end - engine.about.free);
     this.image = this.memory().slice();
   }
@@ -48,6 +47,10 @@ class Part {
   /** Enter the numbers that follow from inputs; false where the model has another form. */
   enter(inputs) {
     const { m, out } = this, values = out.subarray(1);
+    if (!this.own) {
+      this.numbers(Float64Array.from(this.inputs), out);
+      this.own = values.slice();
+    }
     this.numbers(inputs, out);
     if (out[0] !== 1 || values.some((x) => !Number.isFinite(x))) return false;
     let n = 0;

@@ -19,11 +19,14 @@ export async function openTape(written) {
     for (; bytes[at] > 0x7f; bits += 7) value |= (bytes[at++] & 0x7f) << bits;
     return value | (bytes[at++] << bits);
   };
-  const opcodes = bytes.subarray(0, count), operands = [0, 1, 2].map((column) => Int32Array.from(opcodes, (code, k) => {
-    if (column >= OPERANDS[code]) return 0;
-    const reference = varint();
-    return reference === 1 ? next++ : reference & 1 ? (reference - 3) / 2 : leaves + k - reference / 2;
-  }));
+  const opcodes = bytes.subarray(0, count), operands = [0, 1, 2].map(() => new Int32Array(count));
+  operands.forEach((column, c) => {
+    for (let k = 0; k < count; k++) {
+      if (c >= OPERANDS[opcodes[k]]) continue;
+      const reference = varint();
+      column[k] = reference === 1 ? next++ : reference & 1 ? (reference - 3) / 2 : leaves + k - reference / 2;
+    }
+  });
   const slots = (length) => {
     let slot = 0;
     return Int32Array.from({ length }, () => {
@@ -35,7 +38,11 @@ export async function openTape(written) {
   const planes = bytes.subarray(at), plain = new DataView(new ArrayBuffer(8 * numbers));
   for (let k = 0; k < 8 * numbers; k++) plain.setUint8(k, planes[(k % 8) * numbers + (k >> 3)]);
   const constants = Float64Array.from({ length: numbers }, (_, k) => plain.getFloat64(8 * k, true));
-  return functions.map((own) => tapeFunction({ inputs, leaves, count, opcodes, operands, constants }, own));
+  const tape = { inputs, leaves, count, opcodes, operands, constants };
+  return functions.map((own) => {
+    let compute = null; // many are never called: until a parameter changes
+    return (inp, out) => (compute ??= tapeFunction(tape, own))(inp, out);
+  });
 }
 
 /** Functions by name, from those of a tape.  numbers: by name. */
@@ -43,30 +50,38 @@ export function functionsByName(functions, numbers) {
   return Object.fromEntries(Object.entries(numbers).map(([name, number]) => [name, functions[number]]));
 }
 
-// one function with values of its own: its inputs, all numbers, its operations, of which those that follow from its early
-// inputs alone come first and are computed again only when one of these changes
+// one function with values of its own: its inputs, the numbers it uses, its operations, of which those that follow from its
+// early inputs alone come first and are computed again only when one of these changes
 function tapeFunction({ inputs, leaves, count, opcodes, operands, constants }, { inputs: given, early, outputs }) {
   const live = new Uint8Array(leaves + count), late = new Uint8Array(leaves + count), place = new Int32Array(leaves + count);
-  const of = (k, change) => { for (let n = 0; n < OPERANDS[opcodes[k]]; n++) change(operands[n][k]); };
   for (const slot of outputs) live[slot] = 1;
-  for (let k = count - 1; k >= 0; k--) if (live[leaves + k]) of(k, (slot) => { live[slot] = 1; });
+  for (let k = count - 1; k >= 0; k--)
+    if (live[leaves + k]) for (let n = 0; n < OPERANDS[opcodes[k]]; n++) live[operands[n][k]] = 1;
+  let first = given.length, split = 0, end = 0;
   given.forEach((slot, k) => { [place[slot], late[slot]] = [k, k < early ? 0 : 1]; });
-  constants.forEach((_, k) => { place[inputs + k] = given.length + k; });
-  for (let k = 0; k < count; k++) of(k, (slot) => { late[leaves + k] |= late[slot]; });
-  const first = given.length + constants.length, order = [0, 1].flatMap((phase) =>
-    Array.from({ length: count }, (_, k) => k).filter((k) => live[leaves + k] && late[leaves + k] === phase));
-  order.forEach((k, n) => { place[leaves + k] = first + n; });
-  const codes = Uint8Array.from(order, (k) => opcodes[k]), [a, b, c] = operands.map((column) => Int32Array.from(order, (k) => place[column[k]]));
-  const split = order.filter((k) => !late[leaves + k]).length, results = outputs.map((slot) => place[slot]);
-  const values = new Float64Array(first + order.length), halves = new Uint32Array(values.buffer);
-  values.set(constants, given.length);
+  for (let slot = inputs; slot < leaves; slot++) if (live[slot]) place[slot] = first++;
+  for (let k = 0; k < count; k++) {
+    if (!live[leaves + k]) continue;
+    for (let n = 0; n < OPERANDS[opcodes[k]]; n++) late[leaves + k] |= late[operands[n][k]];
+    end++;
+    split += 1 - late[leaves + k];
+  }
+  const codes = new Uint8Array(end), [a, b, c] = [0, 1, 2].map(() => new Int32Array(end)), next = [0, split];
+  for (let k = 0; k < count; k++) {
+    if (!live[leaves + k]) continue;
+    const n = next[late[leaves + k]]++;
+    place[leaves + k] = first + n;
+    [codes[n], a[n], b[n], c[n]] = [opcodes[k], place[operands[0][k]], place[operands[1][k]], place[operands[2][k]]];
+  }
+  const values = new Float64Array(first + end), halves = new Uint32Array(values.buffer), results = outputs.map((slot) => place[slot]);
+  for (let slot = inputs; slot < leaves; slot++) if (live[slot]) values[place[slot]] = constants[slot - inputs];
   let computed = false;
   return (inp, out) => {
     for (let k = 0; k < early; k++) computed &&= Object.is(values[k], inp[k]);
     for (let k = 0; k < given.length; k++) values[k] = inp[k];
     if (!computed) interpret(codes, a, b, c, values, halves, first, 0, split);
     computed = true;
-    interpret(codes, a, b, c, values, halves, first, split, codes.length);
+    interpret(codes, a, b, c, values, halves, first, split, end);
     for (let k = 0; k < results.length; k++) out[k] = values[results[k]];
   };
 }
