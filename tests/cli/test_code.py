@@ -424,7 +424,7 @@ def asked(folder, end):
 def test_a_module_with_contacts_takes_the_steps_and_events_of_a_run(tmp_path, name, end):
     done = written(tmp_path, name, "--t-end", f"{end} s", name="model.mjs")
     assert done.exit_code == 0, done.stderr
-    assert "parameters keep their values" in done.stderr
+    assert "the file holds compiled kernels" in done.stderr
     said, r = asked(tmp_path, end), rt.example(name).simulate(end)
     assert (said["success"], said["message"]) == (True, "")
     events = r.events
@@ -439,14 +439,12 @@ def test_a_module_with_contacts_takes_the_steps_and_events_of_a_run(tmp_path, na
 
 
 @needs_node
-def test_a_module_with_contacts_prints_its_motion_and_refuses_a_later_end(tmp_path):
+def test_a_module_with_contacts_prints_its_motion_and_refuses_what_is_no_end(tmp_path):
     assert written(tmp_path, "bouncing_pin", "--t-end", "10 ms", name="model.mjs").exit_code == 0
     done = subprocess.run(["node", "model.mjs", "0.005"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     head, *rows = done.stdout.splitlines()
     assert head.startswith("t,")
     assert float(rows[-1].split(",")[0]) == pytest.approx(0.005)
-    done = subprocess.run(["node", "model.mjs", "0.5"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert done.stderr == "tEnd = 0.5: a time above 0 is expected, up to 0.01 s, the end that it has\n"
     done = subprocess.run(["node", "model.mjs", "soon"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith("tEnd = NaN: a time above 0 is expected")

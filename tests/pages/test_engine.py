@@ -254,7 +254,7 @@ def test_parameters_that_do_not_close_are_refused_in_words(tmp_path):
     refused, good = computed(
         tmp_path, live_model(rt.loads(LOOP.replace("0.4 m", "0.01 m"))), {"rod": 0.02}, {"rod": 0.5}, t_end=0.05
     )
-    assert "cannot be assembled" in refused["error"]
+    assert "cannot be put together" in refused["error"]
     assert good["success"]
 
 

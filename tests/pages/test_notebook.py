@@ -8,7 +8,7 @@ import pytest
 
 import rattle as rt
 from rattle.errors import MissingPackage
-from rattle.pages.notebook import Kernel, kernel_scene, module_text, view
+from rattle.pages.notebook import Kernel, kernel_scene, module_text, view, widget_class
 from rattle.results.archive import package
 
 STOPPED = """format = 1
@@ -146,7 +146,8 @@ def test_a_widget_is_live_without_a_kernel(open_page, tmp_path):
 
 
 def test_a_slider_of_a_widget_is_answered_by_the_kernel(open_page, tmp_path, stopped):
-    widget = view(stopped)
+    kernel = Kernel(stopped, None)
+    widget = widget_class("m.view()")(kernel_scene(stopped, None, "a law is written in Python"), kernel, "")
     assert widget.by_kernel
     page = opened(open_page, tmp_path, widget)
     page.evaluate("window.done = app.set('e', 0.8); 0")

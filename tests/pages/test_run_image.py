@@ -12,12 +12,12 @@ import rattle as rt
 from core_engine import new
 from rattle.errors import InputError
 from rattle.jit.workspace import ARRAYS
-from rattle.pages.run_image import image_of, run_image
+from rattle.pages.run_image import planned_run, run_image
 
 IN_PYTHON = """
 import json, sys, rattle as rt
-from rattle.pages.run_image import image_of
-one = image_of(rt.example("fourbar_onesided"))
+from rattle.pages.run_image import planned_run, run_image
+one = run_image(planned_run(rt.example("fourbar_onesided")))
 open(sys.argv[1], "wb").write(one.content)
 print(json.dumps(one.description))
 """
@@ -59,4 +59,4 @@ def test_a_law_in_python_is_refused(laws):
     m = rt.example("ellipse")
     m.load("air", "breeze", body=next(iter(m.model.bodies)), c="1 N")
     with pytest.raises(InputError, match="a law in Python cannot be computed in a page"):
-        image_of(m)
+        run_image(planned_run(m))

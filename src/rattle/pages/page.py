@@ -91,6 +91,8 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
 def _replay(m: Mechanism, t_end: float | None) -> dict[str, Any]:
     """The motion of the bodies as it was computed now, for browsers that cannot compute it."""
     result = m.simulate(t_end)
+    if result.interrupted:
+        raise KeyboardInterrupt
     rows = shared_rows(result, FEWEST_ROWS)
     return run_of(result, "", result.geometry, OF_GHOST, kept=(rows, {}))
 
