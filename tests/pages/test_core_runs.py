@@ -15,6 +15,7 @@ import rattle as rt
 from core_engine import by_machine_code, in_node, new
 from linkages import loose_parallelogram
 from rattle.jit import layout as at
+from rattle.pages.run_image import run_image
 
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 
@@ -51,6 +52,16 @@ def test_it_takes_the_steps_of_simulate(name, tmp_path):
     assert [one["kind"] for one in said["events"]] == run["events"][:, 2].tolist()
     assert np.allclose([one["t"] for one in said["events"]], run["events"][:, 0], rtol=1e-4)
     assert apart(run["rows"], said["rows"]) < STEPPED_ALIKE[name]
+
+
+@pytest.mark.parametrize("share", [1.0, 0.9])
+def test_output_times_are_those_of_simulate(share, tmp_path):
+    """To the bit, whether they are equally far apart, which takes no bytes, or not."""
+    run = new("fourbar_onesided", t_end=0.07)
+    run.t_eval[1] *= share
+    assert (run_image(run).description["times"][1] < 0) == (share == 1.0)
+    in_node(tmp_path, run, 'fs.writeFileSync("times.bin", run.m.times.data);')
+    assert np.fromfile(tmp_path / "times.bin").tolist() == run.t_eval.tolist()
 
 
 def test_equal_steps_of_another_method(tmp_path):
