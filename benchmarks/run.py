@@ -1,6 +1,6 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup assembly lanes oil wear]
+    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup assembly lanes oil wear pages]
                              [--repeats 7]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
@@ -15,6 +15,7 @@ import contact
 import kinematics
 import lubrication
 import measure
+import pages
 import pressing
 import rhs
 import startup
@@ -35,6 +36,7 @@ SECTIONS = {
     "lanes": straight_line.rows,
     "oil": lubrication.rows,
     "wear": wear.rows,
+    "pages": pages.rows,
 }
 
 
