@@ -28,7 +28,8 @@ export const parameters = Object.fromEntries(model.names.map((name, k) => [name,
 /**
  * The motion from the start to tEnd [s], with outputs every `step` [s] and other values of parameters [SI], by name.
  *
- * Returns { rows, events, peaks, success, message, statistics }: rows as names lists them; events { t, joint, kind,
+ * Returns { t, columns, rows, events, peaks, success, message, statistics }: columns by name; rows as names lists
+ * them; events { t, joint, kind,
  * normal_speed, duration, peak_force, impulse, energy_lost }; peaks by name: value, time, root mean square [SI].
  */
 export function run(tEnd = undefined, step = undefined, p = {}) {
@@ -41,10 +42,12 @@ export function run(tEnd = undefined, step = undefined, p = {}) {
   const moved = model.begin(p, { t_end: tEnd, interval: step });
   moved.advance(Infinity);
   const { t, columns, peaks, success, message, stats, events: lists } = moved.result();
-  const rows = Array.from(t, (at, k) => [at, ...names.slice(1).map((name) => columns[name][k])]);
   const events = lists.map((values) => Object.fromEntries(values.map((value, k) => [EVENT_PARTS[k], value])));
   const { steps, rejected, evaluations } = stats;
-  return { rows, events, peaks, success, message, statistics: { steps, rejected, evaluations } };
+  return {
+    t, columns, events, peaks, success, message, statistics: { steps, rejected, evaluations },
+    get rows() { return Array.from(t, (at, k) => [at, ...names.slice(1).map((name) => columns[name][k])]); },
+  };
 }
 
 /** In node: print the motion as CSV if this file is what node was asked to run. */

@@ -111,7 +111,7 @@ export class Knobs {
       element.classList.toggle("changed", set[name] !== knob.value);
     }
     const end = this.end === this.usualEnd ? this.runs[this.now]?.t_end ?? this.end : this.end;
-    if (this.end !== null) this.time.value = `${tidy(end)} s`;
+    if (this.end !== null) this.time.value = `${tidy(Number(end.toPrecision(5)))} s`;
     this.time.parentElement.hidden = this.end === null;
     const names = this.sets.B ? ["A", "B"] : [];
     this.which.replaceChildren(...names.map((one) => make("button", { type: "button", class: "chip strong", "aria-pressed": String(one === this.now),
