@@ -40,7 +40,7 @@ def problem(pins, friction, rng, known_slip=False):
     """A problem with all pins of a chain closed and any right side; its workspace and G, without the joints' code."""
     functions.start()
     system = chain(pins, friction, hanging=True).system
-    workspace = system.workspace(**contact_arrays(system))
+    workspace = system.workspace(**contact_arrays(system), course=np.zeros(at.width("course")))
     q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])
     motion.free_motion(workspace, 0.0, q, rng.normal(size=3 * pins))
     workspace.active[:] = np.arange(pins)

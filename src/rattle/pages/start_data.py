@@ -17,9 +17,9 @@ import numpy as np
 from rattle.analyses.assembly.assembly import (
     Assembled,
     consistent_start,
+    ideal_system,
     undetermined,
     with_play,
-    without_play,
 )
 from rattle.analyses.assembly.first_guess import first_guess, ways_of_kernels
 from rattle.analyses.assembly.outside import least_gaps
@@ -32,7 +32,7 @@ from rattle.description.model import Model, driven_ends
 from rattle.equations.dense import LARGE
 from rattle.equations.start_near import LINE
 from rattle.equations.system import System, compile_system, is_link, joint_rows
-from rattle.errors import TraceError
+from rattle.errors import AssemblyError, TraceError
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
 from rattle.mechanism import Mechanism
@@ -74,6 +74,20 @@ class _Writer:
     def __init__(self, m: Mechanism, tape: Tape, asked: Sequence[str] | None) -> None:
         self.document, self.content, self.tape, self.asked = m._document, Content(), tape, asked
         self.names: tuple[str, ...] = ()
+        self.without_play: list[tuple[System, System, Assembled | AssemblyError]] = []
+
+    def shut(self, system: System) -> tuple[System, Assembled | AssemblyError]:
+        """The mechanism without play, made of this very model, and its start, or why there is none."""
+        for known, ideal, begun in self.without_play:
+            if known is system:
+                return ideal, begun
+        shut = ideal_system(system.model)
+        try:
+            start: Assembled | AssemblyError = consistent_start(shut, 0.0)
+        except AssemblyError as error:
+            start = error
+        self.without_play.append((system, shut, start))
+        return shut, start
 
     def start(
         self, system: System, form: Form, start: Assembled, counted: bool, presses: Sequence[str] = ()
@@ -90,7 +104,7 @@ class _Writer:
         missing = [x for x in links if math.hypot(*offsets[x]) < NO_OFFSET * model.joints[x].clearance]
         ideal, held = None, list[str]()
         if offsets:
-            shut, without = without_play(system)
+            shut, without = self.shut(system)
             near = without.q if isinstance(without, Assembled) else first_guess(system)
             held = [*links, *undetermined(system, 0.0, near, {name: model.joints[name] for name in open_})]
             if isinstance(without, Assembled):
@@ -161,7 +175,7 @@ class _Writer:
 
         shut = compile_system(closed(model))
         if alike and not constants_of(model):
-            shut, closed = without_play(system)[0], lambda read: ideal_model(form(read))
+            shut, closed = self.shut(system)[0], lambda read: ideal_model(form(read))
         pins, which = [], []
         for n, name in enumerate(held):
             for owner in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
