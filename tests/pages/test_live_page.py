@@ -2,6 +2,8 @@
 
 import json
 import re
+from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -404,3 +406,36 @@ def test_names_of_parameters_can_be_read_whole(tmp_path, open_page, width, heigh
     for box in (name.bounding_box() for name in names.all()):
         assert box["width"] > 60  # room for more than two letters of a line
     keep_picture(tab, f"live-names-{width}")
+
+
+def test_a_long_run_tells_how_far_it_has_come_and_ends_when_it_is_told(fourbar):
+    """What was computed before is shown, and said to be a part."""
+    until = fourbar.get_by_label("End of the motion")
+    until.fill("500 s")
+    until.press("Enter")
+    shows(fourbar.get_by_role("status").filter(has_text="computing … 0 %"))
+    fourbar.get_by_role("button", name="Stop").click()
+    becomes(fourbar, "() => rattle.run.success === false")
+    assert fourbar.evaluate("() => rattle.run.message").startswith("stopped at t = ")
+    assert fourbar.locator(".trust .badge").text_content() == "Stopped"
+    until.fill("0.05 s")
+    until.press("Enter")
+    becomes(fourbar, "() => rattle.run.success === true")
+
+
+def test_a_browser_that_may_not_compute_replays_the_motion_and_says_why(fourbar_page, tmp_path, open_page):
+    """Its policy forbids to compile: the bodies move as they did when the page was written."""
+    text = unquote(fourbar_page.removeprefix("file://"))
+    strict = Path(text).read_text(encoding="utf-8").replace("&#x27;unsafe-eval&#x27;", "")
+    (tmp_path / "strict.html").write_text(strict, encoding="utf-8")
+    tab = open_page((tmp_path / "strict.html").as_uri())
+    for _ in range(100):
+        if tab.evaluate("() => window.rattle?.names.length > 3"):
+            break
+        tab.wait_for_timeout(100)
+    assert tab.evaluate("() => window.rattle.live") is False
+    notes = " ".join(tab.evaluate("() => window.rattle.viewer.scene.notes"))
+    assert "replays the motion of its bodies" in notes
+    assert "cannot compile the engine" in notes
+    t, y = map(np.array, tab.evaluate(CURVE, "rocker.angle"))
+    assert y == pytest.approx(short_fourbar().simulate(t_eval=t)["rocker.angle"], abs=1e-4)

@@ -11,7 +11,7 @@ import { curves, resultOf } from "./core_result.js";
 import { functionsByName } from "./tape.js";
 
 const MOST_BESIDE = 400_000; // numbers beside events that a page keeps of a run
-const MOST_OUTPUTS = 20_000;
+const MOST_OUTPUTS = 20_000; // of a longer run they are farther apart
 const EVENT_PARTS = ["t", "joint", "kind", "normal_speed", "duration", "peak_force", "impulse", "energy_lost"]; // in lists of a scene
 
 /** A model in an engine. */
@@ -84,11 +84,11 @@ class ModelRun {
   prepared(share, step = null) {
     const { model: { engine, data, content }, arrays: { entries, facts }, start, settings } = this, { run } = data;
     const end = settings.t_end ?? (data.settings.end_given ? run.end : facts.t_end ?? run.end), rtol = (settings.rtol ?? facts.rtol ?? run.rtol) * share;
-    const interval = settings.interval ?? facts.output ?? data.settings.interval, count = Math.max(1, Math.round(interval ? end / interval : data.settings.outputs));
+    const interval = settings.interval ?? facts.output ?? data.settings.interval, most = settings.interval ? Infinity : MOST_OUTPUTS;
+    const count = Math.min(most, Math.max(1, Math.round(interval ? end / interval : data.settings.outputs)));
     if (!(end > 0 && end < Infinity)) throw new Error("the end of the motion must be after its start");
     if (data.settings.timed && end > run.end)
       throw new Error(`instants at which expressions of time switch are known up to ${general(run.end)} s only: choose an end up to there`);
-    if (count > MOST_OUTPUTS) throw new Error(`${count} outputs are too many for a page: choose an earlier end`);
     const changed = end !== run.end || count + 1 !== run.times[0];
     const longest = step ?? (data.settings.step_given ? facts.step ?? run.step : run.step && run.step * Math.min(1, end / run.end));
     const atol = data.settings.atol_given ? (facts.atol ?? run.atol) * share : (run.atol / run.rtol) * rtol;
