@@ -129,7 +129,7 @@ class ModelRun {
     const { model, p, run, arrays: { sizes } } = this, { data, functions } = model;
     const made = this.made = resultOf(run, data.result, functions, p, performance.now() - this.began);
     const parameters = Object.fromEntries(model.names.map((name, k) => [name, p[k]]));
-    const message = this.stopped && !made.success ? `stopped at t = ${run.t.toPrecision(6)} s; what was computed before is shown` : made.message;
+    const message = this.stopped && !made.success ? `at t = ${general(run.t)} s, when it was told to; what was computed before is shown` : made.message;
     return { ...made, label: "", t_end: run.end, message, parameters, events: made.events.map((event) => EVENT_PARTS.map((key) => event[key])), geometry: model.drawing(sizes), between: this.between() };
   }
 

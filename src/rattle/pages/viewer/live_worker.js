@@ -36,7 +36,9 @@ function serveModels(port, models) {
     waiting.delete(task.id);
     task.made = task.first.result();
     answer(port, task);
-    if (task.made.trust.pending && task.model === "model") trusting.set(task.slot, task);
+    if (!task.made.trust.pending || task.model !== "model") return;
+    if (task.first.stopped) giveUp(task); // nobody waits twice
+    else trusting.set(task.slot, task);
   };
   const trust = (task) => {
     task.second ??= task.first.second();
