@@ -61,22 +61,27 @@ define double @"rattle.exp2"(double %x) {
 TWO = ("pow", "atan2", "hypot", "fmod")
 
 
-def new(name, method=None, t_end=None, **changes):
-    """A run of an example, or of a mechanism, as `simulate` makes it, before its first step."""
+def new(name, method=None, t_end=None, finer=1.0, **changes):
+    """A run of an example, or of a mechanism, as `simulate` makes it, before its first step.
+
+    finer: by what its tolerances are divided.
+    """
     functions.start()
     m = rt.example(name) if isinstance(name, str) else name
     m = m.set(**changes) if changes else m
     settings = m.system.model.settings
     end, times = output_times(settings, t_end, None)
-    rtol = settings.rtol or RTOL
+    rtol = (settings.rtol or RTOL) / finer
     stepper, step = choose_stepper(m.system, method or settings.method, settings.step, end)
-    return new_run(m.system, m.start, times, end, How(stepper, rtol, settings.atol or ATOL * rtol, step))
+    return new_run(
+        m.system, m.start, times, end, How(stepper, rtol, (settings.atol or ATOL * rtol * finer) / finer, step)
+    )
 
 
-def with_result(folder, m):
+def with_result(folder, m, t_end=None):
     """Write what `RESULT` reads: the data and functions with which the end of a run becomes a result."""
     tape = Tape()
-    data, numbers = result_data(m, tape)
+    data, numbers = result_data(m, tape, t_end)
     (folder / "result_data.json").write_text(json.dumps({"data": data, "tape": tape.written(), "numbers": numbers}))
 
 

@@ -12,6 +12,13 @@ from rattle.analyses.travel import distance_of
 from rattle.equations.system import System
 
 TINY = 1e-300  # tension [N] that may be divided by
+SENTENCES = {  # also in pages
+    "slips": "joint '{joint}' would slip, first at t = {first:.4g} s: there and later its strands bear up to"
+    " {tight:.4g} N and {slack:.4g} N, a ratio {ratio} (t = {t:.4g} s), and friction holds {holds:.3g} (Eytelwein, mu ="
+    " {mu:g}{source}, wrap {wrap:.4g} deg). The model does not let it slip: more pretension, or toothed = true for a"
+    " chain",
+    "hangs": "without limit: the slack strand hangs",
+}
 CARRIES = 1e-3  # share of the largest tension below which a belt carries nothing, and nothing slips
 
 
@@ -32,21 +39,18 @@ def grip_notes(system: System, t: np.ndarray, q: np.ndarray, data: np.ndarray, n
         carries = tight > CARRIES * np.abs(tight).max(initial=0.0)
         over = np.flatnonzero(carries & (tight > slack * grip.ratio))
         if len(over):
-            notes.append(f"joint '{name}' {_words(t, tight, slack, grip, over)}")
+            notes.append(_words(name, t, tight, slack, grip, over))
     return tuple(notes)
 
 
-def _words(t: np.ndarray, tight: np.ndarray, slack: np.ndarray, grip: Any, over: np.ndarray) -> str:
+def _words(joint: str, t: np.ndarray, tight: np.ndarray, slack: np.ndarray, grip: Any, over: np.ndarray) -> str:
     """Where and by how much a belt would slip; over: the instants at which it would."""
     with np.errstate(divide="ignore"):
         ratio = np.where(slack > 0.0, tight / np.maximum(slack, TINY), np.inf)[over]
     k = over[int(np.argmax(ratio))]
     worst = float(ratio.max())
-    many = f"{worst:.3g}" if math.isfinite(worst) else "without limit: the slack strand hangs"
-    return (
-        f"would slip, first at t = {float(t[over[0]]):.4g} s: there and later its strands bear up to"
-        f" {float(tight[k]):.4g} N and {float(slack[k]):.4g} N, a ratio {many} (t = {float(t[k]):.4g} s), and friction"
-        f" holds {float(grip.ratio[k]):.3g} (Eytelwein, mu = {grip.mu:g}{grip.source}, wrap"
-        f" {math.degrees(float(grip.wrap[k])):.4g} deg). The model does not let it slip: more pretension, or"
-        " toothed = true for a chain"
-    )
+    many = f"{worst:.3g}" if math.isfinite(worst) else SENTENCES["hangs"]
+    return SENTENCES["slips"].format(
+        joint=joint, first=float(t[over[0]]), tight=float(tight[k]), slack=float(slack[k]), ratio=many, t=float(t[k]),
+        holds=float(grip.ratio[k]), mu=grip.mu, source=grip.source, wrap=math.degrees(float(grip.wrap[k])),
+    )  # fmt: skip

@@ -20,6 +20,12 @@ FEW = 3  # jolts of a driver that are listed one by one, at most
 LEAP = 1e-9  # change of a driver's function that counts as a jump, as a share of 1 rad or of the mechanism's size
 KICK = 1e-9  # change of its speed that counts as a jump, as a share of its largest speed
 UNITS = {"rad": ("rad", "rad/s", "N*m*s"), "m": ("m", "m/s", "N*s")}
+SENTENCES = {  # of notes, also in pages
+    "jolt": "driver '{driver}' jumps in speed by {size:.4g} {rate} at t = {t:.9g} s: an impulse of {impulse:.4g}"
+    " {unit}, work of {work:.4g} J",
+    "jolts": "driver '{driver}' jumps in speed {count} times, work of {work:.4g} J in total",
+    "unresolved": "{name} switches too often to follow: steps do not end at its switching instants",
+}
 
 
 @dataclass(frozen=True)
@@ -152,15 +158,20 @@ def jolt_notes(jolts: Sequence[Jolt], table: Timetable) -> tuple[str, ...]:
         for one in own if len(own) <= FEW else own[:1]:
             _, rate, impulse = UNITS[one.jump.unit]
             said.append(
-                f"driver '{name}' jumps in speed by {one.jump.size:.4g} {rate} at t = {one.jump.t:.9g} s:"
-                f" an impulse of {one.impulse:.4g} {impulse}, work of {one.work:.4g} J"
-            )
+                SENTENCES["jolt"].format(
+                    driver=name, size=one.jump.size, rate=rate, t=one.jump.t, impulse=one.impulse, unit=impulse,
+                    work=one.work,
+                )
+            )  # fmt: skip
         if len(own) > FEW:
             total = sum(one.work for one in own)
-            said.append(f"driver '{name}' jumps in speed {len(own)} times, work of {total:.4g} J in total")
-    for name in table.unresolved:
-        said.append(f"{name} switches too often to follow: steps do not end at its switching instants")
-    return tuple(said)
+            said.append(SENTENCES["jolts"].format(driver=name, count=len(own), work=total))
+    return (*said, *unresolved_notes(table))
+
+
+def unresolved_notes(table: Timetable) -> tuple[str, ...]:
+    """Notes on expressions with too many switching instants."""
+    return tuple(SENTENCES["unresolved"].format(name=name) for name in table.unresolved)
 
 
 def jump_lines(jumps: Sequence[Jump]) -> list[str]:

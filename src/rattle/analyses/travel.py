@@ -36,12 +36,17 @@ def out_of_place(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...
 
     t: (n,) [s].  q: (n, nb, 3) [m, m, rad] positions of all bodies.
     """
-    doubts = ((name, joint.leaf.doubt(joint.fields)) for name, joint in system.model.joints.items())
     return (
-        *(f"joint '{name}': {doubt}" for name, doubt in doubts if doubt),
+        *(f"joint '{name}': {doubt}" for name, doubt in doubts_of_fields(system.model)),
         *past_ends(system, t, q),
         *unfit(system, t, q),
     )
+
+
+def doubts_of_fields(model: Model) -> Iterator[tuple[str, str]]:
+    """Joints of doubtful fields, and what is doubtful, in words."""
+    doubts = ((name, joint.leaf.doubt(joint.fields)) for name, joint in model.joints.items())
+    return (pair for pair in doubts if pair[1])
 
 
 def fits(system: System, q: np.ndarray) -> Iterator[tuple[str, Joint, Any, np.ndarray]]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,21 +16,23 @@ from rattle.analyses.dynamics import horizon, soundness
 from rattle.analyses.dynamics.events import KINDS
 from rattle.analyses.dynamics.peak_values import peak_names
 from rattle.analyses.model_form import FAILURES, beside, read_watched
-from rattle.analyses.timetable import timetable
+from rattle.description.model import Point
 from rattle.description.read_parameters import chosen_parameters
 from rattle.elements.film_table import read_ratios
 from rattle.elements.long_film import long_peaks
 from rattle.elements.short_film import short_peaks
-from rattle.equations import motion, unilateral
+from rattle.equations import complementarity, motion, unilateral
 from rattle.equations.state import IMPULSE, LOSS, state_layout
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction
-from rattle.language.recorded import symbol_of
+from rattle.language.recorded import Recorded, symbol_of
 from rattle.language.watched import Watch
 from rattle.mechanism import Mechanism
+from rattle.pages.run_image import planned_run
 from rattle.pages.tape import PARAMETER, Tape
+from rattle.pages.trust_data import facts, trust_data
 from rattle.results.columns import columns, quantities, reaction_columns, states_of, width
 from rattle.results.film_columns import film_columns, of_law
 from rattle.solvers.contacts.penetration import ESCAPED
@@ -39,11 +42,12 @@ from rattle.solvers.step_audit import UNSOUND
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, Symbol
 from rattle.trace.recording import Recorder
-from rattle.trace.symbol_arrays import Column, Table
+from rattle.trace.symbol_arrays import Column, Table, arrays
 
 WORDS = {  # why a run ends before its end, by status; `rattle run` tells more
     motion.NOT_FINITE: "a load, driver or signal has no finite value, or the motion diverges",
-    motion.STEP_TOO_SMALL: "no step is short enough: a singular position, or a load without a finite value",
+    motion.STEP_TOO_SMALL: "no step is short enough: a singular position, friction that locks, or a load without a"
+    " finite value",
     ESCAPED: "a contact is inside its wall",
     UNSOUND: "the loops do not close, or the energy error is above its limit",
     SLIDES: "an expression switches to and fro without end",
@@ -53,8 +57,14 @@ WORDS = {  # why a run ends before its end, by status; `rattle run` tells more
     unilateral.CHATTER: "contacts change without end",
     unilateral.NOT_FOUND: "the forces of the contacts were not found",
 }
+STATUSES = {  # and constants by which what has happened is told
+    "ESCAPED": ESCAPED, "SLIDES": SLIDES, "NOT_FINITE": motion.NOT_FINITE, "STEP_TOO_SMALL": motion.STEP_TOO_SMALL,
+    "JAMMED": complementarity.JAMMED,
+    "OFF": complementarity.OFF, "MU": at.MU,
+    **{name: getattr(unilateral, name) for name in ("NO_SOLUTION", "NOT_UNIQUE", "LOCKED", "CHATTER", "NOT_FOUND")},
+}  # fmt: skip
 CALLS = (short_peaks, long_peaks, read_ratios)  # what symbols cannot follow: kernels of the engine, by their names
-ENDINGS = ("tables", "before", "columns")  # functions that `result_data` writes
+ENDINGS = ("tables", "before", "columns", "facts", "belts")  # functions that `result_data` writes
 
 
 class ResultData(NamedTuple):
@@ -78,9 +88,8 @@ def result_data(m: Mechanism, tape: Tape, t_end: float | None = None, names: Seq
     counts = {"row": width(system), "energy": at.ENERGIES, "call": len(record.calls)}
     keys = [(PARAMETER, name) for name in names] + [(kind, k) for kind, n in counts.items() for k in range(n)]
     functions = {name: tape.add(record.graph, record.outputs[name], keys) for name in ENDINGS}
-    titles, model = list(record.units), system.model
-    layout, settings = state_layout(system), model.settings
-    end = t_end or settings.t_end
+    titles, model, layout = list(record.units), system.model, state_layout(system)
+    run = planned_run(m, t_end)
     moving = [name for name in titles if name not in model.recorded and record.units[name] in horizon.MOTION]
     return ResultData(
         {
@@ -92,13 +101,17 @@ def result_data(m: Mechanism, tape: Tape, t_end: float | None = None, names: Seq
             "words": {name: dict(words) for name, joint in model.joints.items() if (words := joint.leaf.events)},
             "contacts": len(system.arrays["contact"]), "first_account": layout.account(0).start,
             "account": {"size": layout.account(0).stop - layout.account(0).start, "IMPULSE": IMPULSE, "LOSS": LOSS},
-            "jumps": [{"t": one.t, "joint": one.driver, "size": one.size} for one in timetable(system, 0.0, end).jumps],
+            "jumps": [
+                {"t": jump.t, "joint": jump.driver, "size": jump.size, "unit": jump.unit} for jump in run.table.jumps
+            ],
             "rows": [[row.owner, row.unit] for row in system.rows], "watched": list(system.watched),
             "reactions": [titles[k] for k in np.flatnonzero(reaction_columns(system, record.units))],
             "extent": float(system.extent), "size": float(system.size), "notes": list(m.start.notes),
             "limit": soundness.LIMIT, "unsound": UNSOUND, "loose": soundness.LOOSE, "words_of_end": WORDS,
+            "statuses": STATUSES,
             "signals": list(model.recorded), "moving": moving, "bodies": system.body_count,
             "own_states": [layout.own_states.start, layout.own_states.stop], "states": states_of(system).start,
+            "facts": record.facts, "belts": record.belts, "told": trust_data(run, model.settings.method),
             "horizon": {key: getattr(horizon, key) for key in HORIZON},
             "at": {
                 array: {name: getattr(at, name) for name in wanted} for array, wanted in NEEDED.items()
@@ -110,13 +123,21 @@ def result_data(m: Mechanism, tape: Tape, t_end: float | None = None, names: Seq
 
 HORIZON = ("AGREE", "STILL", "NOISE", "MOST_NOISE", "SHAKEN", "LIKE")
 NEEDED = {  # columns of arrays of a run that become parts of a result
-    "clock": ("T", "FEWEST", "TROUBLE", "H_MIN"),
-    "tally": ("DRIFT_ROW", "CONTACTS", "LEAPS", "SERIES"),
+    "clock": ("T", "H", "FEWEST", "TROUBLE", "H_MIN"),
+    "tally": ("DRIFT_ROW", "CONTACTS", "LEAPS", "SERIES", "LOST_ROWS"),
+    "course": ("EXTENT", "JAMS", "FIRST_JAM", "MAY_PASS"),
+    "held": ("LOCK_SHARE", "LOCK_AT", "LOCK_CONTACT", "OUTCOME"),
+    "driver_jump": ("JUMP_AT", "JUMP_IMPULSE", "JUMP_WORK"),
+    "dry_memory": ("DRY_UNSURE", "DRY_LOCKS"),
+    "contact": ("OWNER", "IMPACT", "LEVEL", "NORMAL_P", "FORCE_COLUMN", "JOINT_NORMAL"),
+    "contact_kinematics": ("GAP", "DGAP"),
+    "lever": ("GAP_SCALE", "GAP_SIZE", "ANGULAR"),
+    "stuck": ("EVENT_WHO", "EVENTS_IN_A_ROW"),
     "audit": (
         *("MOST_KINETIC", "MOST_WORK", "MOST_POTENTIAL", "LEAST_POTENTIAL", "FLOOR", "MOST_UNREST", "OPEN_LENGTH"),
-        *("OPEN_ANGLE", "OPENNESS", "OPEN_ROW", "UNREST", "UNREST_LIMIT", "CORRECTION"),
+        *("OPEN_ANGLE", "OPENNESS", "OPEN_ROW", "UNREST", "UNREST_LIMIT", "CORRECTION", "SUNK"),
     ),
-    "contact_memory": ("CLOSED", "SHUT", "SINCE", "SPEED", "PEAK", "IMPULSE_0", "LOSS_0"),
+    "contact_memory": ("CLOSED", "SHUT", "SINCE", "SPEED", "PEAK", "IMPULSE_0", "LOSS_0", "UNSURE", "OPEN"),
     "passage": ("PASSED", "PASSED_AT", "PASSED_FROM", "PASSED_UNTIL"),
 }
 
@@ -139,6 +160,8 @@ class _Record(NamedTuple):
     places: list[int]  # of every column: its place in the row, or -1 - place among the outputs `columns`
     units: dict[str, str]
     calls: list[dict[str, Any]]  # kernel, and how many coefficients it reads
+    facts: list[list[str | int]]  # where in the data of trust the outputs `facts` stand
+    belts: list[dict[str, Any]]  # that may slip
 
 
 def _record(m: Mechanism, names: Sequence[str]) -> _Record:
@@ -165,12 +188,63 @@ def _record(m: Mechanism, names: Sequence[str]) -> _Record:
         places.append(place)
     tables = [one for call in calls.made for one in call.table]
     given = [one for call in calls.made for one in call.given]
-    exact, outputs = lower(graph, [*tables, *given, *derived])
-    ends = len(tables), len(tables) + len(given)
+    told = dict(facts(model, system.watched))
+    sizes, belts = [symbol_of(value) for value in told.values()], _belts(replace(system, model=model), recorder, row)
+    holds = [x for belt in belts for x in belt.holds]
+    parts = {"tables": tables, "before": given, "columns": derived, "facts": sizes, "belts": holds}
+    exact, lowered = lower(graph, [x for values in parts.values() for x in values])
+    outputs, rest = {}, iter(lowered)
+    for name, values in parts.items():
+        outputs[name] = list(islice(rest, len(values)))
     return _Record(
-        exact, {"tables": outputs[: ends[0]], "before": outputs[ends[0] : ends[1]], "columns": outputs[ends[1] :]},
-        places, dict(units), [{"kernel": call.kernel, "table": len(call.table)} for call in calls.made],
+        exact, outputs, places, dict(units), [{"kernel": call.kernel, "table": len(call.table)} for call in calls.made],
+        [list(place) for place in told], [belt._asdict() | {"holds": len(belt.holds)} for belt in belts],
     )  # fmt: skip
+
+
+class _Belt(NamedTuple):
+    """A belt that may slip."""
+
+    joint: str
+    columns: list[str]  # of its tight and its slack strand
+    source: str  # of its coefficient of friction
+    holds: list[Any]  # symbols: the ratio of both that friction holds, the angle of wrap [rad], its coefficient
+
+
+def _belts(system: System, recorder: Recorder, row: Sequence[Symbol]) -> list[_Belt]:
+    """All belts that may slip, for an output row, see `analyses.grip`."""
+    found, numpy = [], arrays(recorder.graph)
+
+    def place(end: Point) -> list[Any]:
+        if end.body == "ground":
+            return [Column([symbol_of(x)]) for x in end.at]
+        first = at.PER_BODY * system.bodies.index(end.body) + at.PLACE
+        x, y, angle = (Column([symbol]) for symbol in row[first : first + 3])
+        cos, sin = numpy.cos(angle), numpy.sin(angle)
+        px, py = (symbol_of(x) for x in end.at)
+        return [x + cos * px - sin * py, y + sin * px + cos * py]
+
+    for name, joint in system.model.joints.items():
+        if joint.one_sided is None or not joint.one_sided.records:
+            continue
+        (ax, ay), (bx, by) = place(joint.a), place(joint.b)
+        fields = {key: _in_columns(value) for key, value in joint.fields.items()}
+        grip = recorder.recorded(joint.leaf.grip)(fields, numpy.hypot(bx - ax, by - ay))
+        if grip is not None:
+            columns_ = [f"{name}.{key}" for key in joint.one_sided.records]
+            found.append(_Belt(name, columns_, grip.source, [grip.ratio[0], grip.wrap[0], _first(grip.mu)]))
+    return found
+
+
+def _in_columns(value: Any) -> Any:
+    """A field of a joint with columns of one symbol in place of recorded numbers."""
+    if isinstance(value, tuple | list):
+        return [_in_columns(inner) for inner in value]
+    return Column([value.symbol]) if isinstance(value, Recorded) else value
+
+
+def _first(value: Any) -> Any:
+    return value[0] if isinstance(value, Column) else symbol_of(value)
 
 
 class _Call(NamedTuple):

@@ -174,14 +174,15 @@ def _events(result: Result) -> list[list[Any]]:
 
 def trust_of(result: Result) -> dict[str, Any]:
     """What a page says about how far a run can be trusted, in the words of `rattle run`: numbers (SI) and lines."""
-    trust = result.trust
+    trust, word = result.trust, result.trust.word.replace(HOW, "")
     return {
         "drift": trust.drift,
         "energy": trust.energy_balance,
         "energy_share": trust.energy_share,
         "pulled": dict(trust.pulled),
         "horizon": trust.horizon,
-        "limits": [trust.word.replace(HOW, "")] if trust.excepts or far_apart(result) else [],
+        "word": word,
+        "limits": [word] if trust.excepts or trust.poor or far_apart(result) else [],
         "contacts": list(contact_lines(result)) if len(result.t) else [],
         "text": str(trust).replace(HOW, "").splitlines(),
     }

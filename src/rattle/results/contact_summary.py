@@ -20,6 +20,14 @@ ELASTIC = 2.0  # ratio to the largest force of elastic bushes up to which it is 
 ON_EDGE = 1e-6  # share of a gap within which a peak lies on its edge
 USUAL, ENOUGH = 0.9, 20  # quantile of the outputs with a force, if there are so many
 RISING = ("N", "N*m", "W", "m/s^2", "rad/s^2")  # units of what rises with the force of a contact
+SENTENCES = {  # of the contacts of a joint, also in pages
+    "impulse": "largest impulse {impulse} (t = {t})",
+    "lasting": "lasting contact up to {force}",
+    "towers": f"the force of lasting contact rises beyond {TOWERS:g} times the usual one, not to be read as a force",
+    "torque": "largest torque {torque} (t = {t})",
+    "no_torque": "no torque",
+}
+OFTEN = (("locks", "lock"), ("slips", "slip"), ("frees", "free"))  # words and events of clutches
 SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
 
 
@@ -357,16 +365,14 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
         if one is None:
             continue
         said = (
-            [f"largest impulse {quantity(one.impulse, 'N*s', 3)} (t = {quantity(one.impulse_at, 's')})"]
+            [SENTENCES["impulse"].format(impulse=quantity(one.impulse, "N*s", 3), t=quantity(one.impulse_at, "s"))]
             if one.impacts
             else []
         )
         if one.readable:
-            said.append(f"lasting contact up to {quantity(one.peak, 'N')}")
+            said.append(SENTENCES["lasting"].format(force=quantity(one.peak, "N")))
         else:
-            said.append(
-                f"the force of lasting contact rises beyond {TOWERS:g} times the usual one, not to be read as a force"
-            )
+            said.append(SENTENCES["towers"])
         if joint in result.trust.elastic:
             said.append(f"elastic bushes would show about {bracket(result, joint)} ({result.trust.bushes[joint]})")
         lines.append(f"{joint}: {'; '.join(said)}")
@@ -381,12 +387,12 @@ def clutch_lines(result: Curves) -> tuple[str, ...]:
             continue
         kinds = [event.kind for event in result.events if event.joint == joint]
         often = [
-            f"{words} {count} time{'s' if count > 1 else ''}"
-            for words, kind in (("locks", "lock"), ("slips", "slip"), ("frees", "free"))
-            if (count := kinds.count(kind))
+            f"{words} {count} time{'s' if count > 1 else ''}" for words, kind in OFTEN if (count := kinds.count(kind))
         ]
         torque, instant = peak(result, f"{joint}.torque")
-        most = f"largest torque {quantity(torque, 'N*m')} (t = {quantity(instant, 's')})" if torque else "no torque"
+        most = SENTENCES["no_torque"]
+        if torque:
+            most = SENTENCES["torque"].format(torque=quantity(torque, "N*m"), t=quantity(instant, "s"))
         lines.append(f"{joint}: {', '.join([*often, most])}")
     return tuple(lines)
 

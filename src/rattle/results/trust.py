@@ -18,6 +18,29 @@ LOOSE = 1e-6  # drift over the size of the mechanism, and share of the energy, a
 POOR = 1e-3  # share of the energy that nothing accounts for, above which a run is not trusted at all
 FEW = 6  # steps in the shortest contact below which its forces are coarse
 HOW = " (horizon=True does)"  # what computes the horizon, for those who write Python; pages leave it out
+SENTENCES = {  # of `word`, of locks and of contacts: pages say the same of the runs that they compute
+    "before_a_pull": "trusted up to t = {t:.3g} s: {links}",
+    "from_a_pull_on": "not to be trusted: {links}",
+    "unknown": "how far it can be trusted was not computed",
+    "unaccounted": "not to be trusted: {percent:.2g} % of the energy is unaccounted for",
+    "before_a_lock": "trusted up to t = {t:.4g} s, {lock}",
+    "before_the_end": "trusted up to where the run ended, t = {t:.4g} s",
+    "whole": "trusted over the whole run",
+    "motion": "positions and rates trusted {reach}, all other curves up to t = {t:.3g} s, statistics after it",
+    "over_all": "over the whole run",
+    "up_to": "up to t = {t:.3g} s",
+    "horizon": "trusted up to t = {t:.3g} s, after it statistics only",
+    "but_not": "{verdict}, but not {excepted}",
+    "in_no_case": "{verdict}; in no case {excepted}",
+    "unread": "the largest forces of {joints}",
+    "singular": "the forces at singular positions (t = {times} s)",
+    "lock": "where friction nearly locks {joint}",
+    "reach_of_lock": "the curves can be trusted up to t = {t:.4g} s, {lock}",
+    "no_contact": "no contact in the whole run",
+    "shortest": "{counts}, the shortest contact took {steps}",
+    "coarse": ": too few for its peak, tighten rtol",
+    "nonunique": "reactions not unique (redundant constraints) at {joints}",
+}
 
 
 @answers_in_words
@@ -69,8 +92,8 @@ class Trust:
         """The answer in one line: trusted, or not, and how far; `why` has the reasons."""
         verdict = self._verdict()
         if not self._excepted() or verdict.startswith(("trusted", "positions")):
-            return f"{verdict}{self._exceptions()}"
-        return f"{verdict}; in no case {self._excepted()}"
+            return self._with_exceptions(verdict)
+        return _say("in_no_case", verdict=verdict, excepted=self._excepted())
 
     @property
     def why(self) -> tuple[str, ...]:
@@ -81,7 +104,7 @@ class Trust:
     @property
     def excepts(self) -> bool:
         """True if something is not to be trusted within the time that `word` tells, or trust ends at a lock."""
-        return bool(self._exceptions() or self.locked)
+        return bool(self._excepted() or self.locked)
 
     def trusted_until(self) -> float | None:
         """Last instant up to which curves can be trusted [s]: of the horizon, and before any link pulls.
@@ -98,33 +121,38 @@ class Trust:
         until = self.trusted_until()
         if pulling and (until is None or min(pulling.values()) <= until):
             first = min(pulling.values())
-            return f"{f'trusted up to t = {first:.3g} s' if first else 'not to be trusted'}: {self._links()}"
+            return _say("before_a_pull" if first else "from_a_pull_on", t=first, links=self._links())
         if until is None:
-            return f"how far it can be trusted was not computed{HOW}"
-        if (self.energy_share or 0.0) > POOR:
-            return f"not to be trusted: {100 * (self.energy_share or 0.0):.2g} % of the energy is unaccounted for"
+            return _say("unknown") + HOW
+        if self.poor:
+            return _say("unaccounted", percent=100 * (self.energy_share or 0.0))
         if self.locked:
-            return f"trusted up to t = {until:.4g} s, {self._lock()}"
+            return _say("before_a_lock", t=until, lock=self._lock())
         if self.stopped and (until >= self.t_end or not self.horizon_curve):
-            return f"trusted up to where the run ended, t = {self.t_end:.4g} s"
+            return _say("before_the_end", t=self.t_end)
         if until >= self.t_end:
-            return "trusted over the whole run"
+            return _say("whole")
         motion = self.horizon_motion
         if motion is not None and motion > 2.0 * until:
-            reach = "over the whole run" if motion >= self.t_end else f"up to t = {motion:.3g} s"
-            return f"positions and rates trusted {reach}, all other curves up to t = {until:.3g} s, statistics after it"
-        return f"trusted up to t = {until:.3g} s, after it statistics only"
+            reach = _say("over_all") if motion >= self.t_end else _say("up_to", t=motion)
+            return _say("motion", reach=reach, t=until)
+        return _say("horizon", t=until)
 
-    def _exceptions(self) -> str:
-        """What is not trusted within that time, as the end of a sentence."""
-        return f", but not {self._excepted()}" if self._excepted() else ""
+    @property
+    def poor(self) -> bool:
+        """True if nothing accounts for so much of the energy that the run is not trusted at all."""
+        return (self.energy_share or 0.0) > POOR
+
+    def _with_exceptions(self, verdict: str) -> str:
+        """A verdict with what is not trusted within its time."""
+        return _say("but_not", verdict=verdict, excepted=self._excepted()) if self._excepted() else verdict
 
     def _excepted(self) -> str:
         """What is not trusted within that time, in words."""
-        said = [f"the largest forces of {', '.join(self.unread)}"] if self.unread else []
+        said = [_say("unread", joints=", ".join(self.unread))] if self.unread else []
         if self.singular:
             times = ", ".join(f"{t:.4g}" for t in self.singular[:3]) + (", ..." if len(self.singular) > 3 else "")
-            said.append(f"the forces at singular positions (t = {times} s)")
+            said.append(_say("singular", times=times))
         return " and ".join(said)
 
     def holds(self, size: float = 1.0) -> tuple[str, ...]:
@@ -188,7 +216,7 @@ class Trust:
         if agree and self.horizon > 0.0:
             return f"the curves can be trusted {whole}"
         if self.locked:
-            return f"the curves can be trusted up to t = {self.horizon:.4g} s, {self._lock()}"
+            return _say("reach_of_lock", t=self.horizon, lock=self._lock())
         motion = self.horizon_motion
         if motion is not None and motion > 2.0 * self.horizon:
             until = whole if motion >= self.t_end else f"up to t = {motion:.3g} s (horizon)"
@@ -197,13 +225,13 @@ class Trust:
         return f"the curves can be trusted up to t = {self.horizon:.3g} s (horizon), after it statistics only"
 
     def _lock(self) -> str:
-        return f"where friction nearly locks {self.locked}"
+        return _say("lock", joint=self.locked)
 
     def coarse(self) -> tuple[str, ...]:
         """The remark for a shortest contact with too few steps; empty if there were enough."""
         if self.fewest_steps is None or self.fewest_steps >= FEW:
             return ()
-        return (f"the shortest contact took {_steps(self.fewest_steps)}: too few for its peak, tighten rtol",)
+        return (f"the shortest contact took {_steps(self.fewest_steps)}{_say('coarse')}",)
 
     def _touching(self) -> str:
         """Contacts and impacts, in words; empty if no joint can make and lose contact."""
@@ -215,11 +243,11 @@ class Trust:
             if n
         ]
         if not counts:
-            return "no contact in the whole run"
+            return _say("no_contact")
         if self.fewest_steps is None:
             return " and ".join(counts)
-        coarse = ": too few for its peak, tighten rtol" if self.fewest_steps < FEW else ""
-        return f"{' and '.join(counts)}, the shortest contact took {_steps(self.fewest_steps)}{coarse}"
+        coarse = _say("coarse") if self.fewest_steps < FEW else ""
+        return _say("shortest", counts=" and ".join(counts), steps=_steps(self.fewest_steps)) + coarse
 
     def _pulling(self) -> str:
         return "; ".join(one for one in (self._links(), self._touching()) if one)
@@ -242,7 +270,7 @@ class Trust:
 
     def _remarks(self) -> list[str]:
         joints = ", ".join(self.nonunique)
-        return ([f"reactions not unique (redundant constraints) at {joints}"] if joints else []) + list(self.notes)
+        return ([_say("nonunique", joints=joints)] if joints else []) + list(self.notes)
 
     def to_dict(self) -> dict[str, Any]:
         """All fields as numbers (SI), texts and lists, ready for JSON."""
@@ -255,6 +283,10 @@ class Trust:
         texts = {key: tuple(record[key]) for key in ("nonunique", "notes", "singular", "unread") if key in record}
         gaps = tuple((float(since), float(until)) for since, until in record.get("gaps", ()))
         return cls(**{**record, **texts, "intervals": intervals, "gaps": gaps})
+
+
+def _say(sentence: str, **values: float | str) -> str:
+    return SENTENCES[sentence].format(**values)
 
 
 def _steps(count: float) -> str:

@@ -47,6 +47,9 @@ class Column:
     def __neg__(self) -> Column:
         return self.each(operator.neg, self)
 
+    def __abs__(self) -> Column:
+        return self.each(abs, self)
+
     def __add__(self, other: Any) -> Column:
         return self.each(operator.add, self, other)
 
@@ -130,6 +133,7 @@ def arrays(graph: Graph) -> SimpleNamespace:
         return select(first | (a != a), a, b) if isinstance(first, Symbol) else a if first or a != a else b
 
     return SimpleNamespace(
+        arcsin=each("asin"), exp=each("exp"), clip=lambda x, low, high: x.clip(low, high), pi=math.pi,
         hypot=each("hypot"), cos=each("cos"), sin=each("sin"), arctan2=each("atan2"), copysign=each("copysign"),
         abs=lambda x: Column.each(abs, x), where=lambda *given: Column.each(select, *given),
         minimum=lambda *given: Column.each(lambda a, b: chosen(a, b, a <= b), *given),

@@ -20,6 +20,43 @@ DEPENDENT = 1e-12  # share of the largest singular value below which one is roun
 TOGETHER = 1e-4  # the same for the smallest singular value of all contacts together: test_rough_pins
 FIRM = 0.05  # share of the mobility of a free body below which joints and drivers hardly let a contact give way
 DEAD = 1e-8  # share of the largest singular value below which sticking contacts lock each other or the joints
+JAM = ', or jam = "impact" in the contact'  # what else to try where contacts do not pass jams
+SENTENCES = {  # on why a run ends, also in pages
+    "path_jammed": "no solution of the contact problem at {joints} was found at t = {t:.9g} s: on every path that was"
+    " followed the force that presses contacts together makes them approach, as where friction jams a joint; their"
+    " modes are too many to try all. Try less friction, or a compliant contact{passed}",
+    "no_solution": "the contact problem at {joints} has no solution at t = {t:.9g} s in any mode of its contacts"
+    " (Painleve: friction would have to jam the joint); try less friction, or a compliant contact{passed}",
+    "not_found": "no solution of the contact problem at {joints} was found at t = {t:.9g} s, which does not mean that"
+    " there is none: contacts or joints may depend on each other there; try {other} or a compliant contact",
+    "several": "the contact problem at {joints} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
+    " this friction do not determine which); try less friction, a compliant contact or {other}",
+    "locks": "friction locks {joints} at t = {t:.9g} s: the normal force grows without bound (Painleve); try less"
+    " friction, or a compliant contact{passed}",
+    "driven_on": "drivers push {joints} on at t = {t:.9g} s where {what} is and nothing can give way: {remedy}",
+    "moved_on": "the mechanism moves {joints} on at t = {t:.9g} s where {what} is and nothing can give way{rubs}: a"
+    " dead end that rigid bodies cannot pass; {remedy}",
+    "rubs": ", and friction of {joints} does not let it slow down",
+    "joints_lock": "friction of {rough} locks {joints} at t = {t:.9g} s: the forces of the joints grow without bound;"
+    " try less friction, or a compliant contact",
+    "depend": "{joints} depend on each other at t = {t:.9g} s in a way that rounding decides; try {other} or a"
+    " compliant contact",
+    "all_contacts": "the contacts",
+    "clutch": "a clutch",
+    "stop": "a stop or wall",
+    "torque": "give the clutch a max_torque",
+    "compliant": "give the stop or wall a compliant contact",
+    "motion": "change the motion of the drivers",
+    "jam": JAM,
+}
+SHARED_TORQUE = (
+    "the torque of {joints} is not unique at times, as joints or other clutches and contacts keep its bodies from"
+    " turning against each other: the values listed are one of them, with the same motion as all others"
+)
+SHARED_FORCE = (
+    "contacts that depend on each other can share a force at joint {joints} in several ways: the values listed are one"
+    " of them, with the same motion as all others"
+)
 
 
 def contact_trouble(system: System, workspace: Workspace, t: float, status: int, passed: str) -> str:
@@ -27,7 +64,7 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
 
     passed: what else to try when friction locks, as the end of a sentence.
     """
-    names = ", ".join(closed_joints(system, workspace)) or "the contacts"
+    names = ", ".join(closed_joints(system, workspace)) or SENTENCES["all_contacts"]
     other = f"method {stepper_of(TIME_STEPPING)}"
     sliding = bool(rough(system, workspace)[touching(system, workspace)].any())
     if status == unilateral.NO_SOLUTION and not sliding and workspace.dry_memory[:, at.DRY_LOCKS].any():
@@ -37,35 +74,17 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
     if status == unilateral.LOCKED and not sliding:
         return dependent_or_locked(system, t, names)
     if status == unilateral.NO_SOLUTION and workspace.held[at.OUTCOME] == complementarity.JAMMED:
-        return (
-            f"no solution of the contact problem at {names} was found at t = {t:.9g} s: on every path that was"
-            " followed the force that presses contacts together makes them approach, as where friction jams a"
-            " joint; their modes are too many to try all. Try less friction, or a compliant contact"
-            f"{passed}"
-        )
+        return SENTENCES["path_jammed"].format(joints=names, t=t, passed=passed)
     if status == unilateral.NO_SOLUTION:
-        return (
-            f"the contact problem at {names} has no solution at t = {t:.9g} s in any mode of its contacts (Painleve:"
-            f" friction would have to jam the joint); try less friction, or a compliant contact{passed}"
-        )
+        return SENTENCES["no_solution"].format(joints=names, t=t, passed=passed)
     if status == unilateral.NOT_FOUND:
-        return (
-            f"no solution of the contact problem at {names} was found at t = {t:.9g} s, which does not mean"
-            f" that there is none: contacts or joints may depend on each other there; try {other} or a compliant"
-            " contact"
-        )
+        return SENTENCES["not_found"].format(joints=names, t=t, other=other)
     if status == unilateral.NOT_UNIQUE and (end := dead_end(system, workspace, t)):
         return end  # the force grows without bound: rounding decides whether steps or modes end the run
     if status == unilateral.NOT_UNIQUE:
-        return (
-            f"the contact problem at {names} has several solutions at t = {t:.9g} s (Painleve: rigid bodies with"
-            f" this friction do not determine which); try less friction, a compliant contact or {other}"
-        )
+        return SENTENCES["several"].format(joints=names, t=t, other=other)
     if status == unilateral.LOCKED or (status == STEP_TOO_SMALL and friction_locks(system, workspace, t)):
-        return (
-            f"friction locks {names} at t = {t:.9g} s: the normal force grows without bound (Painleve); try less"
-            f" friction, or a compliant contact{passed}"
-        )
+        return SENTENCES["locks"].format(joints=names, t=t, passed=passed)
     return dead_end(system, workspace, t) if status == STEP_TOO_SMALL else ""
 
 
@@ -89,33 +108,21 @@ def dead_end(system: System, workspace: Workspace, t: float) -> str:
 def no_way(system: System, workspace: Workspace, t: float, names: str) -> str:
     """In words: contacts without friction, whose joints are `names`, leave no motion at t [s]."""
     level = system.arrays["contact"][touching(system, workspace), at.LEVEL]
-    kinds = ["a clutch"] * bool((level == 1).any()) + ["a stop or wall"] * bool((level == 0).any())
-    remedy = ["give the clutch a max_torque"] * bool((level == 1).any())
-    remedy += ["give the stop or wall a compliant contact"] * bool((level == 0).any())
-    what = " or ".join(kinds) or "a stop or wall"
+    kinds = [SENTENCES["clutch"]] * bool((level == 1).any()) + [SENTENCES["stop"]] * bool((level == 0).any())
+    remedy = [SENTENCES["torque"]] * bool((level == 1).any()) + [SENTENCES["compliant"]] * bool((level == 0).any())
+    what = " or ".join(kinds) or SENTENCES["stop"]
     if system.model.drivers:
-        remedy = ["change the motion of the drivers", *remedy]
-        return (
-            f"drivers push {names} on at t = {t:.9g} s where {what} is and nothing can give way: {', or '.join(remedy)}"
-        )
-    rubs = f", and friction of {', '.join(system.rough_joints)} does not let it slow down" * bool(system.rough_joints)
-    return (
-        f"the mechanism moves {names} on at t = {t:.9g} s where {what} is and nothing can give way{rubs}: a dead end"
-        f" that rigid bodies cannot pass; {', or '.join(remedy)}"
-    )
+        remedy = [SENTENCES["motion"], *remedy]
+        return SENTENCES["driven_on"].format(joints=names, t=t, what=what, remedy=", or ".join(remedy))
+    rubs = SENTENCES["rubs"].format(joints=", ".join(system.rough_joints)) if system.rough_joints else ""
+    return SENTENCES["moved_on"].format(joints=names, t=t, what=what, rubs=rubs, remedy=", or ".join(remedy))
 
 
 def dependent_or_locked(system: System, t: float, names: str) -> str:
     """In words: the forces of contacts without friction, whose joints are `names`, have no sense at t [s]."""
     if system.rough_joints:
-        return (
-            f"friction of {', '.join(system.rough_joints)} locks {names} at t = {t:.9g} s: the forces of the joints"
-            " grow without bound; try less friction, or a compliant contact"
-        )
-    return (
-        f"{names} depend on each other at t = {t:.9g} s in a way that rounding decides; try method"
-        f" {stepper_of(TIME_STEPPING)} or a compliant contact"
-    )
+        return SENTENCES["joints_lock"].format(rough=", ".join(system.rough_joints), joints=names, t=t)
+    return SENTENCES["depend"].format(joints=names, t=t, other=f"method {stepper_of(TIME_STEPPING)}")
 
 
 def closed_joints(system: System, workspace: Workspace) -> list[str]:
@@ -239,15 +246,5 @@ def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:
         ", ".join(f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in contact[unsure & level, at.OWNER]))
         for level in (contact[:, at.LEVEL] == 1, contact[:, at.LEVEL] == 0)
     )
-    notes = []
-    if clutches:
-        notes.append(
-            f"the torque of {clutches} is not unique at times, as joints or other clutches and contacts keep its bodies"
-            " from turning against each other: the values listed are one of them, with the same motion as all others"
-        )
-    if others:
-        notes.append(
-            f"contacts that depend on each other can share a force at joint {others} in several ways: the values"
-            " listed are one of them, with the same motion as all others"
-        )
-    return tuple(notes)
+    pairs = ((SHARED_TORQUE, clutches), (SHARED_FORCE, others))
+    return tuple(sentence.format(joints=joints) for sentence, joints in pairs if joints)

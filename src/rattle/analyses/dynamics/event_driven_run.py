@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, final
 
 from rattle.analyses.dynamics.contact_trouble import (
+    JAM,
     against,
     contact_trouble,
     dead_end,
@@ -25,6 +26,20 @@ from rattle.solvers.stepper import TIME_STEPPING, stepper_of
 
 LEAST_SAID = 1e-3  # the same, below which its digits depend on the tolerance
 NEARLY_LOCKED = 0.2  # share of its response without friction that a sliding contact keeps, below which it is said
+SENTENCES = {  # of notes, also in pages
+    "jams": "friction locked contacts (Painleve), passed by {number} without collision, the first at t = {t:.9g} s at"
+    " {joints}",
+    "nearly_locked": "friction in {joint} comes within {near} of locking it (Painleve paradox), at t = {t:.4g} s: its"
+    " force of lasting contact {grows} there, and beyond that a rigid contact has none; an elastic contact tells it",
+    "near": "{percent:.2g} %",
+    "nearer": "less than {percent:g} %",
+    "grows": "is {times:.2g} times that without friction",
+    "unbound": "grows without bound",
+    "in_a_row": "{count:.0f} events in a row, each within {close:.2g} s of the one before, up to t = {t:.9g} s, last at"
+    " joint '{joint}': contacts change faster than a run can follow; try a smaller restitution, a compliant contact or"
+    " {other}",
+    "chatter": "contacts change without end at t = {t:.9g} s, last at joint '{joint}'; try {other}",
+}
 
 
 @final
@@ -44,21 +59,18 @@ class EventDrivenRun(Run):
         if not count:
             return said
         names = ", ".join(joints_of(self.system, self.workspace.jammed == 1))
-        first = f"the first at t = {self.workspace.course[at.FIRST_JAM]:.9g} s at {names}"
-        number = f"{count} impacts" if count > 1 else "1 impact"
-        return (*said, f"friction locked contacts (Painleve), passed by {number} without collision, {first}")
+        number, first = f"{count} impacts" if count > 1 else "1 impact", self.workspace.course[at.FIRST_JAM]
+        return (*said, SENTENCES["jams"].format(number=number, t=first, joints=names))
 
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
         """How near friction has come to locking a contact, where forces grow without bound."""
         share, when, joint = self.nearest_lock()
         if not 0.0 < share < NEARLY_LOCKED:
             return ()
-        near = f"{100 * share:.2g} %" if share > LEAST_SAID else f"less than {100 * LEAST_SAID:g} %"
-        grows = f"is {1 / share:.2g} times that without friction" if share > LEAST_SAID else "grows without bound"
-        return (
-            f"friction in {joint} comes within {near} of locking it (Painleve paradox), at t = {when:.4g} s: its force"
-            f" of lasting contact {grows} there, and beyond that a rigid contact has none; an elastic contact tells it",
-        )
+        near, grows = SENTENCES["nearer"].format(percent=100 * LEAST_SAID), SENTENCES["unbound"]
+        if share > LEAST_SAID:
+            near, grows = SENTENCES["near"].format(percent=100 * share), SENTENCES["grows"].format(times=1 / share)
+        return (SENTENCES["nearly_locked"].format(joint=joint, near=near, t=when, grows=grows),)
 
     def nearest_lock(self) -> tuple[float, float, str]:
         """Least share of its response that a sliding contact keeps [-], when [s], and its joint."""
@@ -76,7 +88,7 @@ class EventDrivenRun(Run):
         t = float(self.clock[at.T])
         if status == unilateral.CHATTER:
             return self.chatter(t)
-        passed = "" if self.workspace.course[at.MAY_PASS] else ', or jam = "impact" in the contact'
+        passed = "" if self.workspace.course[at.MAY_PASS] else JAM
         what = contact_trouble(self.system, self.workspace, t, status, passed)
         return what or explain(self.system, self.workspace, self.t_end, status, self.stepper, self.rtol)
 
@@ -97,9 +109,5 @@ class EventDrivenRun(Run):
         joint = self.system.joints[self.system.arrays["contact"][int(stuck[at.EVENT_WHO]), at.OWNER]]
         if stuck[at.EVENTS_IN_A_ROW] > event_driven.MOST_IN_A_ROW:
             row, close = stuck[at.EVENTS_IN_A_ROW], event_driven.CROWDED * self.t_end
-            return (
-                f"{row:.0f} events in a row, each within {close:.2g} s of the one before, up to t = {t:.9g} s, last at"
-                f" joint '{joint}': contacts change faster than a run"
-                f" can follow; try a smaller restitution, a compliant contact or {other}"
-            )
-        return f"contacts change without end at t = {t:.9g} s, last at joint '{joint}'; try {other}"
+            return SENTENCES["in_a_row"].format(count=row, close=close, t=t, joint=joint, other=other)
+        return SENTENCES["chatter"].format(t=t, joint=joint, other=other)

@@ -26,6 +26,10 @@ SHORTEST = 1e-12  # steps below this count as impossible [s]
 GAIN = 1e-12  # energy created by an impact, as a share of that of the run, below which it is rounding
 STEPS_WANTED = 10  # steps that the shortest contact should have
 DEEP = STEPS_WANTED * SHORTEST / 3.0  # depth of a contact at 1 m/s that lasts so long [m], see `contact_duration`
+SENTENCES = {  # of notes, also in pages
+    "gains": "{impacts} created energy, {gain:.3g} J in total: Newton's and Poisson's restitution with friction can;"
+    ' restitution_law = "energetic" cannot',
+}
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
@@ -93,7 +97,7 @@ def contact_counts(system: System, events: Sequence[Event], fewest: float) -> di
     }
 
 
-def _unused(model: Model) -> list[str]:
+def unused_notes(model: Model) -> list[str]:
     """Notes on keys that only other contact models use than the one of the joint."""
     joints: dict[str, list[str]] = {}
     for name, joint in model.joints.items():
@@ -125,12 +129,10 @@ def contact_notes(system: System, events: Sequence[Event], energy: float) -> tup
 
     energy: a large energy of this run [J]; gains below the share GAIN of it are rounding.
     """
-    found = [*_unused(system.model), *law_faults(system.model)]
+    found = [*unused_notes(system.model), *law_faults(system.model)]
     if gains := _gains(events, energy):
-        found.append(
-            f"{len(gains)} impact{'s' if len(gains) > 1 else ''} created energy, {sum(gains):.3g} J in total:"
-            " Newton's and Poisson's restitution with friction can; restitution_law = \"energetic\" cannot"
-        )
+        impacts = f"{len(gains)} impact{'s' if len(gains) > 1 else ''}"
+        found.append(SENTENCES["gains"].format(impacts=impacts, gain=sum(gains)))
     for joint, group in _groups(system.model):
         name, contact = joint.name, group.contact
         if contact.normal is None or contact.static is None:

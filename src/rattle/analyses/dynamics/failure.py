@@ -25,6 +25,21 @@ GROWN = 20.0  # factor by which a value grows towards a pole when the time to it
 BEYOND = 1e100  # of a position or rate in SI units, where no mechanism gets
 NEARLY = 1e-2  # share of the largest singular value with which massless bodies count as held no more
 TINY = 1e-12  # a contact that needs shorter steps is too stiff [s]
+SENTENCES = {  # also in pages
+    "locks": "friction locks the mechanism at t = {t:.6g} s: no force in joint {joints} agrees with the reaction that"
+    " it causes itself; try less friction, a smaller pin or a longer block",
+    "grown": "cannot go on at t = {t:.6g} s: the motion grows beyond numbers ({curve} is {value:.3g} {unit}): it is"
+    " unstable, or a load feeds it without end; end the run earlier, or add what limits it",
+    "stiff": "cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it needs steps below"
+    ' {least:g} s. Lower its stiffness, or use contact = {{ model = "impact" }}',
+    "missed": "a contact was missed: at t = {t:.9g} s joint '{joint}' is {depth:.3g} {unit} inside its wall ({size}),"
+    " though not in contact; try a smaller rtol, or a shorter step",
+    "clearance": "clearance {scale:g} m",
+    "its_stop": "its stop",
+    "to_and_fro": "cannot go on at t = {t:.6g} s: friction in {joints} sticks and slips to and fro without end; give it"
+    " a regularised model such as coulomb-smooth",
+}
+STATE = (("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"))
 
 
 def explain(system: System, workspace: Workspace, t_end: float, status: int, stepper: Kind, rtol: float) -> str:
@@ -45,10 +60,7 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
     locked = workspace.dry_memory[:, at.DRY_LOCKS] == 1.0
     if locked.any():
         names = ", ".join(f"'{name}'" for name, one in zip(system.dry_joints, locked, strict=True) if one)
-        return (
-            f"friction locks the mechanism at t = {t:.6g} s: no force in joint {names} agrees with the reaction that it"
-            " causes itself; try less friction, a smaller pin or a longer block"
-        )
+        return SENTENCES["locks"].format(t=t, joints=names)
     record(workspace, t, workspace.state, np.zeros(width(system)))
     if loose := loose_without_mass(system, workspace, NEARLY):
         names = ", ".join(f"'{name}'" for name, _ in loose)
@@ -64,10 +76,7 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
     )
     if len(shut) and h < TINY:
         joint = system.joints[system.arrays["contact"][shut[0], at.OWNER]]
-        return (
-            f"cannot go on at t = {t:.6g} s: the contact of joint '{joint}' is so stiff that it needs steps below"
-            f' {TINY:g} s. Lower its stiffness, or use contact = {{ model = "impact" }}'
-        )
+        return SENTENCES["stiff"].format(t=t, joint=joint, least=TINY)
     if status == NOT_FINITE and not stepper.leaf.adaptive:
         other = usual_stepper(FREE)
         return f"the motion diverged at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method {other}"
@@ -94,14 +103,9 @@ def _grown(system: System, workspace: Workspace) -> str:
     if not size.max(initial=0.0) > BEYOND:
         return ""
     worst = int(np.argmax(size))
-    key, unit = (("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"))[
-        worst % 3 + 3 * (worst >= 3 * system.body_count)
-    ]
-    return (
-        f"cannot go on at t = {workspace.clock[at.T]:.6g} s: the motion grows beyond numbers"
-        f" ({system.bodies[worst // 3 % system.body_count]}.{key} is {workspace.state[worst]:.3g} {unit}): it is"
-        " unstable, or a load feeds it without end; end the run earlier, or add what limits it"
-    )
+    key, unit = STATE[worst % 3 + 3 * (worst >= 3 * system.body_count)]
+    curve = f"{system.bodies[worst // 3 % system.body_count]}.{key}"
+    return SENTENCES["grown"].format(t=workspace.clock[at.T], curve=curve, value=workspace.state[worst], unit=unit)
 
 
 def _escaped(system: System, workspace: Workspace) -> str:
@@ -118,12 +122,11 @@ def _escaped(system: System, workspace: Workspace) -> str:
     n = int(np.argmax(depth))
     joint = system.joints[contact[n, at.OWNER]]
     unit = "rad" if lever[n, at.ANGULAR] > 0.0 else "m"
-    size = f"clearance {scale[n]:g} m" if contact[n, at.FORCE_COLUMN] == at.JOINT_NORMAL else "its stop"
-    return (
-        f"a contact was missed: at t = {workspace.clock[at.TROUBLE]:.9g} s joint '{joint}' is"
-        f" {depth[n] * scale[n]:.3g} {unit} inside its wall ({size}), though not in contact;"
-        " try a smaller rtol, or a shorter step"
-    )
+    size = SENTENCES["its_stop"]
+    if contact[n, at.FORCE_COLUMN] == at.JOINT_NORMAL:
+        size = SENTENCES["clearance"].format(scale=scale[n])
+    t, deep = workspace.clock[at.TROUBLE], depth[n] * scale[n]
+    return SENTENCES["missed"].format(t=t, joint=joint, depth=deep, unit=unit, size=size)
 
 
 def _sliding(system: System, workspace: Workspace) -> str:
@@ -131,10 +134,7 @@ def _sliding(system: System, workspace: Workspace) -> str:
     t = float(workspace.landing[at.LAST_TURN])
     see(workspace, t, workspace.state)
     if not len(workspace.switch):
-        return (
-            f"cannot go on at t = {t:.6g} s: friction in {', '.join(system.rough_joints)} sticks and slips to and fro"
-            " without end; give it a regularised model such as coulomb-smooth"
-        )
+        return SENTENCES["to_and_fro"].format(t=t, joints=", ".join(system.rough_joints))
     sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]
     row = int(workspace.switch[int(np.argmin(sizes)), at.OWN_CODE])
     name = next(one.name for one in system.switches if one.row == row)

@@ -15,6 +15,9 @@ from rattle.results.columns import width
 from rattle.solvers.contacts.penetration import ESCAPED
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
 
+PEAKS = "{method}: peaks are the largest of its steps{more}"
+OF_IMPACTS = "; in the step of an impact a force is its impulse over the step"
+
 
 @final
 class MoreauJeanRun(Run):
@@ -33,8 +36,7 @@ class MoreauJeanRun(Run):
 
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
         """Note that peaks are those of whole steps."""
-        more = "; in the step of an impact a force is its impulse over the step" if impacts else ""
-        return (f"{self.stepper.leaf.title}: peaks are the largest of its steps{more}",)
+        return (PEAKS.format(method=self.stepper.leaf.title, more=OF_IMPACTS if impacts else ""),)
 
     def explain(self, status: int) -> str:
         """Why the run cannot go on, in words; contact problems are named."""

@@ -14,6 +14,13 @@ from rattle.equations.system import System
 INERTIA = 1.0  # rho w c^2/mu, w the mean of both rates, from which the inertia of the oil is not small
 VORTICES = 41.1  # rho w R c/mu over sqrt(R/c) from which vortices form (Taylor 1923, Phil. Trans. R. Soc. A 223, 289)
 HARD = 100e6  # pressure [Pa] from which a steel bush gives way by a part of the film
+SENTENCES = {  # of notes, also in pages
+    "thin": "{joint}: thinner than its boundary film of {boundary:.3g} um at {percent:.2g} % of the outputs, where the"
+    " dry contact carries too",
+    "hard": "{joint}: up to {pressure:.3g} MPa in the film; from about 100 MPa on bushes give way, which is left out",
+    "vortices": "{joint}: at {rate:.3g} rad/s the film is not laminar (Re = {reynolds:.3g}), which is left out",
+    "inertia": "{joint}: at {rate:.3g} rad/s the inertia of the oil (Re c/R = {reduced:.3g}) counts, but is left out",
+}
 
 
 def oil_notes(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
@@ -23,10 +30,7 @@ def oil_notes(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[s
         film = joint.contact.film if joint.contact is not None else None
         if film is None or not joint.is_loose or f"{name}.film_thickness" not in names:
             continue
-        law = registry.kinds("film")[film.law.kind].leaf
-        found += [f"{name}, {film.law.kind}: {one}" for one in law.notes(film.law.values)]
-        if film.assumed:
-            found.append(f"{name}: no dry contact given, so beyond the boundary film it is {film.assumed}")
+        found += notes_of_film(name, film)
         if len(data):
             curve = {key: data[:, names.index(f"{name}.{key}")] for key in ("film_thickness", "film_pressure")}
             found += _in_the_run(name, film, joint, curve["film_thickness"], curve["film_pressure"])
@@ -34,18 +38,22 @@ def oil_notes(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[s
     return tuple(found)
 
 
+def notes_of_film(name: str, film: OilFilm) -> list[str]:
+    """Notes on the law of a film, and on the dry contact that is assumed; name: of its joint."""
+    law = registry.kinds("film")[film.law.kind].leaf
+    found = [f"{name}, {film.law.kind}: {note}" for note in law.notes(film.law.values)]
+    if film.assumed:
+        found.append(f"{name}: no dry contact given, so beyond the boundary film it is {film.assumed}")
+    return found
+
+
 def _in_the_run(name: str, film: OilFilm, joint: Joint, thickness: np.ndarray, pressure: np.ndarray) -> list[str]:
     found = []
     thin = float(np.mean(thickness < film.boundary))
     if thin > 0.0:
-        found.append(
-            f"{name}: thinner than its boundary film of {1e6 * film.boundary:.3g} um at {100 * thin:.2g} % of the"
-            " outputs, where the dry contact carries too"
-        )
+        found.append(SENTENCES["thin"].format(joint=name, boundary=1e6 * film.boundary, percent=100 * thin))
     if (peak := float(pressure.max())) > HARD:
-        found.append(
-            f"{name}: up to {1e-6 * peak:.3g} MPa in the film; from about 100 MPa on bushes give way, which is left out"
-        )
+        found.append(SENTENCES["hard"].format(joint=name, pressure=1e-6 * peak))
     return found
 
 
@@ -55,9 +63,9 @@ def _at_speed(name: str, film: OilFilm, joint: Joint, mean: float, relative: flo
     over = film.density * c / float(film.law.values["viscosity"])
     reynolds, reduced = over * relative * radius, over * mean * c
     if reynolds > VORTICES * math.sqrt(radius / c):
-        return [f"{name}: at {relative:.3g} rad/s the film is not laminar (Re = {reynolds:.3g}), which is left out"]
+        return [SENTENCES["vortices"].format(joint=name, rate=relative, reynolds=reynolds)]
     if reduced > INERTIA:
-        return [f"{name}: at {mean:.3g} rad/s the inertia of the oil (Re c/R = {reduced:.3g}) counts, but is left out"]
+        return [SENTENCES["inertia"].format(joint=name, rate=mean, reduced=reduced)]
     return []
 
 

@@ -22,6 +22,7 @@ from rattle.analyses.timetable import jolt_events, jolt_notes
 from rattle.analyses.travel import out_of_place, places
 from rattle.equations.system import System
 from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
 from rattle.results.build import build_result
 from rattle.results.columns import columns, reaction_columns, width
 from rattle.results.contact_summary import unread
@@ -35,6 +36,17 @@ MANY_BREAKS = (
     "so many events that the values on both sides of each are not kept: integrals, means and extremes of rates are"
     " taken from the outputs alone; simulate a shorter time for them"
 )
+
+SENTENCES = {  # of notes, also in pages
+    "many_breaks": MANY_BREAKS,
+    "lost_rank": "the run passed a singular position, in which the constraints are not independent",
+    "series": "{count} closed: bounces that rise less than {low:g} clearances, or less than rounding, are counted as"
+    " contact",
+    "one_series": "an infinite series of bounces was",
+    "more_series": "{count} infinite series of bounces were",
+    "held_friction": "{joints}: friction in a joint that the others keep from moving is not unique; 0 is listed"
+    " meanwhile",
+}
 
 
 def report(run: Run, reach: Reach | None) -> Result:
@@ -111,10 +123,14 @@ def _nonunique(run: Run) -> tuple[tuple[str, ...], tuple[str, ...]]:
     if not run.tally[at.LOST_ROWS]:
         return (), ()
     record(run.workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
-    nonunique = nonunique_reactions(system, run.workspace)
-    if nonunique:
-        return nonunique, _friction_note(unsure_friction(system, left_null(system, run.workspace)))
-    return (), ("the run passed a singular position, in which the constraints are not independent",)
+    nonunique, note = nonunique_at_start(system, run.workspace)
+    return nonunique, note if nonunique else (SENTENCES["lost_rank"],)
+
+
+def nonunique_at_start(system: System, workspace: Workspace) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Joints whose reactions are not unique in the recorded position, and a note where the motion depends on them."""
+    nonunique = nonunique_reactions(system, workspace)
+    return nonunique, _friction_note(unsure_friction(system, left_null(system, workspace))) if nonunique else ()
 
 
 def _friction_note(joints: tuple[str, ...]) -> tuple[str, ...]:
@@ -131,7 +147,7 @@ def _unsure_friction(run: Run) -> tuple[str, ...]:
     names = ", ".join(name for name, one in zip(run.system.dry_joints, unsure, strict=True) if one)
     if not names:
         return ()
-    return (f"{names}: friction in a joint that the others keep from moving is not unique; 0 is listed meanwhile",)
+    return (SENTENCES["held_friction"].format(joints=names),)
 
 
 def _series_notes(run: Run) -> tuple[str, ...]:
@@ -139,9 +155,8 @@ def _series_notes(run: Run) -> tuple[str, ...]:
     series = int(run.tally[at.SERIES])
     if not series:
         return ()
-    one = "an infinite series of bounces was" if series == 1 else f"{series} infinite series of bounces were"
-    low = f"bounces that rise less than {LOW:g} clearances, or less than rounding, are counted as contact"
-    return (f"{one} closed: {low}",)
+    count = SENTENCES["one_series" if series == 1 else "more_series"].format(count=series)
+    return (SENTENCES["series"].format(count=count, low=LOW),)
 
 
 def _trust(

@@ -15,6 +15,13 @@ from rattle.solvers.output_row import record
 from rattle.solvers.singular_passage import SINGULAR, leave
 
 NAMED = 3  # instants that are written out; of more only the number
+SENTENCES = {  # of notes, also in pages
+    "passes": "the run passes a singular position at t = {t:.4g} s{lose}; forces there are not determined, or grow"
+    " without bound, the table leaves out {span}",
+    "passes_many": "the run passes {count} singular positions, at t = {times} s{more}{lose}; forces there are not"
+    " determined, or grow without bound, the table leaves out up to {half:.2g} ms on both sides",
+    "lose": ": constraints of {joints} lose rank",
+}
 
 
 class Running(Protocol):
@@ -54,16 +61,14 @@ def passage_notes(found: tuple[Passage, ...]) -> tuple[str, ...]:
     if not found:
         return ()
     joints = ", ".join(found[0].joints[:6])
-    lose = f": constraints of {joints} lose rank" if joints else ""
+    lose = SENTENCES["lose"].format(joints=joints) if joints else ""
     part = max(found, key=lambda one: one.until - one.since)
-    what = "forces there are not determined, or grow without bound"
     if len(found) == 1:
-        left = f"the table leaves out {_span(part.since, part.until)}"
-        return (f"the run passes a singular position at t = {part.t:.4g} s{lose}; {what}, {left}",)
+        return (SENTENCES["passes"].format(t=part.t, lose=lose, span=_span(part.since, part.until)),)
     when = ", ".join(f"{one.t:.4g}" for one in found[:NAMED])
     more = f" and {len(found) - NAMED} more times" if len(found) > NAMED else ""
-    left = f"the table leaves out up to {0.5e3 * (part.until - part.since):.2g} ms on both sides"
-    return (f"the run passes {len(found)} singular positions, at t = {when} s{more}{lose}; {what}, {left}",)
+    half = 0.5e3 * (part.until - part.since)
+    return (SENTENCES["passes_many"].format(count=len(found), times=when, more=more, lose=lose, half=half),)
 
 
 def _span(since: float, until: float) -> str:

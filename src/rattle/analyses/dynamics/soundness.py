@@ -39,6 +39,25 @@ STALLED, HARDLY = 20_000, 1e-6  # the same where it has nearly stopped
 LEAST_GONE = 1e-4  # this share of its time, unless the user limits the number of steps
 FOLLOWED = 1e-3  # clearances in a step from which on the motion of a pin in its bush is what keeps steps short
 FAR = 1e6  # distance from the origin, in sizes, at which too few digits are left for the motion
+SENTENCES = {  # of notes, also in pages
+    "opened": "joints opened by {share:.2g} of the mechanism's size (or rad): {shorter} reduces this",
+    "sunk": "contacts sank up to {percent:.2g} % of the clearance, or of the range between stops, into their walls:"
+    " {method} detects contact only once per step, a shorter step detects it sooner",
+    "energy_of_method": "energy error {share:.2g} of the largest energy: {method}, in proportion to its step",
+    "energy": "energy error {share:.2g} of the largest energy: {shorter} reduces it",
+    "opens": "'{joint}' would open by {share:.2g} {measure}",
+    "unrest": "the energy error would be {percent:.2g} % of the largest energy",
+    "ended": "ended at t = {t:.6g} s, before {what}: {cause}",
+    "too_long": "the steps are too long for this motion at rtol = {rtol:g}; choose a smaller rtol or limit the step",
+    "step_too_long": "the step of {step:.3g} s is far too long for this motion; choose a shorter step",
+    "loose": "rtol = {rtol:g} is loose: short contacts may be missed and the horizon may be overestimated",
+    "swift": "the massless link of '{joint}' turns at up to {rate:.2g} rad/s, {times:.2g} times as fast as {what}: this"
+    " is not credible; it happens after a change point or with a tiny clearance. Use an impact or compliant contact"
+    " there instead",
+}
+SHORTER = ("a shorter step", "a smaller rtol")  # what reduces errors of equal steps, of adaptive ones
+OF_OPENING = ("of the mechanism's size", "rad")
+FASTEST_BODY, ITS_DRIVER = "the fastest body at the start", "its driver"
 
 
 class Running(Protocol):
@@ -90,19 +109,15 @@ def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tup
     seen = workspace.audit
     found = []
     opened = max(float(seen[at.OPEN_LENGTH]) / system.extent, float(seen[at.OPEN_ANGLE]))
-    shorter = "a smaller rtol" if stepper.adaptive else "a shorter step"
+    shorter = SHORTER[bool(stepper.adaptive)]
     if opened > SAID:
-        found.append(f"joints opened by {opened:.2g} of the mechanism's size (or rad): {shorter} reduces this")
+        found.append(SENTENCES["opened"].format(share=opened, shorter=shorter))
     if seen[at.SUNK] > SUNK:
-        found.append(
-            f"contacts sank up to {100 * seen[at.SUNK]:.2g} % of the clearance, or of the range between stops, into"
-            f" their walls: {stepper.title} detects contact only once per step, a shorter step detects it sooner"
-        )
+        found.append(SENTENCES["sunk"].format(percent=100 * seen[at.SUNK], method=stepper.title))
     share = energy_share(seen)
-    if share > SAID and stepper.title:
-        found.append(f"energy error {share:.2g} of the largest energy: {stepper.title}, in proportion to its step")
-    elif share > SAID:
-        found.append(f"energy error {share:.2g} of the largest energy: {shorter} reduces it")
+    if share > SAID:
+        of = "energy_of_method" if stepper.title else "energy"
+        found.append(SENTENCES[of].format(share=share, method=stepper.title, shorter=shorter))
     return tuple(found)
 
 
@@ -110,7 +125,7 @@ def loose(stepper: type[Stepper], rtol: float) -> tuple[str, ...]:
     """Note on a relative tolerance [-] with which short contacts may be missed."""
     if not stepper.adaptive or rtol <= LOOSE:
         return ()
-    return (f"rtol = {rtol:g} is loose: short contacts may be missed and the horizon may be overestimated",)
+    return (SENTENCES["loose"].format(rtol=rtol),)
 
 
 def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
@@ -119,10 +134,10 @@ def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[
         return ()
     curve = dict(zip(names, data.T, strict=True))
     usual = max(float(np.abs(curve[f"{body}.omega"][0])) for body in system.bodies)
-    what = "the fastest body at the start"
+    what = FASTEST_BODY
     drivers = _driver_rates(system)
     if drivers and max(drivers) > 0.0:
-        usual, what = max(drivers), "its driver"
+        usual, what = max(drivers), ITS_DRIVER
     found = []
     for name in system.watched:
         joint = system.model.joints[name]
@@ -131,11 +146,8 @@ def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[
         turning = np.abs(curve[f"{name}.ex"] * (by - ay) - curve[f"{name}.ey"] * (bx - ax)) / joint.clearance**2
         fastest = float(turning.max())
         if fastest > SWIFT * usual > 0.0:
-            found.append(
-                f"the massless link of '{name}' turns at up to {fastest:.2g} rad/s, {fastest / usual:.2g} times as fast"
-                f" as {what}: this is not credible; it happens after a change point or with a tiny clearance. Use an"
-                " impact or compliant contact there instead"
-            )
+            times = fastest / usual
+            found.append(SENTENCES["swift"].format(joint=name, rate=fastest, times=times, what=what))
     return tuple(found)
 
 
@@ -224,13 +236,13 @@ def why_unsound(run: Running) -> str:
     limit = LIMIT if seen[at.OPENNESS] > LIMIT else step_audit.TOO_FAR
     if not opened <= limit and system.rows:
         row = system.rows[int(seen[at.OPEN_ROW])]
-        measure = "rad" if row.unit == "rad" else "of the mechanism's size"
-        what.append(f"'{row.owner}' would open by {opened:.2g} {measure}")
+        measure = OF_OPENING[row.unit == "rad"]
+        what.append(SENTENCES["opens"].format(joint=row.owner, share=opened, measure=measure))
     if not seen[at.UNREST] <= seen[at.UNREST_LIMIT]:
-        what.append(f"the energy error would be {100 * seen[at.UNREST]:.2g} % of the largest energy")
+        what.append(SENTENCES["unrest"].format(percent=100 * seen[at.UNREST]))
     cause = _cause(run, t, ahead) or run.suspect(step_audit.UNSOUND)
-    too_long = f"the steps are too long for this motion at rtol = {run.rtol:g}; choose a smaller rtol or limit the step"
-    return f"ended at t = {t:.6g} s, before {' and '.join(what)}: {cause or too_long}"
+    too_long = SENTENCES["too_long"].format(rtol=run.rtol)
+    return SENTENCES["ended"].format(t=t, what=" and ".join(what), cause=cause or too_long)
 
 
 def _cause(run: Running, t: float, ahead: float) -> str:
@@ -252,7 +264,7 @@ def _cause(run: Running, t: float, ahead: float) -> str:
             " number; put the origin near it"
         )
     if not run.stepper.leaf.adaptive:
-        return f"the step of {ahead - t:.3g} s is far too long for this motion; choose a shorter step"
+        return SENTENCES["step_too_long"].format(step=ahead - t)
     record(workspace, t, workspace.state, np.zeros(width(system)))
     return describe_rank_loss(system, workspace, NEARLY)
 

@@ -117,6 +117,11 @@ def _modulus(values: Mapping[str, Any]) -> float:
 class Elastic(ABC):
     """A static force law: the parameters of its kernel, and the force up to which it is valid."""
 
+    too_large = (  # said of a larger force
+        "{force:.3g} N is above {limit:.3g} N, where the half-width of the contact is half the pin radius: this formula"
+        " assumes a narrow contact; 'liu' is made for conforming contacts"
+    )
+
     @classmethod
     @abstractmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
@@ -133,10 +138,7 @@ class Elastic(ABC):
         limit = cls.limit(values)
         if force <= limit:
             return []
-        return [
-            f"{force:.3g} N is above {limit:.3g} N, where the half-width of the contact is half the pin radius: "
-            "this formula assumes a narrow contact; 'liu' is made for conforming contacts"
-        ]
+        return [cls.too_large.format(force=force, limit=limit)]
 
 
 class PinInBush(Elastic):

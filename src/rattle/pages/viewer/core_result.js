@@ -2,22 +2,58 @@
 //
 // data, functions: of `rattle.pages.result_data`.  p: the parameters in its order [SI].
 
-import { general, trustLines } from "./trust_words.js";
+import { messageOf } from "./core_trouble.js";
+import { joltsOf, passed, trustOf } from "./core_trust.js";
 
 const NUMBER_BYTES = 8;
 
 /** What a page shows of a run that has ended, or was stopped; columns are those of `simulate`. */
 export function resultOf(run, data, functions, p = data.values, milliseconds = 0) {
+  const message = run.status === run.N.DONE ? "" : messageOf(run, data, run.status); // rows overwrite what it reads
+  if (message) recordFirst(run);
   const found = run.result(), n = found.t.length, columns = curves(run, data, functions, p, found.rows);
-  const gaps = passages(run, data), events = eventsOf(run, data, found);
+  const gaps = passed(run, data).map(({ since, until }) => [since, until]), events = eventsOf(run, data, found);
   for (const name of gaps.length ? data.reactions : [])
     found.t.forEach((t, k) => { if (gaps.some(([since, until]) => t >= since && t <= until)) columns[name][k] = NaN; });
-  const message = found.success ? "" : messageOf(run, data, found.status), { steps, rejected, evaluations } = found.statistics;
+  const { steps, rejected, evaluations } = found.statistics;
+  const result = { names: data.names, units: data.units, t: found.t, columns, peaks: peaksOf(run, data, gaps), events };
   return {
-    names: data.names, units: data.units, t: found.t, columns, peaks: peaksOf(run, data, gaps), events,
-    trust: trustOf(run, data, columns["energy.balance"], events, gaps, message), success: found.success, message,
+    ...result, trust: trustOf(run, { ...data, told: toldFor(data, functions, p) }, p, result, gaps, message, slipping(data, functions, p, found.rows)), success: found.success, message,
     stats: { steps, rejected, evaluations, method: run.method ?? "", rtol: run.rtol, step: run.step, milliseconds }, written: n,
   };
+}
+
+// what trust is judged by, for these parameters
+function toldFor(data, functions, p) {
+  const { facts, told, width, calls, parameters } = data, values = new Float64Array(facts.length), changed = structuredClone({ links: told.links, oil: told.oil });
+  const input = new Float64Array(parameters.length + width + 4 + calls.length);
+  input.set(p.slice(0, parameters.length));
+  functions.facts(input, values);
+  facts.forEach((place, k) => {
+    let inner = changed;
+    for (const key of place.slice(0, -1)) inner = inner[key];
+    inner[place.at(-1)] = values[k];
+  });
+  return { ...told, ...changed };
+}
+
+// of belts that may slip, row after row: the ratio of their strands that friction holds, the wrap [rad] and mu
+function slipping({ belts, width, calls, parameters }, functions, p, rows) {
+  const input = new Float64Array(parameters.length + width + 4 + calls.length), made = new Float64Array(3 * belts.length);
+  input.set(p.slice(0, parameters.length));
+  return Array.from({ length: belts.length ? rows.length / width : 0 }, (_, k) => {
+    input.set(rows.subarray(k * width, (k + 1) * width), parameters.length);
+    functions.belts(input, made);
+    return made.slice();
+  });
+}
+
+// a run that fails at once has the output at its start all the same
+function recordFirst({ m, N, start, t }) {
+  const { tally, state } = m.arrays;
+  if (tally.data[N.OUTPUTS] || t !== start || !(m.times.data[0] <= start)) return;
+  m.call("record", start, state, m.row(m.rows, 0));
+  tally.data[N.OUTPUTS] = 1n;
 }
 
 // ---------------------------------------------------------------- columns
@@ -121,67 +157,7 @@ function eventsOf(run, data, found) {
     });
   }
   events.sort((a, b) => a.t - b.t);
-  const seen = new Map();
-  for (const { t, row, impulse } of found.jolts) { // of several drivers at one instant, in their order
-    const like = data.jumps.filter((jump) => jump.t === t), k = seen.get(t) ?? 0, jump = like[k] ?? { joint: `row ${row}`, size: NaN };
-    seen.set(t, k + 1);
-    events.push({ t, joint: jump.joint, kind: "jolt", normal_speed: jump.size, duration: 0, peak_force: 0, impulse, energy_lost: NaN });
-  }
+  for (const { t, driver: joint, size: normal_speed, impulse, work } of joltsOf(run, data))
+    events.push({ t, joint, kind: "jolt", normal_speed, duration: 0, peak_force: 0, impulse, energy_lost: -work });
   return events.sort((a, b) => a.t - b.t);
-}
-
-// ---------------------------------------------------------------- trust
-function trustOf(run, data, balance, events, gaps, message) {
-  const { audit, clock, tally } = run.m.arrays, A = data.at.audit, seen = (name) => audit.data[A[name]];
-  const exchanged = Math.max(seen("MOST_KINETIC"), seen("MOST_WORK"), seen("MOST_POTENTIAL") - seen("LEAST_POTENTIAL")) + data.limit * seen("FLOOR");
-  const count = (kind) => events.filter((event) => event.kind === kind).length, fewest = clock.data[data.at.clock.FEWEST];
-  const trust = {
-    drift: seen("OPEN_LENGTH"), drift_angle: seen("OPEN_ANGLE"),
-    drift_joint: data.rows.length ? data.rows[Number(tally.data[data.at.tally.DRIFT_ROW])][0] : "",
-    energy: balance.reduce((most, x) => (Math.abs(x) > most || Number.isNaN(x) ? Math.abs(x) : most), balance.length ? 0 : NaN),
-    energy_share: exchanged > 0 ? seen("MOST_UNREST") / exchanged : 0, t_end: clock.data[data.at.clock.T],
-    stopped: message !== "", ...pulls(run, data), pending: balance.length > 1, horizon: null, horizon_motion: null, horizon_curve: "",
-    contact_count: data.contacts ? count("contact") : null, impact_count: count("impact"), contacts: [],
-    fewest_steps: data.contacts && fewest < Infinity ? fewest : null, gaps, singular: singular(run, data), limits: [], notes: [...data.notes],
-  };
-  if (run.adaptive && run.rtol > data.loose)
-    trust.notes.push(`rtol = ${general(run.rtol)} is loose: short contacts may be missed and the horizon may be overestimated`);
-  return { ...trust, text: trustLines(trust) };
-}
-
-function pulls(run, data) {
-  const pulled = {}, first_pull = {}, until = run.m.arrays.clock.data[data.at.clock.T], span = Math.max(until - run.start, 1e-300);
-  data.watched.forEach((name, n) => {
-    const own = run.crossings.filter(([, force]) => force === n), times = own.map(([t]) => t);
-    const first = own.length ? -own[0][2] : run.m.arrays.sign.data[n]; // every crossing has its new sign
-    if (first < 0) times.unshift(run.start);
-    if (times.length % 2) times.push(until);
-    let sum = 0;
-    for (let k = 0; k < times.length; k += 2) sum += times[k + 1] - times[k];
-    pulled[name] = sum / span;
-    first_pull[name] = times.length ? times[0] : null;
-  });
-  return { pulled, first_pull };
-}
-
-const passed = ({ m }, data) => {
-  const { passage, passages: rows } = m.arrays, P = data.at.passage, count = passage.shape[0] ? passage.data[P.PASSED] : 0;
-  return Array.from({ length: Math.min(count, rows.shape[0]) }, (_, k) => m.row(rows, k).data);
-};
-const passages = (run, data) => passed(run, data).map((row) => [row[data.at.passage.PASSED_FROM], row[data.at.passage.PASSED_UNTIL]]);
-const singular = (run, data) => passed(run, data).map((row) => row[data.at.passage.PASSED_AT]);
-
-// ---------------------------------------------------------------- why a run ended early
-function messageOf(run, data, status) {
-  const { audit } = run.m.arrays, A = data.at.audit, seen = (name) => audit.data[A[name]], what = [];
-  const why = data.words_of_end[status], head = `cannot go on at t = ${general(run.t)} s`;
-  if (!why) return `ended at t = ${general(run.t)} s; the result holds what was computed before`;
-  if (status !== data.unsound) return `${head}: ${why}`;
-  const opened = Math.max(seen("OPENNESS"), seen("CORRECTION"));
-  if (!(opened <= data.limit) && data.rows.length) {
-    const [owner, unit] = data.rows[seen("OPEN_ROW")];
-    what.push(`'${owner}' would open by ${general(opened, 2)} ${unit === "rad" ? "rad" : "of the mechanism's size"}`);
-  }
-  if (!(seen("UNREST") <= seen("UNREST_LIMIT"))) what.push(`the energy error would be ${general(100 * seen("UNREST"), 2)} % of the largest energy`);
-  return `ended at t = ${general(run.t)} s${what.length ? `, before ${what.join(" and ")}` : `: ${why}`}`;
 }

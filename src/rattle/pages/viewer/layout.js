@@ -60,9 +60,9 @@ export function sayTrust(element, motion, remarks, lines) {
   if (lines === false) return void element.replaceChildren(badge, ...stopped);
   const open = element.querySelector("details")?.open ?? (level === "mind" && !isSmall());
   const [solved = "", more = ""] = trust.text ?? [], reach = solved.split("; ").slice(1).join("; "); // behind the errors
-  const first = level === "mind" ? trust.limits?.[0] ?? (pulled ? more : reach || more) : ""; // the reason in one line, while it is closed
+  const first = level === "mind" ? trust.limits?.[0] ?? trust.word ?? (pulled ? more : reach || more) : ""; // the reason in one line, while it is closed
   const count = remarks.length ? ` · ${remarks.length} note${remarks.length > 1 ? "s" : ""}` : "";
-  const all = [...(trust.limits ?? []), ...(trust.contacts ?? []), ...(trust.text ?? [])];
+  const head = trust.word ? [trust.word] : trust.limits ?? [], all = [...head, ...(trust.contacts ?? []), ...(trust.text ?? [])]; // as `rattle run`
   element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `why?${count}`),
     ...(first ? [make("span", { class: "first quiet" }, first)] : [])),
     make("div", { class: "lines" }, ...all.map((line) => make("p", {}, line)),

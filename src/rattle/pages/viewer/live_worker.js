@@ -8,7 +8,8 @@
 import { CoreModel } from "./core_model.js";
 import { bytesFrom, openCore } from "./core.js";
 import { openTape } from "./tape.js";
-import { trustLines } from "./trust_words.js";
+import { shownOf } from "./core_unread.js";
+import { trusted } from "./trust_words.js";
 
 const SLICE = 12; // milliseconds between two looks at the messages
 const TELL = 250; // milliseconds between two words of progress
@@ -35,7 +36,7 @@ function serveModels(port, models) {
     if (!task.first.advance(SLICE)) return void tellProgress(port, task);
     waiting.delete(task.id);
     task.made = task.first.result();
-    answer(port, task);
+    answer(port, task.id, { ...task.made, ...shownOf(task.made, models[task.model].data.result.told, task.made.between) });
     if (!task.made.trust.pending || task.model !== "model") return;
     if (task.first.stopped) giveUp(task); // nobody waits twice
     else trusting.set(task.slot, task);
@@ -45,12 +46,12 @@ function serveModels(port, models) {
     if (!task.second.advance(SLICE)) return;
     trusting.delete(task.slot);
     const said = { ...task.made.trust, ...task.first.agreement(task.second), pending: false };
-    port.postMessage({ id: task.id, trust: { ...said, text: trustLines(said) } });
+    port.postMessage({ id: task.id, trust: trusted(said, task.first.model.data.result.told.sentences.trust) });
   };
   const giveUp = (task) => { // a horizon that cannot be known is not waited for
     trusting.delete(task.slot);
     const said = { ...task.made.trust, pending: false };
-    port.postMessage({ id: task.id, trust: { ...said, text: trustLines(said) } });
+    port.postMessage({ id: task.id, trust: trusted(said, task.first.model.data.result.told.sentences.trust) });
   };
   channel.port1.onmessage = () => {
     const [task] = waiting.values(), [quiet] = trusting.values();
@@ -88,7 +89,7 @@ function tellProgress(port, task) {
   port.postMessage({ id: task.id, progress: task.first.run.progress });
 }
 
-function answer(port, { id, made }) {
+function answer(port, id, made) {
   const { columns, t, written, ...rest } = made, rows = t.length, data = new Float64Array(rest.names.length * rows);
   rest.names.forEach((name, c) => data.set(columns[name], c * rows));
   const times = t.slice();
