@@ -1,4 +1,4 @@
-// From the end of a run by the compiled kernels to a result, as `endRun` of engine.js returns it.
+// From the end of a run by the compiled kernels to a result, as a page shows it.
 //
 // data, functions: of `rattle.pages.result_data`.  p: the parameters in its order [SI].
 
