@@ -197,7 +197,7 @@ declare("contact_memory", """
     DGAP_1 [m/s or rad/s] its rate there
     N_1 [N or N*m] N there
     BOUNCES_END [s] end of a series of bounces that is not followed further; 0: none
-    ROUNDING [m/s] velocity scale before the last impact, relative to which rounding is judged
+    ROUNDING [m/s] size of the rates before the last impact and of what its impulses change: share of it is rounding
     RATE_BEFORE [m/s] rate of the gap before an impact
     SLIP_BEFORE [m/s] slip before an impact
     HITS [] Moreau-Jean: 1 for an impact in this step

@@ -164,6 +164,6 @@ def largest_acceleration(m, n):
 
 @compiled
 def at_rest(m, r, n, u, before):
-    """True if the velocity u [m/s or rad/s] of row r of contact n is rounding; before: magnitude of its terms before an
-    impact."""
+    """True if the velocity u [m/s or rad/s] of row r of contact n is rounding; before: magnitude of its terms before
+    an impact, and of those that its impulses add."""
     return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.lever[n, at.GAP_SIZE]

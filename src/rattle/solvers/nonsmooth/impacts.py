@@ -33,6 +33,7 @@ from rattle.equations.unilateral import (
     floor_of_rates,
     is_rough,
     lasting_side,
+    reach,
     shift,
     solve_contacts,
     solve_modes,
@@ -96,6 +97,7 @@ def collide(m, t, y, who):
             status = rubbing_percussions(m, count)
         if status != OK:
             return status
+        note_terms(m, count)
         press_down(m, count)
         shift(m, count, v, -1.0)
         if m.dry.shape[0] > 0:
@@ -210,6 +212,37 @@ def percussions(m, count):
 
 
 @compiled
+def note_terms(m, count):
+    """Add what the impulses change, each by itself, to the magnitudes relative to which rates have rounding.
+
+    In a row of contacts a body at rest gets impulses from both sides: what they leave of each other is rounding, though
+    the rates are zero before and after the impact.
+    """
+    side, dv, w, weight, response = m.side, m.velocity_change, m.contact_jacobian, m.weight, m.velocity_response
+    contact, active, memory, sparse = m.contact, m.active, m.contact_memory, m.held[at.SPARSE] == 1.0
+    for i in range(dv.shape[0]):
+        for q in range(3):
+            dv[i, q] = 0.0
+    for r in range(2 * count):
+        f = abs(side[F, r])
+        if f == 0.0:
+            continue
+        if sparse:
+            a, b = contact[active[r // 2], at.A_BODY], contact[active[r // 2], at.B_BODY]
+            for q in range(3):
+                dv[a, q] += abs(weight[a, q] * w[r, q]) * f
+                dv[b, q] += abs(weight[b, q] * w[r, 3 + q]) * f
+            continue
+        for i in range(1, dv.shape[0]):
+            for q in range(3):
+                dv[i, q] += abs(response[r, 3 * i - 3 + q]) * f
+    for k in range(count):
+        n = active[k]
+        for r in range(2 * k, 2 * k + 2):
+            memory[n, at.ROUNDING] = max(memory[n, at.ROUNDING], reach(m, r, n, dv, 0))
+
+
+@compiled
 def press_down(m, count):
     """Add the impulses that keep contacts marked as closed from lifting.
 
@@ -263,6 +296,16 @@ def stay_together(m, count):
             break
 
 
+@compiled
+def rises(m, k, n):
+    """True if active contact n, the k-th, opens after an impact; its rate may be rounding of the rates before that.
+
+    Such a rate over the acceleration, which is rounding too, would be any time.
+    """
+    rate = m.contact_kinematics[n, at.DGAP]
+    return rate > 0.0 and not at_rest(m, 2 * k, n, rate, m.contact_memory[n, at.ROUNDING])
+
+
 @native("i", "h", "f", "v", "i")
 def low_bounce(m, t, y, count):
     """Mark contacts that rise after the impact, but too low to follow; True if there is a new one."""
@@ -282,7 +325,7 @@ def low_bounce(m, t, y, count):
             continue
         least = max(LOW * scale_of(m, n), 4e-15 * m.lever[n, at.GAP_SIZE], rounding(m, n))
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
-        if memory[n, at.BOUNCES_END] != 0.0 or speed <= STILL * velocity_scale(m, 2 * k, n):
+        if memory[n, at.BOUNCES_END] != 0.0 or not rises(m, k, n):
             continue
         pull = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
         if pull < 0.0 and speed * speed < -2.0 * pull * least:
@@ -307,9 +350,7 @@ def low_bounce(m, t, y, count):
             end = max(end, t + last * last / (before - last))
     for k in range(count):
         n = active[k]
-        if memory[n, at.BOUNCES_END] != 0.0 or (
-            side[F, 2 * k] > 0.0 and kinematics[n, at.DGAP] <= STILL * velocity_scale(m, 2 * k, n)
-        ):
+        if memory[n, at.BOUNCES_END] != 0.0 or (side[F, 2 * k] > 0.0 and not rises(m, k, n)):
             memory[n, at.BOUNCES_END] = end
     return found
 
