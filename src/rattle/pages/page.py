@@ -13,9 +13,9 @@ from rattle.errors import InputError, TraceError, suggest
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
-from rattle.pages.packed import packed
+from rattle.pages.packed import lettered
 from rattle.pages.replay import write_page
-from rattle.pages.scene import FEWEST_ROWS, OF_GHOST, frame_of, run_of
+from rattle.pages.scene import OF_GHOST, frame_of, run_of
 from rattle.pages.sweep_page import sweep_scene
 from rattle.pages.thinning import shared_rows
 from rattle.pages.viewer_text import joined, viewer_files
@@ -24,6 +24,7 @@ from rattle.results.derived import rules
 from rattle.results.handy_units import written_units
 
 WORKER = "live_worker.js"
+REPLAYED = 151  # instants of the motion that a browser shows which cannot compute
 EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
 
 
@@ -79,7 +80,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "ideal": None,
         "knobs": knobs(m, live),
         "live": {
-            "packed": packed(worker_text(live).encode()), "settings": {"t_end": live.t_end},
+            "packed": lettered(worker_text(live)), "settings": {"t_end": live.t_end},
             "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.names),
             "replay": _replay(m, t_end),
         },
@@ -93,7 +94,7 @@ def _replay(m: Mechanism, t_end: float | None) -> dict[str, Any]:
     result = m.simulate(t_end)
     if result.interrupted:
         raise KeyboardInterrupt
-    rows = shared_rows(result, FEWEST_ROWS)
+    rows = shared_rows(result, REPLAYED)
     return run_of(result, "", result.geometry, OF_GHOST, kept=(rows, {}))
 
 

@@ -11,8 +11,9 @@ from typing import Any
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.pages.ghost import ghost_of
+from rattle.pages.packed import lettered
 from rattle.pages.scene import require_motion, scene_json, scene_of
-from rattle.pages.viewer_text import viewer_text
+from rattle.pages.viewer_text import joined, viewer_files, viewer_text
 from rattle.plots.orbit import require_point
 from rattle.results.result import Result
 
@@ -32,6 +33,7 @@ PAGE = """<!DOCTYPE html>
 </head>
 <body>
 <div id="rattle"></div>
+<script>window.rattle = undefined; // until it is there: a browser would give the element of that name</script>
 <noscript>This page shows a motion: it needs JavaScript, which is switched off here.</noscript>
 <script type="application/json" id="scene">{scene}</script>
 <script type="module">
@@ -42,6 +44,17 @@ window.rattle = mount(document.getElementById("rattle"), scene, {host});
 </body>
 </html>
 """
+
+# the viewer of a page that computes, compressed: such a page needs a browser that can unpack anyway
+UNPACKED = """@unpack@async function unpackedViewer(letters) {
+  const text = await unpackedText(letters);
+  return import(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
+}
+const { mount } = await unpackedViewer("@letters@").catch((error) => {
+  document.getElementById("rattle").textContent = `This page cannot be shown: ${error.message}`;
+  throw error;
+});"""
+UNPACK = "unpack.js"
 
 
 def replay(
@@ -83,7 +96,15 @@ def write_page(scene: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
 
 def page_text(scene: Mapping[str, Any]) -> str:
     """A scene with the viewer as the text of one HTML file."""
+    text = viewer_text()
+    viewer = _unpacked(text) if scene["live"] else text.replace("</script", "<\\/script")
     return PAGE.format(
         policy=html.escape(POLICY), program=html.escape(str(scene["program"])), title=html.escape(str(scene["title"])),
-        scene=scene_json(scene), viewer=viewer_text().replace("</script", "<\\/script"), host="{ page: true }",
+        scene=scene_json(scene), viewer=viewer, host="{ page: true }",
     )  # fmt: skip
+
+
+def _unpacked(viewer: str) -> str:
+    """A script that unpacks the viewer."""
+    unpack = joined(viewer_files(), UNPACK).replace("export ", "")
+    return UNPACKED.replace("@unpack@", unpack).replace("@letters@", lettered(viewer))

@@ -4,6 +4,7 @@
 // come meanwhile only the latest is kept, and the promises of all end with it.
 
 import { unpack } from "./data.js";
+import { unpackedText } from "./unpack.js";
 
 const PATIENCE = 400; // milliseconds after which a task that is out of date is given up
 
@@ -115,19 +116,9 @@ function unpackLive({ times, data, ...run }) {
   return { ...run, t: times, columns };
 }
 
-// The text of the worker from the scene, where it stands compressed.
-async function liveText(live) {
-  if (live.text) return live.text;
-  if (typeof DecompressionStream === "undefined")
-    throw new Error("this browser is too old to compute motions (it has no DecompressionStream): please use a newer one");
-  const raw = atob(live.packed), bytes = new Uint8Array(raw.length);
-  for (let k = 0; k < raw.length; k++) bytes[k] = raw.charCodeAt(k);
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
-}
-
 // A worker; in a browser that allows none, the same text in the page itself, which works in small slices.
 async function openPort(live) {
-  const text = await liveText(live), address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
+  const text = live.text ?? (await unpackedText(live.packed)), address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
   try {
     return await startedWorker(address);
   } catch (error) {
