@@ -22,7 +22,8 @@ from rattle.description.read_values import LARGEST
 from rattle.equations.system import System, compile_system, length_of
 from rattle.errors import TraceError
 from rattle.language import bytecode
-from rattle.language.recorded import Recorded, symbol_of
+from rattle.language.recorded import Recorded, bare, symbol_of
+from rattle.language.table_reading import KNOTS, PERIOD
 from rattle.language.watched import Watch, Watched
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both
@@ -148,6 +149,10 @@ def _timed(recorded: System) -> list[Any]:
             found += const[rows[rows[:, 0] == bytecode.CONST, 1]].tolist()
             if np.isin(rows[:, 0], (bytecode.CURVE, bytecode.BENT)).any():
                 found += const.tolist()  # numbers of tables are among them
+            op, place = code[one.row, :2].tolist()
+            if op == bytecode.BENT:  # it switches at its knots
+                knots = place + KNOTS
+                found += const[place + PERIOD : knots + int(bare(const[place])) + 1].tolist()
     return [symbol_of(x) for x in found if isinstance(x, Recorded)]
 
 
