@@ -291,3 +291,30 @@ def same_numbers(got, want):
         assert got == pytest.approx(want, rel=1e-12, abs=1e-14)
     else:
         assert got == want
+
+
+FREE = LOOP.replace("link = { angle = 0.3 }\nrocker = { angle = 1.9 }\n", "").replace(
+    '[drivers.motor]\njoint = "A"\nangle = "1 + 2*t"\n', ""
+)
+
+
+def test_a_start_that_is_one_of_several_is_a_limit(tmp_path):
+    """Nothing says where the crank begins: with another length the page goes on beside its start, and says so."""
+    own, turned = computed(tmp_path, live_model(rt.loads(FREE)), {}, {"rod": 0.6}, t_end=0.05)
+    assert not own["trust"]["limits"]
+    assert "[initial] alone does not determine it" in turned["trust"]["limits"][0]
+
+
+def test_parameters_with_which_drivers_jump_otherwise_stay_as_they_are():
+    text = LOOP.replace('"1 + 2*t"', '"1 + 2*t + w*max(0, t - 0.5)"')
+    for own in (0.0, 1.0):
+        m = rt.loads(text.replace("[parameters]", f"[parameters]\nw = {own}"))
+        assert live_model(m).fixed["w"] == "jumps of drivers follow from it"
+        assert "rod" in live_model(m).parameters
+
+
+def test_parameters_may_have_the_names_of_what_every_object_has(tmp_path):
+    text = LOOP.replace("rod =", "constructor =").replace('"rod"', '"constructor"')
+    own, turned = computed(tmp_path, live_model(rt.loads(text)), {}, {"constructor": 0.52}, t_end=0.05)
+    assert own["parameters"] == {"constructor": 0.5}
+    assert turned["parameters"] == {"constructor": 0.52}

@@ -36,8 +36,9 @@ export function run(tEnd = undefined, step = undefined, p = {}) {
   for (const [value, what] of [[tEnd, "tEnd"], [step, "step"]])
     if (value !== undefined && !(typeof value === "number" && value > 0 && value < Infinity))
       throw new RangeError(`${what} = ${value}: a time above 0 is expected [s]`);
+  if (typeof p !== "object" || p === null) throw new TypeError("p: values of parameters by name are expected");
   for (const name of Object.keys(p))
-    if (!(name in parameters))
+    if (!Object.hasOwn(parameters, name))
       throw new RangeError(`no parameter ${name}; there are ${model.names.join(", ") || "none"}`);
   const moved = model.begin(p, { t_end: tEnd, interval: step });
   moved.advance(Infinity);

@@ -13,13 +13,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rattle.analyses import arguments
+from rattle.analyses.assembly.assembly import has_play
+from rattle.analyses.assembly.rank import free_motions, scaled_rows
+from rattle.analyses.assembly.start_values import given_values
 from rattle.analyses.dynamics.peak_values import measures_of_peaks
 from rattle.analyses.dynamics.run import Run
 from rattle.analyses.dynamics.simulate import POINTS
 from rattle.analyses.dynamics.soundness import measures_of_rows
 from rattle.analyses.straight_line.recorded_arrays import RecordedArrays, recorded_arrays
+from rattle.analyses.timetable import timetable
 from rattle.description.model import Parameter
 from rattle.description.read_parameters import chosen_parameters
+from rattle.equations.closure import open_by
 from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, InputError, ModelError, TraceError
@@ -36,6 +42,7 @@ from rattle.solvers.peaks import samples
 from rattle.solvers.stepper import RTOL
 
 MOST_STEPS = 1_000_000  # of a run in a page
+TRIED = (-0.3, -0.07, 0.01, 0.4)  # changes of a parameter at which something is looked at, in shares of it
 FOLLOWS = "it follows from others"
 DRAWING = "drawing"  # entries that are numbers of the drawing
 Place = tuple[str | int, ...]
@@ -78,7 +85,7 @@ def live_model(m: Mechanism, t_end: float | None = None, *, alone: bool = False,
         "facts": list(arrays.facts),
         "drawing": json.loads(json.dumps(drawing, default=_bare)),
         "drawn": [list(place) for place in places],
-        "settings": _settings(m, t_end),
+        "settings": _settings(m, run, t_end),
         "method": {"name": run.stepper.name, "refinement": run.stepper.leaf.refinement, "usual": RTOL},
         "result": result.data,
         "functions": {"arrays": add_arrays(tape, arrays), **result.functions},
@@ -97,12 +104,21 @@ def _written(name: str, parameter: Parameter) -> list[Any]:
     return [name, parameter.value, parameter.minimum, parameter.maximum, parameter.unit]
 
 
-def _settings(m: Mechanism, t_end: float | None) -> dict[str, Any]:
+def _default_step(run: Run) -> dict[str, Any]:
+    """The longest step of a method with equal steps that is not told one [s], and their number in a short run."""
+    if run.stepper.leaf.adaptive:
+        return {}
+    default = run.stepper.leaf.step.default
+    return {"longest": default(1e12), "fewest": 1e-12 / default(1e-12)}
+
+
+def _settings(m: Mechanism, run: Run, t_end: float | None) -> dict[str, Any]:
     """What is given for runs, and does not follow from their end."""
     given = m.model.settings
     return {
         "interval": given.output, "outputs": POINTS, "end_given": t_end is not None,
         "timed": any(switch.timed for switch in m.system.switches),
+        "free": _is_free(m), "tightest": arguments.TIGHTEST, **_default_step(run),
         "step_given": given.step is not None, "atol_given": given.atol is not None, "most_steps": MOST_STEPS,
     }  # fmt: skip
 
@@ -132,13 +148,67 @@ def _changeable(m: Mechanism, run: Run) -> tuple[list[str], dict[str, str]]:
     try:
         timed = _recorded(m, run, asked)[0].of_times
         fixed |= dict.fromkeys(timed, "instants at which expressions switch follow from it")
+        fixed |= dict.fromkeys(_jolting(m, run, asked), "jumps of drivers follow from it")
     except TraceError:
         for name in asked:
             try:
                 _recorded(m, run, [name])
-            except TraceError as error:
-                fixed[name] = str(error)
-    return [name for name in asked if name not in fixed], fixed
+            except TraceError:
+                fixed[name] = "only rattle itself can follow what depends on it"
+    names = [name for name in asked if name not in fixed]
+    fixed |= dict.fromkeys(_structural(m, _recorded(m, run, names)[0]), "it changes the form of the model")
+    return [name for name in names if name not in fixed], fixed
+
+
+def _tried(parameter: Parameter) -> list[float]:
+    """Values of a parameter at which something is looked at [SI]: some around its own, and its limits."""
+    values = [parameter.value + share * (parameter.value or 1.0) for share in TRIED]
+    return values + [x for x in (parameter.minimum, parameter.maximum) if x is not None]
+
+
+def _jolting(m: Mechanism, run: Run, names: Sequence[str]) -> Iterator[str]:
+    """Parameters with which drivers jump otherwise than in the model as it is written."""
+    if not any(switch.timed and switch.driving for switch in m.system.switches):
+        return
+    for name in names:
+        for value in _tried(m.model.parameters[name]):
+            try:
+                system = m.set({name: value}).system
+            except (ModelError, AssemblyError):
+                continue
+            try:
+                jumps = timetable(system, run.start.t, run.t_end).jumps
+            except ModelError:  # in position
+                yield name
+                break
+            if jumps != run.table.jumps:
+                yield name
+                break
+
+
+def _structural(m: Mechanism, arrays: RecordedArrays) -> Iterator[str]:
+    """Parameters that stand for another form of the model wherever they are changed."""
+    own = arrays.inputs(m.system)
+    for k, name in enumerate(arrays.names):
+        values = _tried(m.model.parameters[name])
+        tried = np.repeat(own[:, None], len(values), axis=1)
+        tried[k] = values
+        if not arrays.graph.evaluate([arrays.holds], tried).any():
+            yield name
+
+
+def _is_free(m: Mechanism) -> bool:
+    """Whether [initial] leaves places open: a start beside the model's is then one of several."""
+    if has_play(m.model):  # where pins stand in their play is settled by offsets, reactions and given values
+        try:
+            return _is_free(m.ideal()) if not has_play(m.ideal().model) else False
+        except AssemblyError:
+            return True
+    given, q = given_values(m.system, 0), m.start.q
+    workspace = m.system.assembly_workspace()
+    open_by(workspace, m.start.t, q, np.zeros_like(q))
+    known = np.eye(len(q))[~np.isnan(given)]
+    return len(free_motions(np.vstack([scaled_rows(m.system, workspace), known]))) > 0
 
 
 def _bound(m: Mechanism, asked: Sequence[str]) -> Iterator[tuple[str, str]]:

@@ -4,7 +4,7 @@
 
 import { bytesFrom } from "./core.js";
 import { CoreRun } from "./core_run.js";
-import { general } from "./trust_words.js";
+import { general, trusted } from "./trust_words.js";
 import { StartFinder } from "./core_start.js";
 import { agreement } from "./core_horizon.js";
 import { curves, resultOf } from "./core_result.js";
@@ -12,6 +12,7 @@ import { functionsByName } from "./tape.js";
 
 const MOST_BESIDE = 400_000; // numbers beside events that a page keeps of a run
 const MOST_OUTPUTS = 20_000; // of a longer run they are farther apart
+const BESIDE = "the start is the one beside that of the model file, as [initial] alone does not determine it: `rattle run` may begin elsewhere with these values";
 const EVENT_PARTS = ["t", "joint", "kind", "normal_speed", "duration", "peak_force", "impulse", "energy_lost"]; // in lists of a scene
 
 /** A model in an engine. */
@@ -26,17 +27,19 @@ export class CoreModel {
     this.functions = functionsByName(functions, data.functions);
     this.names = data.parameters.map(([name]) => name);
     this.own = Float64Array.from(data.parameters, ([, value]) => value);
+    this.ownPlaces = data.start.description.start.q;
     this.finder = new StartFinder(engine, data.start, functions);
   }
 
   /** A run that has not begun.  parameters: values [SI] by name; settings: t_end, interval of outputs [s], rtol. */
   begin(parameters = {}, settings = {}) {
-    const p = Float64Array.from(this.names, (name, k) => parameters[name] ?? this.own[k]);
+    const p = Float64Array.from(this.names, (name, k) => (Object.hasOwn(parameters, name) ? parameters[name] : this.own[k]));
     p.forEach((value, k) => { if (!Number.isFinite(value)) throw new Error(`${this.names[k]}: a finite number is expected`); });
     this.requireLimits(p);
     const same = p.every((value, k) => value === this.own[k]);
     const start = same ? null : this.finder.find(p);
     if (start?.error) throw new Error(start.error);
+    if (start) start.beside = this.data.settings.free && start.q.some((x, k) => x !== this.ownPlaces[k]);
     const arrays = this.arrays(p, start?.constants ?? this.data.constants);
     return new ModelRun(this, p, start, arrays, settings);
   }
@@ -86,11 +89,12 @@ class ModelRun {
     const end = settings.t_end ?? (data.settings.end_given ? run.end : facts.t_end ?? run.end), rtol = (settings.rtol ?? facts.rtol ?? run.rtol) * share;
     const interval = settings.interval ?? facts.output ?? data.settings.interval, most = settings.interval ? Infinity : MOST_OUTPUTS;
     const count = Math.min(most, Math.max(1, Math.round(interval ? end / interval : data.settings.outputs)));
+    if (!(rtol >= data.settings.tightest && rtol < 1)) throw new Error(`rtol = ${general(rtol)}: expected ${general(data.settings.tightest)} or more, and less than 1`);
     if (!(end > 0 && end < Infinity)) throw new Error("the end of the motion must be after its start");
     if (data.settings.timed && end > run.end)
       throw new Error(`instants at which expressions of time switch are known up to ${general(run.end)} s only: choose an end up to there`);
     const changed = end !== run.end || count + 1 !== run.times[0];
-    const longest = step ?? (data.settings.step_given ? facts.step ?? run.step : run.step && run.step * Math.min(1, end / run.end));
+    const longest = step ?? (data.settings.step_given ? facts.step ?? run.step : run.step && Math.min(data.settings.longest, end / data.settings.fewest));
     const atol = data.settings.atol_given ? (facts.atol ?? run.atol) * share : (run.atol / run.rtol) * rtol;
     const description = { ...run, end, rtol, atol, step: longest, times: changed ? [count + 1, -1, end] : run.times };
     const core = new CoreRun(engine, { description, content }, { mostSteps: data.settings.most_steps });
@@ -113,6 +117,12 @@ class ModelRun {
     return core;
   }
 
+  /** What a page says of such a trust; a start that is one of several is a limit. */
+  trusted(trust) {
+    const said = trusted(trust, this.model.data.result.told.sentences.trust);
+    return this.start?.beside ? { ...said, limits: [...said.limits, BESIDE] } : said;
+  }
+
   /** Up to which time [s] the second run, which has ended, agrees with this one. */
   agreement(second) {
     const { data, functions } = this.model, other = resultOf(second, data.result, functions, this.p);
@@ -130,7 +140,8 @@ class ModelRun {
     const made = this.made = resultOf(run, data.result, functions, p, performance.now() - this.began);
     const parameters = Object.fromEntries(model.names.map((name, k) => [name, p[k]]));
     const message = this.stopped && !made.success ? `at t = ${general(run.t)} s, when it was told to; what was computed before is shown` : made.message;
-    return { ...made, label: "", t_end: run.end, message, parameters, events: made.events.map((event) => EVENT_PARTS.map((key) => event[key])), geometry: model.drawing(sizes), between: this.between() };
+    if (this.start?.beside) made.trust.notes.push(BESIDE);
+    return { ...made, trust: this.trusted(made.trust), label: "", t_end: run.end, message, parameters, events: made.events.map((event) => EVENT_PARTS.map((key) => event[key])), geometry: model.drawing(sizes), between: this.between() };
   }
 
   // values just before and after events

@@ -221,7 +221,7 @@ class Start {
     if (became === N.NOT_FINITE) return "with these parameters numbers of the mechanism are too large or have no value";
     const gaps = rows.map((_, k) => Math.abs(data[k * width + N.RES])), k = gaps.indexOf(Math.max(...gaps));
     const what = rows[k] ? `${rows[k][2] ? "driver" : "joint"} '${rows[k][0]}' stays open by ${gaps[k].toPrecision(3)} ${rows[k][1]}` : "pins do not fit";
-    return `the mechanism cannot be put together with these parameters: ${what}`;
+    return `the mechanism cannot be put together with these parameters, beside its own position: ${what}`;
   }
 
   outside({ q, v }) {

@@ -9,7 +9,6 @@ import { CoreModel } from "./core_model.js";
 import { bytesFrom, openCore } from "./core.js";
 import { openTape } from "./tape.js";
 import { shownOf } from "./core_unread.js";
-import { trusted } from "./trust_words.js";
 
 const SLICE = 12; // milliseconds between two looks at the messages
 const TELL = 250; // milliseconds between two words of progress
@@ -46,12 +45,12 @@ function serveModels(port, models) {
     if (!task.second.advance(SLICE)) return;
     trusting.delete(task.slot);
     const said = { ...task.made.trust, ...task.first.agreement(task.second), pending: false };
-    port.postMessage({ id: task.id, trust: trusted(said, task.first.model.data.result.told.sentences.trust) });
+    port.postMessage({ id: task.id, trust: task.first.trusted(said) });
   };
   const giveUp = (task) => { // a horizon that cannot be known is not waited for
     trusting.delete(task.slot);
     const said = { ...task.made.trust, pending: false };
-    port.postMessage({ id: task.id, trust: trusted(said, task.first.model.data.result.told.sentences.trust) });
+    port.postMessage({ id: task.id, trust: task.first.trusted(said) });
   };
   channel.port1.onmessage = () => {
     const [task] = waiting.values(), [quiet] = trusting.values();
