@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_arrays import RecordedArrays
+from rattle.errors import InputError
 from rattle.pages.packed import packed
 from rattle.trace.graph import EXACT, Graph
 
@@ -39,7 +40,7 @@ class Tape:
         inputs: what the inputs of its graph are, in order; inputs of two functions with one key are the same ones.
         """
         if len(inputs) != len(graph.inputs):
-            raise ValueError(f"{len(graph.inputs)} inputs, but {len(inputs)} keys for them")
+            raise InputError(f"{len(graph.inputs)} inputs, but {len(inputs)} keys for them")
         tape = self._graph
         for key in inputs:
             if key not in self._inputs:
