@@ -318,3 +318,13 @@ def test_parameters_may_have_the_names_of_what_every_object_has(tmp_path):
     own, turned = computed(tmp_path, live_model(rt.loads(text)), {}, {"constructor": 0.52}, t_end=0.05)
     assert own["parameters"] == {"constructor": 0.5}
     assert turned["parameters"] == {"constructor": 0.52}
+
+
+def test_instants_are_looked_for_beside_what_no_page_can_follow():
+    """The cam's radius cannot be recorded, which hides nothing of the others."""
+    text = rt.example("cam_lift_off").to_toml().replace("[parameters]", "[parameters]\nlate = 0.01")
+    kick = '\n[loads.kick]\ntype = "force"\nat = "follower.F"\nforce = [0, "1 if t > late else 0"]\n'
+    live = live_model(rt.loads(text + kick))
+    assert live.fixed["R"].startswith("only rattle itself")
+    assert live.fixed["late"].startswith("instants")
+    assert "speed" in live.parameters

@@ -73,8 +73,9 @@ def live_model(m: Mechanism, t_end: float | None = None, *, alone: bool = False,
         image = run_image(run)
     except InputError as error:
         raise TraceError(str(error)) from error
-    names, fixed = _changeable(m, run)
-    arrays, places, drawing = _recorded(m, run, names)
+    recorded, fixed = _changeable(m, run)
+    arrays, places, drawing = recorded
+    names = arrays.names
     result, start = result_data(m, tape, t_end, names), start_data(m, tape, names)
     data = {
         "run": image.description,
@@ -125,39 +126,50 @@ def _settings(m: Mechanism, run: Run, t_end: float | None) -> dict[str, Any]:
 
 def _without_play(m: Mechanism, t_end: float | None, tape: Tape) -> LiveModel | None:
     """The same mechanism without play, if it has play; None too where a page cannot move it."""
-    if not _has_play(m):
+    if not _is_open(m):
         return None
     try:
         ideal = m.ideal()
-        return (
-            None if _has_play(ideal) else live_model(ideal, t_end, alone=True, tape=tape)
-        )  # a belt always has its contacts
+        if _is_open(ideal):  # a belt always has its contacts
+            return None
+        return live_model(ideal, t_end, alone=True, tape=tape)
     except (TraceError, ModelError, AssemblyError):
         return None
 
 
-def _has_play(m: Mechanism) -> bool:
+def _is_open(m: Mechanism) -> bool:
+    """Whether a joint has a contact that `Mechanism.ideal` would close, which need not hold the mechanism together."""
     return any(joint.contact is not None and not joint.contact.closed for joint in m.model.joints.values())
 
 
 # ---------------------------------------------------------------- what follows from parameters
-def _changeable(m: Mechanism, run: Run) -> tuple[list[str], dict[str, str]]:
-    """Parameters that the arrays of a run and its drawing follow as recorded, and the others with the reason."""
+def _changeable(m: Mechanism, run: Run) -> tuple[_Recorded, dict[str, str]]:
+    """The arrays of a run and its drawing, recorded for all parameters that a page can change; the others, and why."""
     asked = list(chosen_parameters(m._document))
-    fixed = dict(_bound(m, asked))
+    fixed = {name: FOLLOWS for name in m.model.parameters if name not in asked}
+    recorded = _recordable(m, run, asked, fixed)
+    kept = recorded.arrays.names
+    for follow, why in (
+        (recorded.arrays.of_times, "instants at which expressions switch follow from it"),
+        (_jolting(m, run, kept), "jumps of drivers follow from it"),
+        (_structural(m, recorded.arrays), "it changes the form of the model"),
+    ):
+        fixed |= {name: why for name in follow if name not in fixed}
+    left = [name for name in kept if name not in fixed]
+    return (recorded if len(left) == len(kept) else _recorded(m, run, left)), fixed
+
+
+def _recordable(m: Mechanism, run: Run, asked: Sequence[str], fixed: dict[str, str]) -> _Recorded:
+    """As recorded for all of the parameters that can be; the others go to `fixed`."""
     try:
-        timed = _recorded(m, run, asked)[0].of_times
-        fixed |= dict.fromkeys(timed, "instants at which expressions switch follow from it")
-        fixed |= dict.fromkeys(_jolting(m, run, asked), "jumps of drivers follow from it")
+        return _recorded(m, run, asked)
     except TraceError:
         for name in asked:
             try:
                 _recorded(m, run, [name])
             except TraceError:
                 fixed[name] = "only rattle itself can follow what depends on it"
-    names = [name for name in asked if name not in fixed]
-    fixed |= dict.fromkeys(_structural(m, _recorded(m, run, names)[0]), "it changes the form of the model")
-    return [name for name in names if name not in fixed], fixed
+    return _recorded(m, run, [name for name in asked if name not in fixed])
 
 
 def _tried(parameter: Parameter) -> list[float]:
@@ -211,15 +223,14 @@ def _is_free(m: Mechanism) -> bool:
     return len(free_motions(np.vstack([scaled_rows(m.system, workspace), known]))) > 0
 
 
-def _bound(m: Mechanism, asked: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Parameters that follow from others."""
-    for name in m.model.parameters:
-        if name not in asked:
-            yield name, FOLLOWS
+class _Recorded(NamedTuple):
+    arrays: RecordedArrays  # as functions of parameters
+    places: list[Place]  # of the drawing's numbers that follow, the last entries
+    drawing: Any
 
 
-def _recorded(m: Mechanism, run: Run, names: Sequence[str]) -> tuple[RecordedArrays, list[Place], Any]:
-    """The arrays of a run as functions of parameters, the places of the drawing's numbers that follow, the drawing.
+def _recorded(m: Mechanism, run: Run, names: Sequence[str]) -> _Recorded:
+    """The arrays of a run and its drawing as functions of parameters.
 
     Raises TraceError where something takes a value without its record.
     """
@@ -232,7 +243,8 @@ def _recorded(m: Mechanism, run: Run, names: Sequence[str]) -> tuple[RecordedArr
         yield DRAWING, (np.arange(len(numbers)), [symbol_of(x) for x in numbers])  # the last entries
 
     arrays = recorded_arrays(m._document, m.system, names, entries=further)
-    return arrays, [place for place, value in _numbers(drawings[0]) if isinstance(value, Recorded)], drawings[0]
+    places = [place for place, value in _numbers(drawings[0]) if isinstance(value, Recorded)]
+    return _Recorded(arrays, places, drawings[0])
 
 
 def _of_run(recorded: System, run: Run) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:

@@ -141,7 +141,11 @@ class ModelRun {
     const parameters = Object.fromEntries(model.names.map((name, k) => [name, p[k]]));
     const message = this.stopped && !made.success ? `at t = ${general(run.t)} s, when it was told to; what was computed before is shown` : made.message;
     if (this.start?.beside) made.trust.notes.push(BESIDE);
-    return { ...made, trust: this.trusted(made.trust), label: "", t_end: run.end, message, parameters, events: made.events.map((event) => EVENT_PARTS.map((key) => event[key])), geometry: model.drawing(sizes), between: this.between() };
+    const events = made.events.map((event) => EVENT_PARTS.map((key) => event[key]));
+    return {
+      ...made, trust: this.trusted(made.trust), label: "", t_end: run.end, message, parameters, events, geometry: model.drawing(sizes),
+      between: this.between(),
+    };
   }
 
   // values just before and after events

@@ -215,19 +215,11 @@ export class Knobs {
       this.viewer.emit("set", run.parameters);
     } catch (error) {
       this.error = error.message;
-      this.refuse([error.message, this.advice(slot), this.runs[slot] ? "The motion shown is the one before." : ""].filter(Boolean).join(". ").replace("..", "."));
+      this.refuse([error.message, this.runs[slot] ? "The motion shown is the one before." : ""].filter(Boolean).join(". ").replace("..", "."));
       throw error;
     } finally {
       this.busy(-1);
     }
-  }
-
-  // Parameters that have a start only where others change with them.
-  advice(slot) {
-    const changed = [...this.knobs.values()].filter((one) => this.sets[slot]?.[one.name] !== one.value && one.together?.length > 1);
-    if (!changed.length) return "";
-    const { together } = changed[0];
-    return `${together.slice(0, -1).join(", ")} and ${together.at(-1)} are to be changed together: with one alone, start values given in the model file contradict each other`;
   }
 
   computeAll() {
