@@ -423,6 +423,21 @@ def test_a_long_run_tells_how_far_it_has_come_and_ends_when_it_is_told(fourbar):
     becomes(fourbar, "() => rattle.run.success === true")
 
 
+CHOOSE_ENDS = """async (ends) => {
+    const until = rattle.viewer.shadow.querySelector(".until input");
+    for (const end of ends) {
+        until.value = end;
+        until.dispatchEvent(new Event("change"));
+        await new Promise((done) => setTimeout(done, 50));
+    }
+}"""
+
+
+def test_a_long_run_that_is_out_of_date_is_given_up_though_nothing_else_is_turned(fourbar):
+    fourbar.evaluate(CHOOSE_ENDS, ["500 s", "0.04 s"])
+    fourbar.wait_for_function("() => rattle.run.t_end === 0.04", timeout=8000)  # the long one takes 20 s
+
+
 def test_a_browser_that_may_not_compute_replays_the_motion_and_says_why(fourbar_page, tmp_path, open_page):
     """Its policy forbids to compile: the bodies move as they did when the page was written."""
     text = unquote(fourbar_page.removeprefix("file://"))

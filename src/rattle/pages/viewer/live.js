@@ -38,8 +38,16 @@ export class LiveSource {
       waiters.push({ resolve, reject, last: true });
       one.next = { slot, model, parameters: { ...parameters }, settings: { ...settings }, waiters };
       if (!one.now) this.start(one);
-      else if (performance.now() - one.now.began > PATIENCE) this.giveUp(one);
+      else this.hurry(one);
     });
+  }
+
+  // A task that is out of date may go on for a while: most are there before it is over.
+  hurry(one) {
+    const { id, began } = one.now, left = PATIENCE - (performance.now() - began);
+    if (left <= 0) return void this.giveUp(one);
+    clearTimeout(one.timer);
+    one.timer = setTimeout(() => { if (one.now?.id === id && one.next && !this.gone) this.giveUp(one); }, left);
   }
 
   start(one) {
