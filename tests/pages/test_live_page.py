@@ -423,6 +423,22 @@ def test_a_long_run_tells_how_far_it_has_come_and_ends_when_it_is_told(fourbar):
     becomes(fourbar, "() => rattle.run.success === true")
 
 
+def test_one_stop_ends_the_mechanism_without_play_too(tmp_path, open_page):
+    """It waits for the other motion: a ghost of other settings would be no comparison."""
+    page(rt.example("slider_crank_play").set({"simulate.t_end": 0.002}), tmp_path / "page.html")
+    tab = open_page((tmp_path / "page.html").as_uri())
+    becomes(tab, "() => rattle.viewer.ghost")
+    until = tab.get_by_label("End of the motion")
+    until.fill("5000 s")
+    until.press("Enter")
+    tab.get_by_role("button", name="Stop").click()
+    becomes(tab, "() => rattle.run.t_end === 5000 && rattle.viewer.ghost === null")
+    assert tab.locator(".trust .badge").text_content() == "Stopped"
+    until.fill("0.002 s")
+    until.press("Enter")
+    becomes(tab, "() => rattle.run.success && rattle.viewer.ghost")
+
+
 CHOOSE_ENDS = """async (ends) => {
     const until = rattle.viewer.shadow.querySelector(".until input");
     for (const end of ends) {

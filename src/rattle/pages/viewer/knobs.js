@@ -202,13 +202,14 @@ export class Knobs {
     const set = { ...this.sets[slot] };
     this.busy(1);
     try {
-      const [run] = await Promise.all([
+      const follows = slot === "A" && this.hasIdeal, [run, ideal] = await Promise.all([
         this.source.compute(slot, "model", set, this.settings()),
-        slot === "A" && this.hasIdeal ? this.source.compute("ideal", "ideal", set, this.settings()).then((one) => { if (one) this.runs.ideal = one; }, () => {}) : null,
+        follows ? this.source.compute("ideal", "ideal", set, this.settings()).catch(() => null) : null,
       ]);
       if (!run || !this.sets[slot]) return;
       run.label = slot;
       this.runs[slot] = run;
+      if (follows) this.runs.ideal = ideal; // none where there is none for these values
       this.error = null;
       this.refuse("");
       this.show();

@@ -70,6 +70,7 @@ function serveModels(port, models) {
     if (data.do === "forget") waiting.delete(data.id);
     else if (data.do === "stop") {
       if (task?.first) task.first.stopped = true;
+      else if (task && waiting.delete(data.id)) port.postMessage({ id: data.id, error: "it was stopped before it had begun" });
     } else {
       waiting.set(data.id, data);
       trusting.delete(data.slot);
