@@ -454,6 +454,15 @@ def test_a_long_run_that_is_out_of_date_is_given_up_though_nothing_else_is_turne
     fourbar.wait_for_function("() => rattle.run.t_end === 0.04", timeout=8000)  # the long one takes 20 s
 
 
+def test_a_second_set_that_is_given_up_is_not_computed_any_more(fourbar):
+    fourbar.get_by_role("button", name="Compare").click()
+    becomes(fourbar, "() => rattle.viewer.others.length === 1")
+    fourbar.evaluate(CHOOSE_ENDS, ["500 s"])
+    fourbar.get_by_role("button", name="Compare").click()
+    fourbar.evaluate(CHOOSE_ENDS, ["0.04 s"])
+    fourbar.wait_for_function("() => rattle.run.t_end === 0.04", timeout=8000)  # the other would take 20 s
+
+
 def test_a_browser_that_may_not_compute_replays_the_motion_and_says_why(fourbar_page, tmp_path, open_page):
     """Its policy forbids to compile: the bodies move as they did when the page was written."""
     text = unquote(fourbar_page.removeprefix("file://"))

@@ -177,6 +177,7 @@ export class Knobs {
   turnSecond(on) {
     this.sets.B = on ? { ...this.sets.A } : null;
     if (!on) {
+      this.source.drop?.("B");
       this.runs.B = null;
       this.now = "A";
     } else this.now = "B";

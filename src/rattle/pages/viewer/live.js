@@ -50,6 +50,20 @@ export class LiveSource {
     one.timer = setTimeout(() => { if (one.now?.id === id && one.next && !this.gone) this.giveUp(one); }, left);
   }
 
+  // Nothing of a slot is wanted any more.
+  drop(slot) {
+    const one = this.slots.get(slot);
+    if (!one) return;
+    this.slots.delete(slot);
+    for (const [id, other] of this.tasks) {
+      if (other !== one) continue;
+      this.tasks.delete(id);
+      this.port.then((port) => port.postMessage({ do: "forget", id }), () => {});
+    }
+    for (const { resolve } of [...(one.now?.waiters ?? []), ...(one.next?.waiters ?? [])]) resolve(null);
+    Object.assign(one, { now: null, next: null });
+  }
+
   start(one) {
     const task = one.next;
     Object.assign(one, { now: task, next: null });
