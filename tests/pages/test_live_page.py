@@ -479,3 +479,12 @@ def test_a_browser_that_may_not_compute_replays_the_motion_and_says_why(fourbar_
     assert "cannot compile the engine" in notes
     t, y = map(np.array, tab.evaluate(CURVE, "rocker.angle"))
     assert y == pytest.approx(short_fourbar().simulate(t_eval=t)["rocker.angle"], abs=1e-4)
+
+
+def test_a_file_with_a_damaged_program_replays_and_says_so(fourbar_page, tmp_path, open_page):
+    text = Path(unquote(fourbar_page.removeprefix("file://"))).read_text(encoding="utf-8")
+    middle = text.index('"packed":"') + 100_000
+    (tmp_path / "damaged.html").write_text(f"{text[:middle]}~~~~~{text[middle + 5 :]}", encoding="utf-8")
+    tab = open_page((tmp_path / "damaged.html").as_uri())
+    becomes(tab, "() => window.rattle?.names.length > 3")
+    assert "this file is damaged" in " ".join(tab.evaluate("() => rattle.viewer.scene.notes"))

@@ -12,5 +12,9 @@ export async function unpackedText(letters) {
     view.setUint32(4 * n, value);
   }
   const whole = bytes.subarray(0, 4 * groups - (5 * groups - letters.length));
-  return new Response(new Blob([whole]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  try {
+    return await new Response(new Blob([whole]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  } catch {
+    throw new Error("this file is damaged: fetch it again, or write it anew");
+  }
 }
