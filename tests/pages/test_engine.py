@@ -328,3 +328,9 @@ def test_instants_are_looked_for_beside_what_no_page_can_follow():
     assert live.fixed["R"].startswith("only rattle itself")
     assert live.fixed["late"].startswith("instants")
     assert "speed" in live.parameters
+
+
+def test_a_run_of_more_steps_than_a_page_takes_says_so(tmp_path):
+    live = live_model(rt.example("slider_crank"))
+    live.data["settings"]["most_steps"] = 20
+    assert "after 20 steps, the most of a page" in computed(tmp_path, live)["message"]

@@ -7,7 +7,8 @@ const MORE = "; `rattle run` tells more";
 
 export function messageOf(run, data, status) {
   const { t } = run, why = data.words_of_end[status];
-  if (!why) return `ended at t = ${general(t)} s; the result holds what was computed before`;
+  const few = run.tally("STEPS") >= run.mostSteps ? ` after ${run.mostSteps} steps, the most of a page` : "";
+  if (!why) return `ended at t = ${general(t)} s${few}; the result holds what was computed before`;
   if (status === data.unsound) return unsoundEnd(run, data);
   const trouble = new Trouble(run, data, status);
   return trouble.ofContacts() || trouble.explained() || `cannot go on at t = ${general(t)} s: ${why}${MORE}`;
