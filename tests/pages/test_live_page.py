@@ -117,6 +117,17 @@ def test_numbers_are_typed_with_units_and_nonsense_is_refused_in_words(fourbar):
     assert fourbar.evaluate("() => window.rattle.parameters.r3") == 0.003
 
 
+def test_limits_are_told_in_the_unit_that_is_shown(tmp_path, open_page):
+    """And not in that of the arrays: whoever turns rpm thinks in rpm."""
+    page(rt.example("slider_crank_play").set({"simulate.t_end": 0.002}), tmp_path / "page.html")
+    tab = open_page((tmp_path / "page.html").as_uri())
+    box = tab.get_by_label("speed in rpm")
+    box.fill("5")
+    box.press("Enter")
+    said = "speed = 5 rpm is outside of its limits: at least 500, at most 8000 rpm"
+    shows(tab.get_by_role("alert").filter(has_text=re.compile(said, re.IGNORECASE)))
+
+
 STRETCHED = """
 format = 1
 gravity = [0, 0]

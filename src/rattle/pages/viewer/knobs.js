@@ -203,6 +203,7 @@ export class Knobs {
     const set = { ...this.sets[slot] };
     this.busy(1);
     try {
+      this.requireLimits(set);
       const follows = slot === "A" && this.hasIdeal, [run, ideal] = await Promise.all([
         this.source.compute(slot, "model", set, this.settings()),
         follows ? this.source.compute("ideal", "ideal", set, this.settings()).catch(() => null) : null,
@@ -221,6 +222,16 @@ export class Knobs {
       throw error;
     } finally {
       this.busy(-1);
+    }
+  }
+
+  // In the units of the page; whoever computes knows those of SI.
+  requireLimits(set) {
+    for (const { knob, shown: { unit, factor } } of this.rows.values()) {
+      const { min, max } = knob, inUnit = (x) => tidy(x / factor), value = set[knob.name];
+      if (value >= (min ?? -Infinity) && value <= (max ?? Infinity)) continue;
+      const limits = [min === null ? "" : `at least ${inUnit(min)}`, max === null ? "" : `at most ${inUnit(max)}`].filter(Boolean).join(", ");
+      throw new Error(`${knob.label || knob.name} = ${inUnit(value)} ${printed(unit)} is outside of its limits: ${limits} ${printed(unit)}`.trim());
     }
   }
 
