@@ -128,6 +128,19 @@ def test_limits_are_told_in_the_unit_that_is_shown(tmp_path, open_page):
     shows(tab.get_by_role("alert").filter(has_text=re.compile(said, re.IGNORECASE)))
 
 
+def test_a_limit_may_be_typed(tmp_path, open_page):
+    """20 um times 1e-6 is less than 2e-5 by its last digit."""
+    small = PENDULUM.replace("value = 0.3, min = 0.1, max = 0.5", 'value = "30 um", min = "20 um", max = "60 um"')
+    page(rt.Mechanism.from_text(small), tmp_path / "page.html")
+    tab = open_page((tmp_path / "page.html").as_uri())
+    box = tab.get_by_label("long in um")
+    for typed, value in (("20", 2e-5), ("60", 6e-5), ("30", 3e-5)):
+        box.fill(typed)
+        box.press("Enter")
+        becomes(tab, f"() => rattle.parameters.long === {value} && rattle.error === null")
+    assert tab.locator(".knob.changed").count() == 0
+
+
 STRETCHED = """
 format = 1
 gravity = [0, 0]

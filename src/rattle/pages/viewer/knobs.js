@@ -6,6 +6,7 @@ import { tidy, typedValue, unitOf } from "./typed.js";
 import { handyUnit, printed } from "./units.js";
 
 const STEPS = 400; // of a slider
+const ROUNDING = 1e-14; // of a number in a unit: 20 um is 0.000019999999999999998 m, and a limit of so much is meant
 
 // A part of an address as it was written; as it stands where it is none.
 function decoded(text) {
@@ -136,8 +137,10 @@ export class Knobs {
   }
 
   typed(row) {
+    const { knob, shown, box } = row;
     try {
-      this.quietly(this.turned(row.knob.name, typedValue(row.box.value, row.knob.unit, row.shown.unit)));
+      const value = typedValue(box.value, knob.unit, shown.unit), told = [knob.value, knob.min, knob.max].filter((x) => x !== null);
+      this.quietly(this.turned(knob.name, told.find((x) => Math.abs(value - x) <= ROUNDING * Math.abs(x)) ?? value));
     } catch (error) {
       this.refuse(error.message);
     }
