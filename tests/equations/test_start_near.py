@@ -60,3 +60,41 @@ def test_bodies_are_placed_by_their_joints_and_move_with_them():
     q, v = hanging(1.0, 0.3), np.zeros(3)
     rates_near(workspace, 0.0, q, v, np.array([math.nan, math.nan, 2.0]), system.size, ways)
     assert v == pytest.approx([-2.0 * q[1], 2.0 * q[0], 2.0], abs=1e-14)
+
+
+SLANT = math.radians(30)
+
+
+def block(kind, ends=("ground.O", "block.C"), **fields):
+    """A block at the origin of the ground on a line, or at a distance."""
+    m = rt.Mechanism("block")
+    m.ground(O=[0, 0])
+    m.body("block", mass=1, inertia=1, points={"C": [0.0, 0.0]})
+    m.joint("j", kind, *ends, **fields)
+    return m.system
+
+
+def placed(system, q, given, line):
+    q = np.array([*q, 0.0])
+    ways = ways_of_kernels(system)
+    given = np.array([*given, math.nan])
+    place_outward(system.assembly_workspace(), q, given, np.zeros((1, 2)), np.array([line]), ways)
+    return q[:2]
+
+
+@pytest.mark.parametrize("ends", [("ground.O", "block.C"), ("block.C", "ground.O")])
+def test_a_block_stays_where_it_is_along_its_line_unless_one_coordinate_is_given(ends):
+    system, u = block("prismatic", ends, axis="30 deg"), np.array([math.cos(SLANT), math.sin(SLANT)])
+    nothing, line = math.nan, (SLANT, 0.0)
+    assert placed(system, (9.0, 1.0), (nothing, nothing), line) == pytest.approx(u @ [9.0, 1.0] * u, abs=1e-14)
+    assert placed(system, (9.0, 1.0), (2.0, nothing), line) == pytest.approx(2.0 / u[0] * u, abs=1e-14)
+    assert placed(system, (9.0, 1.0), (nothing, 2.0), line) == pytest.approx(2.0 / u[1] * u, abs=1e-14)
+    assert placed(system, (9.0, 1.0), (3.0, 2.0), line) == pytest.approx([3.0, 2.0], abs=0.0)
+    upright = (math.pi / 2, 0.0)  # x says nothing of the place along it
+    assert placed(system, (9.0, 1.0), (0.0, nothing), upright) == pytest.approx([0.0, 1.0], abs=1e-14)
+
+
+@pytest.mark.parametrize("ends", [("ground.O", "block.C"), ("block.C", "ground.O")])
+def test_a_block_on_a_rod_is_at_its_length_in_the_direction_where_it_was(ends):
+    system = block("rod", ends, length="2 m")
+    assert placed(system, (0.3, 0.4), (math.nan, math.nan), (0.0, 2.0)) == pytest.approx([1.2, 1.6], abs=1e-14)

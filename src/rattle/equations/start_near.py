@@ -19,6 +19,7 @@ TOO_FAR = 4  # what became of positions, besides those of `kept_values`
 ITERATIONS = 60  # of Newton's method
 SHUT = 1e-9  # sizes of the mechanism by which joints may stay open
 BESIDE = 0.5  # change from a start near by [rad, mechanism sizes] up to which this one is on its branch, as recorded
+STEEP = 1e-6  # cosine of a line with an axis, from which on the place on that axis tells how far along the line
 NO_FORCE = 1e-12  # of the largest mass: a reaction [N] below it has no direction
 # columns of the ways outward: a body, its parent, the joint between them
 BODY, PARENT, WAY_A, WAY_B, WAY_P, FREEDOM = range(6)
@@ -50,6 +51,14 @@ def close_near(m, t, q, given, size, scratch):
 
 # ---------------------------------------------------------------- from the ground outwards
 @compiled
+def enter_given(made, given):
+    """Given values (3 nb,), nan if not given, into positions or rates."""
+    for k in range(made.shape[0]):
+        if given[k] == given[k]:
+            made[k] = given[k]
+
+
+@compiled
 def arm(m, q, body, p):
     """A point of a body, which stands in `values` at p, from its mass centre in ground axes [m]."""
     angle = q[3 * body - 1] if body > 0 else 0.0
@@ -64,36 +73,61 @@ def place_outward(m, q, given, offsets, lines, ways):
     given: (3 nb,), kept, nan if not given; offsets (n, 2): of the joints of the ways [m]; lines (n, 2): see above.
     What a joint leaves free stays as it is in q, unless given values determine it.
     """
-    for k in range(q.shape[0]):
-        if given[k] == given[k]:
-            q[k] = given[k]
+    enter_given(q, given)
     for n in range(ways.shape[0]):
-        body, parent, p = ways[n, BODY], ways[n, PARENT], ways[n, WAY_P]
-        k, sign = 3 * body - 3, 1.0 if body == ways[n, WAY_B] else -1.0
-        own_x, own_y = arm(m, q, body, p + 2 if sign > 0.0 else p)
-        other_x, other_y = arm(m, q, parent, p if sign > 0.0 else p + 2)
-        x0 = other_x - own_x + (q[3 * parent - 3] if parent > 0 else 0.0)
-        y0 = other_y - own_y + (q[3 * parent - 2] if parent > 0 else 0.0)
+        k, sign = 3 * ways[n, BODY] - 3, 1.0 if ways[n, BODY] == ways[n, WAY_B] else -1.0
+        x0, y0 = without_gap(m, q, ways, n)
         gap_x, gap_y = offsets[n, 0], offsets[n, 1]  # point of B minus point of A
         if ways[n, FREEDOM] == ALONG_LINE:
-            a = ways[n, WAY_A]
-            axis = (q[3 * a - 1] if a > 0 else 0.0) + lines[n, LINE]
-            c, s = math.cos(axis), math.sin(axis)
-            along = sign * (c * (q[k] - x0) + s * (q[k + 1] - y0))
-            if given[k] == given[k] and given[k + 1] != given[k + 1] and abs(c) > 1e-6:
-                along = sign * (q[k] - x0) / c
-            elif given[k] != given[k] and given[k + 1] == given[k + 1] and abs(s) > 1e-6:
-                along = sign * (q[k + 1] - y0) / s
-            gap_x, gap_y = c * along, s * along
+            gap_x, gap_y = gap_along(q, given, ways, n, lines[n, LINE], x0, y0)
         elif ways[n, FREEDOM] == ABOUT_POINT:
-            gap_x, gap_y = sign * (q[k] - x0), sign * (q[k + 1] - y0)
-            distance = math.hypot(gap_x, gap_y)
-            if distance > 0.0:
-                gap_x, gap_y = lines[n, DISTANCE] * (gap_x / distance), lines[n, DISTANCE] * (gap_y / distance)
+            gap_x, gap_y = gap_about(q[k] - x0, q[k + 1] - y0, sign, lines[n, DISTANCE])
         if given[k] != given[k]:
             q[k] = x0 + sign * gap_x
         if given[k + 1] != given[k + 1]:
             q[k + 1] = y0 + sign * gap_y
+
+
+@compiled
+def without_gap(m, q, ways, n):
+    """Where the body of way n is when the points of its joint coincide [m]."""
+    body, parent, p = ways[n, BODY], ways[n, PARENT], ways[n, WAY_P]
+    first = body == ways[n, WAY_B]
+    own_x, own_y = arm(m, q, body, p + 2 if first else p)
+    other_x, other_y = arm(m, q, parent, p if first else p + 2)
+    x0 = other_x - own_x + (q[3 * parent - 3] if parent > 0 else 0.0)
+    y0 = other_y - own_y + (q[3 * parent - 2] if parent > 0 else 0.0)
+    return x0, y0
+
+
+@compiled
+def gap_along(q, given, ways, n, direction, x0, y0):
+    """The gap of a joint along a line of A [m]: up to the one given coordinate of its body, or else up to q.
+
+    direction: of the line in A's frame [rad]; x0, y0: of the body without gap [m].
+    """
+    a, body = ways[n, WAY_A], ways[n, BODY]
+    k, sign = 3 * body - 3, 1.0 if body == ways[n, WAY_B] else -1.0
+    axis = (q[3 * a - 1] if a > 0 else 0.0) + direction
+    c, s = math.cos(axis), math.sin(axis)
+    knows_x, knows_y = given[k] == given[k], given[k + 1] == given[k + 1]
+    if knows_x and not knows_y and abs(c) > STEEP:
+        along = sign * (q[k] - x0) / c
+    elif knows_y and not knows_x and abs(s) > STEEP:
+        along = sign * (q[k + 1] - y0) / s
+    else:
+        along = sign * (c * (q[k] - x0) + s * (q[k + 1] - y0))
+    return c * along, s * along
+
+
+@compiled
+def gap_about(x, y, sign, distance):
+    """The gap of a joint that keeps a distance [m] in the direction (x, y) of its body; sign: 1.0 if that is B."""
+    gap_x, gap_y = sign * x, sign * y
+    size = math.hypot(gap_x, gap_y)
+    if size > 0.0:
+        gap_x, gap_y = distance * (gap_x / size), distance * (gap_y / size)
+    return gap_x, gap_y
 
 
 @native("void", "h", "v", "v", "v", "n")
@@ -124,9 +158,7 @@ def place_rates(m, q, v, given, ways):
 @native("i", "h", "f", "v", "v", "v", "f", "n")
 def rates_near(m, t, q, v, given, size, ways):
     """Rates (3 nb,) at closed positions q, in place, from those that joints do not determine; what became of them."""
-    for k in range(q.shape[0]):
-        if given[k] == given[k]:
-            v[k] = given[k]
+    enter_given(v, given)
     place_rates(m, q, v, given, ways)
     return keep_given_rates(m, t, q, v, given, size)
 
