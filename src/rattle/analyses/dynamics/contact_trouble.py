@@ -64,28 +64,30 @@ def contact_trouble(system: System, workspace: Workspace, t: float, status: int,
 
     passed: what else to try when friction locks, as the end of a sentence.
     """
-    names = ", ".join(closed_joints(system, workspace)) or SENTENCES["all_contacts"]
+    names = ", ".join(joints_of(system, touching(system, workspace))) or SENTENCES["all_contacts"]
     other = f"method {stepper_of(TIME_STEPPING)}"
     sliding = bool(rough(system, workspace)[touching(system, workspace)].any())
-    if status == unilateral.NO_SOLUTION and not sliding and workspace.dry_memory[:, at.DRY_LOCKS].any():
-        return ""  # friction of joints has no force, with which contacts could be decided
-    if status == unilateral.NO_SOLUTION and not sliding:
-        return no_way(system, workspace, t, names)
-    if status == unilateral.LOCKED and not sliding:
-        return dependent_or_locked(system, t, names)
-    if status == unilateral.NO_SOLUTION and workspace.held[at.OUTCOME] == complementarity.JAMMED:
-        return SENTENCES["path_jammed"].format(joints=names, t=t, passed=passed)
+    if status in (unilateral.NO_SOLUTION, unilateral.LOCKED) and not sliding:
+        return trouble_without_friction(system, workspace, t, status, names)
     if status == unilateral.NO_SOLUTION:
-        return SENTENCES["no_solution"].format(joints=names, t=t, passed=passed)
+        jammed = workspace.held[at.OUTCOME] == complementarity.JAMMED
+        return SENTENCES["path_jammed" if jammed else "no_solution"].format(joints=names, t=t, passed=passed)
     if status == unilateral.NOT_FOUND:
         return SENTENCES["not_found"].format(joints=names, t=t, other=other)
-    if status == unilateral.NOT_UNIQUE and (end := dead_end(system, workspace, t)):
-        return end  # the force grows without bound: rounding decides whether steps or modes end the run
-    if status == unilateral.NOT_UNIQUE:
-        return SENTENCES["several"].format(joints=names, t=t, other=other)
+    if status == unilateral.NOT_UNIQUE:  # if the force grows without bound, rounding decides what ends the run
+        return dead_end(system, workspace, t) or SENTENCES["several"].format(joints=names, t=t, other=other)
     if status == unilateral.LOCKED or (status == STEP_TOO_SMALL and friction_locks(system, workspace, t)):
         return SENTENCES["locks"].format(joints=names, t=t, passed=passed)
     return dead_end(system, workspace, t) if status == STEP_TOO_SMALL else ""
+
+
+def trouble_without_friction(system: System, workspace: Workspace, t: float, status: int, names: str) -> str:
+    """The same of contacts without friction, whose joints are `names`, that have no solution or lock."""
+    if status == unilateral.LOCKED:
+        return dependent_or_locked(system, t, names)
+    if workspace.dry_memory[:, at.DRY_LOCKS].any():
+        return ""  # friction of joints has no force, with which contacts could be decided
+    return no_way(system, workspace, t, names)
 
 
 def dead_end(system: System, workspace: Workspace, t: float) -> str:
@@ -125,13 +127,8 @@ def dependent_or_locked(system: System, t: float, names: str) -> str:
     return SENTENCES["depend"].format(joints=names, t=t, other=f"method {stepper_of(TIME_STEPPING)}")
 
 
-def closed_joints(system: System, workspace: Workspace) -> list[str]:
-    """Names of the joints whose contacts are closed, in quotes."""
-    return joints_of(system, touching(system, workspace))
-
-
 def joints_of(system: System, chosen: np.ndarray) -> list[str]:
-    """Names of the joints of the chosen (nc,) contacts, in quotes."""
+    """Names of the joints of chosen contacts, in quotes; chosen: their numbers, or (nc,) True for them."""
     owner = system.arrays["contact"][chosen, at.OWNER]
     return [f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in owner)]
 
@@ -209,8 +206,7 @@ def wedged_joints(system: System, workspace: Workspace, t: float) -> list[str]:
         return []
     if (pressed < -1e-3 * pressed.max()).any() or (held > friction * pressed + 1e-3 * pressed.max()).any():
         return []
-    owner = system.arrays["contact"][closed[pressed > 1e-3 * pressed.max()], at.OWNER]
-    return [f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in owner)]
+    return joints_of(system, closed[pressed > 1e-3 * pressed.max()])
 
 
 def firm_joints(system: System, workspace: Workspace, t: float) -> list[str]:
@@ -241,10 +237,6 @@ def against(system: System, names: str) -> str:
 def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:
     """Notes on contacts whose forces the motion does not determine, if a run has met such ones."""
     unsure = workspace.contact_memory[:, at.UNSURE] == 1.0
-    contact = system.arrays["contact"]
-    clutches, others = (
-        ", ".join(f"'{name}'" for name in dict.fromkeys(system.joints[n] for n in contact[unsure & level, at.OWNER]))
-        for level in (contact[:, at.LEVEL] == 1, contact[:, at.LEVEL] == 0)
-    )
-    pairs = ((SHARED_TORQUE, clutches), (SHARED_FORCE, others))
-    return tuple(sentence.format(joints=joints) for sentence, joints in pairs if joints)
+    level = system.arrays["contact"][:, at.LEVEL]
+    pairs = ((SHARED_TORQUE, unsure & (level == 1)), (SHARED_FORCE, unsure & (level == 0)))
+    return tuple(one.format(joints=", ".join(joints_of(system, chosen))) for one, chosen in pairs if chosen.any())
