@@ -47,8 +47,7 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
 
     t_end: end of the run [s].
     """
-    clock, nq = workspace.clock, 3 * system.body_count
-    t, h = float(clock[at.T]), float(clock[at.H])
+    t = float(workspace.clock[at.T])
     if status == ESCAPED:
         return _escaped(system, workspace)
     grown = _grown(system, workspace) if stepper.leaf.adaptive else ""  # a step that is too long makes motions grow too
@@ -62,6 +61,16 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
         names = ", ".join(f"'{name}'" for name, one in zip(system.dry_joints, locked, strict=True) if one)
         return SENTENCES["locks"].format(t=t, joints=names)
     record(workspace, t, workspace.state, np.zeros(width(system)))
+    what = _position(system, workspace, t) or _stiff(system, workspace)
+    if what:
+        return what
+    if status == NOT_FINITE:
+        return _too_large(system, workspace, stepper)
+    return _pole(system, workspace, t_end) or _too_short(system, workspace, rtol)
+
+
+def _position(system: System, workspace: Workspace, t: float) -> str:
+    """In words, what cannot go on in the recorded position: massless bodies that nothing holds, lost rank; or ""."""
     if loose := loose_without_mass(system, workspace, NEARLY):
         names = ", ".join(f"'{name}'" for name, _ in loose)
         return (
@@ -69,30 +78,39 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
             " limits accelerations there; give a mass to what has none"
         )
     rank = describe_rank_loss(system, workspace)
-    if rank:
-        return f"cannot go on at t = {t:.6g} s: {rank}"
-    shut = np.flatnonzero(
-        (workspace.contact_memory[:, at.CLOSED] == at.SHUT) & (system.arrays["contact"][:, at.IMPACT] == 0)
-    )
-    if len(shut) and h < TINY:
-        joint = system.joints[system.arrays["contact"][shut[0], at.OWNER]]
-        return SENTENCES["stiff"].format(t=t, joint=joint, least=TINY)
-    if status == NOT_FINITE and not stepper.leaf.adaptive:
+    return f"cannot go on at t = {t:.6g} s: {rank}" if rank else ""
+
+
+def _stiff(system: System, workspace: Workspace) -> str:
+    """In words, which compliant contact that is closed needs steps that are too short; "" if none."""
+    compliant = system.arrays["contact"][:, at.IMPACT] == 0
+    shut = np.flatnonzero((workspace.contact_memory[:, at.CLOSED] == at.SHUT) & compliant)
+    if not len(shut) or not workspace.clock[at.H] < TINY:
+        return ""
+    joint = system.joints[system.arrays["contact"][shut[0], at.OWNER]]
+    return SENTENCES["stiff"].format(t=workspace.clock[at.T], joint=joint, least=TINY)
+
+
+def _too_large(system: System, workspace: Workspace, stepper: Kind) -> str:
+    """In words: the motion left the numbers, by a step that is too long or by forces, rates or accelerations."""
+    t, h = float(workspace.clock[at.T]), float(workspace.clock[at.H])
+    if not stepper.leaf.adaptive:
         other = usual_stepper(FREE)
         return f"the motion diverged at t = {t:.6g} s with the step of {h:.3g} s; try a smaller step or method {other}"
-    if status == NOT_FINITE:
-        size = np.abs(workspace.acceleration[1:]).max(axis=1)
-        body = system.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]
-        return (
-            f"cannot go on at t = {t:.6g} s: forces, rates or accelerations are too large for numbers (worst at body"
-            f" '{body}', {size.max():.3g} in SI units); look for a load, mass or rate that is far too large or small"
-        )
-    pole = _pole(system, workspace, t_end)
-    if pole:
-        return pole
+    size = np.abs(workspace.acceleration[1:]).max(axis=1)
+    body = system.bodies[int(np.argmax(np.where(np.isfinite(size), size, np.inf)))]
+    return (
+        f"cannot go on at t = {t:.6g} s: forces, rates or accelerations are too large for numbers (worst at body"
+        f" '{body}', {size.max():.3g} in SI units); look for a load, mass or rate that is far too large or small"
+    )
+
+
+def _too_short(system: System, workspace: Workspace, rtol: float) -> str:
+    """In words: steps have become too short, which nothing else explains."""
+    nq, clock = 3 * system.body_count, workspace.clock
     fastest = system.bodies[int(np.argmax(np.abs(workspace.rate[nq : 2 * nq]))) // 3]
     return (
-        f"cannot go on at t = {t:.6g} s: the step fell below {h:.1g} s (worst at body '{fastest}');"
+        f"cannot go on at t = {clock[at.T]:.6g} s: the step fell below {clock[at.H]:.1g} s (worst at body '{fastest}');"
         f" {'look' if rtol >= 1e-6 else 'try a larger rtol, and look'} for a position that cannot be passed"
     )
 
