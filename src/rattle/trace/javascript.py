@@ -84,27 +84,25 @@ def module(header: Sequence[str], made: Program, t_end: float, step: float) -> s
     change = f", {{ {as_text(first.name)}: {number(first.value)} }}" if first is not None else ""
     guide = GUIDE.replace("@change@", _comment(change)).replace("@name@", _comment(as_text(made.names[0])))
     comment = "\n * ".join(_comment(line) for line in header)
-    texts = [function(made.graph, outputs, f"{name}Of") for name, outputs in made.functions.items()]
     main = MAIN
     for key, text in (("rows", str(ROWS)), ("t_end", number(t_end)), ("step", number(step))):
         main = main.replace(f"@{key}@", text)
-    return "\n".join([f"/** {comment}\n *{guide} */", *shared(made, texts), main.lstrip("\n")])
+    return "\n".join(
+        [
+            f"/** {comment}\n *{guide} */",
+            *_tables(made),
+            BITS,
+            *(function(made.graph, outputs, f"{name}Of") for name, outputs in made.functions.items()),
+            _head(made).lstrip("\n"),
+            main.lstrip("\n"),
+        ]
+    )
 
 
-def shared(made: Program, functions: Sequence[str]) -> list[str]:
-    """Parts of a module that every use of it needs: tables of names, the functions, and the start for parameters.
-
-    functions: texts of functions, those of the start of the program among them.
-    """
+def _tables(made: Program) -> list[str]:
+    """What a module exports besides functions."""
     pairs = ", ".join(f"[{as_text(one.name)}, {number(one.value)}]" for one in made.parameters)
     table = "".join(f"  {_input(one)},\n" for one in made.parameters)
-    begin = NO_BEGIN if made.begin is None else _begin(made.begin)
-    head = HEAD.replace("@begin@", begin)
-    for key, text in (
-        ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))),
-        ("start", ", ".join(map(number, made.start))),
-    ):  # fmt: skip
-        head = head.replace(f"@{key}@", text)
     return [
         f"/** Names of what is in a row: t, then the outputs; and their units. */\n"
         f"export const names = {as_text(['t', *made.names])};",
@@ -113,10 +111,18 @@ def shared(made: Program, functions: Sequence[str]) -> list[str]:
         f"export const parameters = Object.fromEntries([{pairs}]);",
         f"/** The same with their units, and limits where the model has some. */\n"
         f"export const sliders = [\n{table}];\n",
-        BITS,
-        *functions,
-        head.lstrip("\n"),
     ]
+
+
+def _head(made: Program) -> str:
+    """What a module does with the recorded functions, and the start for parameters."""
+    head = HEAD.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
+    for key, text in (
+        ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))),
+        ("start", ", ".join(map(number, made.start))),
+    ):  # fmt: skip
+        head = head.replace(f"@{key}@", text)
+    return head
 
 
 def _input(one: Input) -> str:
