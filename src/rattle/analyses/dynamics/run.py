@@ -170,7 +170,7 @@ class Run(ABC):
 
         Those in contacts, which stand alone, are the first to be left out.
         """
-        if self.ports or self.wear or self.room < 0:
+        if self.room < 0:
             return
         if self.pairs_only:
             times, rows = in_pairs(times, rows)
