@@ -270,7 +270,7 @@ def note_closed(m):
 @native("i", "h", "f", "f", "f", "v", "m")
 def pass_instant(m, t, t_end, h_max, t_out, out):
     """Switch expressions at t [s]: sides of the next piece, a jolt if a driver jumps; PAUSED or a failure status."""
-    rows, jolted = m.jolt_rows, jumps_at(m, t) > 0
+    rows, jolted = m.jolt_rows, jumps_at(m, t)
     before_break(m, t, m.state)
     if jolted:
         speeds(m, t, rows[BEFORE])
@@ -291,12 +291,11 @@ def pass_instant(m, t, t_end, h_max, t_out, out):
 
 @compiled
 def jumps_at(m, t):
-    """Number of drivers that jump in speed at the instant t [s]."""
-    jump, count = m.driver_jump, 0
-    for k in range(jump.shape[0]):
-        if jump[k, at.JUMP_AT] == t:
-            count += 1
-    return count
+    """True if a driver jumps in speed at the instant t [s]."""
+    for k in range(m.driver_jump.shape[0]):
+        if m.driver_jump[k, at.JUMP_AT] == t:
+            return True
+    return False
 
 
 @compiled
