@@ -33,7 +33,7 @@ def oil_notes(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[s
         found += notes_of_film(name, film)
         if len(data):
             curve = {key: data[:, names.index(f"{name}.{key}")] for key in ("film_thickness", "film_pressure")}
-            found += _in_the_run(name, film, joint, curve["film_thickness"], curve["film_pressure"])
+            found += _in_the_run(name, film, curve["film_thickness"], curve["film_pressure"])
             found += _at_speed(name, film, joint, *_speeds(joint, data, names))
     return tuple(found)
 
@@ -47,7 +47,7 @@ def notes_of_film(name: str, film: OilFilm) -> list[str]:
     return found
 
 
-def _in_the_run(name: str, film: OilFilm, joint: Joint, thickness: np.ndarray, pressure: np.ndarray) -> list[str]:
+def _in_the_run(name: str, film: OilFilm, thickness: np.ndarray, pressure: np.ndarray) -> list[str]:
     found = []
     thin = float(np.mean(thickness < film.boundary))
     if thin > 0.0:
