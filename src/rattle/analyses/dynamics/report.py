@@ -32,13 +32,9 @@ from rattle.results.trust import Trust
 from rattle.solvers.nonsmooth.impacts import LOW
 from rattle.solvers.output_row import record
 
-MANY_BREAKS = (
-    "so many events that the values on both sides of each are not kept: integrals, means and extremes of rates are"
-    " taken from the outputs alone; simulate a shorter time for them"
-)
-
 SENTENCES = {  # of notes, also in pages
-    "many_breaks": MANY_BREAKS,
+    "many_breaks": "so many events that the values on both sides of each are not kept: integrals, means and extremes of"
+    " rates are taken from the outputs alone; simulate a shorter time for them",
     "lost_rank": "the run passed a singular position, in which the constraints are not independent",
     "series": "{count} closed: bounces that rise less than {low:g} clearances, or less than rounding, are counted as"
     " contact",
@@ -67,7 +63,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *contact_notes(system, contacts, float(curve["kinetic"].max(initial=0.0))),
         *oil_notes(system, data, names),
         *jolt_notes(run.jolts, run.table),
-        *((MANY_BREAKS,) if run.room < 0 else ()),
+        *((SENTENCES["many_breaks"],) if run.room < 0 else ()),
         *run.about_peaks(any(event.kind == "impact" for event in contacts)),
         *(() if run.message else remarks(system, run.workspace, run.stepper.leaf)),
         *loose(run.stepper.leaf, run.rtol),
