@@ -36,9 +36,8 @@ class Method:
         self.weights: list[float] = tableau.ends[0].tolist()
         self.errors: list[list[float]] = tableau.ends[1:].tolist()
         self.upper = [list(row) for row in tableau.dense]  # rows of the dense output above the cubic
-        self.samples = (
-            6 if tableau.order > 4 else 2
-        )  # equal parts of a step, as in `reductions.COTES`: samples of curves
+        # equal parts of a step, at whose ends curves are sampled: those of `reductions.COTES`
+        self.samples = 6 if tableau.order > 4 else 2
         inner = [s for s in range(1, self.stages) if 0.0 < tableau.c[s] < 1.0] or [self.stages - 1]
         # stages, spread over the step, that show how large a curve may become in it
         near = (min(reversed(inner), key=lambda s: abs(tableau.c[s] - share)) for share in SPREAD)
