@@ -5,6 +5,7 @@ A ball that is thrown up from a stop has closed forms: its flights are parabolas
 
 import math
 
+import numpy as np
 import pytest
 
 import rattle as rt
@@ -75,3 +76,41 @@ def test_time_above_a_height_is_counted_in_every_flight():
     assert r["sum"][-1] == pytest.approx(above * flights, abs=1.5 * above)
     short = ball(contact, -20, "1 if ball.x > 0.01 else 0", 20.0).simulate(step=0.01)
     assert r["sum"][-1] == pytest.approx(short["sum"][-1], rel=1e-4)
+
+
+def after(r, t, name):
+    """The value of a curve just after the event at t [s]."""
+    k = int(np.flatnonzero(np.abs(r.breaks.t - t) < 1e-9)[-1])
+    return r.breaks.data[k, list(r.stored).index(name)]
+
+
+@pytest.mark.parametrize("force", ["-20 - 8*sign(ball.vx)", "-28 if ball.vx > 0 else -12"])
+def test_the_force_just_after_an_impact_is_that_of_the_new_side(force):
+    r = ball('{ model = "impact", restitution = 0.6 }', force, "abs(ball.vx)", 0.15).simulate()
+    hit = next(event.t for event in r.events if event.kind == "impact" and event.t > 0)
+    assert after(r, hit, "ball.ax") == pytest.approx(-28.0, rel=1e-12)
+
+
+CARRIED = """
+format = 1
+gravity = [0, 0]
+ground.points.O = [0, 0]
+bodies.cart = { points = { C = [0, 0] }, mass = 1, inertia = 0.1 }
+bodies.load = { points = { C = [0, 0] }, mass = 1, inertia = 0.1 }
+joints.rail = { type = "prismatic", connect = ["ground.O", "cart.C"] }
+drivers.motor = { joint = "rail", position = "0.1*t - 0.5*max(0, t - 0.5)" }
+loads.push = { type = "force", at = "load.C", force = ["-5 if cart.vx > 0 else -1", 0] }
+initial.load = { x = 0, vx = 0.1 }
+simulate.t_end = 0.55
+[joints.slide]
+type = "prismatic"
+connect = ["cart.C", "load.C"]
+stop = { min = 0, contact = { model = "impact", restitution = 0 } }
+"""
+
+
+def test_the_force_just_after_a_jolt_is_that_of_the_new_side():
+    """A driven cart turns back in one instant; what it has carried at its stop flies on."""
+    r = rt.loads(CARRIED).simulate()
+    assert after(r, 0.5, "load.vx") == pytest.approx(0.1, abs=1e-9)
+    assert after(r, 0.5, "load.ax") == pytest.approx(-1.0, rel=1e-12)
