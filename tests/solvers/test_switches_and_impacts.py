@@ -114,3 +114,14 @@ def test_the_force_just_after_a_jolt_is_that_of_the_new_side():
     r = rt.loads(CARRIED).simulate()
     assert after(r, 0.5, "load.vx") == pytest.approx(0.1, abs=1e-9)
     assert after(r, 0.5, "load.ax") == pytest.approx(-1.0, rel=1e-12)
+
+
+def test_a_visit_that_only_a_stage_of_a_long_step_falls_into_is_counted_in_full():
+    """2 ms of a free flight of 2 s in four steps: between the even shares of a step at which it is searched."""
+    seen = []
+    for place in np.linspace(0.5, 1.9, 200, endpoint=False):
+        r = ball(ELASTIC, 0, f"1 if (ball.x - {place})**2 < 1e-6 else 0").simulate(t_eval=[0.0, 2.0])
+        seen.append(r["sum"][-1])
+    seen = np.array(seen)
+    assert seen.max() == pytest.approx(2e-3, rel=1e-6)
+    assert ((seen < 1e-9) | (np.abs(seen - 2e-3) < 1e-8)).all()  # not by a part of it
