@@ -21,7 +21,7 @@ from rattle.analyses.dynamics.peak_values import measures_of_peaks
 from rattle.analyses.dynamics.run import Run
 from rattle.analyses.dynamics.simulate import POINTS
 from rattle.analyses.dynamics.soundness import measures_of_rows
-from rattle.analyses.straight_line.recorded_arrays import RecordedArrays, recorded_arrays
+from rattle.analyses.straight_line.recorded_arrays import RecordedArrays, Values, recorded_arrays
 from rattle.analyses.timetable import timetable
 from rattle.description.model import Parameter
 from rattle.description.read_parameters import chosen_parameters
@@ -30,7 +30,6 @@ from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, InputError, ModelError, TraceError
 from rattle.jit import layout as at
-from rattle.language.recorded import Recorded, symbol_of
 from rattle.mechanism import Mechanism
 from rattle.pages.packed import packed
 from rattle.pages.result_data import result_data
@@ -236,34 +235,31 @@ def _recorded(m: Mechanism, run: Run, names: Sequence[str]) -> _Recorded:
     """
     drawings: list[Any] = []
 
-    def further(recorded: System) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
+    def further(recorded: System) -> Values:
         drawings.append(geometry(recorded.model))
-        numbers = [value for _, value in _numbers(drawings[0]) if isinstance(value, Recorded)]
-        yield from _of_run(recorded, run)
-        yield DRAWING, (np.arange(len(numbers)), [symbol_of(x) for x in numbers])  # the last entries
+        numbers = (value for _, value in _numbers(drawings[0]))
+        return {**_of_run(recorded, run), DRAWING: dict(enumerate(numbers))}  # the last entries
 
-    arrays = recorded_arrays(m._document, m.system, names, entries=further)
-    places = [place for place, value in _numbers(drawings[0]) if isinstance(value, Recorded)]
-    return _Recorded(arrays, places, drawings[0])
+    arrays = recorded_arrays(m._document, m.system, names, more=further)
+    places = [place for place, _ in _numbers(drawings[0])]
+    return _Recorded(arrays, [places[k] for k in arrays.entries.get(DRAWING, ())], drawings[0])
 
 
-def _of_run(recorded: System, run: Run) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
-    """Entries of the arrays of a run, besides those of its system, that follow from parameters."""
+def _of_run(recorded: System, run: Run) -> Values:
+    """Values of the arrays of a run, besides those of its system, that may follow from parameters."""
     columns = run.workspace.peaks.shape[1]
-    every: dict[str, list[tuple[int, Any]]] = {"measure": list(enumerate(measures_of_rows(recorded)))}
-    every["peaks"] = [
-        (row * columns + column, value)
+    peaks = {
+        row * columns + column: value
         for row, pair in enumerate(measures_of_peaks(recorded) if len(run.workspace.peaks) else ())
         for column, value in zip((samples.ARM, samples.NOTHING), pair, strict=True)
-    ]
-    if len(run.workspace.held):
-        every["held"] = [(at.SIZE, recorded.size)]
-    own = state_layout(recorded).own_states
-    every["state"] = list(enumerate((state.start for state in recorded.model.states.values()), own.start))
-    for name, values in every.items():
-        follow = [(k, symbol_of(value)) for k, value in values if isinstance(value, Recorded)]
-        if follow:
-            yield name, (np.array([k for k, _ in follow]), [symbol for _, symbol in follow])
+    }
+    starts = (state.start for state in recorded.model.states.values())
+    return {
+        "measure": dict(enumerate(measures_of_rows(recorded))),
+        "peaks": peaks,
+        "held": {at.SIZE: recorded.size} if len(run.workspace.held) else {},
+        "state": dict(enumerate(starts, state_layout(recorded).own_states.start)),
+    }
 
 
 def _numbers(tree: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:

@@ -27,10 +27,10 @@ from rattle.analyses.assembly.start_constants import constants_of, flat, with_co
 from rattle.analyses.assembly.start_values import KEYS
 from rattle.analyses.assembly.vector_loops import given_in_one_turn
 from rattle.analyses.assembly.without_play import ideal_model
-from rattle.analyses.straight_line.recorded_arrays import recorded_arrays
+from rattle.analyses.straight_line.recorded_arrays import Values, recorded_arrays
 from rattle.description.model import Model, driven_ends
 from rattle.equations.dense import LARGE
-from rattle.equations.start_near import LINE
+from rattle.equations.start_near import DISTANCE, LINE
 from rattle.equations.system import System, compile_system, is_link, joint_rows
 from rattle.errors import AssemblyError, TraceError
 from rattle.jit import layout as at
@@ -40,8 +40,7 @@ from rattle.pages.run_image import Content, workspace_image
 from rattle.pages.tape import Tape, add_arrays
 
 Form = Callable[[Model], Model]
-Numbers = Mapping[tuple[str, int], Any]  # by vector and place in it
-UNCOUNTED = ("extent", "size")  # facts from which no start follows
+Numbers = Callable[[System], Values] | None  # of vectors, see `_start_numbers`
 ALL, MOVING = True, False  # entries of arrays that count: all, or those from which positions and rates follow
 OFFSET = (3.0, 4.0)  # of the points of a joint, at which it tells what its constants are
 NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where it is pressed
@@ -161,7 +160,7 @@ class _Writer:
             "loose": self.start(
                 loose, lambda read: without_counting(form(read)), consistent_start(loose, 0.0), MOVING
             ),
-            "counting": {"system": self.system(counting, without, MOVING, {}, {}), "joints": joints},
+            "counting": {"system": self.system(counting, without, MOVING, {}, None), "joints": joints},
         }  # fmt: skip
 
     def _closed(self, system: System, form: Form, held: list[str], alike: bool) -> dict[str, Any]:
@@ -182,7 +181,7 @@ class _Writer:
                 pins.append((number[model.joints[name].a.body], shut.first_value(owner)))
                 which.append(n)
         vectors = {"pins": np.array(pins, np.int64).reshape(-1, 2), "shifts": np.zeros((len(pins), 4))}
-        return {"system": self.system(shut, closed, MOVING, vectors, {}), "which": which}
+        return {"system": self.system(shut, closed, MOVING, vectors, None), "which": which}
 
     def system(
         self, system: System, form: Form, counted: bool, vectors: Mapping[str, np.ndarray], numbers: Numbers
@@ -191,14 +190,12 @@ class _Writer:
         n = 3 * system.body_count
         state = {name: np.zeros(n) for name in ("q", "v", "given", "rates") if name not in vectors}
         every = {**state, "scratch": np.zeros((2, n)), **vectors}
-        recorded = recorded_arrays(
-            self.document, system, self.asked, form=form,
-            also=lambda other: {_key(place): x for place, x in _numbers_of(other, numbers).items()},
-        )  # fmt: skip
-        self.names = recorded.names
-        counts = [x for name, where in recorded.entries.items() for x in _counts(system, name, where, counted)]
-        facts = [tuple(name.split()) if " " in name else (name, -1) for name in recorded.facts]
-        counts += [vector not in (*UNCOUNTED, "least") and place != -1 for vector, place in facts]
+        recorded = recorded_arrays(self.document, system, self.asked, form=form, more=numbers)
+        self.names, entries = recorded.names, recorded.entries
+        arrays = [name for name in entries if name not in vectors]
+        beside = [(name, k) for name in entries if name in vectors for k in entries[name].tolist()]
+        counts = [x for name in arrays for x in _counts(system, name, entries[name], counted)]
+        counts += [*(vector != "least" for vector, _ in beside), *(False for _ in recorded.facts)]
         return {
             "function": add_arrays(self.tape, recorded),
             "image": {
@@ -209,14 +206,10 @@ class _Writer:
                     for name, one in every.items()
                 },
             },
-            "entries": [[name, where.tolist()] for name, where in recorded.entries.items()],
-            "facts": [[vector, int(place)] for vector, place in facts],
+            "entries": [[name, entries[name].tolist()] for name in arrays],
+            "facts": [*map(list, beside), *([name, -1] for name in recorded.facts)],
             "counts": [int(x) for x in counts], "inputs": recorded.inputs(system).tolist(),
         }  # fmt: skip
-
-
-def _key(place: tuple[str, int]) -> str:
-    return f"{place[0]} {place[1]}"
 
 
 def _counts(system: System, name: str, where: np.ndarray, counted: bool) -> list[bool]:
@@ -236,46 +229,42 @@ def _values_of_joints(model: Model) -> int:
 
 
 # ---------------------------------------------------------------- numbers beside the arrays
-def _start_numbers(system: System, held: list[str], missing: list[str]) -> tuple[dict[str, np.ndarray], Any]:
-    """Vectors of what is given for a start, and how their numbers follow from those of a model, see `_numbers_of`."""
+def _start_numbers(
+    system: System, held: list[str], missing: list[str]
+) -> tuple[dict[str, np.ndarray], Callable[[System], Values]]:
+    """Vectors of what is given for a start, and how their numbers follow from a system."""
     n, ways, one_turn = 3 * system.body_count, ways_of_kernels(system), given_in_one_turn(system, 0.0)
     joints = _way_joints(system)
 
-    def find(other: System) -> dict[tuple[str, int], Any]:
-        model, found = other.model, dict[tuple[str, int], Any]()
+    def find(other: System) -> Values:
+        model, found = other.model, {name: dict[int, Any]() for name in shapes}
         for turn, vector in enumerate(("given", "rates")):
             for b, body in enumerate(other.bodies):
                 for k, key in enumerate(KEYS[turn]):
-                    found[vector, 3 * b + k] = model.initial.bodies.get(body, {}).get(key, math.nan)
+                    found[vector][3 * b + k] = model.initial.bodies.get(body, {}).get(key, math.nan)
         for k, name in enumerate(joints):
             offset, joint = model.initial.offsets.get(name, (0.0, 0.0)), model.joints[name]
-            found["offsets", 2 * k], found["offsets", 2 * k + 1] = offset
-            found["lines", 2 * k + LINE], found["lines", 2 * k + 1] = joint.line or 0.0, joint.distance
+            found["offsets"] |= {2 * k: offset[0], 2 * k + 1: offset[1]}
+            found["lines"] |= {2 * k + LINE: joint.line or 0.0, 2 * k + DISTANCE: joint.distance}
         for k, name in enumerate(held):
             place = *model.joints[name].a.at, *model.initial.offsets.get(name, (0.0, 0.0))
-            found |= {("held", 4 * k + i): x for i, x in enumerate(place)}
+            found["held"] |= dict(enumerate(place, 4 * k))
         for k, name in enumerate(missing):
-            found["clearances", k] = model.joints[name].clearance
-        for k, (least, _) in enumerate(least_gaps(other)):
-            found["least", k] = least
+            found["clearances"][k] = model.joints[name].clearance
+        found["least"] |= {k: least for k, (least, _) in enumerate(least_gaps(other))}
         return found
 
-    plain = find(system)
     shapes = {
         "given": (n,), "rates": (n,), "offsets": (len(ways), 2), "lines": (len(ways), 2), "held": (len(held), 4),
         "clearances": (len(missing),), "least": (len(system.arrays["contact"]),),
     }  # fmt: skip
     vectors: dict[str, np.ndarray] = {name: np.zeros(shape) for name, shape in shapes.items()}
-    for (name, place), value in plain.items():
-        vectors[name].ravel()[place] = value
+    for name, values in find(system).items():
+        for place, value in values.items():
+            vectors[name].ravel()[place] = value
     turns = one_turn - vectors["given"]  # whole ones
     vectors |= {"given": one_turn, "turns": np.where(np.isnan(turns), 0.0, turns), "ways": ways}
     return vectors, find
-
-
-def _numbers_of(system: System, numbers: Any) -> dict[tuple[str, int], Any]:
-    found: dict[tuple[str, int], Any] = numbers(system) if callable(numbers) else {}
-    return found
 
 
 def _way_joints(system: System) -> list[str]:

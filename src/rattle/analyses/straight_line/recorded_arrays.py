@@ -67,19 +67,17 @@ class RecordedArrays:
         return arrays, dict(zip(self.facts, numbers[first:].tolist(), strict=True))
 
 
-Entries = Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]  # of arrays, by name: flat indices and symbols
+Values = Mapping[str, Mapping[int, Any]]  # of arrays by name: numbers by flat index, recorded ones among them
 
 
 def recorded_arrays(
     document: Mapping[str, Any], system: System, names: Sequence[str] | None = None, *,
-    form: Callable[[Model], Model] | None = None, entries: Callable[[System], Entries] | None = None,
-    also: Callable[[System], Mapping[str, Any]] | None = None,
+    form: Callable[[Model], Model] | None = None, more: Callable[[System], Values] | None = None,
 ) -> RecordedArrays:  # fmt: skip
     """Record how the arrays of a system follow from parameters (default: all that do not follow from others).
 
     document: the tables of the model file, of which the system was made.  form: what was made of its model first.
-    entries: of other arrays, from the system with recorded numbers.  also: further numbers of it, by name; those that
-    follow become facts.
+    more: values of further arrays, from the system with recorded numbers; those that follow become the last entries.
     Raises TraceError, with the place, where a value is taken without its record; ModelError.
     """
     asked = tuple(chosen_parameters(document) if names is None else names)
@@ -94,14 +92,12 @@ def recorded_arrays(
         recorded = compile_system(model, length_of(model))
         watch.require_record()
         facts = dict(_facts(recorded))
-        more = dict(entries(recorded)) if entries is not None else {}
-        numbers_beside = also(recorded) if also is not None else {}
-        facts |= {name: symbol_of(x) for name, x in numbers_beside.items() if isinstance(x, Recorded)}
+        further = more(recorded) if more is not None else {}
         watch.require_record()
     except FAILURES as error:
         raise TraceError(f"the arrays cannot be recorded: {error}") from error
     _require_alike(recorded, system)
-    places = recorded_places(recorded) | dict(_own_states(recorded)) | more
+    places = recorded_places(recorded) | dict(_following({**_own_states(recorded), **further}))
     follow = [x for _, symbols in places.values() for x in symbols] + list(facts.values())
     sound = [abs(x) <= LARGEST for x in (*numbers, *follow)]
     flag = both(graph, [*recorder.assumed.values(), *sound])
@@ -127,14 +123,19 @@ def _facts(recorded: System) -> Iterator[tuple[str, Any]]:
             yield name, symbol_of(value)
 
 
-def _own_states(recorded: System) -> Entries:
+def _own_states(recorded: System) -> Values:
     """Where the start of the states of a model stands in the arrays of a workspace."""
     starts = [one.start for one in recorded.model.states.values()]
-    where = np.array([k for k, one in enumerate(starts) if isinstance(one, Recorded)], dtype=int)
-    symbols = [symbol_of(starts[k]) for k in where]
-    if symbols:
-        yield "signals", (where, symbols)
-        yield "element_state", (where + recorded.element_states - len(starts), symbols)
+    first = recorded.element_states - len(starts)
+    return {"signals": dict(enumerate(starts)), "element_state": dict(enumerate(starts, first))}
+
+
+def _following(values: Values) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
+    """Flat indices and symbols of those that follow, by array."""
+    for name, numbers in values.items():
+        where = [k for k, value in numbers.items() if isinstance(value, Recorded)]
+        if where:
+            yield name, (np.array(where, dtype=int), [symbol_of(numbers[k]) for k in where])
 
 
 def _timed(recorded: System) -> list[Any]:
