@@ -512,3 +512,12 @@ def test_a_file_with_a_damaged_program_replays_and_says_so(fourbar_page, tmp_pat
     tab = open_page((tmp_path / "damaged.html").as_uri())
     becomes(tab, "() => window.rattle?.names.length > 3")
     assert "this file is damaged" in " ".join(tab.evaluate("() => rattle.viewer.scene.notes"))
+
+
+def test_an_address_with_refused_values_shows_the_model_as_it_is_written(fourbar_page, open_page):
+    tab = open_page(f"{fourbar_page}#r3=1e9")
+    tab.wait_for_function(READY, timeout=60000)
+    becomes(tab, "() => rattle.error !== null")
+    assert "outside of its limits" in tab.evaluate("() => rattle.error")
+    shows(tab.get_by_role("alert").filter(has_text="The motion shown is that of the model file."))
+    assert tab.evaluate("() => rattle.parameters.r3") == 0.005

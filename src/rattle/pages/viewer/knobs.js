@@ -40,8 +40,21 @@ export class Knobs {
     this.fromLink();
     this.build(viewer.parts.knobs);
     this.fill();
-    this.ready = first && !this.linkText() ? Promise.resolve() : this.computeAll();
+    this.ready = first && !this.linkText() ? Promise.resolve() : this.computeAll().catch((error) => this.beginAsWritten(error));
     this.quietly(this.ready);
+  }
+
+  // An address whose values are refused: the motion of the model file, and the words beside it.
+  async beginAsWritten(error) {
+    if (!this.runs.A && this.linkText()) {
+      this.sets = { A: Object.fromEntries([...this.knobs.values()].map((knob) => [knob.name, knob.value])), B: null };
+      [this.now, this.end] = ["A", this.usualEnd];
+      await this.follow("A");
+      this.fill();
+      this.error = error.message;
+      this.refuse(`${error.message}. The motion shown is that of the model file.`);
+    }
+    throw error;
   }
 
   // ---------------------------------------------------------------- what is shown
@@ -160,7 +173,7 @@ export class Knobs {
   typeEnd() {
     try {
       const end = typedValue(this.time.value, "s", "s");
-      if (!(end > 0)) throw new Error("the end of the motion must be after its start");
+      if (!(end > 0 && end < Infinity)) throw new Error("the end of the motion must be a time after its start");
       this.end = end;
       this.keepLink();
       this.quietly(this.computeAll());
