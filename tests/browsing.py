@@ -29,6 +29,10 @@ def keep_picture(page, name):
 DRAWN = "(n) => new Promise((done) => { const next = () => (n-- > 0 ? requestAnimationFrame(next) : done()); next(); })"
 
 
+# a page unpacks its viewer after it is loaded: a test that is faster would find nothing
+MOUNTED = "() => { const root = document.getElementById('rattle'); return !root || root.hasChildNodes(); }"
+
+
 def frames(page, count=3):
     """Wait for so many pictures of the page: what was asked for before has been drawn after the second."""
     page.evaluate(DRAWN, count)
@@ -71,6 +75,7 @@ def open_page(browser):
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("request", lambda one: None if one.url.startswith(WITHIN) else wrong.append(f"asked for {one.url}"))
         page.goto(address)
+        page.wait_for_function(MOUNTED)
         return page
 
     yield open_one

@@ -34,6 +34,7 @@ export class Knobs {
     const usual = Object.fromEntries(knobs.map((one) => [one.name, one.value]));
     this.sets = { A: { ...usual }, B: null };
     this.runs = { A: null, B: null, ideal: null };
+    this.orders = {}; // how many motions each set has asked for
     this.now = "A";
     this.rows = new Map();
     this.runs.A = first; // of the parameters as they are given, if somebody has computed it already
@@ -216,7 +217,7 @@ export class Knobs {
   }
 
   async follow(slot) {
-    const set = { ...this.sets[slot] };
+    const set = { ...this.sets[slot] }, order = this.orders[slot] = (this.orders[slot] ?? 0) + 1;
     this.busy(1);
     try {
       this.requireLimits(set);
@@ -228,8 +229,10 @@ export class Knobs {
       run.label = slot;
       this.runs[slot] = run;
       if (follows) this.runs.ideal = ideal; // none where there is none for these values
-      this.error = null;
-      this.refuse("");
+      if (order === this.orders[slot]) { // what was said of a later wish stays
+        this.error = null;
+        this.refuse("");
+      }
       this.show();
       this.viewer.emit("set", run.parameters);
     } catch (error) {
