@@ -15,6 +15,11 @@ def turned(m, k):
 
 
 @compiled
+def turned_apart(k, m, other):
+    return m.body[k, 2] - other.body[k, 2]
+
+
+@compiled
 def mistaken(m):
     return m.bodies[0, 0]
 
@@ -35,6 +40,17 @@ def test_machine_code_reads_the_arrays_that_python_sees():
     assert turned(workspace, 2) == 0.25 + system.arrays["joint"][0, 1]
     assert workspace.body.shape == (system.body_count + 1, 8)
     assert {"body", "rows", "joint"} <= set(ARRAYS)
+
+
+@pytest.mark.parametrize("make", ["workspace", "plain_workspace"])
+def test_a_function_takes_several_workspaces_at_any_place(make):
+    functions.start()
+    system = rt.example("fourbar").system
+    one, other = getattr(system, make)(), getattr(system, make)()
+    one.body[2, 2], other.body[2, 2] = 0.75, 0.25
+    assert turned_apart(2, one, other) == 0.5
+    assert turned_apart(2, other, one) == -0.5
+    assert turned_apart(2, one, one) == 0.0
 
 
 def test_workspaces_of_one_system_share_no_number():

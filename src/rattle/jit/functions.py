@@ -54,19 +54,18 @@ class KernelFunction:
     def __call__(self, *args: Any) -> Any:
         if not _jit:
             return self.python(*args)
-        handle = getattr(args[0], "handle", None) if args else None
-        if handle is IN_PYTHON:
-            return self.python(*args)
-        if handle is not None:
-            args = (handle, *args[1:])
+        given = [getattr(one, "handle", one) for one in args]
+        for one in given:
+            if one is IN_PYTHON:
+                return self.python(*args)
         if self.native:
             types = None
         else:
-            types = tuple([(one.dtype.char, one.ndim) if type(one) is np.ndarray else type(one) for one in args])
+            types = tuple([(one.dtype.char, one.ndim) if type(one) is np.ndarray else type(one) for one in given])
         called = self._callers.get(types)
         if called is None:
-            called = self._callers[types] = self._caller(args)
-        return called(*args)
+            called = self._callers[types] = self._caller(given)
+        return called(*given)
 
     def _caller(self, args: Sequence[Any]) -> Callable[..., Any]:
         """The Python function that calls the machine code for arguments like these."""
