@@ -36,64 +36,74 @@ export async function bytesFrom(text) {
 }
 
 // ---------------------------------------------------------------- memory and calls
-/** The workspace of one run in the memory of its own instance: arrays by name, and kernels that may be called. */
-export class CoreMemory {
-  constructor({ module, about }, { description, content }) {
-    if (description.layout !== about.layout)
-      throw new CoreError("version", "the model was written by another version of rattle than its engine");
-    Object.assign(this, { module, about });
-    this.calls = new WebAssembly.Instance(module, {}).exports;
-    const sizes = description.arrays.map((one) => one.slice(0, -1).reduce((a, b) => a * b, 1));
-    this.end = Math.ceil(about.free / CELL) * CELL;
-    const table = this.take(3 * sizes.length);
-    const places = sizes.map((size) => this.take(size));
-    const [count, stored, last] = description.times, times = this.take(count), rows = this.take(count * description.width);
-    const more = Object.entries(description.more ?? {}).map(([name, [kind, offset, ...shape]]) =>
-      [name, kind, offset, shape, this.take(shape.reduce((a, b) => a * b, 1))]);
-    const result = this.take(8);
-    this.grow();
-    Object.assign(this, { table, result, arrays: {}, word: new DataView(this.calls.memory.buffer) });
-    about.arrays.forEach(([name, kind], k) => {
-      const shape = description.arrays[k].slice(0, -1);
-      this.arrays[name] = this.view(places[k], shape, kind);
-      this.fill(this.arrays[name], content, description.arrays[k].at(-1));
-      const row = [places[k], shape[0], shape.at(-1)]; // as a handle of `rattle.jit.workspace` has it
-      row.forEach((value, n) => this.word.setBigInt64(table + CELL * (3 * k + n), BigInt(value), true));
-    });
-    for (const [name, { data }] of Object.entries(this.arrays))
-      if (name.endsWith("_table")) data.forEach((_, k) => { data[k] = BigInt(this.numberOf(description.tables[name]?.[k], name)); });
-    for (const [name, kind, offset, shape, at] of more) { // arrays that are no part of a workspace
-      this[name] = this.view(at, shape, kind);
-      this.fill(this[name], content, offset);
-    }
-    this.times = this.view(times, [count], "f1");
-    this.fill(this.times, content, stored);
-    if (stored < 0) this.times.data.forEach((_, k, every) => { every[k] = k === count - 1 ? last : k * (last / (count - 1)); });
-    this.rows = this.view(rows, [count, description.width], "f2");
-  }
+const sizeOf = (shape) => shape.reduce((a, b) => a * b, 1);
+const shapesOf = ({ arrays, times: [count], width, more = {} }) =>
+  [[3 * arrays.length], [count], [count, width], ...arrays.map((one) => one.slice(0, -1)), ...Object.values(more).map(([, , ...shape]) => shape)];
 
-  take(cells) {
-    const start = this.end;
-    this.end += CELL * Math.max(cells, 1);
-    return start;
-  }
-
-  grow() {
-    const { memory } = this.calls, missing = Math.ceil((this.end - memory.buffer.byteLength) / 65536);
+/** The memory of an instance of an engine with room for arrays of these shapes, and its kernels. */
+export class CoreRoom {
+  constructor(engine, shapes) {
+    const { module, about } = engine, calls = new WebAssembly.Instance(module, {}).exports, { memory } = calls;
+    Object.assign(this, { engine, about, calls, memory, end: Math.ceil(about.free / CELL) * CELL });
+    const needed = this.end + CELL * shapes.reduce((sum, shape) => sum + Math.max(sizeOf(shape), 1), 8);
     try {
-      if (missing > 0) memory.grow(missing);
+      memory.grow(Math.max(0, Math.ceil((needed - memory.buffer.byteLength) / 65536)));
     } catch {
-      throw new CoreError("failed", `the run needs ${Math.ceil(this.end / 2 ** 20)} MB, more than the browser gives`);
+      throw new CoreError("failed", `the run needs ${Math.ceil(needed / 2 ** 20)} MB, more than the browser gives`);
     }
+    this.result = this.array([8]).at;
+    this.word = new DataView(memory.buffer);
   }
 
-  view(at, shape, kind) {
-    const size = shape.reduce((a, b) => a * b, 1), { buffer } = this.calls.memory;
+  /** A new array; offset: of its numbers in the content, or -1. */
+  array(shape, kind = "f1", content = null, offset = -1) {
+    const at = this.end, size = sizeOf(shape), { buffer } = this.memory;
+    this.end += CELL * Math.max(size, 1);
+    if (offset >= 0) new Uint8Array(buffer, at, CELL * size).set(content.subarray(offset, offset + CELL * size));
     return { at, shape, data: kind[0] === "f" ? new Float64Array(buffer, at, size) : new BigInt64Array(buffer, at, size) };
   }
 
-  fill({ at, data }, content, offset) {
-    if (offset >= 0) new Uint8Array(this.calls.memory.buffer, at, data.byteLength).set(content.subarray(offset, offset + data.byteLength));
+  /** Call a kernel with numbers, arrays and workspaces; returns its first result. */
+  call(name, ...given) {
+    const [result, ...letters] = this.about.calls[name];
+    const flat = letters.flatMap((letter, k) => {
+      const one = given[k];
+      if (letter === "h") return one.table.at;
+      return letter === "f" ? one : letter === "i" ? BigInt(one) : [one.at, ...one.shape.map(BigInt)];
+    });
+    if (this.calls[`call ${name}`](this.result, ...flat)) throw new CoreError("failed", this.told());
+    return result[0] === "i" ? Number(this.word.getBigInt64(this.result, true)) : this.word.getFloat64(this.result, true);
+  }
+
+  told() {
+    const bytes = new Uint8Array(this.memory.buffer), at = this.word.getInt32(this.about.told, true);
+    return at ? new TextDecoder().decode(bytes.subarray(at, bytes.indexOf(0, at))) : "the engine stopped without a word";
+  }
+}
+
+/** A workspace in the memory of an instance: arrays by name, and kernels that may be called. */
+export class CoreMemory {
+  /** Workspaces in one memory, of which a kernel may get several. */
+  static together(engine, images) {
+    const room = new CoreRoom(engine, images.flatMap(({ description }) => shapesOf(description)));
+    return images.map((image) => new CoreMemory(room, image));
+  }
+
+  constructor(room, { description, content }) {
+    const { about } = room, { layout, arrays, tables, times: [count, stored, last], width, more = {} } = description;
+    if (layout !== about.layout)
+      throw new CoreError("version", "the model was written by another version of rattle than its engine");
+    Object.assign(this, { room, about, arrays: {}, table: room.array([3 * arrays.length], "i1") });
+    about.arrays.forEach(([name, kind], k) => {
+      const array = room.array(arrays[k].slice(0, -1), kind, content, arrays[k].at(-1)), { at, shape, data } = array;
+      this.arrays[name] = array;
+      this.table.data.set([at, shape[0], shape.at(-1)].map(BigInt), 3 * k); // as a handle of `rattle.jit.workspace` has it
+      if (name.endsWith("_table")) data.forEach((_, n) => { data[n] = BigInt(this.numberOf(tables[name]?.[n], name)); });
+    });
+    for (const [name, [kind, offset, ...shape]] of Object.entries(more)) this[name] = room.array(shape, kind, content, offset); // no part of a workspace
+    this.times = room.array([count], "f1", content, stored);
+    if (stored < 0) this.times.data.forEach((_, k, every) => { every[k] = k === count - 1 ? last : k * (last / (count - 1)); });
+    this.rows = room.array([count, width], "f2");
   }
 
   // what stands for a kernel in a table; for none, what fails and says the family
@@ -111,18 +121,6 @@ export class CoreMemory {
 
   /** Call a kernel of the workspace; returns its first result. */
   call(name, ...given) {
-    const [result, ...letters] = this.about.calls[name];
-    const flat = letters.flatMap((letter, k) => {
-      if (letter === "h") return this.table;
-      const one = given[k - 1];
-      return letter === "f" ? one : letter === "i" ? BigInt(one) : [one.at, ...one.shape.map(BigInt)];
-    });
-    if (this.calls[`call ${name}`](this.result, ...flat)) throw new CoreError("failed", this.told());
-    return result[0] === "i" ? Number(this.word.getBigInt64(this.result, true)) : this.word.getFloat64(this.result, true);
-  }
-
-  told() {
-    const bytes = new Uint8Array(this.calls.memory.buffer), at = this.word.getInt32(this.about.told, true);
-    return at ? new TextDecoder().decode(bytes.subarray(at, bytes.indexOf(0, at))) : "the engine stopped without a word";
+    return this.room.call(name, this, ...given);
   }
 }

@@ -2,10 +2,9 @@
 //
 // data, functions: of `rattle.pages.result_data`.  p: the parameters in its order [SI].
 
+import { CoreRoom } from "./core.js";
 import { messageOf } from "./core_trouble.js";
 import { joltsOf, passed, trustOf } from "./core_trust.js";
-
-const NUMBER_BYTES = 8;
 
 /** What a page shows of a run that has ended, or was stopped; columns are those of `simulate`. */
 export function resultOf(run, data, functions, p = data.values, milliseconds = 0) {
@@ -88,38 +87,17 @@ function called(run, data, functions, p, rows) {
     functions.before(input, given);
     given.forEach((x, c) => { sides[c][k] = x; });
   }
-  const aside = new Aside(run.m, 3 * n + table.length);
-  let first = 0;
+  const aside = new CoreRoom(run.m.room.engine, [table.length, n, n, n].map((size) => [size])), own = aside.array([table.length]);
+  const [first, second, made] = [n, n, n].map((size) => aside.array([size]));
+  own.data.set(table);
+  let start = 0;
   return calls.map(({ kernel, table: size }, c) => {
-    const own = size ? [table.subarray(first, first + size)] : [];
-    first += size;
-    return aside.call(kernel, n, [sides[2 * c], sides[2 * c + 1], ...own]);
+    first.data.set(sides[2 * c]);
+    second.data.set(sides[2 * c + 1]);
+    aside.call(kernel, first, second, ...(size ? [{ at: own.at + own.data.BYTES_PER_ELEMENT * start, shape: [size] }] : []), made);
+    start += size;
+    return made.data.slice();
   });
-}
-
-// an instance of the engine beside that of a run, with room for a few arrays
-class Aside {
-  constructor({ module, about }, cells) {
-    this.about = about;
-    this.calls = new WebAssembly.Instance(module, {}).exports;
-    const { memory } = this.calls, start = Math.ceil(about.free / NUMBER_BYTES) * NUMBER_BYTES;
-    const missing = Math.ceil((start + NUMBER_BYTES * (cells + 8) - memory.buffer.byteLength) / 65536);
-    if (missing > 0) memory.grow(missing);
-    Object.assign(this, { result: start, room: start + 8 * NUMBER_BYTES });
-  }
-
-  /** Call a kernel that fills an array of n numbers. */
-  call(name, n, given) {
-    const { buffer } = this.calls.memory, every = [...given, new Float64Array(n)];
-    let at = this.room;
-    const flat = every.flatMap((values) => {
-      new Float64Array(buffer, at, values.length).set(values);
-      at += NUMBER_BYTES * values.length;
-      return [at - NUMBER_BYTES * values.length, BigInt(values.length)];
-    });
-    if (this.calls[`call ${name}`](this.result, ...flat)) throw new Error(`the kernel ${name} failed`);
-    return new Float64Array(buffer, at - NUMBER_BYTES * n, n).slice();
-  }
 }
 
 // ---------------------------------------------------------------- peaks, events

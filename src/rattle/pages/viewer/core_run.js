@@ -6,7 +6,7 @@ import { CoreMemory } from "./core.js";
 /** One run in slices: `advance` until it returns true, then `result`. */
 export class CoreRun {
   constructor(engine, image, { mostSteps = Infinity } = {}) {
-    this.m = new CoreMemory(engine, image);
+    [this.m] = CoreMemory.together(engine, [image]);
     Object.assign(this, image.description, { N: engine.about.numbers, mostSteps });
     Object.assign(this, { events: [], breaks: [], kept: 0, crossings: [], jolts: [], jams: [] });
     this.status = null; // before the start

@@ -35,10 +35,11 @@ export class StartFinder {
 // ---------------------------------------------------------------- one system in its memory
 class Part {
   constructor(engine, content, made, functions) {
-    Object.assign(this, made, { m: new CoreMemory(engine, { description: made.image, content }), numbers: functions[made.function] });
+    const [m] = CoreMemory.together(engine, [{ description: made.image, content }]), { memory, end } = m.room, { free } = engine.about;
+    Object.assign(this, made, { m, numbers: functions[made.function] });
     this.out = new Float64Array(1 + made.counts.length);
     this.own = null; // its numbers for the model's own parameters, when they are asked for
-    this.memory = () => new Uint8Array(this.m.calls.memory.buffer, engine.about.free, this.m.end - engine.about.free);
+    this.memory = () => new Uint8Array(memory.buffer, free, end - free);
     this.image = this.memory().slice();
   }
 
