@@ -1,14 +1,18 @@
-"""Starts that pages find, in node: those of many values of the parameters of an example."""
+"""Starts that pages find, in node, and those of their kernels in plain Python."""
 
 import json
+import math
 import subprocess
 from pathlib import Path
 
 import numpy as np
 
 import rattle as rt
+from rattle.equations.kept_values import MOVED
+from rattle.equations.start_near import count_constants, find_near, outside
 from rattle.errors import AssemblyError, ModelError
 from rattle.jit import functions
+from rattle.jit.workspace import TYPES, Workspace
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.start_data import start_data
 from rattle.pages.tape import Tape
@@ -87,3 +91,57 @@ def starts_apart(folder, name):
         if not max(q, v) < 1e-10:
             differ[changed, value] = f"{q:.2g}, {v:.2g}"
     return differ
+
+
+class KeptFunctions:
+    """Functions of a start, in the place of a tape that a page would compute."""
+
+    def __init__(self):
+        self.functions = []
+
+    def add(self, graph, outputs, inputs):
+        self.functions.append(lambda given: graph.evaluate(outputs, given[:, None])[1:, 0].tolist())
+        return len(self.functions) - 1
+
+
+def workspace_of(image, content):
+    """The workspace of an image, for plain Python."""
+    kernels, arrays = {one.symbol: one.python for one in functions.natives()}, {}
+    for (name, (kind, _)), (*shape, first) in zip(TYPES.items(), image["arrays"], strict=True):
+        stored = content[first:] if first >= 0 else bytes(8 * math.prod(shape))
+        arrays[name] = np.frombuffer(stored, kind, math.prod(shape)).reshape(shape).copy()
+    tables = {name: tuple(kernels.get(one) for one in table) for name, table in image["tables"].items()}
+    return Workspace(arrays | tables)
+
+
+def found_here(m, p):
+    """Positions, rates and constants of a start by the kernels in plain Python, near that of the model."""
+    kept = KeptFunctions()
+    description, content = start_data(m, kept)
+    workspaces = [workspace_of(system["image"], content) for system in description["systems"]]
+
+    def enter(k, inputs):
+        system, workspace = description["systems"][k], workspaces[k]
+        values = iter(kept.functions[system["function"]](np.array(inputs)))
+        for name, where in system["entries"]:
+            for place in where:
+                getattr(workspace, name).ravel()[place] = next(values)
+        return workspace
+
+    def near(start):
+        constants = []
+        if start["loose"]:
+            loose = near(start["loose"])
+            counting = enter(start["counting"], [*p, *(0.0 for _ in workspaces[start["counting"]].start_constants)])
+            count_constants(counting, loose, 0.0)
+            constants = counting.start_constants
+        main, shut, every = (
+            workspaces[start["system"]] if k is None else enter(k, [*p, *constants])
+            for k in (start["system"], start["shut"], start["every"])
+        )
+        ideal = near(start["ideal"]) if start["ideal"] else main
+        assert find_near(main, ideal, shut, every, 0.0) == MOVED
+        assert outside(main, 0.0) == -1
+        return main
+
+    return near(description["start"])

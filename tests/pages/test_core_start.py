@@ -6,7 +6,7 @@ from importlib import resources
 import pytest
 
 import rattle as rt
-from core_starts import found_in_node, starts_apart
+from core_starts import found_here, found_in_node, starts_apart
 from rattle.pages.start_data import start_data
 from rattle.pages.tape import Tape
 
@@ -83,3 +83,12 @@ def test_given_rates_follow_parameters(tmp_path):
     own, other = found_in_node(tmp_path, m, [[2.0], [3.0]])
     assert own["v"] == m.start.v.tolist()
     assert other["v"] == m.set(v0=3.0).start.v.tolist()
+
+
+@pytest.mark.parametrize("name", ["slider_crank_play", "gear_rattle", "belt_drive", "path_generator"])
+def test_kernels_in_plain_python_find_the_start_of_a_page(name, tmp_path):
+    m = rt.example(name) if isinstance(name, str) else name
+    p = [1.002 * m.model.parameters[x].value for x in start_data(m, Tape()).description["parameters"]]
+    start, here = *found_in_node(tmp_path, m, [p]), found_here(m, p)
+    assert here.start_q == pytest.approx(start["q"], rel=1e-12, abs=1e-13)
+    assert here.start_v == pytest.approx(start["v"], rel=1e-10, abs=1e-11)

@@ -290,20 +290,20 @@ def keep_given_rates(m, t, q, v, given, size):
 def hold_pins(m, t, q, given, size, pins, offsets, keep, scratch):
     """Closed positions near q (3 nb,), in place, with the bushes of joints moved to where their pins lie.
 
-    pins (k, 2): body A of a joint, and where its point on A stands in `values`; offsets (k, 4): this point in the
-    frame of A, and the pin's offset in ground axes [m].  keep: 1 to keep given values (3 nb,) too.
-    scratch: (2, 3 nb).  Returns what became of q, and the number of iterations.
+    pins (k, 3): body A of a joint, where its point on A stands in `values`, and the row of `offsets` (n, 4): this point
+    in the frame of A, and the pin's offset in ground axes [m].  keep: 1 to keep given values (3 nb,) too.
+    scratch: (2, 3 nb) or more.  Returns what became of q, and the number of iterations.
     """
     values, before, total, rounds = m.values, scratch[1], 0, 1
     for n in range(pins.shape[0]):
-        if offsets[n, 2] != 0.0 or offsets[n, 3] != 0.0:
+        if offsets[pins[n, 2], 2] != 0.0 or offsets[pins[n, 2], 3] != 0.0:
             rounds = 6
     for _ in range(rounds):
         for n in range(pins.shape[0]):
             angle = q[3 * pins[n, 0] - 1] if pins[n, 0] > 0 else 0.0
-            c, s, p = math.cos(angle), math.sin(angle), pins[n, 1]
-            values[p] = offsets[n, 0] + (c * offsets[n, 2] + s * offsets[n, 3])
-            values[p + 1] = offsets[n, 1] + (c * offsets[n, 3] - s * offsets[n, 2])
+            c, s, p, held = math.cos(angle), math.sin(angle), pins[n, 1], offsets[pins[n, 2]]
+            values[p] = held[0] + (c * held[2] + s * held[3])
+            values[p + 1] = held[1] + (c * held[3] - s * held[2])
         for k in range(q.shape[0]):
             before[k] = q[k]
         gap, iterations = close_position(m, t, q, scratch[0], 1e-13 * size, 60)

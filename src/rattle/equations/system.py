@@ -112,11 +112,14 @@ class System:
         machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
         return Workspace({**self._tables(machine, also), **more}, self._image)
 
-    def assembly_workspace(self) -> Workspace:
-        """A new workspace in which given values can be kept, see `kept_values`; a usual one if there are many rows."""
+    def assembly_workspace(self, **more: np.ndarray) -> Workspace:
+        """A new workspace in which given values can be kept, see `kept_values`; a usual one if there are many rows.
+
+        more: arrays of a start near a known one.
+        """
         if self.row_count > LARGE:
-            return self.workspace()
-        return Workspace(self._tables(functions.jit_runs(), ()), self._assembly_image)
+            return self.workspace(**more)
+        return Workspace({**self._tables(functions.jit_runs(), ()), **more}, self._assembly_image)
 
     def plain_workspace(self) -> Workspace:
         """A new workspace for kernels that run as plain Python, whether or not machine code runs."""

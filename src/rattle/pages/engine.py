@@ -23,7 +23,7 @@ from rattle.analyses.dynamics import run
 from rattle.elements.film_table import read_ratios
 from rattle.elements.long_film import long_peaks
 from rattle.elements.short_film import short_peaks
-from rattle.equations import closure, kept_values, motion, start_near
+from rattle.equations import kept_values, motion, start_near
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.cache import KeptFile
@@ -40,15 +40,9 @@ NATIVES = {  # what a page calls: the functions that `analyses.dynamics` and `an
     "run.begin": run_loop.begin,
     "run.advance": run_loop.advance,
     "record": record,
-    "start.near": start_near.close_near,
-    "start.close": closure.close_position,
-    "start.keep": kept_values.keep_given,
-    "start.hold": kept_values.hold_pins,
-    "start.place": start_near.place_outward,
-    "start.rates": start_near.rates_near,
-    "start.press": start_near.press_pins,
-    "start.outside": start_near.outside_at,
-    "start.open": closure.open_by,
+    "start.near": start_near.find_near,
+    "start.outside": start_near.outside,
+    "start.constants": start_near.count_constants,
 }
 WITH_LETTERS = {  # the same of functions whose types follow from their arguments
     # arrays of results: what `pages/result_data.py` leaves to them
@@ -63,10 +57,10 @@ COLUMNS = (
 )
 STATUSES = {
     motion: ("PAUSED", "DONE"),
-    kept_values: ("MOVED", "NOT_CLOSED", "NOT_FINITE"),
+    kept_values: ("MOVED", "NOT_FINITE"),
     start_near: ("TOO_FAR",),
 }
-SETTINGS = {run: ("CHUNK", "MOST_NUMBERS"), start_near: ("BESIDE", "SHUT", "ITERATIONS")}
+SETTINGS = {run: ("CHUNK", "MOST_NUMBERS")}
 
 
 def linked() -> Linked:

@@ -24,13 +24,13 @@ from rattle.analyses.assembly.assembly import (
 from rattle.analyses.assembly.first_guess import first_guess, ways_of_kernels
 from rattle.analyses.assembly.outside import least_gaps
 from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants, without_counting
-from rattle.analyses.assembly.start_values import KEYS
+from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.analyses.assembly.vector_loops import given_in_one_turn
 from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.straight_line.recorded_arrays import Values, recorded_arrays
 from rattle.description.model import Model, driven_ends
 from rattle.equations.dense import LARGE
-from rattle.equations.start_near import DISTANCE, LINE
+from rattle.equations.start_near import WAY_P
 from rattle.equations.system import System, compile_system, is_link, joint_rows
 from rattle.errors import AssemblyError, TraceError
 from rattle.jit import layout as at
@@ -49,7 +49,7 @@ NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where i
 class StartData(NamedTuple):
     """A start that can be found for other parameters."""
 
-    description: dict[str, Any]  # see `_Writer.start`
+    description: dict[str, Any]  # of its systems, and of the start, see `_Writer`
     content: bytes
 
 
@@ -64,7 +64,8 @@ def start_data(m: Mechanism, tape: Tape, names: Sequence[str] | None = None) -> 
     names = list(writer.names)
     known = m.model.parameters
     own = [known[name].value for name in names]
-    return StartData({"parameters": names, "own": own, "start": description}, bytes(writer.content.written))
+    content = bytes(writer.content.written)
+    return StartData({"parameters": names, "own": own, "systems": writer.systems, "start": description}, content)
 
 
 class _Writer:
@@ -73,6 +74,7 @@ class _Writer:
     def __init__(self, m: Mechanism, tape: Tape, asked: Sequence[str] | None) -> None:
         self.document, self.content, self.tape, self.asked = m._document, Content(), tape, asked
         self.names: tuple[str, ...] = ()
+        self.systems: list[dict[str, Any]] = []
         self.without_play: list[tuple[System, System, Assembled | AssemblyError]] = []
 
     def shut(self, system: System) -> tuple[System, Assembled | AssemblyError]:
@@ -88,12 +90,10 @@ class _Writer:
         self.without_play.append((system, shut, start))
         return shut, start
 
-    def start(
-        self, system: System, form: Form, start: Assembled, counted: bool, presses: Sequence[str] = ()
-    ) -> dict[str, Any]:
+    def start(self, system: System, form: Form, start: Assembled, counted: bool) -> dict[str, Any]:
         """A start, and those that are found before it.
 
-        counted: whether all entries of arrays count, or `MOVING`; presses: joints whose reactions are asked for.
+        counted: whether all entries of arrays count, or `MOVING`.
         """
         if system.row_count > LARGE:
             raise TraceError("the mechanism has too many joints for a page that finds its start")
@@ -101,33 +101,33 @@ class _Writer:
         links, open_ = with_play(model)
         offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
         missing = [x for x in links if math.hypot(*offsets[x]) < NO_OFFSET * model.joints[x].clearance]
-        ideal, held = None, list[str]()
+        ideal, held, shut = None, list[str](), system
         if offsets:
             shut, without = self.shut(system)
             near = without.q if isinstance(without, Assembled) else first_guess(system)
             held = [*links, *undetermined(system, 0.0, near, {name: model.joints[name] for name in open_})]
             if isinstance(without, Assembled):
-                ideal = self.start(shut, lambda read: ideal_model(form(read)), without, bool(missing), missing)
+                ideal = self.start(shut, lambda read: ideal_model(form(read)), without, bool(missing))
             elif held:
                 raise TraceError(f"its start without play is not known: {without}")
         given = [name in model.initial.offsets for name in held]
         every = list(dict.fromkeys([*held, *open_])) if ideal is not None else []
         vectors, numbers = _start_numbers(system, every, missing)
-        vectors["first"] = np.array([system.first_row(x) for x in presses], np.int64).reshape(-1, 1)
-        vectors["pressed"] = np.zeros((len(presses), 3))
-        made: dict[str, Any] = {
+        closed = self._closed(system, form, held, alike=len(held) == len(offsets)) if held else None
+        more = self._closed(system, form, every, alike=True) if every != held and not missing else None
+        formed = [ideal is not None, len(held), more is not None, not missing and not any(given)]
+        vectors |= {
+            "start_q": start.q, "start_v": start.v, "start_before": start.q, "start_form": np.array(formed, np.int64),
+            "start_first": np.array([shut.first_row(x) for x in missing], np.int64),
+            "start_scratch": np.zeros((3, len(start.q))),
+        }  # fmt: skip
+        return {
             "system": self.system(system, form, counted, vectors, numbers),
-            "q": start.q.tolist(), "v": start.v.tolist(), "constants": flat(constants_of(model)), "size": system.size,
             "rows": [[row.owner, row.unit, row.driver] for row in system.rows],
             "contacts": [system.joints[n] for n in system.arrays["contact"][:, at.OWNER].tolist()],
-            "ideal": ideal, "held": held, "missing": missing, "keeps": not missing and not any(given),
-            "loose": None, "every": every, "holds": [],
+            "ideal": ideal, "shut": closed, "every": more,
+            **(self._counting(system, form) if constants_of(model) else {"loose": None, "counting": None}),
         }  # fmt: skip
-        if constants_of(model):
-            made |= self._counting(system, form)
-        for names in ([held] if held else []) + ([every] if every != held and not missing else []):
-            made["holds"].append(self._closed(system, form, names, alike=len(names) == len(offsets)))
-        return made
 
     def _counting(self, system: System, form: Form) -> dict[str, Any]:
         """What is put together before the constants are known, and the rows that tell them."""
@@ -154,17 +154,16 @@ class _Writer:
                 raise TraceError(f"joint '{name}' has constants of a kind that no page knows")
             first, ends = counting.first_row(name), (model.joints[name].a.body, model.joints[name].b.body)
             bodies = [1 + system.bodies.index(x) if x in system.bodies else 0 for x in ends]
-            joints.append({"row": first, "rows": len(leaf.rows), "polar": polar, "ends": bodies,
-                           "values": counting.first_value(name)})  # fmt: skip
+            joints.append([first, len(leaf.rows), polar, *bodies, counting.first_value(name)])
+        vectors = {"start_counting": np.array(joints, np.int64), "start_constants": np.array(flat(known))}
+        start = consistent_start(loose, 0.0)
         return {
-            "loose": self.start(
-                loose, lambda read: without_counting(form(read)), consistent_start(loose, 0.0), MOVING
-            ),
-            "counting": {"system": self.system(counting, without, MOVING, {}, None), "joints": joints},
-        }  # fmt: skip
+            "loose": self.start(loose, lambda read: without_counting(form(read)), start, MOVING),
+            "counting": self.system(counting, without, MOVING, vectors, None),
+        }
 
-    def _closed(self, system: System, form: Form, held: list[str], alike: bool) -> dict[str, Any]:
-        """The mechanism with some joints closed, whose pins are held: the first of `every`."""
+    def _closed(self, system: System, form: Form, held: list[str], alike: bool) -> int:
+        """The mechanism with some joints closed, whose pins are held: the first of those that can be."""
         model, number = system.model, {name: n for n, name in enumerate(("ground", *system.bodies))}
 
         def closed(read: Model) -> Model:
@@ -175,46 +174,40 @@ class _Writer:
         shut = compile_system(closed(model))
         if alike and not constants_of(model):
             shut, closed = self.shut(system)[0], lambda read: ideal_model(form(read))
-        pins, which = [], []
+        pins = []
         for n, name in enumerate(held):
             for owner in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
-                pins.append((number[model.joints[name].a.body], shut.first_value(owner)))
-                which.append(n)
-        vectors = {"pins": np.array(pins, np.int64).reshape(-1, 2), "shifts": np.zeros((len(pins), 4))}
-        return {"system": self.system(shut, closed, MOVING, vectors, None), "which": which}
+                pins.append((number[model.joints[name].a.body], shut.first_value(owner), n))
+        return self.system(shut, closed, MOVING, {"start_pins": np.array(pins, np.int64)}, None)
 
     def system(
         self, system: System, form: Form, counted: bool, vectors: Mapping[str, np.ndarray], numbers: Numbers
-    ) -> dict[str, Any]:
-        """The image of a workspace, and how numbers in it, and in vectors beside it, follow from parameters."""
-        n = 3 * system.body_count
-        state = {name: np.zeros(n) for name in ("q", "v", "given", "rates") if name not in vectors}
-        every = {**state, "scratch": np.zeros((2, n)), **vectors}
+    ) -> int:
+        """The number of a new entry of `systems`: the image of a workspace, and how its numbers follow from parameters.
+
+        vectors: its arrays of the start.
+        """
+        workspace = system.assembly_workspace(**vectors)
         recorded = recorded_arrays(self.document, system, self.asked, form=form, more=numbers)
         self.names, entries = recorded.names, recorded.entries
-        arrays = [name for name in entries if name not in vectors]
-        beside = [(name, k) for name in entries if name in vectors for k in entries[name].tolist()]
-        counts = [x for name in arrays for x in _counts(system, name, entries[name], counted)]
-        counts += [*(vector != "least" for vector, _ in beside), *(False for _ in recorded.facts)]
-        return {
-            "function": add_arrays(self.tape, recorded),
-            "image": {
-                **workspace_image(system, system.assembly_workspace(), self.content),
-                "times": [0, -1], "width": 0,
-                "more": {
-                    name: [f"{'f' if one.dtype == float else 'i'}{one.ndim}", self.content.add(one), *one.shape]
-                    for name, one in every.items()
-                },
-            },
-            "entries": [[name, entries[name].tolist()] for name in arrays],
-            "facts": [*map(list, beside), *([name, -1] for name in recorded.facts)],
-            "counts": [int(x) for x in counts], "inputs": recorded.inputs(system).tolist(),
-        }  # fmt: skip
+        counts = [x for name in entries for x in _counts(system, name, entries[name], counted)]
+        self.systems.append(
+            {
+                "function": add_arrays(self.tape, recorded),
+                "image": {**workspace_image(system, workspace, self.content), "times": [0, -1], "width": 0},
+                "entries": [[name, where.tolist()] for name, where in entries.items()],
+                "counts": [*map(int, counts), *(0 for _ in recorded.facts)],
+                "inputs": recorded.inputs(system).tolist(),
+            }
+        )
+        return len(self.systems) - 1
 
 
 def _counts(system: System, name: str, where: np.ndarray, counted: bool) -> list[bool]:
     """Whether positions and rates of the start depend on entries of an array."""
-    if counted:
+    if name in ("start_least", "start_size"):
+        return [False] * len(where)
+    if counted or name.startswith("start_"):
         return [True] * len(where)
     if name == "values":
         return [int(k) < _values_of_joints(system.model) for k in where]
@@ -233,41 +226,28 @@ def _start_numbers(
     system: System, held: list[str], missing: list[str]
 ) -> tuple[dict[str, np.ndarray], Callable[[System], Values]]:
     """Vectors of what is given for a start, and how their numbers follow from a system."""
-    n, ways, one_turn = 3 * system.body_count, ways_of_kernels(system), given_in_one_turn(system, 0.0)
-    joints = _way_joints(system)
+    ways, one_turn = ways_of_kernels(system), given_in_one_turn(system, 0.0)
+    first = {int(p): name for name, p in zip(system.joints, system.arrays["joint"][:, at.FIRST_P], strict=True)}
+    joints = [first[p] for p in ways[:, WAY_P].tolist()]
+    turns = np.nan_to_num(one_turn - given_values(system, 0)).tolist()  # whole ones
 
     def find(other: System) -> Values:
-        model, found = other.model, {name: dict[int, Any]() for name in shapes}
-        for turn, vector in enumerate(("given", "rates")):
-            for b, body in enumerate(other.bodies):
-                for k, key in enumerate(KEYS[turn]):
-                    found[vector][3 * b + k] = model.initial.bodies.get(body, {}).get(key, math.nan)
-        for k, name in enumerate(joints):
-            offset, joint = model.initial.offsets.get(name, (0.0, 0.0)), model.joints[name]
-            found["offsets"] |= {2 * k: offset[0], 2 * k + 1: offset[1]}
-            found["lines"] |= {2 * k + LINE: joint.line or 0.0, 2 * k + DISTANCE: joint.distance}
-        for k, name in enumerate(held):
-            place = *model.joints[name].a.at, *model.initial.offsets.get(name, (0.0, 0.0))
-            found["held"] |= dict(enumerate(place, 4 * k))
-        for k, name in enumerate(missing):
-            found["clearances"][k] = model.joints[name].clearance
-        found["least"] |= {k: least for k, (least, _) in enumerate(least_gaps(other))}
-        return found
+        joint, bodies, offsets = other.model.joints, other.model.initial.bodies, other.model.initial.offsets
+        found = {
+            f"start_{name}": [bodies.get(body, {}).get(key, math.nan) for body in other.bodies for key in keys]
+            for name, keys in zip(("given", "rates"), KEYS, strict=True)
+        }
+        found["start_offsets"] = [x for name in joints for x in offsets.get(name, (0.0, 0.0))]
+        found["start_lines"] = [x for name in joints for x in (joint[name].line or 0.0, joint[name].distance)]
+        found["start_held"] = [x for name in held for x in (*joint[name].a.at, *offsets.get(name, (0.0, 0.0)))]
+        found["start_pressed"] = [x for name in missing for x in (joint[name].clearance, 0.0, 0.0)]
+        found["start_least"] = [least for least, _ in least_gaps(other)]
+        found["start_size"] = [other.size]
+        found["start_given"] = [x + turn for x, turn in zip(found["start_given"], turns, strict=True)]
+        return {name: dict(enumerate(values)) for name, values in found.items()}
 
-    shapes = {
-        "given": (n,), "rates": (n,), "offsets": (len(ways), 2), "lines": (len(ways), 2), "held": (len(held), 4),
-        "clearances": (len(missing),), "least": (len(system.arrays["contact"]),),
-    }  # fmt: skip
-    vectors: dict[str, np.ndarray] = {name: np.zeros(shape) for name, shape in shapes.items()}
-    for name, values in find(system).items():
-        for place, value in values.items():
-            vectors[name].ravel()[place] = value
-    turns = one_turn - vectors["given"]  # whole ones
-    vectors |= {"given": one_turn, "turns": np.where(np.isnan(turns), 0.0, turns), "ways": ways}
-    return vectors, find
-
-
-def _way_joints(system: System) -> list[str]:
-    """The joint of every way outward."""
-    first = {int(p): name for name, p in zip(system.joints, system.arrays["joint"][:, at.FIRST_P], strict=True)}
-    return [first[int(way)] for way in ways_of_kernels(system)[:, 4]]
+    vectors = {name: np.array([*values.values()], dtype=float) for name, values in find(system).items()}
+    for name, width in (("offsets", 2), ("lines", 2), ("held", 4), ("pressed", 3)):
+        vectors[f"start_{name}"] = vectors[f"start_{name}"].reshape(-1, width)
+    which = np.array([held.index(name) for name in missing], np.int64)
+    return vectors | {"start_given": one_turn, "start_ways": ways, "start_missing": which}, find

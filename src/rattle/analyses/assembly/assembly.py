@@ -42,14 +42,13 @@ from rattle.equations.dense import LARGE
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins
 from rattle.equations.motion import constraints, drive
 from rattle.equations.placement import point_at, pose, turned
-from rattle.equations.start_near import close_near, place_rates
+from rattle.equations.start_near import FAR, close_near, place_rates
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
-FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
 KEPT = (
     1e-9  # change of a given value that counts as none [rad, mechanism sizes]: rounding of what was computed elsewhere
 )
@@ -369,13 +368,13 @@ def _hold_offsets(
     q, workspace = ideal.q.copy(), system.__dict__.pop("spare", None) or system.assembly_workspace()
     number = {name: n for n, name in enumerate(("ground", *system.bodies))}
     pins, places = [], []
-    for name, offset in offsets.items():
+    for n, (name, offset) in enumerate(offsets.items()):
         point = model.joints[name].a
+        places.append((*point.at, *offset))
         for one in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
-            pins.append((number[point.body], system.first_value(one)))  # parameters of both begin with the point on A
-            places.append((*point.at, *offset))
+            pins.append((number[point.body], system.first_value(one), n))  # both begin with the point on A
     found, iterations = hold_pins(
-        workspace, t, q, given, system.size, np.array(pins, np.int64).reshape(-1, 2),
+        workspace, t, q, given, system.size, np.array(pins, np.int64).reshape(-1, 3),
         np.array(places, dtype=float).reshape(-1, 4), int(system.row_count <= LARGE), np.empty((2, len(q))),
     )  # fmt: skip
     if found == NOT_FINITE:

@@ -94,7 +94,7 @@ def along_reactions(
     system: without play; t: [s]; q, v: (3 nb,) its start [m, m, rad and their rates].
     clearances: of the joints that are asked for [m].
     """
-    rows = np.array([system.first_row(name) for name in clearances], np.int64).reshape(-1, 1)
+    rows = np.array([system.first_row(name) for name in clearances], np.int64)
     pins = np.zeros((len(rows), 3))
     pins[:, 0] = list(clearances.values())
     press_pins(system.workspace(), t, q, v, rows, pins)

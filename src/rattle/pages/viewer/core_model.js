@@ -27,8 +27,8 @@ export class CoreModel {
     this.functions = functionsByName(functions, data.functions);
     this.names = data.parameters.map(([name]) => name);
     this.own = Float64Array.from(data.parameters, ([, value]) => value);
-    this.ownPlaces = data.start.description.start.q;
     this.finder = new StartFinder(engine, data.start, functions);
+    this.ownStart = this.finder.start.own;
   }
 
   /** A run that has not begun.  parameters: values [SI] by name; settings: t_end, interval of outputs [s], rtol. */
@@ -39,8 +39,8 @@ export class CoreModel {
     const same = p.every((value, k) => value === this.own[k]);
     const start = same ? null : this.finder.find(p);
     if (start?.error) throw new Error(start.error);
-    if (start) start.beside = this.data.settings.free && start.q.some((x, k) => x !== this.ownPlaces[k]);
-    const arrays = this.arrays(p, start?.constants ?? this.data.constants);
+    if (start) start.beside = this.data.settings.free && start.q.some((x, k) => x !== this.ownStart.q[k]);
+    const arrays = this.arrays(p, (start ?? this.ownStart).constants);
     return new ModelRun(this, p, start, arrays, settings);
   }
 
