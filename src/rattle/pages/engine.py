@@ -12,12 +12,13 @@ import gzip
 import hashlib
 import os
 import pickle
+import platform
 import sys
 import time
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rattle.analyses.dynamics import run
 from rattle.elements.film_table import read_ratios
@@ -29,7 +30,9 @@ from rattle.jit import layout as at
 from rattle.jit.cache import KeptFile
 from rattle.jit.folder import cache_folder, compiled_sources
 from rattle.jit.functions import KernelFunction
-from rattle.jit.wasm.engine import Linked, about, engine, link
+from rattle.jit.linking import Linked, link
+from rattle.jit.object_file import object_file
+from rattle.jit.wasm.engine import about, engine
 from rattle.solvers import run_loop
 from rattle.solvers.output_row import record
 from rattle.trace.library import library_text
@@ -70,21 +73,27 @@ def linked() -> Linked:
         **{name: (one, one.letters) for name, one in NATIVES.items()},
         **WITH_LETTERS,
     }
-    return link(offered, kernels, library_text())
+    return link(offered, kernels)
 
 
 def build() -> bytes:
     """The engine of pages, made from the sources."""
     named: list[tuple[Any, tuple[str, ...]]] = [(at, COLUMNS), *STATUSES.items(), *SETTINGS.items()]
     numbers = {name: getattr(one, name) for one, names in named for name in names}
-    return engine(linked(), {"sources": sources(), "numbers": numbers})
+    return engine(linked(), library_text(), {"sources": sources(), "numbers": numbers})
 
 
 @functools.cache
 def sources() -> str:
     """What the engine is made from, as a short text."""
     here, digest = Path(__file__).parents[1], hashlib.sha256()
-    makers = [*(here / "jit" / "wasm").glob("*.py"), *(here / "trace" / name for name in OF_LIBRARY), Path(__file__)]
+    makers = [
+        here / "jit" / "linking.py",
+        here / "jit" / "object_file.py",
+        *(here / "jit" / "wasm").glob("*.py"),
+        *(here / "trace" / name for name in OF_LIBRARY),
+        Path(__file__),
+    ]
     for path in [*compiled_sources(), *sorted(makers)]:
         digest.update(path.relative_to(here).as_posix().encode() + path.read_bytes())
     return digest.hexdigest()[:16]
@@ -114,6 +123,26 @@ def engine_of_pages() -> bytes:
         found = compressed(build())
         kept.write(lambda: pickle.dumps(found))
     return found
+
+
+class Kernels(NamedTuple):
+    """The same kernels as machine code for this platform, see `jit.object_file`."""
+
+    content: bytes  # of the object file
+    offered: Mapping[str, tuple[str, ...]]  # letters of functions by name
+    families: Mapping[str, str]  # family by symbol, in the order of the table of kernels
+
+
+def kernels_of_platform() -> Kernels:
+    """The kernels for these sources and this platform: those that were kept, or new ones."""
+    kept = KeptFile(cache_folder(), "object", (sources(), platform.platform()))
+    found: tuple[Any, ...] | None = kept.read()
+    if found is None:
+        functions.say_once("compiling kernels for this platform (once)")
+        made = linked()
+        found = (object_file(made), made.offered, made.kernels)
+        kept.write(lambda: pickle.dumps(found))
+    return Kernels(*found)
 
 
 def main(arguments: Sequence[str]) -> None:

@@ -1,9 +1,7 @@
 """An engine: all kernels that some functions reach, as one WebAssembly module.
 
-Functions are called as everywhere, see `machine`: with the place of the result, then numbers, addresses and shapes;
-they return 0, or 1 if they failed.  Kernels that stand in the tables of a workspace are known by name: the section
-`rattle` of the module says what stands for each in a table.  Calls of other natives, which machine code makes by a
-place that the linker knows, become calls of the function itself.
+Functions are called as in `linking`.  Kernels that stand in the tables of a workspace are known by name: the section
+`rattle` of the module says what stands for each in a table.
 """
 
 from __future__ import annotations
@@ -12,17 +10,15 @@ import hashlib
 import importlib
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any
 
 import llvmlite.binding as llvm
 
-from rattle.jit import families, functions, machine
+from rattle.jit import families, machine
 from rattle.jit.columns import COLUMNS
-from rattle.jit.functions import KernelFunction
-from rattle.jit.translation.calls import kinds_of
-from rattle.jit.translation.unit import ABOUT, Unit, function, told_where
-from rattle.jit.translation.values import parts_of
+from rattle.jit.linking import Linked
+from rattle.jit.translation.unit import ABOUT
 from rattle.jit.wasm import binary
 from rattle.jit.workspace import ARRAYS
 
@@ -32,7 +28,6 @@ TRIPLE = "wasm32-unknown-unknown"
 FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
 STACK = 128 * 1024  # bytes
 TOLD = "rattle.told"  # place in memory of the address of the text of the last error
-MISSING = "a kernel of the family '{}' was called, but it is not in the table of this workspace"
 LIBRARY = re.compile(r'^declare double @"(\w+)"\([^)]*\).*$', re.MULTILINE)
 INTRINSICS = {
     f"llvm.{name}.f64": f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"
@@ -41,97 +36,30 @@ INTRINSICS = {
 REMAINDER = re.compile(r"frem double (\S+), (\S+)")
 
 
-class Linked(NamedTuple):
-    """Functions that need nothing but each other, in LLVM's language."""
-
-    text: str
-    offered: dict[str, tuple[str, ...]]  # name: letters of result and arguments, see `families.SIGNATURE`
-    kernels: dict[str, str]  # family by symbol, of what stands in tables
-
-
-# ---------------------------------------------------------------- convention
-def called(unit: Unit, name: str, one: KernelFunction, letters: Sequence[str]) -> str:
-    """The text of a function as others call it by its address."""
-    result, kinds = kinds_of(letters)
-    made = function(unit, one.python, kinds)
-    return told_where(made, lambda: made.written(name, outer=result))
-
-
-def trap(family: str) -> str:
-    """The text of what stands in tables where there is no kernel: it fails, and says which family was called."""
-    _, kinds = kinds_of(families.SIGNATURE[family])
-    types = ["ptr", *(type_ for kind in kinds for type_ in parts_of(kind))]
-    name, words = f"trap.{family}", f"RuntimeError: {MISSING.format(family)}"
-    return f"""@"words.{name}" = private constant [{len(words) + 1} x i8] c"{words}\\00"
-define internal i32 @"{name}"({", ".join(types)}) noinline cold {{
-  call void @"{machine.FAULT}"(ptr @"words.{name}")
-  ret i32 1
-}}
-{_slot(name, name)}"""
-
-
 def layout() -> str:
     """What a workspace is in memory, as a short text: another one means another engine."""
     about = [(name, one.kind) for name, one in ARRAYS.items()], {name: len(one) for name, one in COLUMNS.items()}
     return hashlib.sha256(repr((about, families.SIGNATURE, families.BY_PLACE)).encode()).hexdigest()[:16]
 
 
-# ---------------------------------------------------------------- linking
-def link(
-    offered: Mapping[str, tuple[KernelFunction, Sequence[str]]], kernels: Iterable[KernelFunction], library: str
-) -> Linked:
-    """The text of all that these functions and kernels reach.
+# ---------------------------------------------------------------- text
+def whole_text(linked: Linked, library: str) -> str:
+    """The text of an engine.
 
-    offered: by name, with the letters of result and arguments.  kernels: those that may stand in tables.  library: text
-    of the functions "rattle.sin" and the like, and of "rattle.fmod", that kernels call.  Raises TranslationError for
-    what kernels cannot use.
+    library: text of the functions "rattle.sin" and the like, and of "rattle.fmod", for those that kernels call.
     """
-    unit, texts = Unit(), []
-    table = sorted(kernels, key=lambda one: one.symbol)
-    for name, (one, letters) in sorted(offered.items()):
-        texts.append(called(unit, f"call.{name}", one, letters))
-    natives = {one.symbol: one for one in functions.natives()}
-    done: set[str] = set()
-    ahead = {one.symbol for one in table} | _places(unit)
-    while ahead:
-        for symbol in sorted(ahead):
-            text = called(unit, f"code.{symbol}", natives[symbol], natives[symbol].letters)
-            texts.append(text.replace("define i32", "define internal i32", 1))
-        done |= ahead
-        ahead = _places(unit) - done
-    whole = unit.whole("\n".join(texts)).replace(ABOUT, "")
-    slots = [_slot(one.symbol, f"code.{one.symbol}") for one in table]
-    traps = [trap(family) for family in families.SIGNATURE]
-    text = "\n".join([_first(), _own_places(whole, done), *slots, *traps, library, ABOUT])
-    text += "\n".join(line for name, line in INTRINSICS.items() if f'@"{name}"' not in whole)
-    return Linked(
-        text, {name: tuple(offered[name][1]) for name in sorted(offered)}, {k.symbol: k.family for k in table}
-    )
+    slots = [_slot(symbol, f"code.{symbol}") for symbol in linked.kernels]
+    slots += [_slot(f"trap.{family}", f"trap.{family}") for family in families.SIGNATURE]
+    text = "\n".join([_first(), _with_library(linked.text), *slots, library, ABOUT])
+    return text + "\n".join(line for name, line in INTRINSICS.items() if f'@"{name}"' not in linked.text)
 
 
-def _places(unit: Unit) -> set[str]:
-    """Symbols of all natives that the functions of a unit call."""
-    found, seen, ahead = set(unit.declared), set(), list(unit.parts.values())
-    while ahead:
-        part = ahead.pop()
-        if part.name not in seen:
-            seen.add(part.name)
-            found |= set(part.unit.declared)
-            ahead += part.unit.parts.values()
-    return {name for name in found if name.startswith("rattle.place.")}
-
-
-def _own_places(text: str, symbols: Iterable[str]) -> str:
-    """A text whose places hold the functions that they stand for, and that calls the package's own library."""
-    places = [f'@"{one}" = internal constant i64 ptrtoint (ptr @"code.{one}" to i64)' for one in sorted(symbols)]
-    lines = [line for line in text.split("\n") if not line.endswith(" = external global i64")]
-    lines = [line for line in lines if not line.startswith((f'declare i64 @"{machine.FIND}"', 'declare void @"rattle'))]
-    text = "\n".join(lines)
+def _with_library(text: str) -> str:
+    """A text that calls the package's own library."""
     for name in sorted(set(LIBRARY.findall(text))):
         text = re.sub(rf'^declare double @"{name}"\(.*$\n?', "", text, flags=re.MULTILINE)
         text = text.replace(f'call double @"{name}"(', f'call double @"rattle.{name}"(')
-    text = REMAINDER.sub(r'call double @"rattle.fmod"(double \1, double \2)', text)
-    return "\n".join([*places, text])
+    return REMAINDER.sub(r'call double @"rattle.fmod"(double \1, double \2)', text)
 
 
 def _first() -> str:
@@ -175,15 +103,15 @@ def _optimised(text: str, target: Any) -> Any:
     return module
 
 
-def engine(linked: Linked, more: Mapping[str, Any]) -> bytes:
+def engine(linked: Linked, library: str, more: Mapping[str, Any]) -> bytes:
     """The WebAssembly module of linked functions; the same text gives the same bytes.
 
-    more: what it says of itself besides.
+    library: see `whole_text`.  more: what it says of itself besides.
     """
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(TRIPLE).create_target_machine(opt=2, features=FEATURES, reloc="static")
-    made = binary.linked(bytes(target.emit_object(_optimised(linked.text, target))))
+    made = binary.linked(bytes(target.emit_object(_optimised(whole_text(linked, library), target))))
     if made.symbols["rattle.nothing"].value != 0:
         raise binary.BrokenModule("something stands at address 0 of the engine")
     numbers = {symbol: _number(made, symbol, family) for symbol, family in linked.kernels.items()}
