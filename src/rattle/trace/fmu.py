@@ -9,10 +9,12 @@ from __future__ import annotations
 import io
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import uuid
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -27,9 +29,9 @@ from rattle.trace import c
 from rattle.trace.graph import Graph
 
 MAIN = "fmi3.c"  # the file to compile; it includes the others
-WRITTEN = (MAIN, "fmi3.h", "mechanism.c")  # the same in every FMU
+WRITTEN = (MAIN, "fmi3.h", "instance.h", "instance.c", "mechanism.c", "calls.c")  # the same in every FMU
 # a second level of optimisation takes four times as long and finds nothing in straight-line code
-FLAGS = ("-std=c99", "-O1", "-fPIC", "-shared", "-DFMI3_OVERRIDE_FUNCTION_PREFIX")
+FLAGS = ("-std=c99", "-O1", "-fPIC", "-shared", "-DFMI3_OVERRIDE_FUNCTION_PREFIX", "-Werror=implicit")
 PATIENCE = 600.0  # of the compiler [s]
 SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
 MACHINES = {
@@ -122,9 +124,24 @@ def _numbers(declared: str, values: Iterable[float]) -> str:
 
 def sources(equations: Equations, header: str, token: str) -> dict[str, str]:
     """C files by name."""
+    return {"equations.c": equations_text(equations, header, token), **written(WRITTEN)}
+
+
+def written(names: Iterable[str]) -> dict[str, str]:
+    """C files by name that are the same in every FMU."""
     folder = Path(__file__).with_name("fmu_sources")
-    found = {name: (folder / name).read_text(encoding="utf-8") for name in WRITTEN}
-    return {"equations.c": equations_text(equations, header, token), **found}
+    return {name: (folder / name).read_text(encoding="utf-8") for name in names}
+
+
+def identifier(name: str) -> str:
+    """What the files of an FMU are called, from a short name."""
+    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:60] or "mechanism"
+    return word if word[0].isalpha() else f"m_{word}"
+
+
+def token(content: bytes) -> str:
+    """By which the description and the library of an FMU know that they belong together, from what they are made of."""
+    return f"{{{uuid.uuid5(uuid.NAMESPACE_OID, content.hex())}}}"
 
 
 # ---------------------------------------------------------------- the shared library
@@ -136,9 +153,10 @@ def library_name(identifier: str) -> str:
     return f"binaries/{machine}-{system[0]}/{identifier}{system[1]}"
 
 
-def shared_library(files: Mapping[str, str]) -> bytes:
+def shared_library(files: Mapping[str, str], main: str, kernels: bytes = b"") -> bytes:
     """The shared library made of C files, by the compiler named in the environment (CC), cc, gcc or clang.
 
+    main: the file that includes the others.  kernels: an object file that it is linked with.
     Raises TraceError if there is none, or with what it says.
     """
     known = [os.environ.get("CC", ""), "cc", "gcc", "clang"]
@@ -148,9 +166,13 @@ def shared_library(files: Mapping[str, str]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         for name, text in files.items():
             Path(folder, name).write_text(text, encoding="utf-8")
+        objects = []
+        if kernels:
+            Path(folder, "kernels.o").write_bytes(kernels)
+            objects.append("kernels.o")
         try:
             done = subprocess.run(
-                [program, *FLAGS, MAIN, "-o", "library", "-lm"], cwd=folder, timeout=PATIENCE, text=True,
+                [program, *FLAGS, main, *objects, "-o", "library", "-lm"], cwd=folder, timeout=PATIENCE, text=True,
                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
             )  # fmt: skip
         except (OSError, subprocess.TimeoutExpired) as error:

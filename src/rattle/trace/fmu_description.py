@@ -62,17 +62,19 @@ class Experiment(NamedTuple):
 
 
 def description(
-    variables: Sequence[Variable], identifier: str, title: str, token: str, experiment: Experiment
+    variables: Sequence[Variable], identifier: str, title: str, token: str, experiment: Experiment, *,
+    exchange: bool = True,
 ) -> bytes:  # fmt: skip
-    """The file modelDescription.xml."""
+    """The file modelDescription.xml.  exchange: for model exchange too; otherwise for co-simulation, with events."""
     root = ElementTree.Element(
         "fmiModelDescription", fmiVersion="3.0", modelName=title, instantiationToken=token,
         generationTool=f"rattle {__version__}", variableNamingConvention="structured",
     )  # fmt: skip
-    ElementTree.SubElement(root, "ModelExchange", modelIdentifier=identifier, needsCompletedIntegratorStep="true")
-    ElementTree.SubElement(
-        root, "CoSimulation", modelIdentifier=identifier, canHandleVariableCommunicationStepSize="true"
-    )
+    every = {"modelIdentifier": identifier, "canGetAndSetFMUState": "true"}
+    if exchange:
+        ElementTree.SubElement(root, "ModelExchange", every, needsCompletedIntegratorStep="true")
+    steps = {"canHandleVariableCommunicationStepSize": "true"} | ({} if exchange else {"hasEventMode": "true"})
+    ElementTree.SubElement(root, "CoSimulation", every | steps)
     _units(ElementTree.SubElement(root, "UnitDefinitions"), variables)
     categories = ElementTree.SubElement(root, "LogCategories")
     for name, text in CATEGORIES.items():

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
-import uuid
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -40,6 +38,14 @@ SAID = {  # what columns of results mean, by the last part of their names
     "fx": "force on the second body", "fy": "force on the second body", "moment": "moment on the second body",
     "ex": "pin centre minus bush centre", "ey": "pin centre minus bush centre",
     "normal": "normal force, positive when pin and bush press", "tangential": "friction", "penetration": "depth",
+    "tight": "force in the tight strand", "slack": "force in the slack strand",
+    "eccentricity": "eccentricity over clearance", "film_thickness": "least thickness of the oil film",
+    "film_pressure": "largest pressure of the oil film", "film_fx": "force of the oil film",
+    "film_fy": "force of the oil film", "friction_torque": "moment of film and dry friction on the pin",
+    "friction_power": "power lost to friction", "leakage": "oil that leaves both ends",
+    "sommerfeld": "Sommerfeld number", "regime": "0 film, 1 mixed, 2 dry",
+    "lambda_ratio": "film thickness over roughness",
+    "slip": "relative speed", "locked": "1 where it is locked", "friction": "dry friction",
     "torque": "torque", "force": "force", "power": "power", "stop": "force or moment of the stop",
     "position": "position along the line", "length": "length", "rate": "rate of the coordinate or length",
     "kinetic": "kinetic energy", "potential": "potential energy", "work": "work done on the mechanism",
@@ -60,8 +66,7 @@ def mock_up(model: RecordedModel, name: str, stop: float) -> MockUp:
     name: a short one, of which files are named; stop: when a run probably ends [s].
     The file holds the C sources, and a library for this platform if there is a C compiler.
     """
-    identifier = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:60] or "mechanism"
-    identifier = identifier if identifier[0].isalpha() else f"m_{identifier}"
+    identifier = fmu.identifier(name)
     settings, title = model.system.model.settings, model.system.model.name or name
     experiment = Experiment(stop, settings.rtol or RTOL, settings.output)
     model, constants = with_parameters(model)
@@ -72,13 +77,13 @@ def mock_up(model: RecordedModel, name: str, stop: float) -> MockUp:
     operations = made.derivative[0].count(made.derivative[1])
     header = f"{title}, written by rattle {__version__}; {operations} operations for rates"
     content = fmu.equations_text(made, header, "").encode() + description(variables, identifier, title, "", experiment)
-    token = f"{{{uuid.uuid5(uuid.NAMESPACE_OID, content.hex())}}}"
+    token = fmu.token(content)
     files = fmu.sources(made, header, token)
     entries = {"modelDescription.xml": description(variables, identifier, title, token, experiment)}
     entries["sources/buildDescription.xml"] = fmu.build_description(identifier)
     entries |= {f"sources/{name}": text.encode() for name, text in files.items()}
     try:
-        entries[fmu.library_name(identifier)] = fmu.shared_library(files)
+        entries[fmu.library_name(identifier)] = fmu.shared_library(files, fmu.MAIN)
     except TraceError as error:
         notes.append(f"{error}: the FMU holds C sources only, which the importing tool has to compile")
     return MockUp(fmu.archive(entries), notes)
@@ -175,4 +180,5 @@ def said(name: str) -> str:
         return f"{'speed' if key[0] == 'v' else 'place'} of the point {point} of {body} along {key[-1]}"
     axis = key[-1] if key not in ("moment", "power") and key[-1] in "xy" else ""
     along = f" along {axis}" if axis else ""
-    return SAID[key] if owner == "energy" and key in (*OUTPUT_ENERGY, "balance") else f"{SAID[key]} of {owner}{along}"
+    what = SAID.get(key, key.replace("_", " "))
+    return what if owner == "energy" and key in (*OUTPUT_ENERGY, "balance") else f"{what} of {owner}{along}"

@@ -3,7 +3,6 @@
    Steps are those of a run: Dormand-Prince 8(5, 3), each brought onto the constraints.
    Source of the method and of the choice of steps: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I
    (1993), sections II.4 and II.10. */
-#include <stdarg.h>
 
 enum { TIME, FIRST_PARAMETER };
 enum {
@@ -13,49 +12,21 @@ enum {
     FIRST_CURVE = FIRST_RATE + NY,
     END_OF_VARIABLES = FIRST_CURVE + NO
 };
-typedef enum { INSTANTIATED = 1, INITIALIZING = 2, EVENTS = 4, CONTINUOUS = 8, STEPPING = 16, TERMINATED = 32 } Mode;
-
 typedef struct {
-    Mode mode;
-    bool exchange;                         /* model exchange, else co-simulation */
-    bool debug;                            /* say more than warnings and errors */
-    bool begun, drifted, warned;           /* the start is known; states are off the constraints; energy error was said */
-    bool rates_known, curves_known;        /* at t and y */
-    fmi3InstanceEnvironment environment;
-    fmi3LogMessageCallback log;
-    double tolerance;                      /* relative one of a step of co-simulation */
-    double most_drift;                     /* off the constraints in model exchange, as a share of the state's size */
-    double h;                              /* next step [s]; 0: not chosen yet */
-    double t, y[NY], dy[NY], curves[NO];   /* [SI] */
-    double p[NP + 1], following[ND + 1];   /* parameters, and those that follow from them [SI] */
-    double energy;                         /* at the start [J] */
-    double in[1 + NY + NC];                /* arguments of the recorded functions: t, y, what parameters determine */
-    double kinetic, work, lowest, highest; /* largest energies so far, range of the potential one [J] */
+    EVERY_INSTANCE
+    bool drifted, rates_known;           /* states are off the constraints; rates are those at t and y */
+    double most_drift;                   /* off the constraints in model exchange, as a share of the state's size */
+    double h;                            /* next step [s]; 0: not chosen yet */
+    double y[NY], dy[NY];                /* [SI] */
+    double following[ND + 1];            /* parameters that follow from others [SI] */
+    double energy;                       /* at the start [J] */
+    double in[1 + NY + NC];              /* arguments of the recorded functions: t, y, what parameters determine */
 } Mechanism;
 
-static fmi3Status say(Mechanism *m, fmi3Status status, const char *format, ...) {
-    char text[600];
-    va_list given;
-    if (m->log == NULL || (status == fmi3Discard && !m->debug)) return status;
-    va_start(given, format);
-    vsnprintf(text, sizeof text, format, given);
-    va_end(given);
-    m->log(m->environment, status,
-           status == fmi3Warning ? "logStatusWarning" : status == fmi3Discard ? "logStatusDiscard" : "logStatusError",
-           text);
-    return status;
-}
+#include "instance.c"
 
 /* ---------------------------------------------------------------- the recorded functions */
 typedef void (*Function)(const double *in, double *out);
-
-static bool finite_numbers(const double *x, int n) {
-    int i;
-    for (i = 0; i < n; i++) {
-        if (!(fabs(x[i]) < INFINITY)) return false;
-    }
-    return true;
-}
 
 /* a function at an instant: n numbers and a flag; false where they are not finite or the flag is not set */
 static bool evaluate(Mechanism *m, Function function, double t, const double *y, double *out, int n) {
@@ -154,19 +125,6 @@ static bool close_start(double *whole, const double *p) {
     return found[NQ] <= MISSED * largest;
 }
 
-static fmi3Status check_limits(Mechanism *m) {
-    int i;
-    for (i = 0; i < NP; i++) {
-        if (!(fabs(m->p[i]) < INFINITY)) {
-            return say(m, fmi3Error, "the parameter %s is not a finite number", names[i]);
-        }
-        if (m->p[i] < least[i] || m->p[i] > most[i]) {
-            return say(m, fmi3Error, "the parameter %s = %g is not between its limits %g and %g", names[i], m->p[i],
-                       least[i], most[i]);
-        }
-    }
-    return fmi3OK;
-}
 #endif
 
 /* parameters that follow from others; an error where they give another kind of model */
@@ -321,23 +279,4 @@ static fmi3Status advance(Mechanism *m, double until) {
         }
     }
     return fmi3OK;
-}
-
-/* a warning, once, where the energy error is above 0.1 % of the largest energy */
-static fmi3Status audit(Mechanism *m) {
-    if (need_curves(m) != fmi3OK) return fmi3Error;
-    double largest, rounding;
-    const double kinetic = m->curves[KINETIC], potential = m->curves[POTENTIAL];
-    const double work = m->y[WORK], balance = m->curves[BALANCE];
-    m->kinetic = fmax(m->kinetic, kinetic);
-    m->lowest = fmin(m->lowest, potential);
-    m->highest = fmax(m->highest, potential);
-    m->work = fmax(m->work, fabs(work));
-    largest = fmax(fmax(m->kinetic, m->work), m->highest - m->lowest);
-    rounding = 1e-12 * (m->kinetic + m->work + fmax(fabs(m->lowest), fabs(m->highest)));
-    if (m->warned || fabs(balance) <= 1e-3 * largest + rounding) return fmi3OK;
-    m->warned = true;
-    return say(m, fmi3Warning,
-               "t = %g s: energy error %g J, above 0.1 %% of the largest energy: give a smaller relative tolerance",
-               m->t, fabs(balance));
 }

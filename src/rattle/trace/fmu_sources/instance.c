@@ -1,0 +1,71 @@
+/* What an instance of every model says and checks.  Before it stands `Mechanism`, with EVERY_INSTANCE. */
+#include <stdarg.h>
+
+static fmi3Status need_curves(Mechanism *m);
+
+static fmi3Status say(Mechanism *m, fmi3Status status, const char *format, ...) {
+    char text[600];
+    va_list given;
+    if (m->log == NULL || (status == fmi3Discard && !m->debug)) return status;
+    va_start(given, format);
+    vsnprintf(text, sizeof text, format, given);
+    va_end(given);
+    m->log(m->environment, status,
+           status == fmi3Warning ? "logStatusWarning" : status == fmi3Discard ? "logStatusDiscard" : "logStatusError",
+           text);
+    return status;
+}
+
+static bool finite_numbers(const double *x, int n) {
+    int i;
+    for (i = 0; i < n; i++) {
+        if (!(fabs(x[i]) < INFINITY)) return false;
+    }
+    return true;
+}
+
+#if NP > 0
+static fmi3Status check_limits(Mechanism *m) {
+    int i;
+    for (i = 0; i < NP; i++) {
+        if (!(fabs(m->p[i]) < INFINITY)) {
+            return say(m, fmi3Error, "the parameter %s is not a finite number", names[i]);
+        }
+        if (m->p[i] < least[i] || m->p[i] > most[i]) {
+            return say(m, fmi3Error, "the parameter %s = %g is not between its limits %g and %g", names[i], m->p[i],
+                       least[i], most[i]);
+        }
+    }
+    return fmi3OK;
+}
+#endif
+
+/* a warning, once, where the energy error is above 0.1 % of the largest energy; work: done since the start [J] */
+static fmi3Status audit(Mechanism *m, double work) {
+    double largest, rounding;
+    if (need_curves(m) != fmi3OK) return fmi3Error;
+    const double kinetic = m->curves[KINETIC], potential = m->curves[POTENTIAL], balance = m->curves[BALANCE];
+    m->kinetic = fmax(m->kinetic, kinetic);
+    m->lowest = fmin(m->lowest, potential);
+    m->highest = fmax(m->highest, potential);
+    m->work = fmax(m->work, fabs(work));
+    largest = fmax(fmax(m->kinetic, m->work), m->highest - m->lowest);
+    rounding = 1e-12 * (m->kinetic + m->work + fmax(fabs(m->lowest), fabs(m->highest)));
+    if (m->warned || fabs(balance) <= 1e-3 * largest + rounding) return fmi3OK;
+    m->warned = true;
+    return say(m, fmi3Warning,
+               "t = %g s: energy error %g J, above 0.1 %% of the largest energy: give a smaller relative tolerance",
+               m->t, fabs(balance));
+}
+
+static fmi3Status lacks(fmi3Instance instance, const char *what) {
+    return say(instance, fmi3Error, "this model has no %s, as its description says", what);
+}
+
+static fmi3Status check_step(Mechanism *m, double point, double size) {
+    if (!(size > 0.0 && size < INFINITY)) return say(m, fmi3Error, "the communication step size must be positive");
+    if (!(fabs(point - m->t) <= 1e-6 * size + 1e-12 * fabs(m->t))) {
+        return say(m, fmi3Error, "the communication point is %.17g s, but the model is at %.17g s", point, m->t);
+    }
+    return fmi3OK;
+}
