@@ -432,7 +432,7 @@ def test_a_module_with_contacts_takes_the_steps_and_events_of_a_run(tmp_path, na
     assert [one["t"] for one in said["events"]] == pytest.approx([one.t for one in events], abs=1e-9)
     assert [one["impulse"] for one in said["events"]] == pytest.approx([one.impulse for one in events], rel=1e-5)
     table = np.array(said["rows"])
-    assert said["names"] == ["t", *r.stored]
+    assert said["names"] == ["t", *r.names]
     for name, unit, values in zip(said["names"][1:], said["units"][1:], table.T[1:], strict=True):
         assert unit == r.unit(name)
         assert values == pytest.approx(r[name], rel=1e-4, abs=1e-4 * max(np.abs(r[name]).max(), 1e-3)), name

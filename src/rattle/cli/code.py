@@ -42,9 +42,11 @@ def code(file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: 
     FMU: for model exchange and co-simulation; the tool that runs it gives the tolerance.  It holds the C sources, and a
     library for this platform where there is a C compiler.
 
-    Models with contacts, friction, clutches, oil, states or expressions that switch become a JavaScript module with the
-    compiled kernels of rattle: the steps and events of `rattle run`, for the written values of the parameters;
-    run(0.5) returns { rows, events, success, message, statistics }.  As C or FMU they are refused.
+    Models with contacts, friction, clutches, oil, states or expressions that switch need the compiled kernels of
+    rattle, with the steps and events of `rattle run`.  JavaScript: run(0.5, undefined, { r3: 0.002 }) returns
+    { rows, events, success, message, statistics }.  FMU: for co-simulation, with a library for this platform, which a
+    C compiler links; parameters are set before the start, and in event mode a step ends early at every event.  As C
+    they are refused.
 
     \b
     Examples: rattle code fourbar -o model.c
@@ -113,12 +115,22 @@ def _write_compiled(m: Mechanism, until: float, step: float | None, output: str)
 
 
 def _write_fmu(m: Mechanism, name: str, until: float, output: str) -> None:
+    """As straight-line code, for model exchange too, or else with the compiled kernels."""
     from rattle.analyses.straight_line.mock_up import mock_up
     from rattle.atomic_file import atomic
+    from rattle.errors import TraceError
 
-    made = mock_up(m.recorded(), name, until)
+    why = ""
+    try:
+        made = mock_up(m.recorded(), name, until)
+    except TraceError as error:
+        from rattle.pages.compiled_unit import compiled_unit
+
+        made, why = compiled_unit(m, name, until), f"note: {error}: the file holds compiled kernels, for co-simulation"
     with atomic(output) as place:
         place.write_bytes(made.content)
     for note in made.notes:
         click.echo(f"note: {note}", err=True)
     say_written(output)
+    if why:
+        click.echo(why, err=True)

@@ -81,7 +81,7 @@ def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) 
     """
     if step is not None:
         raise InputError("the steps of a module with compiled kernels are those of the model: give step in [simulate]")
-    live = live_model(m, t_end, alone=True)
+    live = live_model(m, t_end, alone=True, derived=True)
     safe = title.replace("*/", "* /")
     head = (
         f"/** {safe}\n *\n * The motion with contacts and events: import {{ run, names, units, parameters }}, then\n"

@@ -60,10 +60,13 @@ class LiveModel(NamedTuple):
     ideal: LiveModel | None = None  # the same mechanism without play
 
 
-def live_model(m: Mechanism, t_end: float | None = None, *, alone: bool = False, tape: Tape | None = None) -> LiveModel:
+def live_model(
+    m: Mechanism, t_end: float | None = None, *, alone: bool = False, tape: Tape | None = None, derived: bool = False
+) -> LiveModel:  # fmt: skip
     """What a page needs to move a mechanism up to t_end [s], by default the model's.
 
     alone: not the same mechanism without play too.  tape: to which its functions are added, by default a new one.
+    derived: with curves that the viewer derives, for programs without one.
     Raises TraceError for what a page cannot compute, with the reason; ModelError, AssemblyError.
     """
     tape = Tape() if tape is None else tape
@@ -75,7 +78,7 @@ def live_model(m: Mechanism, t_end: float | None = None, *, alone: bool = False,
     recorded, fixed = _changeable(m, run)
     arrays, places, drawing = recorded
     names = arrays.names
-    result, start = result_data(m, tape, t_end, names), start_data(m, tape, names)
+    result, start = result_data(m, tape, t_end, names, derived), start_data(m, tape, names)
     data = {
         "run": image.description,
         "content": packed(image.content),

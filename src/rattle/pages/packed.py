@@ -13,6 +13,11 @@ def packed(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")
 
 
+def unpacked(letters: str) -> bytes:
+    """The bytes that are `packed`."""
+    return gzip.decompress(base64.b64decode(letters))
+
+
 def lettered(text: str) -> str:
     """A text, compressed, in letters that stand as they are in HTML, JSON and JavaScript; for viewer/unpack.js.
 

@@ -16,6 +16,7 @@ from rattle.analyses.dynamics import horizon, soundness
 from rattle.analyses.dynamics.events import KINDS
 from rattle.analyses.dynamics.peak_values import peak_names
 from rattle.analyses.model_form import FAILURES, beside, read_watched
+from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.description.model import Point
 from rattle.description.read_parameters import chosen_parameters
 from rattle.elements.film_table import read_ratios
@@ -74,15 +75,18 @@ class ResultData(NamedTuple):
     functions: dict[str, int]  # numbers on the tape of `ENDINGS`
 
 
-def result_data(m: Mechanism, tape: Tape, t_end: float | None = None, names: Sequence[str] | None = None) -> ResultData:
+def result_data(
+    m: Mechanism, tape: Tape, t_end: float | None = None, names: Sequence[str] | None = None, derived: bool = False
+) -> ResultData:  # fmt: skip
     """Names, numbers and functions on a tape with which the end of a run of a mechanism becomes a result.
 
-    t_end: of its runs [s].  names: of the parameters, by default those of `chosen_parameters`.
+    t_end: of its runs [s].  names: of the parameters, by default those of `chosen_parameters`.  derived: also curves
+    that results derive, which pages derive themselves: points of bodies, forces and coordinates of joints.
     Raises TraceError where a value is taken without its record.
     """
     system, names = m.system, chosen_parameters(m._document) if names is None else names
     try:
-        record = _record(m, names)
+        record = _record(m, names, derived)
     except FAILURES as error:
         raise TraceError(f"the columns cannot be recorded: {error}") from error
     counts = {"row": width(system), "energy": at.ENERGIES, "call": len(record.calls)}
@@ -164,7 +168,7 @@ class _Record(NamedTuple):
     belts: list[dict[str, Any]]  # that may slip
 
 
-def _record(m: Mechanism, names: Sequence[str]) -> _Record:
+def _record(m: Mechanism, names: Sequence[str], further: bool) -> _Record:
     system, graph = m.system, Graph()
     recorder, watch, calls = Recorder(graph), Watch(), _Calls(graph)
     model = beside(read_watched(m._document, names, recorder, watch), system.model) if names else system.model
@@ -175,12 +179,19 @@ def _record(m: Mechanism, names: Sequence[str]) -> _Record:
     recorder.replace(of_law, lambda method, *given: recorder.recorded(method.__func__)(method.__self__, *given))
     recorder.recorded(film_columns)
     table, titles, units = recorder.recorded(columns)(replace(system, model=model), Table([first, row]))
+    curves = {name: values[-1] for name, values in zip(titles, table, strict=True)}
+    units = dict(units)
+    if further:
+        recorded = replace(system, model=model)
+        stored = dict(curves)
+        for name in derived_names(model, stored):
+            if (made := derived_curve(graph, recorded, stored, name)) is not None:
+                curves[name], units[name] = made
     watch.require_record()
     places: list[int] = []
     derived: list[Any] = []
     rank = {symbol.place: k for k, symbol in enumerate(row)}
-    for _, values in zip(titles, table, strict=True):
-        symbol = values[-1]
+    for symbol in curves.values():
         place = rank.get(symbol.place) if isinstance(symbol, Symbol) else None
         if place is None:
             place = -1 - len(derived)
@@ -197,7 +208,7 @@ def _record(m: Mechanism, names: Sequence[str]) -> _Record:
     for name, values in parts.items():
         outputs[name] = list(islice(rest, len(values)))
     return _Record(
-        exact, outputs, places, dict(units), [{"kernel": call.kernel, "table": len(call.table)} for call in calls.made],
+        exact, outputs, places, units, [{"kernel": call.kernel, "table": len(call.table)} for call in calls.made],
         [list(place) for place in told], [belt._asdict() | {"holds": len(belt.holds)} for belt in belts],
     )  # fmt: skip
 
