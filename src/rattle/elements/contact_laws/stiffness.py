@@ -38,7 +38,8 @@ def power(delta, p, k):
     """Force [N] of `Power`, `Sphere` and `Pereira`: p[k:] = K [N/m^n], n [-]."""
     if delta <= 0.0:
         return 0.0
-    return p[k] * delta ** p[k + 1]
+    n = p[k + 1]
+    return p[k] * (delta * math.sqrt(delta) if n == 1.5 else delta**n)
 
 
 @kernel("stiffness")
