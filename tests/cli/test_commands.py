@@ -19,9 +19,10 @@ import rattle as rt
 from circling import circling
 from rattle import registry
 from rattle.cli.main import main
-from rattle.jit import folder, functions
+from rattle.jit import folder
 from rattle.language.materials import MATERIALS
 from rattle.language.units import parse_quantity
+from rattle.trace import machine_code
 
 nojit = pytest.mark.nojit
 
@@ -299,7 +300,7 @@ def test_warmup_fails_where_nothing_would_be_kept(tmp_path):
 
 
 def test_after_warmup_a_run_compiles_nothing(tmp_path):
-    if not functions.start():
+    if not machine_code.start():
         pytest.skip("runs without machine code")
     done = run("warmup")
     assert done.exit_code == 0, done.output

@@ -11,6 +11,7 @@ from rattle.equations import schur
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
+from rattle.trace import machine_code
 
 pytestmark = pytest.mark.nojit
 
@@ -19,7 +20,7 @@ pytestmark = pytest.mark.nojit
 def mode(request, monkeypatch):
     if request.param == "python":
         monkeypatch.setattr(functions, "_jit", False)
-    elif not functions.start():
+    elif not machine_code.start():
         pytest.skip("machine code is switched off")
 
 

@@ -11,6 +11,7 @@ from rattle.jit import cache, functions
 from rattle.jit import folder as folder_module
 from rattle.jit.cache import Folder, code_folder
 from rattle.jit.translation import unit
+from rattle.trace import machine_code
 
 posix = pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows profiles are private")
 
@@ -152,7 +153,7 @@ def kept_in(folder, monkeypatch):
 
 @pytest.fixture
 def _machine_code():
-    if not functions.start():
+    if not machine_code.start():
         pytest.skip("runs without machine code")
 
 

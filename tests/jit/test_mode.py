@@ -70,13 +70,14 @@ logging.getLogger("rattle").addHandler(logging.StreamHandler(__import__("sys").s
 {break_it}
 from rattle.jit import functions, mode
 from rattle.jit.functions import compiled
+from rattle.trace import machine_code
 import numpy as np
 
 @compiled
 def twice(row, k):
     return 2.0 * row[k]
 
-print("answer", functions.start(), functions.start(), twice(np.ones(3), 1), mode.described())
+print("answer", machine_code.start(), functions.start(), twice(np.ones(3), 1), mode.described())
 """
 
 

@@ -21,6 +21,7 @@ from rattle.language.expression import (
 )
 from rattle.language.jets import evaluate_jet
 from rattle.language.units import dimension_of
+from rattle.trace import machine_code
 
 pytestmark = pytest.mark.nojit
 
@@ -34,7 +35,7 @@ def mode(request, monkeypatch):
     """Every test of the interpreter runs as plain Python and as machine code."""
     if request.param == "python":
         monkeypatch.setattr(compiled_functions, "_jit", False)
-    elif not compiled_functions.start():
+    elif not machine_code.start():
         pytest.skip("machine code is switched off")
 
 

@@ -35,9 +35,9 @@ from rattle.jit.object_file import object_file
 from rattle.jit.wasm.engine import about, engine
 from rattle.solvers import run_loop
 from rattle.solvers.output_row import record
-from rattle.trace.library import library_text
+from rattle.trace.library import QUICK, library_text
+from rattle.trace.machine_code import SOURCES
 
-OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
 BUILT = "engine.wasm.gz"  # in this folder
 NATIVES = {  # what a page calls: the functions that `analyses.dynamics` and `analyses.assembly` call for a run
     "run.begin": run_loop.begin,
@@ -91,7 +91,7 @@ def sources() -> str:
         here / "jit" / "linking.py",
         here / "jit" / "object_file.py",
         *(here / "jit" / "wasm").glob("*.py"),
-        *(here / "trace" / name for name in OF_LIBRARY),
+        *(here / "trace" / name for name in SOURCES),
         Path(__file__),
     ]
     for path in [*compiled_sources(), *sorted(makers)]:
@@ -140,7 +140,7 @@ def kernels_of_platform() -> Kernels:
     if found is None:
         functions.say_once("compiling kernels for this platform (once)")
         made = linked()
-        found = (object_file(made), made.offered, made.kernels)
+        found = (object_file(made, library_text(), QUICK), made.offered, made.kernels)
         kept.write(lambda: pickle.dumps(found))
     return Kernels(*found)
 
