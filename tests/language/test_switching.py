@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 import math
+from random import Random
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import rattle as rt
-from rattle.language.expression import compile_program, concatenate, parse
-from rattle.language.switching import Signals, find_switches, locate_all
-
-
-def switches(text, end, **signals):
-    """Switches of an expression over t (and b.x), with the instants of those of time alone up to `end`."""
-    numbers = {name: k for k, name in enumerate(signals)}
-    programs = [compile_program(parse(one), {}, {"b.x": 8}, numbers) for one in (*signals.values(), text)]
-    code, const, first, _ = concatenate(programs)
-    rows = [(int(first[k]), int(first[k + 1]), k) for k in range(len(signals))]
-    all_signals = Signals(code, const, rows, list(signals))
-    found = find_switches(all_signals, [(int(first[-2]), int(first[-1]), "it", True)])
-    locate_all(all_signals, found, 0.0, end)
-    return found
+from rattle.analyses.timetable import timetable
+from rattle.language.bytecode import SIDE, evaluate
+from rattle.language.tables import curve, tables_of
+from timed_switches import switches
 
 
 def rotor(inertia=0.5, **fields):
@@ -70,11 +61,11 @@ def wavy(t):
     [
         ("max(0, 10*(t - 0.5))", 1.0, [0.5]),
         ("10*(t - 0.5) if t > 0.5 else 0", 1.0, [0.5]),
-        ("sign(sin(50*t))", 100.0, np.arange(1, 1592) * math.pi / 50),
+        ("sign(sin(50*t))", 10.0, np.arange(1, 160) * math.pi / 50),
         ("abs(t*t - 2)", 3.0, [math.sqrt(2)]),
         ("step((t - 0.3)**3)", 1.0, [0.3]),
         ("sign(tan(5*t))", 1.0, [math.pi / 10, math.pi / 5, 3 * math.pi / 10]),  # zeros and poles
-        ("step(exp(-t)*sin(20*t))", 40.0, np.arange(1, 255) * math.pi / 20),
+        ("step(exp(-t)*sin(20*t))", 10.0, np.arange(1, 64) * math.pi / 20),
         ("sign(2**t - 3)", 4.0, [math.log2(3)]),
         ("step(hypot(t - 1, 0.2) - 0.5)", 4.0, [1 - math.sqrt(0.21), 1 + math.sqrt(0.21)]),
         ("min(sqrt(t), 0.7)", 1.0, [0.49]),
@@ -87,14 +78,14 @@ def wavy(t):
             3.0,
             np.sort([math.asin(0.4), math.asin(0.8), math.pi - math.asin(0.4), math.pi - math.asin(0.8)]),
         ),
-        ("mod(t, 0.001)", 20.0, np.arange(1, 20000) / 1000),
+        ("mod(t, 0.001)", 0.3, np.arange(1, 300) / 1000),
         ("step(acos(0.1*t) - 1)", 9.0, [10 * math.cos(1)]),
         ("sign(1/t - 3)", 4.0, [1 / 3]),
         ("sign(sin(t)/(t + 1) - tanh(t)*atan(t)/9)", 3.0, [brentq(wavy, 1.0, 3.0, xtol=1e-15)]),
     ],
 )
 def test_all_changes_of_sign_are_found(text, end, wanted):
-    (switch,) = switches(text, end)
+    ((switch,), _, _) = switches(text, end)
     assert switch.timed
     assert switch.resolved
     # the roots to a few roundings of the run's length
@@ -105,34 +96,97 @@ def test_all_changes_of_sign_are_found(text, end, wanted):
 @pytest.mark.nojit
 def test_touching_zero_is_no_switching():
     for text in ("step((t - 0.3)*(t - 0.3))", "step(t*t - t + 0.25)", "abs(sin(50*t)**2)", "step(t)", "sign(-t)"):
-        (switch,) = switches(text, 1.0)
+        ((switch,), _, _) = switches(text, 1.0)
         assert switch.resolved
         assert len(switch.instants) == 0
 
 
 @pytest.mark.nojit
 def test_switches_inside_switches_and_signals():
-    inner, outer = switches("abs(max(0, t - 0.3) - 0.2)", 1.0)
+    (inner, outer), _, _ = switches("abs(max(0, t - 0.3) - 0.2)", 1.0)
     assert inner.instants == [0.3]
     assert outer.instants == [0.5]
-    first, second = switches("max(0, u) + abs(u*b.x)", 10.0, u="sin(t*t)")
+    (first, second), _, _ = switches("max(0, u) + abs(u*b.x)", 10.0, u="sin(t*t)")
     np.testing.assert_allclose(first.instants, np.sqrt(math.pi * np.arange(1, 32)), rtol=1e-14)
     assert not second.timed
 
 
 @pytest.mark.nojit
 def test_every_joined_condition_switches_by_itself():
-    one, two, three = switches("sin(t) if t > 0.3 and not t >= 0.7 or 2*t > 1.8 else 0", 1.0)
+    (one, two, three), _, _ = switches("sin(t) if t > 0.3 and not t >= 0.7 or 2*t > 1.8 else 0", 1.0)
     assert (one.instants, two.instants, three.instants) == ([0.3], [0.7], [0.9])
-    kink = switches("abs((1 if t > 0.3 and t < 0.7 else -1)*(t - 0.5))", 1.0)[-1]  # beyond the jumps it has one zero
+    pulse = switches("sign(mod(t, 0.3) - 0.25)", 0.7)[0][-1]  # mod jumps back beyond the zero
+    np.testing.assert_allclose(pulse.instants, [0.25, 0.3, 0.55, 0.6], atol=1e-13)
+    kink = switches("abs((1 if t > 0.3 and t < 0.7 else -1)*(t - 0.5))", 1.0)[0][-1]  # beyond the jumps it has one zero
     np.testing.assert_allclose(kink.instants, [0.3, 0.5, 0.7], atol=1e-13)
 
 
-@pytest.mark.nojit
+def test_thousands_of_instants_are_followed():
+    instants = timetable(rotor(torque="mod(t, 0.001)").system, 0.0, 20.0).instants
+    np.testing.assert_allclose(instants, np.arange(1, 20_001) / 1000, rtol=0, atol=1e-13 * 20)
+
+
 def test_too_many_instants_are_given_up_within_a_budget():
     for text in ("step(sin(1e7*t))", "step(sin(t)**2 + cos(t)**2 - 1)"):  # a rounding that never settles
-        (switch,) = switches(text, 1.0)
+        ((switch,), _, _) = switches(text, 1.0)
         assert not switch.resolved
+
+
+TABLES = tables_of(
+    {
+        "lin": curve([0.0, 0.7, 1.1, 2.5, 9.0], [0.0, 1.0, -0.5, 0.2, 1.5], "linear"),
+        "per": curve([0.0, 0.3, 0.8, 1.3], [0.2, 1.0, -0.8, 0.2], "monotone", 1.3),
+        "spl": curve([0.0, 0.5, 1.2, 2.0], [0.1, 0.5, -0.7, 0.1], "spline", 2.0),
+    }
+)
+FORMS = [
+    "({0} + {1})", "({0} - {1})", "({0}*{1})", "{0}/(1.3 + {1}**2)", "abs({0} - {n})", "min({0}, {1})",
+    "max({0}, {1} - {n})", "mod({0}, {n})", "floor(2*{0} + {n})", "step({0} - {n})", "sign({0} - {n})",
+    "sin({n}*{0})", "cos(3*{0})", "exp(-{0}**2)", "({0} - {n})**3", "(2 + {0}**2)**{n}", "tanh({0})",
+    "({0} if {1} > {n} else {2})", "({0} if {1} <= {n} and not t > 0.9 or t < 0.2 else {2})", "lin(0.1 + 0.7*t)",
+    "per({0})", "spl({0})", "sqrt({n} + {0}**2)", "atan2({0}, 2 + {1}**2)", "hypot({0}, {n})",
+]  # fmt: skip
+
+
+def expression(random, depth):
+    """A random expression of time."""
+    if depth == 0:
+        return random.choice(["t", "u", f"{random.uniform(0.3, 3.0):.3f}*t"])
+    parts = [expression(random, depth - 1) for _ in range(3)]
+    return random.choice(FORMS).format(*parts, n=f"{random.uniform(0.2, 1.9):.3f}")
+
+
+def bisected(sign_at, low, high):
+    """Where a sign changes between two times [s]."""
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if sign_at(middle) == sign_at(low) else (low, middle)
+    return high
+
+
+@pytest.mark.parametrize("seed", range(48))
+def test_instants_are_those_of_dense_samples_and_bisection(seed):
+    random = np.random.default_rng(seed)
+    end, made = 2.3, expression(Random(seed), 1 + seed % 3)
+    found, m, (first, last) = switches(f"sign({made} - {random.uniform(-0.4, 0.4):.4f})", end, TABLES, u="sin(4*t)")
+    m.code[:, SIDE] = 0
+    body, signal, stack = np.zeros((2, 8)), np.zeros(1), np.zeros(40)
+
+    def sign_at(t):
+        signal[0] = math.sin(4.0 * t)
+        return evaluate(m.code, m.const, first, last, t, body, signal, stack)
+
+    times = np.linspace(1e-9, end, 4000)
+    signs = np.array([sign_at(t) for t in times])
+    places = np.flatnonzero(signs[1:] != signs[:-1])
+    slow = [bisected(sign_at, times[k], times[k + 1]) for k in places]
+    assert found[-1].resolved
+    far = [t for t in slow if np.abs(found[-1].instants - t).min(initial=np.inf) > 1e-9]  # a flat zero is wide
+    assert not far, made
+    beside = 1e-6  # where nothing else switches in between, the sign differs on both sides
+    alone = [
+        t for t in found[-1].instants if (np.abs(found[-1].instants - t) < 2 * beside).sum() == 1 and t < end - beside
+    ]
+    assert all(sign_at(t - beside) != sign_at(t + beside) for t in alone), made
 
 
 def test_the_result_says_which_expression_switches_too_often():

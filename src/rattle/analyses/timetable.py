@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
 from rattle.jit import layout as at
-from rattle.language.bytecode import SIDE
-from rattle.language.switching import SAME, locate_all, merged, side_at
+from rattle.language.instants import search_arrays
 from rattle.results.event import Event
+from rattle.solvers.driver_jumps import find_timetable
 
-BEYOND = 1e-6  # share of a run by which the search extends beyond its end, so that a switch at the very end counts
+ROOM = 4096  # rows of `switchings` for a start
+MORE = 16  # times the room that was needed at least, as a search that has no room begins again
 FEW = 3  # jolts of a driver that are listed one by one, at most
-LEAP = 1e-9  # change of a driver's function that counts as a jump, as a share of 1 rad or of the mechanism's size
-KICK = 1e-9  # change of its speed that counts as a jump, as a share of its largest speed
 UNITS = {"rad": ("rad", "rad/s", "N*m*s"), "m": ("m", "m/s", "N*s")}
 SENTENCES = {  # of notes, also in pages
     "jolt": "driver '{driver}' jumps in speed by {size:.4g} {rate} at t = {t:.9g} s: an impulse of {impulse:.4g}"
     " {unit}, work of {work:.4g} J",
     "jolts": "driver '{driver}' jumps in speed {count} times, work of {work:.4g} J in total",
+    "leap": "driver '{driver}' jumps by {size:.6g} {unit} at t = {t:.9g} s{more}: no body can follow; write a ramp,"
+    " or a step in speed such as 10*max(0, t - 0.5)",
     "unresolved": "{name} switches too often to follow: steps do not end at its switching instants",
 }
 
@@ -49,97 +49,73 @@ class Jolt:
 
 @dataclass(frozen=True)
 class Timetable:
-    """Instants at which expressions of time switch, and the sides of these switches between the instants."""
+    """Instants at which expressions of time switch, and jumps of drivers there."""
 
     instants: np.ndarray  # (n,) [s]
-    rows: np.ndarray  # (k,) rows of the switches in the programs
-    sides: np.ndarray  # (n + 1, k) -1, 0 or 1
-    driving: np.ndarray  # (n,) True: a driver may jump at this instant
     jumps: tuple[Jump, ...]
     unresolved: tuple[str, ...]  # expressions with too many instants to follow
-
-    def arrays(self, system: System) -> dict[str, np.ndarray]:
-        """Workspace arrays with which a run follows it, see `solvers.run_loop`."""
-        jumps = np.zeros((len(self.jumps), at.width("driver_jump")))
-        jumps[:, at.JUMP_AT] = [jump.t for jump in self.jumps]
-        jumps[:, at.JUMP_ROW] = [system.first_row(jump.driver) for jump in self.jumps]
-        return {
-            "instants": self.instants,
-            "timed": self.rows,
-            "timed_sides": self.sides,
-            "driver_jump": jumps,
-            "jolt_rows": np.zeros((3 if self.jumps else 0, system.row_count)),
-        }
-
-    def take(self, code: np.ndarray, piece: int) -> None:
-        """Write the sides of a piece into the programs `code` (rows, 4) of a run."""
-        code[self.rows, SIDE] = self.sides[piece]
+    arrays: Mapping[str, np.ndarray]  # of a workspace, with which a run follows it, see `language.instants`
 
 
-ALWAYS = Timetable(np.zeros(0), np.zeros(0, np.int64), np.zeros((1, 0), np.int64), np.zeros(0, bool), (), ())
+ALWAYS = Timetable(np.zeros(0), (), (), {})
 
 
 def timetable(system: System, start: float, end: float) -> Timetable:
     """Timetable of a run between two times [s].  Raises ModelError if a driver jumps in position."""
-    span = end - start
-    switches = [replace(one) for one in system.switches if one.timed] if span > 0.0 else []
-    beyond = end + BEYOND * span
-    if not switches:
+    if not end > start or not len(system.arrays["timed"]):
         return ALWAYS
-    locate_all(system.signals, switches, start, beyond)
-    every = merged(switches, span)
-    instants = every[every <= end + SAME * span]
-    instants = np.where(instants >= end - SAME * span, end, instants)  # no step is left between it and the end
-    edges = np.concatenate([[start], instants, [*every, beyond][len(instants) : len(instants) + 1]])
-    middle = 0.5 * (edges[:-1] + edges[1:])
-    sides = np.array([side_at(one, middle) for one in switches], np.int64).reshape(len(switches), len(middle)).T
-    of_drivers = merged([one for one in switches if one.driving], span)
-    driving = np.array([bool((np.abs(of_drivers - t) <= 2.0 * SAME * span).any()) for t in instants], bool)
-    unresolved = tuple(dict.fromkeys(one.name for one in switches if not one.resolved))
-    rows = np.array([one.row for one in switches], np.int64)
-    table = Timetable(instants, rows, np.ascontiguousarray(sides), driving, (), unresolved)
-    if any(one.driving for one in switches):
-        return replace(table, jumps=_jumps(system, table, start))
-    return table
+    room = ROOM
+    while (needed := find_timetable(workspace := system.workspace(**_arrays(system, room)), start, end)) > 0:
+        room = MORE * needed
+    _require_no_leap(system, workspace.driver_leap)
+    timed, edges = workspace.timed, workspace.edges
+    names = [switch.name for switch in system.switches if switch.timed]
+    lost = tuple(dict.fromkeys(names[n] for n in np.flatnonzero(timed[:, at.RESOLVED] == 0)))
+    jumps = workspace.driver_jump[np.isfinite(workspace.driver_jump[:, at.JUMP_AT])]
+    used = int(timed[-1, at.END_FOUND])
+    arrays = _arrays(system, used) | {
+        "timed": timed.copy(), "switchings": workspace.switchings[:used].copy(), "edges": edges[: used + 2].copy(),
+        "driver_jump": jumps,
+    }  # fmt: skip
+    return Timetable(edges[1:][edges[1:] <= end], tuple(_jumps(system, jumps)), lost, arrays)
 
 
-def _jumps(system: System, table: Timetable, start: float) -> tuple[Jump, ...]:
-    """Jumps in speed of all drivers.  Raises ModelError if a driver jumps in position, also at the start."""
-    workspace = system.workspace()
-    names = list(system.model.drivers)
-    slots = np.array([system.driver_slot(name) for name in names])
-    units = [system.rows[system.first_row(name)].unit for name in names]
-    pieces = np.flatnonzero(table.driving).tolist()
-    times = [start, *table.instants[pieces].tolist()]
-    found = np.zeros((len(times), 2, 2, len(names)))  # instant, before and after, value and speed, driver
-    for k, (t, piece) in enumerate(zip(times, [-1, *pieces], strict=True)):
-        for side in range(2):
-            if piece + side >= 0:  # before the start there is no piece: values of the definition are used
-                table.take(workspace.code, piece + side)
-            drive(workspace, t)
-            for rate in range(2):
-                found[k, side, rate] = workspace.values[slots + rate]
-    problems, jumps = [], []
-    for d, (name, unit) in enumerate(zip(names, units, strict=True)):
-        leap = found[:, 1, 0, d] - found[:, 0, 0, d]
-        scale = (1.0 if unit == "rad" else system.size) + np.abs(found[:, :, 0, d]).max(axis=1)
-        broken = np.flatnonzero(np.abs(leap) > LEAP * scale)
-        if len(broken):
-            t, size = times[int(broken[0])], float(leap[broken[0]])
-            more = f" (and {len(broken) - 1} more times)" if len(broken) > 1 else ""
-            said = (
-                f"driver '{name}' jumps by {size:.6g} {unit} at t = {t:.9g} s{more}: no body can follow;"
-                " write a ramp, or a step in speed such as 10*max(0, t - 0.5)"
-            )
+def _arrays(system: System, room: int) -> dict[str, np.ndarray]:
+    """Arrays of a workspace in which a timetable is found, with so many rows for `switchings`."""
+    drivers = list(system.model.drivers) if system.arrays["timed"][:, at.DRIVES].any() else []
+    leap = np.zeros((len(drivers), at.width("driver_leap")))
+    for row, name in zip(leap, drivers, strict=True):
+        turns = system.rows[system.first_row(name)].unit == "rad"
+        row[at.LEAP_SLOT], row[at.LEAP_ROW] = system.driver_slot(name), system.first_row(name)
+        row[at.LEAP_SCALE] = 1.0 if turns else system.size
+    return {
+        **search_arrays(max(1, len(system.model.recorded)), system.depth, room),
+        "driver_leap": leap,
+        "driver_jump": np.zeros((room * len(drivers), at.width("driver_jump"))),
+        "jolt_rows": np.zeros((3 if drivers else 0, system.row_count)),
+    }
+
+
+def _require_no_leap(system: System, leap: np.ndarray) -> None:
+    """Raise ModelError if drivers jump in position; leap: of a workspace."""
+    problems = []
+    for name, row in zip(system.model.drivers, leap.tolist(), strict=False):
+        if row[at.LEAP_COUNT]:
+            unit, more = system.rows[system.first_row(name)].unit, int(row[at.LEAP_COUNT]) - 1
+            said = SENTENCES["leap"].format(
+                driver=name, size=row[at.LEAP_SIZE], unit=unit, t=row[at.LEAP_AT],
+                more=f" (and {more} more times)" if more else "",
+            )  # fmt: skip
             problems.append(Problem(("drivers", name), said))
-        kick = found[:, 1, 1, d] - found[:, 0, 1, d]
-        most = float(np.abs(found[:, :, 1, d]).max(initial=0.0))
-        for k in np.flatnonzero(np.abs(kick) > KICK * most).tolist():
-            if k > 0:  # the rates at the start are given by the start values
-                jumps.append(Jump(times[k], name, float(kick[k]), unit))
     if problems:
         raise ModelError(problems)
-    return tuple(sorted(jumps, key=lambda jump: jump.t))
+
+
+def _jumps(system: System, rows: np.ndarray) -> Iterator[Jump]:
+    """The rows of `driver_jump` in words."""
+    names = list(system.model.drivers)
+    for t, row, _, _, size, d in rows.tolist():
+        yield Jump(t, names[int(d)], size, system.rows[int(row)].unit)
 
 
 def jolt_events(jolts: Sequence[Jolt]) -> list[Event]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -247,10 +247,9 @@ class System:
 
     def with_numbers(self, model: Model, changed: Mapping[str, np.ndarray], size: float) -> System:
         """The system of a model of the same form; changed: arrays with other numbers, of the same shapes."""
-        switches = tuple([replace(one) for one in self.switches])  # a run writes into them
         made = object.__new__(System)
         made.__dict__.update({key: self.__dict__[key] for key in self.__dataclass_fields__})
-        made.__dict__.update(model=model, arrays={**self.arrays, **changed}, size=size, switches=switches)
+        made.__dict__.update(model=model, arrays={**self.arrays, **changed}, size=size)
         made.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
         made.__dict__["_like"] = self, changed
         return made
@@ -380,6 +379,10 @@ def compile_system(model: Model, length: float | None = None) -> System:
         "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
         "state_rate": _table([(first[n], first[n + 1], k) for k, n in enumerate(rates, of_laws)], 3),
         "switch": _table([(one.first, one.last, one.row, one.count) for one in switches if not one.timed], 4),
+        "timed": _table(
+            [(one.first, one.last, one.row, one.driving, 1, *(0,) * 4) for one in switches if one.timed],
+            at.width("timed"),
+        ),
         "watch": np.array(watch, np.int64),
         **pattern._asdict(),
         "row_body": _table(row_body, 2),

@@ -146,8 +146,48 @@ declare("driver_jump", """
     JUMP_ROW [] first row of the driver
     JUMP_IMPULSE [N*s or N*m*s] of the driver on its body B, once it is passed
     JUMP_WORK [J] done by the driver
+    JUMP_SIZE [rad/s or m/s] speed after minus speed before
+    JUMP_DRIVER [] number of the driver
 """)
-JUMP_AT, JUMP_ROW, JUMP_IMPULSE, JUMP_WORK = range(4)
+JUMP_AT, JUMP_ROW, JUMP_IMPULSE, JUMP_WORK, JUMP_SIZE, JUMP_DRIVER = range(6)
+declare("driver_leap", """
+    LEAP_SLOT [] place of the driver's function in `values`
+    LEAP_ROW [] first row of the driver
+    LEAP_SCALE [m or rad] size of the mechanism, or 1 rad
+    VALUE_BEFORE [m or rad] its function just before the instant at hand
+    SPEED_BEFORE [m/s or rad/s] its speed there
+    FASTEST [m/s or rad/s] its largest speed beside all instants
+    LEAP_COUNT [] jumps in position
+    LEAP_AT [s] the first of them
+    LEAP_SIZE [m or rad] by how much
+""")
+LEAP_SLOT, LEAP_ROW, LEAP_SCALE, VALUE_BEFORE, SPEED_BEFORE, FASTEST, LEAP_COUNT, LEAP_AT, LEAP_SIZE = range(9)
+declare("timed", """
+    FIRST_CODE [] first row of the program of its operands in `code`
+    END_CODE [] row after the last one
+    OWN_CODE [] row of the switch itself
+    DRIVES [] 1 if a driver depends on it
+    RESOLVED [] 0 if it has too many instants to follow
+    FIRST_FOUND [] its first row in `switchings`
+    END_FOUND [] row after the last one
+    NESTED [] 1 if the switch that is being searched depends on it, scratch
+    NEXT [] row in `switchings` of the instant at hand, scratch
+""")
+DRIVES, RESOLVED, FIRST_FOUND, END_FOUND, NESTED, NEXT = range(3, 9)
+declare("search", """
+    SPENT [] rows of programs evaluated, times spans
+    FILLED [] rows of `switchings` filled
+    ROWS [] rows of the programs of the switching function that is searched
+    CUT [s] up to where its sides are known
+    SIDE_THERE [] its side there
+    LOOKS [] spans that were looked at
+""")
+SPENT, FILLED, ROWS, CUT, SIDE_THERE, LOOKS = range(6)
+declare("switchings", """
+    SWITCHES_AT [s] instant
+    SIDE_AFTER [] side from there on
+""")
+SWITCHES_AT, SIDE_AFTER = range(2)
 declare("crossings", """
     CROSSING_T [s] instant
     CROSSING_FORCE [] number of the monitored force

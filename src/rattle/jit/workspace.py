@@ -268,12 +268,20 @@ ARRAYS = {
     "wear_count": Array("i2", "0 or nc, 3", "", "rows filled, steps in the present row, steps in a row"),
     # around the step loop, see `run_loop`
     "course": Array("f1", "12", "", "what is settled before the start, and the place in the run"),
-    "instants": Array("f1", "n", "s", "at which expressions of time switch, increasing"),
-    "timed": Array("i1", "switches of time", "", "their rows in `code`"),
-    "timed_sides": Array("i2", "n + 1, switches of time", "", "their sides before, between and after the instants"),
-    "driver_jump": Array("f2", "jumps, 4", "", "jumps of drivers in speed, in order of time"),
+    "driver_jump": Array("f2", "jumps, 6", "", "jumps of drivers in speed, in order of time, up to one at inf"),
+    "driver_leap": Array("f2", "0 or drivers, 9", "", "what is known of their jumps, see `solvers.driver_jumps`"),
     "jolt_rows": Array("f2", "0 or 3, nr", "m/s or rad/s, N*s", "nu before and after a jolt, Lambda"),
     "jammed": Array("i1", "nc", "", "1 for contacts that were closed in the first jam"),
+    # switches of expressions of time alone, see `language.instants`; instants [s]
+    "timed": Array(
+        "i2", "switches of time, 9", "", "where they are, and where their instants stand; nested ones first"
+    ),
+    "switchings": Array("f2", "n, 2", "s", "instant and side from there on, switch after switch"),
+    "edges": Array("f1", "n + 2", "s", "start, instants of all switches, the first beyond the end; then inf"),
+    "search": Array("f1", "6", "", "what is known of the search for them"),
+    "halves": Array("f1", "128", "s", "ends of spans that wait to be looked at"),
+    "span_stack": Array("f2", "depth, 4", "SI", "bounds of values and of their rates: scratch of expressions"),
+    "signal_spans": Array("f2", "ns, 5", "SI", "the same of signals; 1 where the signal is needed"),
     "landing": Array("f1", "6", "", "of switches that depend on the state, see `state_switches`"),
 }
 

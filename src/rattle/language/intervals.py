@@ -1,7 +1,4 @@
-"""Interval arithmetic for expressions of time: bounds of a program and of its rate over many spans of time at once.
-
-A `Span` holds bounds of a value and of its time derivative, one per interval [low, high] of time.  The bounds hold for
-exact arithmetic; the caller allows for rounding.  nan means that the value is not defined in the interval.
+"""Interval arithmetic for expressions of time: bounds of a program and of its rate over a span of time.
 
 Source: Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009), chapters 2, 5 and 6.
 """
@@ -9,312 +6,318 @@ Source: Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009), chapte
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 
-import numpy as np
-
+from rattle.jit.functions import compiled, native
 from rattle.language import bytecode as p
-from rattle.language.span import Array, Span, wave, whole_numbers
+from rattle.language.bytecode import SIDE, power, quotient, unary, whole
+from rattle.language.span import INF, NAN, Span, chain, least, most, product, steady, wave_span, whole_span
 from rattle.language.table_intervals import knot_span, table_span
 
 TURN = 2.0 * math.pi
+LARGEST_POWER = 100.0  # whole exponents up to this one are powers, others logarithms
 
 
-def enclose(
-    code: Array, const: Array, first: int, last: int, low: Array, high: Array, signals: Mapping[int, Span],
-    side_of: Callable[[int], Array | None],
-) -> list[Span]:  # fmt: skip
-    """Bounds of what the program in rows first..last-1 leaves on its stack, over the intervals low..high (n,) [s].
+@native("void", "n", "v", "i", "i", "f", "f", "m", "m")
+def enclose(code, const, first, last, low, high, signals, stack):
+    """Bounds of what the program in rows first..last-1 leaves on its stack, over the times low..high [s].
 
-    signals: spans of the signals it uses.  side_of: side of the switch in a row, per interval; None if not known.
+    signals (ns, 4 or more), stack (depth, 4): spans.  Switches are on the sides in `code`; 0: not known.
     """
-    none = np.zeros_like(low)
-    stack: list[Span] = []
+    top = -1
     for row in range(first, last):
-        op, k = int(code[row, 0]), int(code[row, 1])
-        if op == p.CONST:
-            value = np.full_like(low, const[k])
-            stack.append(Span(value, value, none, none))
-        elif op == p.TIME:
-            stack.append(Span(low, high, none + 1.0, none + 1.0))
-        elif op == p.STATE:
-            stack.append(_undefined(none))
-        elif op == p.SIGNAL:
-            stack.append(signals[k])
-        elif op in SWITCHES:
-            count = SWITCHES[op]
-            operands = stack[-count:]
-            del stack[-count:]
-            if op == p.BENT:
-                stack.append(table_span(const, k, operands[0], side_of(row)))
-            else:
-                stack.append(_switch(op, operands, side_of(row)))
-        elif op == p.CURVE:
-            stack.append(table_span(const, k, stack.pop(), None))
+        op, k, side = code[row, 0], code[row, 1], code[row, SIDE]
+        if op <= p.SIGNAL:
+            top += 1
+            put_span(stack, top, operand(op, k, const, low, high, signals))
+        elif op == p.CURVE or op == p.BENT:
+            put_span(stack, top, table_span(const, k, span_at(stack, top), side))
         elif op < p.ADD:
-            stack.append(_unary(op, stack.pop()))
+            put_span(stack, top, of_one(op, side, span_at(stack, top)))
+        elif op < p.LESS:
+            top -= 1
+            put_span(stack, top, of_two(op, side, span_at(stack, top), span_at(stack, top + 1)))
         elif op == p.CHOOSE:
-            operands = stack[-3:]
-            del stack[-3:]
-            stack.append(_choice(*operands))
+            top -= 2
+            put_span(stack, top, choice(span_at(stack, top), span_at(stack, top + 1), span_at(stack, top + 2)))
         else:
-            right = stack.pop()
-            stack.append(_binary(op, stack.pop(), right))
-    return stack
+            top -= 3
+            then, otherwise = span_at(stack, top + 2), span_at(stack, top + 3)
+            above, below = (otherwise, then) if op <= p.AT_MOST else (then, otherwise)
+            still = then if op == p.AT_MOST or op == p.AT_LEAST else otherwise
+            compared = minus(span_at(stack, top), span_at(stack, top + 1))
+            put_span(stack, top, switched(side, compared, above, below, still, True))
 
 
-SWITCHES = {
-    p.ABS: 1, p.SIGN: 1, p.STEP: 1, p.MIN: 2, p.MAX: 2, p.LESS: 4, p.AT_MOST: 4, p.MORE: 4, p.AT_LEAST: 4,
-    p.BELOW: 2, p.BELOW_OR_AT: 2, p.ABOVE: 2, p.ABOVE_OR_AT: 2, p.FLOOR: 1, p.MOD: 2,
-    p.BENT: 1,
-}  # fmt: skip
-COMPARISONS = (p.BELOW, p.BELOW_OR_AT, p.ABOVE, p.ABOVE_OR_AT)
+@compiled
+def span_at(stack, n):
+    """The span in row n of a stack."""
+    return Span(float(stack[n, 0]), float(stack[n, 1]), float(stack[n, 2]), float(stack[n, 3]))
 
 
-def minus(x: Span, y: Span) -> Span:
+@compiled
+def put_span(stack, n, x):
+    """Write a span into row n of a stack."""
+    stack[n, 0], stack[n, 1], stack[n, 2], stack[n, 3] = x.low, x.high, x.slow, x.fast
+
+
+@compiled
+def operand(op, k, const, low, high, signals):
+    """Span of a constant, of time, of a signal; of a state nothing is known."""
+    if op == p.CONST:
+        return steady(float(const[k]))
+    if op == p.TIME:
+        return Span(low, high, 1.0, 1.0)
+    if op == p.SIGNAL:
+        return span_at(signals, k)
+    return Span(NAN, NAN, NAN, NAN)
+
+
+@compiled
+def switching_span(const, op, k, stack):
+    """Span of the switching function of the switch (op, k) with its operands on the stack; see `bytecode.switching`."""
+    x = span_at(stack, 0)
+    if op == p.BENT:
+        return wave_span(knot_span(const, k, x))
+    if op == p.FLOOR:
+        return wave_span(x)
+    if op < p.ADD:
+        return x
+    y = span_at(stack, 1)
+    return wave_span(over(x, y)) if op == p.MOD else minus(x, y)
+
+
+# ---------------------------------------------------------------- arithmetic
+@compiled
+def negative(x):
+    """-x."""
+    return Span(-x.high, -x.low, -x.fast, -x.slow)
+
+
+@compiled
+def minus(x, y):
     """x - y."""
     return Span(x.low - y.high, x.high - y.low, x.slow - y.fast, x.fast - y.slow)
 
 
-def _undefined(like: Array) -> Span:
-    nothing = np.full_like(like, math.nan)
-    return Span(nothing, nothing, nothing, nothing)
+@compiled
+def times(x, y):
+    """x y."""
+    low, high = product(x.low, x.high, y.low, y.high)
+    slow, fast = product(x.slow, x.fast, y.low, y.high)
+    down, up = product(x.low, x.high, y.slow, y.fast)
+    return Span(low, high, slow + down, fast + up)
 
 
-def _product(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array]:
-    """[a, b] * [c, d]; zero times infinity is zero, because an infinite bound is never reached."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        every = np.array([a * c, a * d, b * c, b * d])
-    unknown = np.isnan(a + 0.0) | np.isnan(b) | np.isnan(c) | np.isnan(d)
-    every = np.where(np.isnan(every), 0.0, every)
-    low, high = every.min(axis=0), every.max(axis=0)
-    return np.where(unknown, math.nan, low), np.where(unknown, math.nan, high)
+@compiled
+def over(x, y):
+    """x / y."""
+    a, b = reciprocal(y.low, y.high)
+    low, high = product(x.low, x.high, a, b)
+    down, up = product(low, high, y.slow, y.fast)
+    slow, fast = product(x.slow - up, x.fast - down, a, b)
+    return Span(low, high, slow, fast)
 
 
-def _times(x: Span, y: Span) -> Span:
-    low, high = _product(x.low, x.high, y.low, y.high)
-    one, two = _product(x.slow, x.fast, y.low, y.high), _product(x.low, x.high, y.slow, y.fast)
-    return Span(low, high, one[0] + two[0], one[1] + two[1])
-
-
-def _chain(low: Array, high: Array, least: Array, most: Array, x: Span) -> Span:
-    """Chain rule: a function of x with values low..high and derivative least..most."""
-    return Span(low, high, *_product(least, most, x.slow, x.fast))
-
-
-def _square(low: Array, high: Array) -> tuple[Array, Array]:
-    one, two = low * low, high * high
-    return np.where((low <= 0.0) & (high >= 0.0), 0.0, np.minimum(one, two)), np.maximum(one, two)
-
-
-def _sine(low: Array, high: Array, shift: float = 0.0) -> tuple[Array, Array]:
-    """Range of sin(x + shift)."""
-    one, two = np.sin(low + shift), np.sin(high + shift)
-    top = np.ceil((low + shift - 0.25 * TURN) / TURN) * TURN + 0.25 * TURN
-    bottom = np.ceil((low + shift + 0.25 * TURN) / TURN) * TURN - 0.25 * TURN
-    most = np.where(top <= high + shift, 1.0, np.maximum(one, two))
-    least = np.where(bottom <= high + shift, -1.0, np.minimum(one, two))
-    return least, most
-
-
-def _reciprocal(low: Array, high: Array) -> tuple[Array, Array]:
+@compiled
+def reciprocal(low, high):
     """1 / [low, high]; -inf..inf if zero lies inside."""
-    inside = (low <= 0.0) & (high >= 0.0)
-    return np.where(inside, -math.inf, 1.0 / high), np.where(inside, math.inf, 1.0 / low)
+    if low <= 0.0 and high >= 0.0:
+        return -INF, INF
+    return quotient(1.0, high), quotient(1.0, low)
 
 
-def _unary(op: int, x: Span) -> Span:
-    """A smooth function of one operand."""
-    low, high = x.low, x.high
+@compiled
+def square(low, high):
+    """[low, high]**2."""
+    a, b = low * low, high * high
+    return 0.0 if low <= 0.0 and high >= 0.0 else least(a, b), most(a, b)
+
+
+@compiled
+def next_at(x, first, apart):
+    """The first of the numbers first + n apart that is not below x."""
+    return -whole(-(x - first) / apart) * apart + first
+
+
+@compiled
+def sine(low, high):
+    """Range of sin(x)."""
+    a, b = unary(p.SIN, low), unary(p.SIN, high)
+    above = 1.0 if next_at(low, 0.25 * TURN, TURN) <= high else most(a, b)
+    below = -1.0 if next_at(low, -0.25 * TURN, TURN) <= high else least(a, b)
+    return below, above
+
+
+# ---------------------------------------------------------------- functions
+@compiled
+def of_one(op, side, x):
+    """Span of the function `op` of one operand."""
     if op == p.NEG:
-        return Span(-high, -low, -x.fast, -x.slow)
+        return negative(x)
+    if op == p.ABS:
+        return switched(side, x, x, negative(x), x, False)
+    if op == p.SIGN:
+        return switched(side, x, steady(1.0), steady(-1.0), steady(0.0), True)
+    if op == p.STEP:
+        return switched(side, x, steady(1.0), steady(0.0), steady(1.0), True)
+    if op == p.FLOOR:
+        return whole_span(x, side)
     if op == p.SQUARE:
-        return _chain(*_square(low, high), 2.0 * low, 2.0 * high, x)
-    if op == p.EXP:
-        one, two = np.exp(low), np.exp(high)
-        return _chain(one, two, one, two, x)
-    if op in (p.SIN, p.COS):
+        low, high = square(x.low, x.high)
+        return chain(low, high, 2.0 * x.low, 2.0 * x.high, x)
+    if op == p.SIN or op == p.COS:
         shift = 0.0 if op == p.SIN else 0.25 * TURN
-        return _chain(*_sine(low, high, shift), *_sine(low, high, shift + 0.25 * TURN), x)
-    if op == p.TAN:
-        pole = np.ceil((low - 0.25 * TURN) / (0.5 * TURN)) * 0.5 * TURN + 0.25 * TURN <= high
-        one, two = np.where(pole, -math.inf, np.tan(low)), np.where(pole, math.inf, np.tan(high))
-        least, most = _square(one, two)
-        return _chain(one, two, 1.0 + least, 1.0 + most, x)
-    if op == p.TANH:
-        one, two = np.tanh(low), np.tanh(high)
-        least, most = _square(one, two)
-        return _chain(one, two, 1.0 - most, 1.0 - least, x)
+        low, high = sine(x.low + shift, x.high + shift)
+        slope_low, slope_high = sine(x.low + (shift + 0.25 * TURN), x.high + (shift + 0.25 * TURN))
+        return chain(low, high, slope_low, slope_high, x)
+    if op == p.SQRT or op == p.LOG or op == p.ASIN or op == p.ACOS:
+        return bounded(op, x)
+    return rising(op, x)
+
+
+@compiled
+def rising(op, x):
+    """exp, tan, tanh and atan, which rise wherever they have a value."""
+    low, high = unary(op, x.low), unary(op, x.high)
+    if op == p.EXP:
+        return chain(low, high, low, high, x)
     if op == p.ATAN:
-        least, most = _square(low, high)
-        return _chain(np.arctan(low), np.arctan(high), 1.0 / (1.0 + most), 1.0 / (1.0 + least), x)
-    return _bounded(op, x)
+        a, b = square(x.low, x.high)
+        return chain(low, high, 1.0 / (1.0 + b), 1.0 / (1.0 + a), x)
+    if op == p.TAN and next_at(x.low, 0.25 * TURN, 0.5 * TURN) <= x.high:  # a pole
+        low, high = -INF, INF
+    a, b = square(low, high)
+    return chain(low, high, 1.0 + a, 1.0 + b, x) if op == p.TAN else chain(low, high, 1.0 - b, 1.0 - a, x)
 
 
-def _bounded(op: int, x: Span) -> Span:
+@compiled
+def bounded(op, x):
     """A function with a limited domain: sqrt, log, asin, acos."""
-    least, most = (0.0, math.inf) if op in (p.SQRT, p.LOG) else (-1.0, 1.0)
-    outside = (x.high < least) | (x.low > most)
-    low, high = np.clip(x.low, least, most), np.clip(x.high, least, most)
-    low, high = np.where(outside, math.nan, low), np.where(outside, math.nan, high)
+    start, end = (0.0, INF) if op == p.SQRT or op == p.LOG else (-1.0, 1.0)
+    if x.high < start or x.low > end:
+        return Span(NAN, NAN, NAN, NAN)
+    low, high = least(most(x.low, start), end), least(most(x.high, start), end)
+    a, b = unary(op, low), unary(op, high)
     if op == p.SQRT:
-        return _chain(np.sqrt(low), np.sqrt(high), 0.5 / np.sqrt(high), 0.5 / np.sqrt(low), x)
+        return chain(a, b, quotient(0.5, b), quotient(0.5, a), x)
     if op == p.LOG:
-        return _chain(np.log(low), np.log(high), 1.0 / high, 1.0 / low, x)
-    small, large = _square(low, high)
-    slope = 1.0 / np.sqrt(1.0 - small), 1.0 / np.sqrt(1.0 - large)
-    if op == p.ASIN:
-        return _chain(np.arcsin(low), np.arcsin(high), *slope, x)
-    return _chain(np.arccos(high), np.arccos(low), -slope[1], -slope[0], x)
+        return chain(a, b, quotient(1.0, high), quotient(1.0, low), x)
+    small, large = square(low, high)
+    flat, steep = quotient(1.0, math.sqrt(1.0 - small)), quotient(1.0, math.sqrt(1.0 - large))
+    return chain(a, b, flat, steep, x) if op == p.ASIN else chain(b, a, -steep, -flat, x)
 
 
-def _binary(op: int, x: Span, y: Span) -> Span:
-    """A smooth function of two operands."""
+@compiled
+def of_two(op, side, x, y):
+    """Span of the function `op` of two operands."""
     if op == p.ADD:
         return Span(x.low + y.low, x.high + y.high, x.slow + y.slow, x.fast + y.fast)
     if op == p.SUB:
         return minus(x, y)
     if op == p.MUL:
-        return _times(x, y)
+        return times(x, y)
     if op == p.DIV:
-        return _quotient(x, y)
+        return over(x, y)
     if op == p.POW:
-        return _power(x, y)
-    if op in (p.BOTH, p.EITHER):
-        least = np.minimum if op == p.BOTH else np.maximum
-        slow, fast = np.minimum(x.slow, y.slow), np.maximum(x.fast, y.fast)
-        return Span(least(x.low, y.low), least(x.high, y.high), slow, fast)
+        return to_power(x, y)
     if op == p.ATAN2:
-        return _angle(x, y)
-    squares = Span(*_square(x.low, x.high), *_times(x, x)[2:]), Span(*_square(y.low, y.high), *_times(y, y)[2:])
-    return _unary(p.SQRT, Span(*(one + two for one, two in zip(*squares, strict=True))))
+        return angle(x, y)
+    if op == p.HYPOT:
+        return distance(x, y)
+    if op == p.MOD:
+        return minus(x, times(y, whole_span(over(x, y), side)))
+    return of_compared(op, side, x, y)
 
 
-def _quotient(x: Span, y: Span) -> Span:
-    inverse = _reciprocal(y.low, y.high)
-    low, high = _product(x.low, x.high, *inverse)
-    down, up = _product(low, high, y.slow, y.fast)
-    return Span(low, high, *_product(x.slow - up, x.fast - down, *inverse))
+@compiled
+def of_compared(op, side, x, y):
+    """Comparisons, what joins them, min and max."""
+    if op == p.BOTH or op == p.EITHER:
+        low, high = least(x.low, y.low), least(x.high, y.high)
+        if op == p.EITHER:
+            low, high = most(x.low, y.low), most(x.high, y.high)
+        return Span(low, high, least(x.slow, y.slow), most(x.fast, y.fast))
+    s = minus(x, y)
+    if op == p.MIN:
+        return switched(side, s, y, x, x, False)
+    if op == p.MAX:
+        return switched(side, s, x, y, x, False)
+    above = -1.0 if op <= p.BELOW_OR_AT else 1.0
+    still = 1.0 if op == p.BELOW_OR_AT or op == p.ABOVE_OR_AT else -1.0
+    return switched(side, s, steady(above), steady(-above), steady(still), True)
 
 
-def _power(x: Span, y: Span) -> Span:
-    exponent = float(y.low[0]) if len(y.low) else 0.0
-    if not (y.low == exponent).all() or not (y.high == exponent).all() or exponent % 1.0 or abs(exponent) > 100.0:
-        return _unary(p.EXP, _times(y, _unary(p.LOG, x)))
-    result = Span(np.ones_like(x.low), np.ones_like(x.low), np.zeros_like(x.low), np.zeros_like(x.low))
-    n = int(abs(exponent))
-    if n:
-        one, two = x.low**n, x.high**n
-        low, high = np.minimum(one, two), np.maximum(one, two)
-        if n % 2 == 0:
-            low = np.where((x.low <= 0.0) & (x.high >= 0.0), 0.0, low)
-        slopes = n * x.low ** (n - 1), n * x.high ** (n - 1)
-        least, most = np.minimum(*slopes), np.maximum(*slopes)
-        if n % 2:
-            least = np.where((x.low <= 0.0) & (x.high >= 0.0) & (n > 1), 0.0, least)
-        result = _chain(low, high, least, most, x)
-    one_over = Span(*np.ones((2, len(x.low))), *np.zeros((2, len(x.low))))
-    return result if exponent >= 0 else _quotient(one_over, result)
+@compiled
+def distance(x, y):
+    """hypot(x, y)."""
+    (a, b), (c, d) = square(x.low, x.high), square(y.low, y.high)
+    one, two = times(x, x), times(y, y)
+    return bounded(p.SQRT, Span(a + c, b + d, one.slow + two.slow, one.fast + two.fast))
 
 
-def _angle(y: Span, x: Span) -> Span:
+@compiled
+def to_power(x, y):
+    """x ** y."""
+    size = abs(y.low)
+    if not (y.low == y.high and y.slow == 0.0 and y.fast == 0.0 and size % 1.0 == 0.0 and size <= LARGEST_POWER):
+        return rising(p.EXP, times(y, bounded(p.LOG, x)))
+    if size == 0.0:
+        return steady(1.0)
+    around = x.low <= 0.0 and x.high >= 0.0
+    even = size % 2.0 == 0.0
+    a, b = power(x.low, size), power(x.high, size)
+    low, high = 0.0 if even and around else least(a, b), most(a, b)
+    a, b = size * power(x.low, size - 1.0), size * power(x.high, size - 1.0)
+    slope_low = 0.0 if not even and around and size > 1.0 else least(a, b)
+    found = chain(low, high, slope_low, most(a, b), x)
+    return found if y.low > 0.0 else over(steady(1.0), found)
+
+
+@compiled
+def angle(y, x):
     """atan2(y, x): the angle jumps where x < 0 and y passes zero."""
-    cut = (y.low <= 0.0) & (y.high >= 0.0) & (x.low <= 0.0)
-    corners = np.array([np.arctan2(a, b) for a in (y.low, y.high) for b in (x.low, x.high)])
-    one, two = _times(Span(*x[:2], *x[:2]), y), _times(Span(*y[:2], *y[:2]), x)
-    left = _product(x.low, x.high, y.slow, y.fast)
-    right = _product(y.low, y.high, x.slow, x.fast)
-    size = Span(*_square(x.low, x.high), *one[2:]), Span(*_square(y.low, y.high), *two[2:])
-    rate = _product(
-        left[0] - right[1], left[1] - right[0], *_reciprocal(size[0].low + size[1].low, size[0].high + size[1].high)
-    )
-    return Span(
-        np.where(cut, -math.pi, corners.min(axis=0)), np.where(cut, math.pi, corners.max(axis=0)),
-        np.where(cut, -math.inf, rate[0]), np.where(cut, math.inf, rate[1]),
-    )  # fmt: skip
+    if y.low <= 0.0 and y.high >= 0.0 and x.low <= 0.0:
+        return Span(-math.pi, math.pi, -INF, INF)
+    a, b = math.atan2(y.low, x.low), math.atan2(y.low, x.high)
+    c, d = math.atan2(y.high, x.low), math.atan2(y.high, x.high)
+    down, up = product(x.low, x.high, y.slow, y.fast)
+    falls, rises = product(y.low, y.high, x.slow, x.fast)
+    (e, f), (g, h) = square(x.low, x.high), square(y.low, y.high)
+    near, far = reciprocal(e + g, f + h)
+    slow, fast = product(down - rises, up - falls, near, far)
+    return Span(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)), slow, fast)
 
 
 # ---------------------------------------------------------------- switches
-def switching_function(const: Array, op: int, k: int, operands: list[Span]) -> Span:
-    """The switching function of the switch (op, k) of a program, see `language.bytecode`."""
-    return wave(knot_span(const, k, operands[0])) if op == p.BENT else argument(op, operands)
+@compiled
+def joined(x, y, leaps):
+    """What holds both spans; leaps: True if the value jumps from one to the other."""
+    slow = -INF if leaps else least(x.slow, y.slow)
+    fast = INF if leaps else most(x.fast, y.fast)
+    return Span(least(x.low, y.low), most(x.high, y.high), slow, fast)
 
 
-def argument(op: int, operands: list[Span]) -> Span:
-    """The switching function of a switch that is no table, see `bytecode.switching`."""
-    if op in (p.FLOOR, p.MOD):
-        return wave(_counted(op, operands))
-    return operands[0] if SWITCHES[op] == 1 else minus(operands[0], operands[1])
+@compiled
+def choice(condition, yes, no):
+    """One of two branches, or both where the condition is not known."""
+    if condition.low > 0.0:
+        return yes
+    return no if condition.high <= 0.0 else joined(yes, no, True)
 
 
-def _counted(op: int, operands: list[Span]) -> Span:
-    """What floor and mod count integers of."""
-    return operands[0] if op == p.FLOOR else _quotient(operands[0], operands[1])
+@compiled
+def switched(side, s, above, below, still, leaps):
+    """A switch with the switching function s on a side, or both branches if its side is not known.
 
-
-def _choice(condition: Span, yes: Span, no: Span) -> Span:
-    """One of two branches, or their union where the condition is not known."""
-    both = Span(
-        np.minimum(yes.low, no.low), np.maximum(yes.high, no.high),
-        np.full_like(yes.low, -math.inf), np.full_like(yes.low, math.inf),
-    )  # fmt: skip
-    holds, fails = condition.low > 0.0, condition.high <= 0.0
-    return Span(*(np.where(holds, a, np.where(fails, b, c)) for a, b, c in zip(yes, no, both, strict=True)))
-
-
-def _switch(op: int, operands: list[Span], side: Array | None) -> Span:
-    """A switch on a known side, or the union of both branches if the side is not known."""
-    if op in (p.FLOOR, p.MOD):
-        whole = whole_numbers(_counted(op, operands), side)
-        return whole if op == p.FLOOR else minus(operands[0], _times(operands[1], whole))
-    s = argument(op, operands)
-    way = np.where(s.low > 0.0, 1.0, 0.0) - np.where(s.high < 0.0, 1.0, 0.0)
-    if side is not None:
-        way = np.where(side != 0.0, side, way)
-    above, below, leaps = _branches(op, operands)
-    still = (s.low == 0.0) & (s.high == 0.0) & (way == 0.0)  # the switching function stays at zero
-    both = Span(
-        np.minimum(above.low, below.low), np.maximum(above.high, below.high),
-        np.where(leaps, -math.inf, np.minimum(above.slow, below.slow)),
-        np.where(leaps, math.inf, np.maximum(above.fast, below.fast)),
-    )  # fmt: skip
-    at_zero = _at_zero(op, operands, above, below)
-    return Span(
-        *(
-            np.where(way > 0.0, a, np.where(way < 0.0, b, np.where(still, z, c)))
-            for a, b, c, z in zip(above, below, both, at_zero, strict=True)
-        )
-    )
-
-
-def _branches(op: int, operands: list[Span]) -> tuple[Span, Span, bool]:
-    """Spans of a switch for s > 0 and for s < 0, and whether its value jumps between them."""
-    x = operands[0]
-    zero = np.zeros_like(x.low)
-    if op == p.ABS:
-        return x, _unary(p.NEG, x), False
-    if op in (p.SIGN, p.STEP):
-        below = zero - 1.0 if op == p.SIGN else zero
-        return Span(zero + 1.0, zero + 1.0, zero, zero), Span(below, below, zero, zero), True
-    if op in COMPARISONS:
-        holds, fails = Span(zero + 1.0, zero + 1.0, zero, zero), Span(zero - 1.0, zero - 1.0, zero, zero)
-        return (fails, holds, True) if op <= p.BELOW_OR_AT else (holds, fails, True)
-    if op in (p.MIN, p.MAX):
-        return (operands[1], x, False) if op == p.MIN else (x, operands[1], False)
-    then, otherwise = operands[2], operands[3]
-    return (otherwise, then, True) if op <= p.AT_MOST else (then, otherwise, True)
-
-
-def _at_zero(op: int, operands: list[Span], above: Span, below: Span) -> Span:
-    """Span of a switch while s = 0."""
-    if op == p.SIGN:
-        zero = np.zeros_like(above.low)
-        return Span(zero, zero, zero, zero)
-    if op == p.STEP:
+    above, below, still: spans for s > 0, s < 0 and s = 0.  leaps: True if the value jumps between the first two.
+    """
+    way = side
+    if side == 0:
+        way = 1 if s.low > 0.0 else (-1 if s.high < 0.0 else 0)
+    if way > 0:
         return above
-    if op in (p.ABS, p.MIN, p.MAX):
-        return operands[0]
-    if op in COMPARISONS:
-        holds = np.ones_like(above.low) if op in (p.BELOW_OR_AT, p.ABOVE_OR_AT) else -np.ones_like(above.low)
-        return Span(holds, holds, 0.0 * holds, 0.0 * holds)
-    return operands[2] if op in (p.AT_MOST, p.AT_LEAST) else operands[3]
+    if way < 0:
+        return below
+    if s.low == 0.0 and s.high == 0.0:  # the switching function stays at zero
+        return still
+    return joined(above, below, leaps)

@@ -1,50 +1,95 @@
-"""Bounds of a value and of its rate over spans of time, and those of counted numbers."""
+"""Bounds of a value and of its rate over a span of time, and those of counted numbers.
+
+Bounds hold for exact arithmetic; who uses them allows for rounding.  nan means that there is no value in the span.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
-import numpy as np
+from rattle.jit.functions import compiled
+from rattle.language.bytecode import held, whole
 
-Array = np.ndarray
+NAN = math.nan
+INF = math.inf
 
 
 class Span(NamedTuple):
-    """Bounds of a value [SI] and of its time derivative [SI], each (n,) for n intervals of time."""
+    """Bounds of a value [SI] and of its time derivative [SI] over a span of time."""
 
-    low: Array
-    high: Array
-    slow: Array  # lower bound of the rate
-    fast: Array  # upper bound of the rate
+    low: float
+    high: float
+    slow: float  # lower bound of the rate
+    fast: float  # upper bound of the rate
 
 
-def wave(x: Span) -> Span:
+@compiled
+def least(a, b):
+    """The smaller number; nan if one is nan."""
+    return a if a <= b or a != a else b
+
+
+@compiled
+def most(a, b):
+    """The larger number; nan if one is nan."""
+    return a if a >= b or a != a else b
+
+
+@compiled
+def product(a, b, c, d):
+    """Bounds of [a, b] * [c, d]; zero times infinity is zero, because an infinite bound is never reached."""
+    if a != a or b != b or c != c or d != d:
+        return NAN, NAN
+    ac, ad, bc, bd = a * c, a * d, b * c, b * d
+    ac = 0.0 if ac != ac else ac
+    ad = 0.0 if ad != ad else ad
+    bc = 0.0 if bc != bc else bc
+    bd = 0.0 if bd != bd else bd
+    return least(least(ac, ad), least(bc, bd)), most(most(ac, ad), most(bc, bd))
+
+
+@compiled
+def chain(low, high, slope_low, slope_high, x):
+    """Chain rule: a function of the span x with values low..high and derivative slope_low..slope_high."""
+    slow, fast = product(slope_low, slope_high, x.slow, x.fast)
+    return Span(low, high, slow, fast)
+
+
+@compiled
+def steady(value):
+    """The span of a number that does not change."""
+    return Span(value, value, 0.0, 0.0)
+
+
+@compiled
+def wave_span(x):
     """`bytecode.wave`: it rises at the rate of x around even integers, and falls around odd ones."""
-    first, last = np.floor(x.low + 0.5), np.floor(x.high + 0.5)  # nearest integers
-    ways = [np.where(np.mod(n, 2.0) == 0.0, 1.0, -1.0) for n in (first, last)]
-    one, two = ways[0] * (x.low - first), ways[1] * (x.high - last)
-    low, high = np.minimum(one, two), np.maximum(one, two)  # with the peaks between the nearest integers
-    low = np.where((last > first) & ((last > first + 1.0) | (ways[0] < 0.0)), -0.5, low)
-    high = np.where((last > first) & ((last > first + 1.0) | (ways[0] > 0.0)), 0.5, high)
-    size = np.maximum(np.abs(x.slow), np.abs(x.fast))
-    slow = np.where(last > first, -size, np.where(ways[0] > 0.0, x.slow, -x.fast))
-    fast = np.where(last > first, size, np.where(ways[0] > 0.0, x.fast, -x.slow))
-    unknown = np.isnan(x.low) | np.isnan(x.high)
-    return Span(*(np.where(unknown, math.nan, one) for one in (low, high, slow, fast)))
+    if x.low != x.low or x.high != x.high:
+        return Span(NAN, NAN, NAN, NAN)
+    first, last = whole(x.low + 0.5), whole(x.high + 0.5)  # nearest integers
+    rises, ends_rising = first % 2.0 == 0.0, last % 2.0 == 0.0
+    a = x.low - first if rises else first - x.low
+    b = x.high - last if ends_rising else last - x.high
+    if not last > first:
+        slow, fast = (x.slow, x.fast) if rises else (-x.fast, -x.slow)
+        return Span(least(a, b), most(a, b), slow, fast)
+    several = last > first + 1.0  # with the peaks between the nearest integers
+    low = -0.5 if several or not rises else least(a, b)
+    high = 0.5 if several or rises else most(a, b)
+    size = most(abs(x.slow), abs(x.fast))
+    return Span(low, high, -size, size)
 
 
-def whole_numbers(x: Span, side: Array | None) -> Span:
-    """floor(x): one integer of its parity where the side is known, otherwise all from floor(low) to floor(high)."""
-    low, high = np.floor(x.low), np.floor(x.high)
-    none = np.zeros_like(low)
-    leaps = np.where(high > low, math.inf, 0.0)
-    if side is None:
-        return Span(low, high, -leaps, leaps)
-    odd = np.where(side > 0.0, 0.0, 1.0)
-    inner, outer = low + (np.mod(low, 2.0) != odd), high - (np.mod(high, 2.0) != odd)
-    held = (side != 0.0) & (inner <= outer)
-    return Span(
-        np.where(held, inner, low), np.where(held, outer, high),
-        np.where(held, none, -leaps), np.where(held, none, leaps),
-    )  # fmt: skip
+@compiled
+def whole_span(x, side):
+    """floor(x): the integer of its parity where the side is known, otherwise all from floor(low) to floor(high).
+
+    At the ends of a span x may be beyond that integer by rounding; see `bytecode.held`.
+    """
+    if side != 0:
+        a, b = held(side, x.low), held(side, x.high)
+        return Span(least(a, b), most(a, b), 0.0, 0.0)
+    low, high = whole(x.low), whole(x.high)
+    leap = INF if high > low else 0.0
+    return Span(low, high, -leap, leap)

@@ -1,103 +1,115 @@
-"""Interval arithmetic for tables: bounds of their value, rate and knot coordinate over many spans of time at once."""
+"""Interval arithmetic for tables: bounds of their value, rate and knot coordinate over a span of time."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from rattle.language.span import Array, Span, whole_numbers
-from rattle.language.table_reading import EDGE, KNOTS, PER_SEGMENT, PERIOD
-
-
-def knot_span(const: Array, k: int, x: Span) -> Span:
-    """Knot coordinate of the table whose block begins at const[k], where x is inside of it; nan if it is nowhere."""
-    knots, _, period = _parts(const, k)
-    x = _inside(knots, period, x)
-    steps = np.diff(knots)
-    low, high = (_coordinate(knots, period, one) for one in (x.low, x.high))
-    rates = np.array([x.slow / steps.min(), x.slow / steps.max(), x.fast / steps.min(), x.fast / steps.max()])
-    return Span(low, high, rates.min(axis=0), rates.max(axis=0))
+from rattle.jit.functions import compiled
+from rattle.language.bytecode import quotient, whole
+from rattle.language.span import INF, NAN, Span, chain, least, most, product, whole_span
+from rattle.language.table_reading import KNOTS, PER_SEGMENT, PERIOD, knot_coordinate
 
 
-def table_span(const: Array, k: int, x: Span, side: Array | None) -> Span:
-    """Value of the table whose block begins at const[k]; side: of its switch, None if not known."""
-    knots, c, period = _parts(const, k)
-    x = _inside(knots, period, x)
-    z = knot_span(const, k, x)
-    segments = whole_numbers(z, side)
-    known = np.isfinite(segments.low) & np.isfinite(segments.high)
-    first, last = (np.where(known, one, 0.0).astype(np.int64) for one in (segments.low, segments.high))
-    if period == 0.0:  # nothing lies beyond the last knot, and an interval that ends there is in one segment
-        first, last = (np.clip(one, 0, len(c) - 1) for one in (first, last))
-    bounds = _everywhere(knots, c)
-    low, high, least, most = (np.full_like(x.low, one) for one in bounds)
-    near = last - first <= 1  # beyond, the bounds of the whole table do
-    one = _piece(knots, c, period, first[near], x.low[near], x.high[near], last[near] > first[near], False)
-    two = _piece(knots, c, period, last[near], x.low[near], x.high[near], False, last[near] > first[near])
-    for target, a, b, pick in zip((low, high, least, most), one, two, (np.minimum, np.maximum) * 2, strict=True):
-        target[near] = pick(a, b)
-    rates = np.array([least * x.slow, least * x.fast, most * x.slow, most * x.fast])
-    unknown = ~known | np.isnan(x.low) | np.isnan(x.high)
-    found = low, high, rates.min(axis=0), rates.max(axis=0)
-    return Span(*(np.where(unknown, math.nan, one) for one in found))
-
-
-def _parts(const: Array, k: int) -> tuple[Array, Array, float]:
-    """Knots (n + 1,), coefficients (n, 4) and period of a table."""
-    n, first = int(const[k]), k + KNOTS
-    c = const[first + n + 1 : first + n + 1 + PER_SEGMENT * n].reshape(n, PER_SEGMENT)
-    return const[first : first + n + 1], c, float(const[k + PERIOD])
-
-
-def _inside(knots: Array, period: float, x: Span) -> Span:
-    """The part of every span that lies in a table, where there is one: only there the table has a value."""
-    if period > 0.0:
+@compiled
+def inside(const, k, x):
+    """The part of a span that lies in the table whose block begins at const[k]: only there it has a value."""
+    start, end = const[k + KNOTS], const[k + KNOTS + int(const[k])]
+    if const[k + PERIOD] > 0.0 or not (x.low <= end and x.high >= start):
         return x
-    meets = (x.low <= knots[-1]) & (x.high >= knots[0])
-    low = np.where(meets, np.maximum(x.low, knots[0]), x.low)
-    return Span(low, np.where(meets, np.minimum(x.high, knots[-1]), x.high), x.slow, x.fast)
+    return Span(max(x.low, start), min(x.high, end), x.slow, x.fast)
 
 
-def _coordinate(knots: Array, period: float, x: Array) -> Array:
-    """Knot coordinate z(x), see `language.tables`."""
-    n = len(knots) - 1
-    turns = np.floor((x - knots[0]) / period) if period > 0.0 else 0.0 * x
-    x = x - turns * period
-    slack = EDGE * (knots[-1] - knots[0])
-    outside = ~((x >= knots[0] - slack) & (x <= knots[-1] + slack))
-    i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, n - 1)
-    z = turns * n + i + (x - knots[i]) / (knots[i + 1] - knots[i])
-    return np.where(outside, math.nan, z)
+@compiled
+def knot_span(const, k, x):
+    """Knot coordinate of the table whose block begins at const[k], where x is inside of it; nan if it is nowhere."""
+    x = inside(const, k, x)
+    low, high = knot_coordinate(const, k, x.low), knot_coordinate(const, k, x.high)
+    first, last = segments(const, k, whole(low), whole(high))
+    if first > last:
+        return Span(NAN, NAN, NAN, NAN)
+    narrow, wide = INF, 0.0
+    for segment in range(first, last + 1):
+        width = segment_width(const, k, segment)
+        narrow, wide = min(narrow, width), max(wide, width)
+    return chain(low, high, 1.0 / wide, 1.0 / narrow, x)
 
 
-def _piece(
-    knots: Array, c: Array, period: float, segment: Array, low: Array, high: Array, to_end: Array | bool,
-    from_start: Array | bool,
-) -> tuple[Array, Array, Array, Array]:  # fmt: skip
-    """Bounds of value and slope on the part low..high of a segment; to_end, from_start: on all of it on that side."""
-    n = len(knots) - 1
-    turns = np.floor(segment / n) if period > 0.0 else 0.0
-    i = np.clip(segment - (turns * n if period > 0.0 else 0), 0, n - 1).astype(np.int64)
-    shift = turns * period + knots[i]
-    a = np.where(from_start, 0.0, low - shift)
-    b = np.where(to_end, knots[i + 1] - knots[i], high - shift)
-    return _cubic_bounds(c[i].T, a, b)
+@compiled
+def table_span(const, k, x, side):
+    """Value of the table whose block begins at const[k]; side: of its switch, 0 if not known."""
+    x = inside(const, k, x)
+    z = Span(knot_coordinate(const, k, x.low), knot_coordinate(const, k, x.high), 0.0, 0.0)
+    numbers = whole_span(z, side)
+    first, last = segments(const, k, numbers.low, numbers.high)
+    if first > last or x.low != x.low or x.high != x.high:
+        return Span(NAN, NAN, NAN, NAN)
+    every = last - first + 1 >= int(const[k]) and const[k + PERIOD] > 0.0
+    low, high, slope_low, slope_high = INF, -INF, INF, -INF
+    for segment in range(first, last + 1):
+        start, width = segment_start(const, k, segment), segment_width(const, k, segment)
+        a = x.low - start if segment == first and not every else 0.0
+        b = x.high - start if segment == last and not every else width
+        down, up, falls, rises = cubic_bounds(const, coefficients(const, k, segment), a, b)
+        low, high = least(down, low), most(up, high)
+        slope_low, slope_high = least(falls, slope_low), most(rises, slope_high)
+    slow, fast = product(slope_low, slope_high, x.slow, x.fast)
+    return Span(low, high, slow, fast)
 
 
-def _everywhere(knots: Array, c: Array) -> tuple[float, float, float, float]:
-    """Bounds of value and slope of a whole table."""
-    low, high, least, most = _cubic_bounds(c.T, 0.0 * knots[1:], np.diff(knots))
-    return float(low.min()), float(high.max()), float(least.min()), float(most.max())
+@compiled
+def segments(const, k, low, high):
+    """First and last of the segments low..high of a table, at most one turn of them; none (1, 0) if they are nan."""
+    n = int(const[k])
+    if not (abs(low) < INF and abs(high) < INF):
+        return 1, 0
+    if const[k + PERIOD] > 0.0:
+        first = int(low)
+        return first, first + int(min(high - low, n - 1.0))
+    # nothing lies beyond the last knot, and a span that ends there is in one segment
+    return int(max(0.0, min(low, n - 1.0))), int(max(0.0, min(high, n - 1.0)))
 
 
-def _cubic_bounds(c: Array, a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
-    """Least and greatest value, and slope, of the cubics c (4, m) between a and b (m,)."""
-    root = np.sqrt(np.maximum(c[2] * c[2] - 3.0 * c[1] * c[3], 0.0))
-    q = -(c[2] + np.where(c[2] >= 0.0, root, -root))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        extremes = q / (3.0 * c[3]), c[1] / q, -c[2] / (3.0 * c[3])  # of the value (two), of the slope
-    ends = [a, b, *(np.clip(np.where(np.isfinite(u), u, a), a, b) for u in extremes)]
-    values = np.array([c[0] + u * (c[1] + u * (c[2] + u * c[3])) for u in ends])
-    slopes = np.array([c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]) for u in ends])
-    return values.min(axis=0), values.max(axis=0), slopes.min(axis=0), slopes.max(axis=0)
+@compiled
+def place_in_turn(const, k, segment):
+    """The number of a segment in its turn, and that turn."""
+    n = int(const[k])
+    turn = segment // n if const[k + PERIOD] > 0.0 else 0
+    return segment - turn * n, turn
+
+
+@compiled
+def segment_width(const, k, segment):
+    """Width of a segment."""
+    i, _ = place_in_turn(const, k, segment)
+    return const[k + KNOTS + i + 1] - const[k + KNOTS + i]
+
+
+@compiled
+def segment_start(const, k, segment):
+    """Where a segment begins."""
+    i, turn = place_in_turn(const, k, segment)
+    return turn * const[k + PERIOD] + const[k + KNOTS + i]
+
+
+@compiled
+def coefficients(const, k, segment):
+    """Place of the coefficients of a segment."""
+    i, _ = place_in_turn(const, k, segment)
+    return k + KNOTS + int(const[k]) + 1 + PER_SEGMENT * i
+
+
+@compiled
+def cubic_bounds(const, k, a, b):
+    """Least and greatest value, and slope, of the cubic whose coefficients begin at const[k], between a and b."""
+    c1, c2, c3 = const[k + 1], const[k + 2], const[k + 3]
+    root = math.sqrt(max(c2 * c2 - 3.0 * c1 * c3, 0.0))
+    q = -(c2 + root) if c2 >= 0.0 else -(c2 - root)
+    low, high, slope_low, slope_high = INF, -INF, INF, -INF
+    # both ends, two extremes of the value, one of the slope
+    for u in (a, b, quotient(q, 3.0 * c3), quotient(c1, q), quotient(-c2, 3.0 * c3)):
+        x = min(max(u if abs(u) < INF else a, a), b)
+        value = const[k] + x * (c1 + x * (c2 + x * c3))
+        slope = c1 + x * (2.0 * c2 + x * 3.0 * c3)
+        low, high = least(value, low), most(value, high)
+        slope_low, slope_high = least(slope, slope_low), most(slope, slope_high)
+    return low, high, slope_low, slope_high

@@ -142,6 +142,8 @@ NEEDED = {  # columns of arrays of a run that become parts of a result
         *("OPEN_ANGLE", "OPENNESS", "OPEN_ROW", "UNREST", "UNREST_LIMIT", "CORRECTION", "SUNK"),
     ),
     "contact_memory": ("CLOSED", "SHUT", "SINCE", "SPEED", "PEAK", "IMPULSE_0", "LOSS_0", "UNSURE", "OPEN"),
+    "timed": ("OWN_CODE", "FIRST_FOUND"),
+    "switchings": ("SIDE_AFTER",),
     "passage": ("PASSED", "PASSED_AT", "PASSED_FROM", "PASSED_UNTIL"),
 }
 

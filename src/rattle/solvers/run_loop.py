@@ -13,8 +13,7 @@ from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL
 from rattle.equations.unilateral import LOCKED, NO_SOLUTION
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.language.bytecode import SIDE
-from rattle.language.switching import SAME
+from rattle.language.instants import SAME, take_sides_of
 from rattle.solvers import step_loop
 from rattle.solvers.breaks import after_break, before_break
 from rattle.solvers.contacts.wear_sum import add_wear, keep_speeds
@@ -90,8 +89,8 @@ def take_sides(m, t, t_end):
 
     Where steps do not end at switches of the state, the values of their switching functions decide.
     """
-    instants, piece = m.instants, 0
-    while piece < instants.shape[0] and instants[piece] <= t:
+    edges, piece = m.edges, 0
+    while piece + 2 < edges.shape[0] and edges[piece + 1] <= t:
         piece += 1
     take_piece(m, piece)
     if m.switch.shape[0] > 0 and lands(m):
@@ -103,10 +102,8 @@ def take_sides(m, t, t_end):
 @compiled
 def take_piece(m, piece):
     """Write the sides of a piece into the programs."""
-    code, timed, sides = m.code, m.timed, m.timed_sides
     m.course[at.PIECE] = piece
-    for k in range(timed.shape[0]):
-        code[timed[k], SIDE] = sides[piece, k]
+    take_sides_of(m, piece)
 
 
 @compiled
@@ -117,9 +114,9 @@ def lands(m):
 
 @compiled
 def instant_ahead(m):
-    """The next instant at which an expression of time switches [s]; inf if there is none."""
-    piece = int(m.course[at.PIECE])
-    return m.instants[piece] if piece < m.instants.shape[0] else math.inf
+    """The next instant at which an expression of time switches [s], or one beyond the end of the run."""
+    edges, piece = m.edges, int(m.course[at.PIECE])
+    return edges[piece + 1] if piece + 1 < edges.shape[0] else math.inf
 
 
 @compiled
@@ -292,22 +289,20 @@ def pass_instant(m, t, t_end, h_max, t_out, out):
 @compiled
 def jumps_at(m, t):
     """True if a driver jumps in speed at the instant t [s]."""
-    for k in range(m.driver_jump.shape[0]):
-        if m.driver_jump[k, at.JUMP_AT] == t:
-            return True
-    return False
+    jump, k = m.driver_jump, int(m.course[at.JOLTS])
+    return k < jump.shape[0] and jump[k, at.JUMP_AT] == t
 
 
 @compiled
 def book_jolts(m, t):
     """Impulse and work of the drivers that have jumped at t [s]."""
     jump, rows = m.driver_jump, m.jolt_rows
-    for k in range(jump.shape[0]):
-        if jump[k, at.JUMP_AT] == t:
-            r = int(jump[k, at.JUMP_ROW])
-            jump[k, at.JUMP_IMPULSE] = -rows[PERCUSSION, r]
-            jump[k, at.JUMP_WORK] = -0.5 * rows[PERCUSSION, r] * (rows[BEFORE, r] + rows[AFTER, r])
-            m.course[at.JOLTS] += 1.0
+    while jumps_at(m, t):
+        k = int(m.course[at.JOLTS])
+        r = int(jump[k, at.JUMP_ROW])
+        jump[k, at.JUMP_IMPULSE] = -rows[PERCUSSION, r]
+        jump[k, at.JUMP_WORK] = -0.5 * rows[PERCUSSION, r] * (rows[BEFORE, r] + rows[AFTER, r])
+        m.course[at.JOLTS] += 1.0
 
 
 @compiled

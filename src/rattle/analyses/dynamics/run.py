@@ -118,7 +118,7 @@ class Run(ABC):
             arrays["port_work"] = np.zeros((len(self.system.joints), at.width("port_work")))
         peaks = peak_arrays(self.system, self.tableau, not self.wear)
         arrays |= passage_arrays(len(y), self.system.row_count, len(peaks["peaks"]))
-        arrays |= self.table.arrays(self.system)
+        arrays |= self.table.arrays
         arrays["course"] = step_state.course(self.loop, self.system.extent)
         return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
 
@@ -127,7 +127,7 @@ class Run(ABC):
 
         steps: 0 where only expressions of time may bend the curves.
         """
-        if not steps and not len(self.table.rows):
+        if not steps and not self.table.arrays:
             return {}
         rows = 0 if self.ports or self.wear else 2 * steps + 2
         return {"break_rows": np.zeros((rows, width(self.system))), "break_times": np.zeros(rows + 1)}
@@ -153,9 +153,11 @@ class Run(ABC):
     @property
     def jolts(self) -> list[Jolt]:
         """The jumps of drivers that are passed, with what they took."""
-        passed = self.workspace.driver_jump[: int(self.workspace.course[at.JOLTS])]
-        numbers = passed[:, [at.JUMP_IMPULSE, at.JUMP_WORK]].tolist()
-        return [Jolt(jump, *pair) for jump, pair in zip(self.table.jumps, numbers, strict=False)]
+        rows = self.workspace.driver_jump[: int(self.workspace.course[at.JOLTS])].tolist()
+        return [
+            Jolt(jump, row[at.JUMP_IMPULSE], row[at.JUMP_WORK])
+            for jump, row in zip(self.table.jumps, rows, strict=False)
+        ]
 
     def take_breaks(self) -> None:
         """Keep the rows that steps have written beside events, and make room for others."""

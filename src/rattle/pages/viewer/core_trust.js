@@ -222,8 +222,11 @@ function remarks(run, data, { drift, drift_angle, energy_share: share }) {
 function swiftLinks(run, data, { t, columns }) {
   const { links, drivers, bodies, limits, sentences: { sound: said } } = data.told, { m } = run;
   if (!t.length || !data.watched.length) return [];
-  const { code, timed, timed_sides: sides } = m.arrays, held = m.arrays.state.data.slice(), kept = code.data.slice();
-  timed.data.forEach((row, k) => { code.data[Number(row) * code.shape[1] + data.told.side] = sides.data[k]; });
+  const { code, timed, switchings } = m.arrays, T = data.at.timed, held = m.arrays.state.data.slice(), kept = code.data.slice();
+  for (let k = 0; k < timed.shape[0]; k++) {
+    const row = m.row(timed, k).data, first = m.row(switchings, Number(row[T.FIRST_FOUND])).data;
+    code.data[Number(row[T.OWN_CODE]) * code.shape[1] + data.told.side] = BigInt(first[data.at.switchings.SIDE_AFTER]);
+  }
   m.call("record", run.start, m.arrays.state, m.row(m.shaken, 0)); // the rates of drivers at the start
   code.data.set(kept);
   const extent = m.arrays.course.data[data.at.course.EXTENT], rates = drivers.map(({ slot, unit }) => Math.abs(m.arrays.values.data[slot + 1]) / (unit === "rad" ? 1 : extent));
