@@ -95,13 +95,49 @@ t_end = 1
 """
 
 
-def test_instants_of_a_pulse_are_known_in_a_page_and_what_moves_them_stays_as_it_is(tmp_path):
-    """v = F width / m for a pulse of a hundredth of the run: closed form.  Beyond the known instants no run goes."""
+def test_a_pulse_of_any_width_is_not_missed_in_a_page(tmp_path):
+    """v = F width / m for pulses of a hundredth of the run: closed form, beyond the end of the model too."""
     live = live_model(rt.loads(PULSE))
-    assert "instants" in live.fixed["width"]
-    run = computed(tmp_path, live)
-    assert run["columns"]["block.vx"][-1] == pytest.approx(0.25, rel=1e-9)
-    assert "known up to 1 s" in computed(tmp_path, live, t_end=2.0)["error"]
+    for t_end in (1.0, 2.0):
+        for run in computed(tmp_path, live, {}, {"width": 0.012}, t_end=t_end):
+            wanted = 100.0 * run["parameters"]["width"] / 2.0
+            assert run["columns"]["block.vx"][-1] == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "values"), [("excavator", 7.0, (2.1, 5.3)), ("scissor_lift", 11.0, (6.0, 17.0))]
+)
+def test_parameters_move_instants_of_expressions_of_time(name, end, values, tmp_path):
+    """The end of the stroke, of which T is the time: the same steps end there, beyond the end of the model too."""
+    live, m = program_of(name)
+    for run in computed(tmp_path, live, *({"T": value} for value in values), t_end=end):
+        r = simulated(m, run, end)
+        assert run["success"]
+        assert run["stats"]["steps"] == pytest.approx(r.stats["steps"], rel=0.03, abs=2)
+        assert apart(run, r, [name for name in run["names"] if name.endswith((".x", ".y", ".angle"))]) < 1e-9
+        assert apart(run, r) < 1e-6
+        assert [(event[1], event[2]) for event in run["events"]] == [(event.joint, event.kind) for event in r.events]
+
+
+KNOTS = """
+format = 1
+parameters = { late = 0.1, tooth = 0.1 }
+tables.push = { x = [0, "late", 1], y = [0, 2, 0] }
+ground.points = { O = [0, 0] }
+bodies.rod = { bar = ["A", "B"], length = 1.0, mass = 1.0 }
+joints.O = { type = "revolute", connect = ["ground.O", "rod.A"] }
+loads.hand = { type = "torque", body = "rod", torque = "push(t) + mod(t, tooth)" }
+simulate.t_end = 1
+"""
+
+
+def test_knots_of_tables_and_thousands_of_instants_follow_from_parameters(tmp_path):
+    m = rt.loads(KNOTS)
+    for run in computed(tmp_path, live_model(m), {"late": 0.37}, {"tooth": 0.0005}):
+        r = simulated(m, run)
+        assert run["success"]
+        assert run["stats"]["steps"] == r.stats["steps"]
+        assert apart(run, r, ["rod.x", "rod.angle", "rod.omega"]) < 1e-9
 
 
 def test_rates_that_are_not_given_are_those_of_the_mechanism_without_play(tmp_path):
@@ -305,12 +341,31 @@ def test_a_start_that_is_one_of_several_is_a_limit(tmp_path):
     assert "[initial] alone does not determine it" in turned["trust"]["limits"][0]
 
 
-def test_parameters_with_which_drivers_jump_otherwise_stay_as_they_are():
-    text = LOOP.replace('"1 + 2*t"', '"1 + 2*t + w*max(0, t - 0.5)"')
-    for own in (0.0, 1.0):
-        m = rt.loads(text.replace("[parameters]", f"[parameters]\nw = {own}"))
-        assert live_model(m).fixed["w"] == "jumps of drivers follow from it"
-        assert "rod" in live_model(m).parameters
+KICKED = LOOP.replace('"1 + 2*t"', '"1 + 2*t + w*max(0, t - late) + leap*step(t - late)"').replace(
+    "[parameters]", "[parameters]\nw = 0\nlate = 0.03\nleap = 0"
+)
+
+
+def test_jumps_of_drivers_follow_from_parameters(tmp_path):
+    """A jolt where the model has none, at any instant, and the words on it; who jumps in position is refused."""
+    m = rt.loads(KICKED)
+    live = live_model(m)
+    runs = computed(tmp_path, live, {"w": 1.5, "late": 0.02}, {"w": -0.7}, {"w": 1.0, "late": 0.09}, {}, t_end=0.05)
+    for run, jolts in zip(runs, (1, 1, 0, 0), strict=True):
+        r = simulated(m, run, 0.05)
+        assert run["stats"]["steps"] == r.stats["steps"]
+        assert apart(run, r) < 1e-6
+        assert [event[2] for event in run["events"]] == ["jolt"] * jolts
+        for event, wanted in zip(run["events"], r.events, strict=True):
+            numbers = wanted.t, wanted.normal_speed, wanted.impulse, wanted.energy_lost
+            assert [event[0], event[3], *event[6:]] == pytest.approx(numbers, rel=1e-9)
+        notes = [[note for note in said if "jumps in speed" in note] for said in (run["trust"]["notes"], r.trust.notes)]
+        assert notes[0] == notes[1]
+    error = computed(tmp_path, live, {"leap": 0.2}, t_end=0.05)["error"]
+    with pytest.raises(rt.ModelError) as refused:
+        m.set(leap=0.2).simulate(0.05)
+    assert error in str(refused.value)
+    assert "jumps by 0.2 rad at t = 0.03 s" in error
 
 
 def test_parameters_may_have_the_names_of_what_every_object_has(tmp_path):
@@ -320,14 +375,13 @@ def test_parameters_may_have_the_names_of_what_every_object_has(tmp_path):
     assert turned["parameters"] == {"constructor": 0.52}
 
 
-def test_instants_are_looked_for_beside_what_no_page_can_follow():
-    """The cam's radius cannot be recorded, which hides nothing of the others."""
+def test_what_no_page_can_follow_hides_nothing_of_other_parameters():
+    """The cam's radius cannot be recorded."""
     text = rt.example("cam_lift_off").to_toml().replace("[parameters]", "[parameters]\nlate = 0.01")
     kick = '\n[loads.kick]\ntype = "force"\nat = "follower.F"\nforce = [0, "1 if t > late else 0"]\n'
     live = live_model(rt.loads(text + kick))
     assert live.fixed["R"].startswith("only rattle itself")
-    assert live.fixed["late"].startswith("instants")
-    assert "speed" in live.parameters
+    assert {"late", "speed"} <= set(live.parameters)
 
 
 def test_a_run_of_more_steps_than_a_page_takes_says_so(tmp_path):

@@ -71,13 +71,13 @@ def timetable(system: System, start: float, end: float) -> Timetable:
     timed, edges = workspace.timed, workspace.edges
     names = [switch.name for switch in system.switches if switch.timed]
     lost = tuple(dict.fromkeys(names[n] for n in np.flatnonzero(timed[:, at.RESOLVED] == 0)))
-    jumps = workspace.driver_jump[np.isfinite(workspace.driver_jump[:, at.JUMP_AT])]
     used = int(timed[-1, at.END_FOUND])
+    rows = workspace.driver_jump[: used * len(workspace.driver_leap)]
     arrays = _arrays(system, used) | {
         "timed": timed.copy(), "switchings": workspace.switchings[:used].copy(), "edges": edges[: used + 2].copy(),
-        "driver_jump": jumps,
+        "driver_jump": rows.copy(),
     }  # fmt: skip
-    return Timetable(edges[1:][edges[1:] <= end], tuple(_jumps(system, jumps)), lost, arrays)
+    return Timetable(edges[1:][edges[1:] <= end], tuple(_jumps(system, rows)), lost, arrays)
 
 
 def _arrays(system: System, room: int) -> dict[str, np.ndarray]:
@@ -114,8 +114,9 @@ def _require_no_leap(system: System, leap: np.ndarray) -> None:
 def _jumps(system: System, rows: np.ndarray) -> Iterator[Jump]:
     """The rows of `driver_jump` in words."""
     names = list(system.model.drivers)
-    for t, row, _, _, size, d in rows.tolist():
-        yield Jump(t, names[int(d)], size, system.rows[int(row)].unit)
+    for row in rows[rows[:, at.JUMP_AT] < np.inf].tolist() if len(rows) else ():
+        unit = system.rows[int(row[at.JUMP_ROW])].unit
+        yield Jump(row[at.JUMP_AT], names[int(row[at.JUMP_DRIVER])], row[at.JUMP_SIZE], unit)
 
 
 def jolt_events(jolts: Sequence[Jolt]) -> list[Event]:

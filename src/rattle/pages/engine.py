@@ -20,6 +20,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from rattle.analyses import timetable
 from rattle.analyses.dynamics import run
 from rattle.elements.film_table import read_ratios
 from rattle.elements.long_film import long_peaks
@@ -33,13 +34,14 @@ from rattle.jit.functions import KernelFunction
 from rattle.jit.linking import Linked, link
 from rattle.jit.object_file import object_file
 from rattle.jit.wasm.engine import about, engine
-from rattle.solvers import run_loop
+from rattle.solvers import driver_jumps, run_loop
 from rattle.solvers.output_row import record
 from rattle.trace.library import QUICK, library_text
 from rattle.trace.machine_code import SOURCES
 
 BUILT = "engine.wasm.gz"  # in this folder
-NATIVES = {  # what a page calls: the functions that `analyses.dynamics` and `analyses.assembly` call for a run
+NATIVES = {  # what a page calls: the functions that `analyses` calls for a run and its start
+    "run.timetable": driver_jumps.find_timetable,
     "run.begin": run_loop.begin,
     "run.advance": run_loop.advance,
     "record": record,
@@ -63,7 +65,7 @@ STATUSES = {
     kept_values: ("MOVED", "NOT_FINITE"),
     start_near: ("TOO_FAR",),
 }
-SETTINGS = {run: ("CHUNK", "MOST_NUMBERS")}
+SETTINGS = {run: ("CHUNK", "MOST_NUMBERS"), timetable: ("MORE",)}
 
 
 def linked() -> Linked:

@@ -22,7 +22,6 @@ from rattle.analyses.dynamics.run import Run
 from rattle.analyses.dynamics.simulate import POINTS
 from rattle.analyses.dynamics.soundness import measures_of_rows
 from rattle.analyses.straight_line.recorded_arrays import RecordedArrays, Values, recorded_arrays
-from rattle.analyses.timetable import timetable
 from rattle.description.model import Parameter
 from rattle.description.read_parameters import chosen_parameters
 from rattle.equations.closure import open_by
@@ -119,7 +118,6 @@ def _settings(m: Mechanism, run: Run, t_end: float | None) -> dict[str, Any]:
     given = m.model.settings
     return {
         "interval": given.output, "outputs": POINTS, "end_given": t_end is not None,
-        "timed": any(switch.timed for switch in m.system.switches),
         "free": _is_free(m), "tightest": arguments.TIGHTEST, **_default_step(run),
         "step_given": given.step is not None, "atol_given": given.atol is not None, "most_steps": MOST_STEPS,
     }  # fmt: skip
@@ -150,12 +148,7 @@ def _changeable(m: Mechanism, run: Run) -> tuple[_Recorded, dict[str, str]]:
     fixed = {name: FOLLOWS for name in m.model.parameters if name not in asked}
     recorded = _recordable(m, run, asked, fixed)
     kept = recorded.arrays.names
-    for follow, why in (
-        (recorded.arrays.of_times, "instants at which expressions switch follow from it"),
-        (_jolting(m, run, kept), "jumps of drivers follow from it"),
-        (_structural(m, recorded.arrays), "it changes the form of the model"),
-    ):
-        fixed |= {name: why for name in follow if name not in fixed}
+    fixed |= dict.fromkeys(_structural(m, recorded.arrays), "it changes the form of the model")
     left = [name for name in kept if name not in fixed]
     return (recorded if len(left) == len(kept) else _recorded(m, run, left)), fixed
 
@@ -177,26 +170,6 @@ def _tried(parameter: Parameter) -> list[float]:
     """Values of a parameter at which something is looked at [SI]: some around its own, and its limits."""
     values = [parameter.value + share * (parameter.value or 1.0) for share in TRIED]
     return values + [x for x in (parameter.minimum, parameter.maximum) if x is not None]
-
-
-def _jolting(m: Mechanism, run: Run, names: Sequence[str]) -> Iterator[str]:
-    """Parameters with which drivers jump otherwise than in the model as it is written."""
-    if not any(switch.timed and switch.driving for switch in m.system.switches):
-        return
-    for name in names:
-        for value in _tried(m.model.parameters[name]):
-            try:
-                system = m.set({name: value}).system
-            except (ModelError, AssemblyError):
-                continue
-            try:
-                jumps = timetable(system, run.start.t, run.t_end).jumps
-            except ModelError:  # in position
-                yield name
-                break
-            if jumps != run.table.jumps:
-                yield name
-                break
 
 
 def _structural(m: Mechanism, arrays: RecordedArrays) -> Iterator[str]:
@@ -260,8 +233,15 @@ def _of_run(recorded: System, run: Run) -> Values:
         "measure": dict(enumerate(measures_of_rows(recorded))),
         "peaks": peaks,
         "held": {at.SIZE: recorded.size} if len(run.workspace.held) else {},
+        "driver_leap": _scales(recorded, run.workspace.driver_leap),
         "state": dict(enumerate(starts, state_layout(recorded).own_states.start)),
     }
+
+
+def _scales(recorded: System, leap: np.ndarray) -> dict[int, Any]:
+    """Lengths by which jumps of drivers in position are judged, by their places in `driver_leap`."""
+    lengths = (k for k, row in enumerate(leap) if recorded.rows[int(row[at.LEAP_ROW])].unit == "m")
+    return {k * leap.shape[1] + at.LEAP_SCALE: recorded.size for k in lengths}
 
 
 def _numbers(tree: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:

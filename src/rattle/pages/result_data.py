@@ -105,9 +105,6 @@ def result_data(
             "words": {name: dict(words) for name, joint in model.joints.items() if (words := joint.leaf.events)},
             "contacts": len(system.arrays["contact"]), "first_account": layout.account(0).start,
             "account": {"size": layout.account(0).stop - layout.account(0).start, "IMPULSE": IMPULSE, "LOSS": LOSS},
-            "jumps": [
-                {"t": jump.t, "joint": jump.driver, "size": jump.size, "unit": jump.unit} for jump in run.table.jumps
-            ],
             "rows": [[row.owner, row.unit] for row in system.rows], "watched": list(system.watched),
             "reactions": [titles[k] for k in np.flatnonzero(reaction_columns(system, record.units))],
             "extent": float(system.extent), "size": float(system.size), "notes": list(m.start.notes),
@@ -131,7 +128,8 @@ NEEDED = {  # columns of arrays of a run that become parts of a result
     "tally": ("DRIFT_ROW", "CONTACTS", "LEAPS", "SERIES", "LOST_ROWS"),
     "course": ("EXTENT", "JAMS", "FIRST_JAM", "MAY_PASS"),
     "held": ("LOCK_SHARE", "LOCK_AT", "LOCK_CONTACT", "OUTCOME"),
-    "driver_jump": ("JUMP_AT", "JUMP_IMPULSE", "JUMP_WORK"),
+    "driver_jump": ("JUMP_AT", "JUMP_IMPULSE", "JUMP_WORK", "JUMP_SIZE", "JUMP_DRIVER"),
+    "driver_leap": ("LEAP_COUNT", "LEAP_AT", "LEAP_SIZE"),
     "dry_memory": ("DRY_UNSURE", "DRY_LOCKS"),
     "contact": ("OWNER", "IMPACT", "LEVEL", "NORMAL_P", "FORCE_COLUMN", "JOINT_NORMAL"),
     "contact_kinematics": ("GAP", "DGAP"),
@@ -142,7 +140,7 @@ NEEDED = {  # columns of arrays of a run that become parts of a result
         *("OPEN_ANGLE", "OPENNESS", "OPEN_ROW", "UNREST", "UNREST_LIMIT", "CORRECTION", "SUNK"),
     ),
     "contact_memory": ("CLOSED", "SHUT", "SINCE", "SPEED", "PEAK", "IMPULSE_0", "LOSS_0", "UNSURE", "OPEN"),
-    "timed": ("OWN_CODE", "FIRST_FOUND"),
+    "timed": ("OWN_CODE", "RESOLVED", "FIRST_FOUND"),
     "switchings": ("SIDE_AFTER",),
     "passage": ("PASSED", "PASSED_AT", "PASSED_FROM", "PASSED_UNTIL"),
 }

@@ -94,7 +94,7 @@ def trust_data(run: Run, asked: str | None) -> dict[str, Any]:
         "choice": note_choice(system, asked, run.stepper),
         "unused": [*events.unused_notes(system.model), *law_faults(system.model)],
         "laws": list(_of_laws(system.model)),
-        "unresolved": times.unresolved_notes(run.table),
+        "timed": [switch.name for switch in system.switches if switch.timed],
         **_at_the_start(run),
         "dry": list(system.dry_joints),
         "rough": list(system.rough_joints),
@@ -146,7 +146,7 @@ def _at_the_start(run: Run) -> dict[str, Any]:
 
 def _driver(system: System, name: str) -> dict[str, Any]:
     unit = system.rows[system.first_row(name)].unit
-    return {"slot": system.driver_slot(name), "unit": unit}
+    return {"name": name, "slot": system.driver_slot(name), "unit": unit}
 
 
 def _link(model: Model, name: str) -> dict[str, Any]:

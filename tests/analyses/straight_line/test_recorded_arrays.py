@@ -99,27 +99,6 @@ def test_the_flag_is_false_where_a_part_appears() -> None:
     assert made.at(given) is None
 
 
-def test_instants_of_a_timetable_are_said_to_follow() -> None:
-    assert _recorded(rt.example("excavator")).of_times == ("T",)
-    assert _recorded(rt.example("fourbar")).of_times == ()
-
-
-KNOTS = """
-format = 1
-parameters = { late = 0.1, high = 2.0 }
-tables.push = { x = [0, "late", 1], y = [0, "high", 0] }
-ground.points = { O = [0, 0] }
-bodies.rod = { bar = ["A", "B"], length = 1.0, mass = 1.0 }
-joints.O = { type = "revolute", connect = ["ground.O", "rod.A"] }
-loads.hand = { type = "torque", body = "rod", torque = "push(t)" }
-"""
-
-
-def test_instants_follow_from_the_knots_of_a_table_of_time_not_from_its_values() -> None:
-    m = rt.loads(KNOTS)
-    assert _recorded(m).of_times == ("late",)
-
-
 def test_the_start_of_own_states_follows() -> None:
     m = rt.Mechanism("tank", gravity=[0, -9.81])
     m.parameter("level", 2.0).parameter("rate", 0.5).ground(O=[0, 0])

@@ -21,9 +21,7 @@ from rattle.description.read_parameters import chosen_parameters
 from rattle.description.read_values import LARGEST
 from rattle.equations.system import System, compile_system, length_of
 from rattle.errors import TraceError
-from rattle.language import bytecode
-from rattle.language.recorded import Recorded, bare, symbol_of
-from rattle.language.table_reading import KNOTS, PERIOD
+from rattle.language.recorded import Recorded, symbol_of
 from rattle.language.watched import Watch, Watched
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both
@@ -43,7 +41,6 @@ class RecordedArrays:
     facts: tuple[str, ...]  # numbers beside the arrays that follow: size, extent [m], settings of a run
     outputs: list[Any]  # entries, array after array, then facts
     holds: Any  # flag: with these inputs the model has the same form
-    of_times: tuple[str, ...]  # parameters from which the instants of a timetable follow, which are not recorded
 
     @property
     def operations(self) -> int:
@@ -104,7 +101,6 @@ def recorded_arrays(
     exact, (holds, *outputs) = lower(graph, [flag, *follow])
     return RecordedArrays(
         asked, exact, {name: where for name, (where, _) in places.items()}, tuple(facts), outputs, holds,
-        tuple(name for n, name in enumerate(asked) if graph.inputs[n] in _live(graph, _timed(recorded))),
     )  # fmt: skip
 
 
@@ -136,29 +132,6 @@ def _following(values: Values) -> Iterator[tuple[str, tuple[np.ndarray, list[Any
         where = [k for k, value in numbers.items() if isinstance(value, Recorded)]
         if where:
             yield name, (np.array(where, dtype=int), [symbol_of(numbers[k]) for k in where])
-
-
-def _timed(recorded: System) -> list[Any]:
-    """Symbols of the constants of expressions that switch at instants of time."""
-    code, const = recorded.arrays["code"], recorded.arrays["const"]
-    signals, found = recorded.signals, list[Any]()
-    for one in recorded.switches:
-        if one.timed:
-            used = signals.used([(one.first, one.last)])
-            spans = [(one.first, one.last), *((a, b) for a, b, k in signals.rows if k in used)]
-            rows = np.concatenate([code[a:b] for a, b in spans])
-            found += const[rows[rows[:, 0] == bytecode.CONST, 1]].tolist()
-            if np.isin(rows[:, 0], (bytecode.CURVE, bytecode.BENT)).any():
-                found += const.tolist()  # numbers of tables are among them
-            op, place = code[one.row, :2].tolist()
-            if op == bytecode.BENT:  # it switches at its knots
-                knots = place + KNOTS
-                found += const[place + PERIOD : knots + int(bare(const[place])) + 1].tolist()
-    return [symbol_of(x) for x in found if isinstance(x, Recorded)]
-
-
-def _live(graph: Graph, symbols: Sequence[Any]) -> set[int]:
-    return set(graph.live(symbols))
 
 
 def _require_alike(recorded: System, system: System) -> None:

@@ -44,23 +44,35 @@ const shapesOf = ({ arrays, times: [count], width, more = {} }) =>
 export class CoreRoom {
   constructor(engine, shapes) {
     const { module, about } = engine, calls = new WebAssembly.Instance(module, {}).exports, { memory } = calls;
-    Object.assign(this, { engine, about, calls, memory, end: Math.ceil(about.free / CELL) * CELL });
-    const needed = this.end + CELL * shapes.reduce((sum, shape) => sum + Math.max(sizeOf(shape), 1), 8);
+    Object.assign(this, { engine, about, calls, memory, end: Math.ceil(about.free / CELL) * CELL, arrays: [] });
+    this.reserve([[8], ...shapes]);
+    this.result = this.array([8]).at;
+  }
+
+  /** Room for further arrays. */
+  reserve(shapes) {
+    const { memory } = this, needed = this.end + CELL * shapes.reduce((sum, shape) => sum + Math.max(sizeOf(shape), 1), 0);
     try {
       memory.grow(Math.max(0, Math.ceil((needed - memory.buffer.byteLength) / 65536)));
     } catch {
       throw new CoreError("failed", `the run needs ${Math.ceil(needed / 2 ** 20)} MB, more than the browser gives`);
     }
-    this.result = this.array([8]).at;
     this.word = new DataView(memory.buffer);
+    for (const one of this.arrays) one.data = this.numbers(one); // memory that grows is taken from all views
+  }
+
+  numbers({ at, shape, kind }) {
+    const { buffer } = this.memory, size = sizeOf(shape);
+    return kind[0] === "f" ? new Float64Array(buffer, at, size) : new BigInt64Array(buffer, at, size);
   }
 
   /** A new array; offset: of its numbers in the content, or -1. */
   array(shape, kind = "f1", content = null, offset = -1) {
-    const at = this.end, size = sizeOf(shape), { buffer } = this.memory;
-    this.end += CELL * Math.max(size, 1);
-    if (offset >= 0) new Uint8Array(buffer, at, CELL * size).set(content.subarray(offset, offset + CELL * size));
-    return { at, shape, data: kind[0] === "f" ? new Float64Array(buffer, at, size) : new BigInt64Array(buffer, at, size) };
+    const made = { at: this.end, shape, kind }, bytes = CELL * sizeOf(shape);
+    this.end += Math.max(bytes, CELL);
+    if (offset >= 0) new Uint8Array(this.memory.buffer, made.at, bytes).set(content.subarray(offset, offset + bytes));
+    this.arrays.push(made);
+    return Object.assign(made, { data: this.numbers(made) });
   }
 
   /** Call a kernel with numbers, arrays and workspaces; returns its first result. */
@@ -95,15 +107,28 @@ export class CoreMemory {
       throw new CoreError("version", "the model was written by another version of rattle than its engine");
     Object.assign(this, { room, about, arrays: {}, table: room.array([3 * arrays.length], "i1") });
     about.arrays.forEach(([name, kind], k) => {
-      const array = room.array(arrays[k].slice(0, -1), kind, content, arrays[k].at(-1)), { at, shape, data } = array;
-      this.arrays[name] = array;
-      this.table.data.set([at, shape[0], shape.at(-1)].map(BigInt), 3 * k); // as a handle of `rattle.jit.workspace` has it
+      const { data } = this.arrays[name] = room.array(arrays[k].slice(0, -1), kind, content, arrays[k].at(-1));
+      this.announce(name, k);
       if (name.endsWith("_table")) data.forEach((_, n) => { data[n] = BigInt(this.numberOf(tables[name]?.[n], name)); });
     });
     for (const [name, [kind, offset, ...shape]] of Object.entries(more)) this[name] = room.array(shape, kind, content, offset); // no part of a workspace
     this.times = room.array([count], "f1", content, stored);
     if (stored < 0) this.times.data.forEach((_, k, every) => { every[k] = k === count - 1 ? last : k * (last / (count - 1)); });
     this.rows = room.array([count, width], "f2");
+  }
+
+  // tell the kernels where an array is, as a handle of `rattle.jit.workspace` has it
+  announce(name, k) {
+    const { at, shape } = this.arrays[name];
+    this.table.data.set([at, shape[0], shape.at(-1)].map(BigInt), 3 * k);
+  }
+
+  /** Give arrays another number of rows, which are zero. */
+  enlarge(rows) {
+    const { room, about, arrays } = this, shapes = Object.entries(rows).map(([name, count]) => [name, [count, ...arrays[name].shape.slice(1)]]);
+    room.reserve(shapes.map(([, shape]) => shape));
+    for (const [name, shape] of shapes) arrays[name] = room.array(shape, arrays[name].kind);
+    about.arrays.forEach(([name], k) => this.announce(name, k));
   }
 
   // what stands for a kernel in a table; for none, what fails and says the family

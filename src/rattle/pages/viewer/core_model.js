@@ -8,6 +8,7 @@ import { general, trusted } from "./trust_words.js";
 import { StartFinder } from "./core_start.js";
 import { agreement } from "./core_horizon.js";
 import { curves, resultOf } from "./core_result.js";
+import { leapsOf } from "./core_trust.js";
 import { functionsByName } from "./tape.js";
 
 const MOST_BESIDE = 400_000; // numbers beside events that a page keeps of a run
@@ -91,8 +92,6 @@ class ModelRun {
     const count = Math.min(most, Math.max(1, Math.round(interval ? end / interval : data.settings.outputs)));
     if (!(rtol >= data.settings.tightest && rtol < 1)) throw new Error(`rtol = ${general(rtol)}: expected ${general(data.settings.tightest)} or more, and less than 1`);
     if (!(end > 0 && end < Infinity)) throw new Error("the end of the motion must be after its start");
-    if (data.settings.timed && end > run.end)
-      throw new Error(`instants at which expressions of time switch are known up to ${general(run.end)} s only: choose an end up to there`);
     const changed = end !== run.end || count + 1 !== run.times[0];
     const longest = step ?? (data.settings.step_given ? facts.step ?? run.step : run.step && Math.min(data.settings.longest, end / data.settings.fewest));
     const atol = data.settings.atol_given ? (facts.atol ?? run.atol) * share : (run.atol / run.rtol) * rtol;
@@ -105,6 +104,9 @@ class ModelRun {
       state.set(start.q);
       state.set(start.v, start.q.length);
     }
+    core.findTimetable();
+    const leaps = leapsOf(core, data.result);
+    if (leaps.length) throw new Error(leaps.join("; "));
     return core;
   }
 

@@ -12,6 +12,15 @@ export class CoreRun {
     this.status = null; // before the start
   }
 
+  /** Find when expressions of time switch and drivers jump, with the numbers that the workspace holds. */
+  findTimetable() {
+    const { m } = this;
+    for (let needed; (needed = m.call("run.timetable", this.start, this.end)) > 0;) {
+      const room = this.N.MORE * needed;
+      m.enlarge({ switchings: room, edges: room + 2, driver_jump: room * m.arrays.driver_leap.shape[0] });
+    }
+  }
+
   get t() { return this.m.arrays.clock.data[this.N.T]; }
   tally(name) { return Number(this.m.arrays.tally.data[this.N[name]]); }
   get done() { return this.status !== null && (this.status !== this.N.PAUSED || this.tally("STEPS") >= this.mostSteps); }

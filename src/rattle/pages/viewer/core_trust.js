@@ -110,7 +110,7 @@ function notesOf(run, data, p, result, trust, message, grips) {
   const held = told.dry.filter((_, k) => run.m.row(run.m.arrays.dry_memory, k).data[data.at.dry_memory.DRY_UNSURE] === 1);
   return [
     ...data.notes.map(written), ...singular, ...told.choice, ...told.unused.map(written), ...gains(result, told), ...laws(result, told, written),
-    ...oilNotes(result, told, written), ...joltNotes(run, data), ...told.unresolved,
+    ...oilNotes(result, told, written), ...joltNotes(run, data), ...unresolved(run, data),
     ...(run.kept > run.N.MOST_NUMBERS ? [said.report.many_breaks] : []),
     ...peakNotes(run, data, trust), ...(message ? [] : remarks(run, data, trust)),
     ...(told.method.adaptive && run.rtol > data.loose ? [fill(said.sound.loose, { rtol: run.rtol })] : []),
@@ -194,9 +194,24 @@ function joltNotes(run, data) {
 export function joltsOf(run, data) {
   const { driver_jump: jumps } = run.m.arrays, J = data.at.driver_jump;
   return run.jolts.map((_, k) => {
-    const row = run.m.row(jumps, k).data, { joint: driver, size, unit } = data.jumps[k] ?? { joint: `row ${row[1]}`, size: NaN, unit: "rad" };
-    return { t: row[J.JUMP_AT], driver, size, unit, impulse: row[J.JUMP_IMPULSE], work: row[J.JUMP_WORK] };
+    const row = run.m.row(jumps, k).data, { name: driver, unit } = data.told.drivers[row[J.JUMP_DRIVER]];
+    return { t: row[J.JUMP_AT], driver, size: row[J.JUMP_SIZE], unit, impulse: row[J.JUMP_IMPULSE], work: row[J.JUMP_WORK] };
   });
+}
+
+/** What is said of drivers that jump in position, where a run is refused: analyses/timetable.py. */
+export function leapsOf({ m }, { at: { driver_leap: L }, told: { drivers, sentences } }) {
+  return Array.from({ length: m.arrays.driver_leap.shape[0] }, (_, d) => d).flatMap((d) => {
+    const row = m.row(m.arrays.driver_leap, d).data, { name: driver, unit } = drivers[d], count = row[L.LEAP_COUNT];
+    const more = count > 1 ? ` (and ${count - 1} more times)` : "";
+    return count ? [fill(sentences.jolt.leap, { driver, unit, size: row[L.LEAP_SIZE], t: row[L.LEAP_AT], more })] : [];
+  });
+}
+
+// expressions with too many instants to follow
+function unresolved({ m }, { at: { timed: T }, told: { timed, sentences } }) {
+  const lost = timed.filter((_, k) => Number(m.row(m.arrays.timed, k).data[T.RESOLVED]) === 0);
+  return [...new Set(lost)].map((name) => fill(sentences.jolt.unresolved, { name }));
 }
 
 function peakNotes(run, data, { impact_count: impacts }) {
