@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.arguments import TIGHTEST
+from rattle.analyses.timetable import MORE
 from rattle.equations.kept_values import MOVED, NOT_FINITE
 from rattle.equations.motion import DONE, PAUSED
 from rattle.equations.start_near import TOO_FAR
@@ -30,14 +31,17 @@ from rattle.trace.graph import Graph
 
 ROOM = 128  # rows of what steps leave, of which one is taken at a time
 LEFT_BY_STEPS = ("events", "crossings", "break_rows")
+INSTANTS = 64  # rows for those of expressions of time, at least
 # arrays and columns that the sources use by name
 USED = (
     *("state", "clock", "tally", "course", "contact_memory", "break_times", "rows", "contact_kinematics"),
+    *("timed", "driver_leap"),
     *(f"start_{name}" for name in ("q", "v", "before", "least", "constants")),
 )
 COLUMNS = {
     "clock": ("T",), "tally": ("FOUND", "EVENT_COUNT", "OUTPUTS"), "course": ("PIECE",),
     "contact_memory": ("CLOSED",), "rows": ("RES",), "contact_kinematics": ("GAP",),
+    "driver_leap": ("LEAP_COUNT", "LEAP_SIZE", "LEAP_AT"),
 }  # fmt: skip
 STATUSES = {"PAUSED": PAUSED, "DONE": DONE, "MOVED": MOVED, "NOT_FINITE": NOT_FINITE, "TOO_FAR": TOO_FAR}
 ENERGIES = ("kinetic", "potential", "work", "balance")
@@ -131,7 +135,6 @@ class ModelInC:
             "STARTS": len(self.starts), "SYSTEMS": len(self.systems),
             "MOST_NUMBERS": 1 + max(len(one["counts"]) for one in self.systems),
             "MOST_CONSTANTS": max(self._constants(k) for k in range(len(self.systems))),
-            "TIMED": int(data["settings"]["timed"]),
             **{key.upper(): result["names"].index(f"energy.{key}") for key in ENERGIES},
             **{name.upper(): order.index(name) for name in USED},
             **{f"{array}_{name}".upper(): getattr(at, name) for array, names in COLUMNS.items() for name in names},
@@ -152,7 +155,7 @@ class ModelInC:
         if run["step"] and not about["step_given"]:
             longest = f"fmin({c.number(about['longest'])}, m->end / {c.number(about['fewest'])})"
         return {
-            "SMALLEST_TOLERANCE": c.number(TIGHTEST), "TOLERANCE": "0.0", "WRITTEN_END": end,
+            "SMALLEST_TOLERANCE": c.number(TIGHTEST), "TOLERANCE": "0.0",
             "T_END": end if about["end_given"] else facts.get("t_end", end),
             "RTOL": facts.get("rtol", c.number(run["rtol"])),
             "ATOL": atol if about["atol_given"] else f"({c.number(run['atol'] / run['rtol'])} * m->rtol)",
@@ -168,9 +171,14 @@ class ModelInC:
             yield _list(f"const uint64_t content_{number}[]", (f"UINT64_C({x:#x})" for x in words))
         else:  # that of all systems of the start
             yield f"#define content_{number} content_1"
-        for name, (*shape, stored) in zip(ARRAYS, description["arrays"], strict=True):
+        every = dict(zip(ARRAYS, description["arrays"], strict=True))
+        room = max(MORE * every["switchings"][0], INSTANTS)
+        found = {"switchings": room, "edges": room + 2, "driver_jump": room * every["driver_leap"][0]}
+        for name, (*shape, stored) in every.items():
             if name in LEFT_BY_STEPS:
                 shape[0] = min(shape[0], ROOM)
+            if name in found and every["timed"][0]:
+                shape[0], stored = found[name], -1
             size, called = math.prod(shape), "NULL"
             if name in tables:
                 called = f"kernels_{number}_{name}"
@@ -246,6 +254,8 @@ class ModelInC:
             keys = ("system", "ideal", "loose", "shut", "every", "counting")
             starts.append(f"{{{', '.join(str(one[key]) for key in keys)}, {len(rows)}, rows_{k}}}")
         yield _list("const Start starts[]", starts)
+        drivers = [one["name"] for one in self.result["told"]["drivers"]] or [""]
+        yield _list("const char *const drivers[]", map(json.dumps, drivers))
         yield _list("const char *const contacts[]", (json.dumps(name) for name in self.starts[0]["contacts"] or [""]))
 
 

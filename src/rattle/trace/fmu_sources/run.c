@@ -156,6 +156,25 @@ static fmi3Status enter_numbers(Mechanism *m) {
     return fmi3OK;
 }
 
+/* when expressions of time switch, and drivers jump */
+static fmi3Status find_instants(Mechanism *m) {
+    int64_t *const table = m->tables[0], needed;
+    const double *leap = numbers(table, DRIVER_LEAP);
+    int k;
+    if (rattle_run_timetable(&needed, table, 0.0, m->end)) return say(m, fmi3Error, "%s", told);
+    if (needed > 0) {
+        return say(m, fmi3Error, "expressions of time switch more often up to %g s than the model has room for: write it "
+                   "with that end, rattle code FILE --t-end TIME", m->end);
+    }
+    for (k = 0; k < rows(table, DRIVER_LEAP); k++, leap += columns(table, DRIVER_LEAP)) {
+        if (leap[DRIVER_LEAP_LEAP_COUNT] > 0.0) {
+            return say(m, fmi3Error, "driver '%s' jumps by %.6g at t = %.9g s: no body can follow", drivers[k],
+                       leap[DRIVER_LEAP_LEAP_SIZE], leap[DRIVER_LEAP_LEAP_AT]);
+        }
+    }
+    return fmi3OK;
+}
+
 static fmi3Status begin(Mechanism *m) {
     double *const state = numbers(m->tables[0], STATE);
     int64_t status;
@@ -166,6 +185,7 @@ static fmi3Status begin(Mechanism *m) {
     if (starts[0].counting >= 0) copy_written(starts[0].counting, START_CONSTANTS, m->constants);
     if (memcmp(m->p, nominal, sizeof(double) * NP) != 0 && find_start(m, state) != fmi3OK) return fmi3Error;
     if (enter_numbers(m) != fmi3OK) return fmi3Error;
+    if (find_instants(m) != fmi3OK) return fmi3Error;
     m->t = m->target = 0.0;
     if (rattle_run_begin(&status, m->tables[0], 0.0, m->end, m->rtol, m->atol, m->longest, &m->target, 1, m->row, 1, WIDTH)) {
         return say(m, fmi3Error, "%s", told);
@@ -193,9 +213,9 @@ static fmi3Status stop_at_event(Mechanism *m) {
 /* to an instant, or, where that is allowed, to an event before it */
 static fmi3Status advance(Mechanism *m, double until, bool may_stop) {
     const int64_t *const tally = wholes(m->tables[0], TALLY);
-    if (TIMED && until > WRITTEN_END) {
-        return say(m, fmi3Error, "instants at which expressions of time switch are known up to %g s only: write the "
-                   "model with a later end, rattle code FILE --t-end TIME", WRITTEN_END);
+    if (until > m->end && rows(m->tables[0], TIMED) > 0) {
+        return say(m, fmi3Error, "instants at which expressions of time switch were looked for up to %g s only: tell a "
+                   "later stop time", m->end);
     }
     m->target = until;
     if (until > m->end) m->end = until;
