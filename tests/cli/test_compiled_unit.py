@@ -184,6 +184,14 @@ def test_communication_points_change_nothing(opened):
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-12, atol=1e-15)
 
 
+def test_energies_are_compared_with_those_between_communication_points_too(opened):
+    """The door is at rest at both."""
+    unit = opened("door_closer")
+    unit.begin(stopTime=5.0)
+    unit.fmu.doStep(0.0, 3.0)
+    assert unit.said == []
+
+
 # ---------------------------------------------------------------- refused
 def test_what_has_no_start_or_another_form_is_an_error_with_its_reason(opened):
     failed = pytest.importorskip("fmpy.fmi1").FMICallException

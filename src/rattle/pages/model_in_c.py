@@ -34,7 +34,7 @@ LEFT_BY_STEPS = ("events", "crossings", "break_rows")
 INSTANTS = 64  # rows for those of expressions of time, at least
 # arrays and columns that the sources use by name
 USED = (
-    *("state", "clock", "tally", "course", "contact_memory", "break_times", "rows", "contact_kinematics"),
+    *("state", "clock", "tally", "course", "contact_memory", "break_times", "rows", "contact_kinematics", "audit"),
     *("timed", "driver_leap"),
     *(f"start_{name}" for name in ("q", "v", "before", "least", "constants")),
 )
@@ -42,9 +42,9 @@ COLUMNS = {
     "clock": ("T",), "tally": ("FOUND", "EVENT_COUNT", "OUTPUTS"), "course": ("PIECE",),
     "contact_memory": ("CLOSED",), "rows": ("RES",), "contact_kinematics": ("GAP",),
     "driver_leap": ("LEAP_COUNT", "LEAP_SIZE", "LEAP_AT"),
+    "audit": ("FLOOR", "MOST_KINETIC", "MOST_WORK", "LEAST_POTENTIAL", "MOST_POTENTIAL", "MOST_UNREST"),
 }  # fmt: skip
 STATUSES = {"PAUSED": PAUSED, "DONE": DONE, "MOVED": MOVED, "NOT_FINITE": NOT_FINITE, "TOO_FAR": TOO_FAR}
-ENERGIES = ("kinetic", "potential", "work", "balance")
 TYPES = """#include <stdbool.h>
 #define RATTLE_HIDDEN __attribute__((visibility("hidden")))
 
@@ -135,7 +135,6 @@ class ModelInC:
             "STARTS": len(self.starts), "SYSTEMS": len(self.systems),
             "MOST_NUMBERS": 1 + max(len(one["counts"]) for one in self.systems),
             "MOST_CONSTANTS": max(self._constants(k) for k in range(len(self.systems))),
-            **{key.upper(): result["names"].index(f"energy.{key}") for key in ENERGIES},
             **{name.upper(): order.index(name) for name in USED},
             **{f"{array}_{name}".upper(): getattr(at, name) for array, names in COLUMNS.items() for name in names},
             **STATUSES,

@@ -30,7 +30,7 @@ FMI(fmi3Status, fmi3ExitInitializationMode)(fmi3Instance instance) {
     Mechanism *m = instance;
     REQUIRE(INITIALIZING, "fmi3ExitInitializationMode");
     if (!m->begun && begin(m) != fmi3OK) return fmi3Error;
-    if (!m->exchange && audit(m, m->y[WORK]) != fmi3OK) return fmi3Error;
+    if (!m->exchange && audit(m) != fmi3OK) return fmi3Error;
     m->mode = m->exchange ? EVENTS : STEPPING;
     return fmi3OK;
 }
@@ -222,7 +222,7 @@ FMI(fmi3Status, fmi3DoStep)(
     if (check_step(m, currentCommunicationPoint, communicationStepSize) != fmi3OK) return fmi3Error;
     status = advance(m, currentCommunicationPoint + communicationStepSize);
     *lastSuccessfulTime = m->t;
-    return status == fmi3OK ? audit(m, m->y[WORK]) : status;
+    return status == fmi3OK ? audit(m) : status;
 }
 
 #define MORE 0

@@ -1,8 +1,6 @@
 /* What an instance of every model says and checks.  Before it stands `Mechanism`, with EVERY_INSTANCE. */
 #include <stdarg.h>
 
-static fmi3Status need_curves(Mechanism *m);
-
 static fmi3Status say(Mechanism *m, fmi3Status status, const char *format, ...) {
     char text[600];
     va_list given;
@@ -39,24 +37,6 @@ static fmi3Status check_limits(Mechanism *m) {
     return fmi3OK;
 }
 #endif
-
-/* a warning, once, where the energy error is above 0.1 % of the largest energy; work: done since the start [J] */
-static fmi3Status audit(Mechanism *m, double work) {
-    double largest, rounding;
-    if (need_curves(m) != fmi3OK) return fmi3Error;
-    const double kinetic = m->curves[KINETIC], potential = m->curves[POTENTIAL], balance = m->curves[BALANCE];
-    m->kinetic = fmax(m->kinetic, kinetic);
-    m->lowest = fmin(m->lowest, potential);
-    m->highest = fmax(m->highest, potential);
-    m->work = fmax(m->work, fabs(work));
-    largest = fmax(fmax(m->kinetic, m->work), m->highest - m->lowest);
-    rounding = 1e-12 * (m->kinetic + m->work + fmax(fabs(m->lowest), fabs(m->highest)));
-    if (m->warned || fabs(balance) <= 1e-3 * largest + rounding) return fmi3OK;
-    m->warned = true;
-    return say(m, fmi3Warning,
-               "t = %g s: energy error %g J, above 0.1 %% of the largest energy: give a smaller relative tolerance",
-               m->t, fabs(balance));
-}
 
 static fmi3Status lacks(fmi3Instance instance, const char *what) {
     return say(instance, fmi3Error, "this model has no %s, as its description says", what);

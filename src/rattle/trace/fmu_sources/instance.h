@@ -11,8 +11,7 @@ typedef enum { INSTANTIATED = 1, INITIALIZING = 2, EVENTS = 4, CONTINUOUS = 8, S
     fmi3LogMessageCallback log;                                                                                       \
     double tolerance;                      /* relative one of a step of co-simulation */                              \
     double t, curves[NO];                  /* [SI] */                                                                 \
-    double p[NP + 1];                      /* parameters [SI] */                                                      \
-    double kinetic, work, lowest, highest; /* largest energies so far, range of the potential one [J] */
+    double p[NP + 1];                      /* parameters [SI] */
 
 #define REQUIRE(modes, name)                                                                                          \
     if (!(m->mode & (modes))) return say(m, fmi3Error, name " was called in a mode in which it is not allowed")

@@ -20,6 +20,7 @@ typedef struct {
     double y[NY], dy[NY];                /* [SI] */
     double following[ND + 1];            /* parameters that follow from others [SI] */
     double energy;                       /* at the start [J] */
+    double kinetic, work, lowest, highest; /* largest energies so far, range of the potential one [J] */
     double in[1 + NY + NC];              /* arguments of the recorded functions: t, y, what parameters determine */
 } Mechanism;
 
@@ -73,6 +74,24 @@ static fmi3Status need_curves(Mechanism *m) {
         m->curves_known = true;
     }
     return fmi3OK;
+}
+
+/* a warning, once, where the energy error is above 0.1 % of the largest energy */
+static fmi3Status audit(Mechanism *m) {
+    double largest, rounding;
+    if (need_curves(m) != fmi3OK) return fmi3Error;
+    const double kinetic = m->curves[KINETIC], potential = m->curves[POTENTIAL], balance = m->curves[BALANCE];
+    m->kinetic = fmax(m->kinetic, kinetic);
+    m->lowest = fmin(m->lowest, potential);
+    m->highest = fmax(m->highest, potential);
+    m->work = fmax(m->work, fabs(m->y[WORK]));
+    largest = fmax(fmax(m->kinetic, m->work), m->highest - m->lowest);
+    rounding = 1e-12 * (m->kinetic + m->work + fmax(fabs(m->lowest), fabs(m->highest)));
+    if (m->warned || fabs(balance) <= 1e-3 * largest + rounding) return fmi3OK;
+    m->warned = true;
+    return say(m, fmi3Warning,
+               "t = %g s: energy error %g J, above 0.1 %% of the largest energy: give a smaller relative tolerance",
+               m->t, fabs(balance));
 }
 
 /* ---------------------------------------------------------------- the start */

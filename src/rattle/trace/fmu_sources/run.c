@@ -52,9 +52,7 @@ static void clear(Mechanism *m) {
     int k;
     m->mode = INSTANTIATED;
     m->begun = m->warned = m->curves_known = m->event_ahead = false;
-    m->t = m->kinetic = m->work = 0.0;
-    m->lowest = INFINITY;
-    m->highest = -INFINITY;
+    m->t = 0.0;
     m->tolerance = TOLERANCE;
     m->asked_end = 0.0;
     memcpy(m->p, nominal, sizeof m->p);
@@ -232,6 +230,18 @@ static fmi3Status advance(Mechanism *m, double until, bool may_stop) {
         }
         if (m->event_ahead && may_stop) return stop_at_event(m);
     }
+}
+
+/* a warning, once, where the energy error is above 0.1 % of the largest energy, see `solvers/step_audit.py` */
+static fmi3Status audit(Mechanism *m) {
+    const double *const seen = numbers(m->tables[0], AUDIT), error = seen[AUDIT_MOST_UNREST];
+    const double moved = fmax(seen[AUDIT_MOST_KINETIC], seen[AUDIT_MOST_WORK]);
+    const double largest = fmax(moved, seen[AUDIT_MOST_POTENTIAL] - seen[AUDIT_LEAST_POTENTIAL]) + seen[AUDIT_FLOOR];
+    if (m->warned || error <= 1e-3 * largest) return fmi3OK;
+    m->warned = true;
+    return say(m, fmi3Warning,
+               "t = %g s: energy error %g J, above 0.1 %% of the largest energy: a smaller tolerance or step reduces it",
+               m->t, error);
 }
 
 /* ---------------------------------------------------------------- curves */
