@@ -43,6 +43,12 @@ O = { offset = [0, 0] }
 t_end = "15 ms"
 output = "0.1 ms"
 """
+TURNED = f"""{PIN}
+[loads.push]
+type = "force"
+at = "pin.P"
+force = ["3 N * (1 - 2*step(t - 4 ms))", 0]
+"""
 EVENTS = {"eventModeUsed": True, "earlyReturnAllowed": True}
 
 
@@ -77,7 +83,8 @@ def opened(written):
 def model(name):
     if name == "wide":  # it can be told lengths that fit nowhere
         return rt.example("fourbar_onesided").set({"parameters.l2.max": 10.0})
-    return rt.loads(PIN) if name == "pin" else rt.example(name)
+    texts = {"pin": PIN, "turned": TURNED}
+    return rt.loads(texts[name]) if name in texts else rt.example(name)
 
 
 def events_of(unit, end, step):
@@ -190,6 +197,37 @@ def test_energies_are_compared_with_those_between_communication_points_too(opene
     unit.begin(stopTime=5.0)
     unit.fmu.doStep(0.0, 3.0)
     assert unit.said == []
+
+
+def test_an_event_at_a_communication_point_is_told_there(opened):
+    """Without a step of no length after it."""
+    unit = opened("woodpecker", **EVENTS)
+    unit.begin(stopTime=1.0)
+    times = [t for t in events_of(unit, 0.2, 0.2) if t <= 0.2]
+    unit = opened("woodpecker", **EVENTS)
+    unit.begin(stopTime=1.0)
+    unit.fmu.enterStepMode()
+    t = 0.0
+    for event in times:
+        while t < event:  # a sum of a point and a step is rounded
+            needed, _, _, after = unit.fmu.doStep(t, event - t)
+            assert after > t
+            t = after
+        assert needed
+
+
+@pytest.mark.parametrize(("name", "end"), [("turned", 0.015), ("drawer", 1.0)])
+def test_sums_of_communication_steps_go_on_to_the_end(name, end, opened):
+    """They are rounded, and no step of a run is that short; expressions of time switch up to the end as written."""
+    last = model(name).simulate(t_eval=[0.0, end])
+    unit = opened(name)
+    unit.begin(stopTime=end)
+    unit.fmu.doStep(0.0, end)
+    for share in (2.0**-52, 1e-15, 1e-13):
+        unit.fmu.doStep(unit.get("t")[0], share * end)
+    assert unit.get("t")[0] > end
+    name = next(name for name in last.names if name.endswith(".x"))
+    assert unit.get(name) == pytest.approx([last[name][-1]], rel=1e-9, abs=1e-12)
 
 
 # ---------------------------------------------------------------- refused

@@ -92,10 +92,10 @@ FMI(fmi3Status, fmi3DoStep)(
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = false;
     *lastSuccessfulTime = m->t;
     if (check_step(m, currentCommunicationPoint, communicationStepSize) != fmi3OK) return fmi3Error;
-    status = advance(m, until, m->events && m->early);
+    status = advance(m, until, m->events && m->early, eventHandlingNeeded);
     *lastSuccessfulTime = m->t;
     if (status != fmi3OK) return status;
-    *earlyReturn = *eventHandlingNeeded = m->t < until;
+    *earlyReturn = m->t < until;
     return audit(m);
 }
 

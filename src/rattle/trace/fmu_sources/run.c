@@ -202,34 +202,35 @@ static fmi3Status begin(Mechanism *m) {
 }
 
 /* ---------------------------------------------------------------- steps */
-static fmi3Status stop_at_event(Mechanism *m) {
-    m->event_ahead = m->curves_known = false;
-    m->t = now(m);
-    return record_here(m);
-}
+/* whether an instant is reached, but for what a sum of communication steps is rounded by: no step is so short */
+static bool reached(Mechanism *m, double until) { return now(m) >= until - 1e-14 * until; }
 
-/* to an instant, or, where that is allowed, to an event before it */
-static fmi3Status advance(Mechanism *m, double until, bool may_stop) {
-    const int64_t *const tally = wholes(m->tables[0], TALLY);
-    if (until > m->end && rows(m->tables[0], TIMED) > 0) {
+/* to an instant, or, where that is allowed, to an event before it or there */
+static fmi3Status advance(Mechanism *m, double until, bool may_stop, bool *event) {
+    int64_t *const tally = wholes(m->tables[0], TALLY);
+    if (until > (1.0 + 1e-9) * m->end && rows(m->tables[0], TIMED) > 0) { /* a sum of communication steps is rounded */
         return say(m, fmi3Error, "instants at which expressions of time switch were looked for up to %g s only: tell a "
                    "later stop time", m->end);
     }
     m->target = until;
+    m->curves_known = false;
     if (until > m->end) m->end = until;
-    if (now(m) >= until) go_back(m); /* the last step went beyond it */
-    else if (m->event_ahead && may_stop) return stop_at_event(m);
+    if (now(m) > until || (now(m) == until && !(m->event_ahead && may_stop))) { /* the last step is taken again */
+        go_back(m);
+        m->event_ahead = false;
+    }
+    tally[TALLY_OUTPUTS] = 0;
     for (;;) {
+        *event = m->event_ahead && may_stop && now(m) <= until;
+        if (*event || tally[TALLY_OUTPUTS] > 0 || reached(m, until)) break;
         if (step(m) != fmi3OK) return fmi3Error;
         m->event_ahead = met_event(m);
         forget_events(m);
-        m->curves_known = false;
-        if (tally[TALLY_OUTPUTS] > 0 || now(m) >= until) {
-            m->t = until;
-            return tally[TALLY_OUTPUTS] > 0 ? fmi3OK : record_here(m);
-        }
-        if (m->event_ahead && may_stop) return stop_at_event(m);
     }
+    m->t = *event && !reached(m, until) ? now(m) : until;
+    if (!*event && tally[TALLY_OUTPUTS] > 0) return fmi3OK;
+    if (*event) m->event_ahead = false;
+    return record_here(m);
 }
 
 /* a warning, once, where the energy error is above 0.1 % of the largest energy, see `solvers/step_audit.py` */
