@@ -191,14 +191,6 @@ def test_communication_points_change_nothing(opened):
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-12, atol=1e-15)
 
 
-def test_energies_are_compared_with_those_between_communication_points_too(opened):
-    """The door is at rest at both."""
-    unit = opened("door_closer")
-    unit.begin(stopTime=5.0)
-    unit.fmu.doStep(0.0, 3.0)
-    assert unit.said == []
-
-
 def test_an_event_at_a_communication_point_is_told_there(opened):
     """Without a step of no length after it."""
     unit = opened("woodpecker", **EVENTS)
@@ -228,6 +220,33 @@ def test_sums_of_communication_steps_go_on_to_the_end(name, end, opened):
     assert unit.get("t")[0] > end
     name = next(name for name in last.names if name.endswith(".x"))
     assert unit.get(name) == pytest.approx([last[name][-1]], rel=1e-9, abs=1e-12)
+
+
+def test_energies_are_compared_with_those_between_communication_points_too(opened):
+    """The door is at rest at both."""
+    unit = opened("door_closer")
+    unit.begin(stopTime=5.0)
+    unit.fmu.doStep(0.0, 3.0)
+    assert unit.said == []
+
+
+def test_a_state_goes_on_in_another_instance(opened):
+    unit, ends = opened("woodpecker"), []
+    first = unit.fmu.component
+    unit.begin()
+    unit.fmu.doStep(0.0, 0.07)
+    state = unit.fmu.getFMUState()
+    unit.fmu.instantiate()
+    second = unit.fmu.component
+    unit.fmu.setFMUState(state)
+    for one in (first, second):
+        unit.fmu.component = one
+        unit.fmu.doStep(0.07, 0.05)
+        ends.append(unit.get("bird.angle", "bird.omega", "energy.dissipated"))
+        unit.fmu.doStep(0.12, 0.2)
+    unit.fmu.freeFMUState(state)
+    unit.fmu.fmi3FreeInstance(first)
+    assert ends[0] == ends[1]
 
 
 # ---------------------------------------------------------------- refused

@@ -1,14 +1,14 @@
 /* The functions of FMI 3.0 that are alike for every model: how an instance begins and ends, variables of all types,
    saved states, and what no model has.
 
-   Before them stand `clear`, which makes an instance as it is when it is new, `look_up`, which finds a variable,
-   `set_inputs`, which changes parameters during a run; MORE, the bytes that an instance has behind its struct, and
-   EXCHANGES, whether there is model exchange. */
+   Before them stand `clear`, which makes an instance as it is when it is new, `take_place`, which makes what was copied
+   from another one its own, `look_up`, which finds a variable, `set_inputs`, which changes parameters during a run; MORE,
+   the bytes that an instance has behind its struct, and EXCHANGES, whether there is model exchange. */
 FMI(const char *, fmi3GetVersion)(void) { return "3.0"; }
 
 FMI(fmi3Status, fmi3SetDebugLogging)(
     fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[]) {
-    ((Mechanism *)instance)->debug = loggingOn;
+    ((Mechanism *)instance)->called.debug = loggingOn;
     return fmi3OK;
 }
 
@@ -17,12 +17,7 @@ static fmi3Instance instantiate(
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
     Mechanism *m = calloc(1, sizeof *m + MORE);
     if (m == NULL) return NULL;
-    m->exchange = exchange;
-    m->events = events;
-    m->early = early;
-    m->debug = debug;
-    m->environment = environment;
-    m->log = log;
+    m->called = (Called){exchange, events, early, debug, environment, log};
     if (exchange && !EXCHANGES) {
         say(m, fmi3Error, "this model is for co-simulation only, as its description says");
         free(m);
@@ -167,8 +162,12 @@ FMI(fmi3Status, fmi3GetFMUState)(fmi3Instance instance, fmi3FMUState *FMUState) 
 }
 
 FMI(fmi3Status, fmi3SetFMUState)(fmi3Instance instance, fmi3FMUState FMUState) {
-    if (FMUState == NULL) return say(instance, fmi3Error, "no state was saved");
-    memcpy(instance, FMUState, sizeof(Mechanism) + MORE);
+    Mechanism *m = instance;
+    const Called called = m->called;
+    if (FMUState == NULL) return say(m, fmi3Error, "no state was saved");
+    memcpy(m, FMUState, sizeof(Mechanism) + MORE);
+    m->called = called;
+    take_place(m);
     return fmi3OK;
 }
 

@@ -30,8 +30,8 @@ FMI(fmi3Status, fmi3ExitInitializationMode)(fmi3Instance instance) {
     Mechanism *m = instance;
     REQUIRE(INITIALIZING, "fmi3ExitInitializationMode");
     if (!m->begun && begin(m) != fmi3OK) return fmi3Error;
-    if (!m->exchange && audit(m) != fmi3OK) return fmi3Error;
-    m->mode = m->exchange ? EVENTS : STEPPING;
+    if (!m->called.exchange && audit(m) != fmi3OK) return fmi3Error;
+    m->mode = m->called.exchange ? EVENTS : STEPPING;
     return fmi3OK;
 }
 

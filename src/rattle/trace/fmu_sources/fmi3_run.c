@@ -27,13 +27,13 @@ FMI(fmi3Status, fmi3ExitInitializationMode)(fmi3Instance instance) {
     Mechanism *m = instance;
     REQUIRE(INITIALIZING, "fmi3ExitInitializationMode");
     if (!m->begun && begin(m) != fmi3OK) return fmi3Error;
-    m->mode = m->events ? EVENTS : STEPPING;
+    m->mode = m->called.events ? EVENTS : STEPPING;
     return fmi3OK;
 }
 
 FMI(fmi3Status, fmi3EnterEventMode)(fmi3Instance instance) {
     Mechanism *m = instance;
-    REQUIRE(m->events ? STEPPING : 0, "fmi3EnterEventMode");
+    REQUIRE(m->called.events ? STEPPING : 0, "fmi3EnterEventMode");
     m->mode = EVENTS;
     return fmi3OK;
 }
@@ -92,7 +92,7 @@ FMI(fmi3Status, fmi3DoStep)(
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = false;
     *lastSuccessfulTime = m->t;
     if (check_step(m, currentCommunicationPoint, communicationStepSize) != fmi3OK) return fmi3Error;
-    status = advance(m, until, m->events && m->early, eventHandlingNeeded);
+    status = advance(m, until, m->called.events && m->called.early, eventHandlingNeeded);
     *lastSuccessfulTime = m->t;
     if (status != fmi3OK) return status;
     *earlyReturn = m->t < until;

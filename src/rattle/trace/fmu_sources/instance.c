@@ -4,13 +4,13 @@
 static fmi3Status say(Mechanism *m, fmi3Status status, const char *format, ...) {
     char text[600];
     va_list given;
-    if (m->log == NULL || (status == fmi3Discard && !m->debug)) return status;
+    if (m->called.log == NULL || (status == fmi3Discard && !m->called.debug)) return status;
     va_start(given, format);
     vsnprintf(text, sizeof text, format, given);
     va_end(given);
-    m->log(m->environment, status,
-           status == fmi3Warning ? "logStatusWarning" : status == fmi3Discard ? "logStatusDiscard" : "logStatusError",
-           text);
+    m->called.log(
+        m->called.environment, status,
+        status == fmi3Warning ? "logStatusWarning" : status == fmi3Discard ? "logStatusDiscard" : "logStatusError", text);
     return status;
 }
 

@@ -54,7 +54,7 @@ static bool on_constraints(Mechanism *m, double t, const double *y, double *clos
 static void moved(Mechanism *m) { m->rates_known = m->curves_known = false; }
 
 static fmi3Status cannot(Mechanism *m) {
-    return say(m, m->exchange ? fmi3Discard : fmi3Error,
+    return say(m, m->called.exchange ? fmi3Discard : fmi3Error,
                "t = %g s: near a singular position or coincident points, or a load has no finite value", m->t);
 }
 
@@ -207,6 +207,8 @@ static void clear(Mechanism *m) {
     memcpy(m->p, nominal, sizeof m->p);
     moved(m);
 }
+
+static void take_place(Mechanism *m) { (void)m; } /* it holds no addresses */
 
 /* ---------------------------------------------------------------- steps of co-simulation */
 /* how many of y have an error that counts: positions and rates; energies are integrated along */

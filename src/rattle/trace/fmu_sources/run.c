@@ -63,6 +63,18 @@ static void clear(Mechanism *m) {
     m->before = cells;
 }
 
+/* the addresses of workspaces that were copied from another instance */
+static void take_place(Mechanism *m) {
+    const intptr_t moved = (intptr_t)(m + 1) - (intptr_t)m->tables[0];
+    int k, n;
+    m->before = (int64_t *)((char *)m->before + moved);
+    for (k = 0; k < WORKSPACES; k++) m->tables[k] = (int64_t *)((char *)m->tables[k] + moved);
+    for (n = 0; n < ARRAYS; n++) {
+        m->before[3 * n] += moved;
+        for (k = 0; k < WORKSPACES; k++) m->tables[k][3 * n] += moved;
+    }
+}
+
 /* ---------------------------------------------------------------- what the run has become */
 /* the run as it is now, to go back to */
 static void keep(Mechanism *m) { memcpy(m->before, m->tables[0], sizeof(int64_t) * RUN_CELLS); }
