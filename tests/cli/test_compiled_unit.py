@@ -82,7 +82,7 @@ def opened(written):
 
 def model(name):
     if name == "wide":  # it can be told lengths that fit nowhere
-        return rt.example("fourbar_onesided").set({"parameters.l2.max": 10.0})
+        return rt.example("fourbar_onesided").set({"parameters.l2.max": 10.0, "parameters.l1.max": 1.0})
     texts = {"pin": PIN, "turned": TURNED}
     return rt.loads(texts[name]) if name in texts else rt.example(name)
 
@@ -272,6 +272,25 @@ def test_what_has_no_start_or_another_form_is_an_error_with_its_reason(opened):
         unit.fmu.doStep(0.5, 1e-3)
     assert "the model is at 0 s" in unit.said[-1]
     unit.fmu.doStep(0.0, 1e-3)
+
+
+def test_a_run_that_cannot_go_on_ends_until_an_earlier_state_is_set(opened):
+    failed = pytest.importorskip("fmpy.fmi1").FMICallException
+    unit = opened("wide")
+    unit.set(l1=0.7)  # the crank cannot turn about
+    unit.begin(stopTime=0.5)
+    unit.fmu.doStep(0.0, 0.1)
+    state, before = unit.fmu.getFMUState(), unit.get("t", "crank.angle")
+    with pytest.raises(failed):
+        unit.fmu.doStep(0.1, 0.05)
+    assert "t = 0.115" in unit.said[-1]
+    assert unit.get("t", "crank.angle") == before
+    with pytest.raises(failed):
+        unit.fmu.doStep(0.1, 0.005)
+    unit.fmu.setFMUState(state)
+    unit.fmu.freeFMUState(state)
+    unit.fmu.doStep(0.1, 0.005)
+    assert unit.get("crank.angle") == pytest.approx([before[1] + 10.0 * 0.005])
 
 
 def test_it_is_for_co_simulation_only(written):

@@ -235,7 +235,10 @@ static fmi3Status advance(Mechanism *m, double until, bool may_stop, bool *event
     for (;;) {
         *event = m->event_ahead && may_stop && now(m) <= until;
         if (*event || tally[TALLY_OUTPUTS] > 0 || reached(m, until)) break;
-        if (step(m) != fmi3OK) return fmi3Error;
+        if (step(m) != fmi3OK) {
+            m->mode = TERMINATED; /* the run is beyond m->t, and nothing leads on */
+            return fmi3Error;
+        }
         m->event_ahead = met_event(m);
         forget_events(m);
     }
