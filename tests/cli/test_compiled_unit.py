@@ -222,6 +222,18 @@ def test_sums_of_communication_steps_go_on_to_the_end(name, end, opened):
     assert unit.get(name) == pytest.approx([last[name][-1]], rel=1e-9, abs=1e-12)
 
 
+def test_equal_steps_go_on_beyond_the_end_of_the_run(opened):
+    """To the time that was asked for, wherever communication points are: the model's own end is 1 s."""
+    run = model("three_plays").simulate(t_eval=[0.0, 1.0, 1.25], t_end=1.25)
+    for times in ([0.0, 1.0, 1.25], [0.0, 0.75, 1.25], [0.0, 0.001, 1.25]):
+        unit = opened("three_plays")
+        unit.begin()
+        for a, b in itertools.pairwise(times):
+            unit.fmu.doStep(a, b - a)
+        names = ("crank.angle", "coupler.angle", "rocker.angle")
+        assert unit.get(*names) == pytest.approx([run[name][-1] for name in names], rel=1e-9)
+
+
 def test_energies_are_compared_with_those_between_communication_points_too(opened):
     """The door is at rest at both."""
     unit = opened("door_closer")

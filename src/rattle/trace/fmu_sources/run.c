@@ -226,7 +226,6 @@ static fmi3Status advance(Mechanism *m, double until, bool may_stop, bool *event
     }
     m->target = until;
     m->curves_known = false;
-    if (until > m->end) m->end = until;
     if (now(m) > until || (now(m) == until && !(m->event_ahead && may_stop))) { /* the last step is taken again */
         go_back(m);
         m->event_ahead = false;
@@ -235,6 +234,7 @@ static fmi3Status advance(Mechanism *m, double until, bool may_stop, bool *event
     for (;;) {
         *event = m->event_ahead && may_stop && now(m) <= until;
         if (*event || tally[TALLY_OUTPUTS] > 0 || reached(m, until)) break;
+        if (reached(m, m->end)) m->end = until; /* not before: equal steps are counted up to the end */
         if (step(m) != fmi3OK) {
             m->mode = TERMINATED; /* the run is beyond m->t, and nothing leads on */
             return fmi3Error;
