@@ -234,6 +234,16 @@ def test_equal_steps_go_on_beyond_the_end_of_the_run(opened):
         assert unit.get(*names) == pytest.approx([run[name][-1] for name in names], rel=1e-9)
 
 
+def test_a_stop_time_that_never_comes_is_no_scale_for_events(opened):
+    ends = []
+    for stop in (0.024, 1e12, float("inf")):
+        unit = opened("slider_crank_play")
+        unit.begin(stopTime=stop)
+        unit.fmu.doStep(0.0, 0.01)
+        ends.append(unit.get("slider.x", "B.normal"))
+    np.testing.assert_allclose(ends[1:], [ends[0]] * 2, rtol=1e-6)
+
+
 def test_energies_are_compared_with_those_between_communication_points_too(opened):
     """The door is at rest at both."""
     unit = opened("door_closer")

@@ -145,9 +145,13 @@ static fmi3Status other_form(Mechanism *m) {
 
 #include "start.c"
 
+/* events are found to a share of the run's end: a tool's stop time may be that of never */
+enum { FARTHEST_END = 1000000 };
+
 static void settle(Mechanism *m, const double *facts) {
     (void)facts;
-    m->end = m->asked_end > 0.0 ? m->asked_end : T_END;
+    m->end = T_END;
+    if (m->asked_end > 0.0) m->end = fmin(m->asked_end, FARTHEST_END * m->end);
     m->rtol = m->tolerance > 0.0 ? m->tolerance : RTOL;
     m->atol = ATOL;
     m->longest = LONGEST;
