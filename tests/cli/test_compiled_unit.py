@@ -1,10 +1,12 @@
 """Models with contacts and events as FMUs: co-simulation moves them as `rattle run` does, events included."""
 
+import io
 import itertools
 import shutil
 import subprocess
 import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -354,6 +356,13 @@ def test_without_a_compiler_nothing_is_written(tmp_path, monkeypatch):
 
 
 # ---------------------------------------------------------------- what is in the file
+def test_descriptions_of_parameters_may_hold_what_xml_cannot():
+    text = PIN.replace("c = { value", 'c = { description = "a <b> & \\u0001 */", value')
+    with zipfile.ZipFile(io.BytesIO(units.compiled_unit(rt.loads(text), "pin", 0.015).content)) as opened:
+        variables = ElementTree.fromstring(opened.read("modelDescription.xml")).iter("Float64")
+    assert {one.get("name"): one.get("description") for one in variables}["c"] == "a <b> & \\x01 */"
+
+
 def test_the_same_model_gives_the_same_bytes_and_no_place_of_this_machine(written):
     again = units.compiled_unit(model("pin"), "pin", 0.015).content
     assert Path(written("pin")).read_bytes() == again

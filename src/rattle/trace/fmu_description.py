@@ -7,6 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+from rattle.errors import shown
 from rattle.language.units import dimension_of
 from rattle.trace.fmu import xml
 from rattle.version import __version__
@@ -93,7 +94,7 @@ def description(
 def _attributes(one: Variable, reference: int) -> dict[str, str]:
     found = {"name": one.name, "valueReference": str(reference), **ATTRIBUTES[one.kind]}
     numbers = {"min": one.least, "max": one.most, "nominal": one.nominal, "start": one.start}
-    texts = {"description": one.description, "unit": one.unit}
+    texts = {"description": shown(one.description), "unit": one.unit}
     found |= {key: text for key, text in texts.items() if text}
     found |= {key: repr(float(x)) for key, x in numbers.items() if x is not None}
     if one.unit == "rad":
