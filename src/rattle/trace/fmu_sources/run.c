@@ -260,7 +260,7 @@ static fmi3Status audit(Mechanism *m) {
     if (m->warned || error <= 1e-3 * largest) return fmi3OK;
     m->warned = true;
     return say(m, fmi3Warning,
-               "t = %g s: energy error %g J, above 0.1 %% of the largest energy: a smaller tolerance or step reduces it",
+               "t = %g s: energy error %g J, above 0.1 %% of the largest so far: a smaller tolerance or step reduces it",
                m->t, error);
 }
 
