@@ -323,6 +323,8 @@ def test_it_is_for_co_simulation_only(written):
 
     description = fmpy.read_model_description(written("pin"))
     assert description.modelExchange is None
+    assert description.coSimulation.hasEventMode
+    assert description.coSimulation.mightReturnEarlyFromDoStep
     folder = fmpy.extract(written("pin"))
     unit = fmi3.FMU3Model(
         guid=description.guid, unzipDirectory=folder, modelIdentifier=description.coSimulation.modelIdentifier,

@@ -74,8 +74,10 @@ def description(
     every = {"modelIdentifier": identifier, "canGetAndSetFMUState": "true"}
     if exchange:
         ElementTree.SubElement(root, "ModelExchange", every, needsCompletedIntegratorStep="true")
-    steps = {"canHandleVariableCommunicationStepSize": "true"} | ({} if exchange else {"hasEventMode": "true"})
-    ElementTree.SubElement(root, "CoSimulation", every | steps)
+    steps = ["canHandleVariableCommunicationStepSize"]
+    if not exchange:
+        steps += ["hasEventMode", "mightReturnEarlyFromDoStep"]
+    ElementTree.SubElement(root, "CoSimulation", every | dict.fromkeys(steps, "true"))
     _units(ElementTree.SubElement(root, "UnitDefinitions"), variables)
     categories = ElementTree.SubElement(root, "LogCategories")
     for name, text in CATEGORIES.items():
