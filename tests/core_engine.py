@@ -112,17 +112,23 @@ def by_machine_code(run):
     }
 
 
-@cache
-def use_own_functions():
-    """Let kernels that are loaded from now on call all elementary functions of the package.
+OWN = (*NAMES, "sincos", "exp2", "fmod")
 
-    It cannot be undone: for a process of its own.
-    """
-    machine.use_library(lambda: text_of_machine((*NAMES, "exp2", "fmod")), KeptFile(None, "", None))
+
+@cache
+def _library():
+    """The package's own elementary functions as machine code, beside those that kernels call."""
+    engine = llvm.create_mcjit_compiler(machine.parsed(text_of_machine(OWN)), machine.new_target())
+    engine.finalize_object()
+    return engine
+
+
+def use_own_functions():
+    """Let kernels that are loaded from now on call all of them; it cannot be undone: for a process of its own."""
+    machine.use_library(lambda: text_of_machine(OWN), KeptFile(None, "", None))
 
 
 def own_function(name):
     """One of the package's own elementary functions, compiled."""
-    use_own_functions()
-    address = llvm.address_of_symbol(name)
+    address = _library().get_function_address(f"rattle.{name}")
     return ctypes.CFUNCTYPE(*[ctypes.c_double] * (3 if name in TWO else 2))(address)

@@ -13,6 +13,8 @@ import pytest
 
 import rattle as rt
 from rattle.cli.main import main
+from rattle.pages import compiled_unit
+from rattle.trace import fmu
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -121,4 +123,4 @@ def test_readme_python_runs(tmp_path):
 
 def test_the_sources_of_fmus_are_in_the_package():
     folder = resources.files("rattle") / "trace" / "fmu_sources"
-    assert {"fmi3.c", "fmi3.h", "mechanism.c"} == {one.name for one in folder.iterdir()}
+    assert {*fmu.WRITTEN, *compiled_unit.WRITTEN} == {one.name for one in folder.iterdir()}

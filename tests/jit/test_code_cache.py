@@ -179,7 +179,7 @@ def test_kept_code_is_used_and_damaged_code_is_made_anew(tmp_path, monkeypatch):
             return kept_in(tmp_path, patch)
 
     assert compiles() == 1
-    (file,) = tmp_path.iterdir()
+    (file,) = tmp_path.glob("rattle.*")
     assert compiles() == 0
     whole = file.read_bytes()
     for what, damage in DAMAGE.items():

@@ -154,7 +154,7 @@ def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
     monkeypatch.setattr(folder, "_code_folder", Folder(tmp_path, True))
     machine_code.start()
     assert third(6.0) == 2.0
-    (file,) = tmp_path.iterdir()
+    (file,) = tmp_path.glob("rattle.*")
     kept = KeptFile(tmp_path, third.symbol, (third.letters, machine.processor()))
     assert kept.file == file
     code = machine.Code(*kept.read())
@@ -164,7 +164,6 @@ def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
 
 CHECKED = """
 import numpy as np
-from rattle.trace import machine_code
 from rattle.jit.functions import native
 from rattle.trace import machine_code
 @native("f", "v", "i")

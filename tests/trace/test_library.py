@@ -52,6 +52,8 @@ def test_functions_have_the_bits_of_a_trace(name):
     x = np.concatenate(
         [SPECIAL, random.normal(size=300), 10.0 ** random.uniform(-300, 300, 300), random.uniform(-30, 30, 300)]
     )
+    if name in ("sin", "cos"):  # beyond, those of the C library are asked
+        x = x[~(np.abs(x) >= 1e6)]
     given = [x, random.permutation(x)] if name in TWO else [x]
     found = [own_function(name)(*one) for one in zip(*(one.tolist() for one in given), strict=True)]
     assert (bits(found) == bits(evaluated(name, *given))).all()

@@ -36,7 +36,7 @@ from rattle.jit.object_file import object_file
 from rattle.jit.wasm.engine import about, engine
 from rattle.solvers import driver_jumps, run_loop
 from rattle.solvers.output_row import record
-from rattle.trace.library import QUICK, library_text
+from rattle.trace.library import QUICK, library_text, text_of_desk
 from rattle.trace.machine_code import SOURCES
 
 BUILT = "engine.wasm.gz"  # in this folder
@@ -142,7 +142,7 @@ def kernels_of_platform() -> Kernels:
     if found is None:
         functions.say_once("compiling kernels for this platform (once)")
         made = linked()
-        found = (object_file(made, library_text(), QUICK), made.offered, made.kernels)
+        found = (object_file(made, text_of_desk(), QUICK), made.offered, made.kernels)
         kept.write(lambda: pickle.dumps(found))
     return Kernels(*found)
 

@@ -67,7 +67,7 @@ end:
   ret double %signed
 }}"""
 BOTH = """
-define void @"rattle.sincos"(double %x, ptr %sine, ptr %cosine) nounwind {{
+define internal void @"rattle.sincos"(double %x, ptr %sine, ptr %cosine) nounwind {{
   %length = call double @llvm.fabs.f64(double %x)
   %near = fcmp olt double %length, {eighth}
   br i1 %near, label %small, label %large
@@ -98,6 +98,29 @@ large:
   ret void
 }}
 """
+FAR = """
+declare {kind} @"{name}"({types})
+define internal {kind} @"rattle.{name}"({given}) {{
+  %length = call double @llvm.fabs.f64(double %x)
+  %usual = fcmp olt double %length, 1.0e+06
+  br i1 %usual, label %near, label %far
+near:
+  {to}call {kind} @"rattle.near.{name}"({given})
+  ret {result}
+far:
+  {to_far}call {kind} @"{name}"({given})
+  ret {result_far}
+}}
+"""
+ANGLE, PLACES = "double %x", ", ptr %sine, ptr %cosine"
+WORDS = {
+    "kind": "double", "types": "double", "given": ANGLE, "to": "%a = ", "result": "double %a", "to_far": "%b = ",
+    "result_far": "double %b",
+}  # fmt: skip
+WITHOUT = {
+    "kind": "void", "types": "double, ptr, ptr", "given": ANGLE + PLACES, "to": "", "result": "void", "to_far": "",
+    "result_far": "void",
+}  # fmt: skip
 EIGHTH = "7.85e-01"  # of a turn [rad]: nothing is taken away from a smaller angle
 DOWN = {
     "sin": "%down = fcmp oge double {quarter}, 0x4000000000000000",
@@ -302,10 +325,20 @@ define internal double @"rattle.log1p"(double %x) #1 {
 ATTRIBUTES = "attributes #1 = { nounwind readnone willreturn noinline }"
 
 
-def text_of_machine(names: Sequence[str] = QUICK) -> str:
-    """The same with some functions by names that others see."""
+def text_of_desk() -> str:
+    """The same for programs that have a C library, which knows sine and cosine of angles of any size."""
     text = library_text().replace(" noinline }", " }") + _turned_both()
+    for name in ("sin", "cos", "sincos"):
+        text = text.replace(f'@"rattle.{name}"(', f'@"rattle.near.{name}"(')
+    words = {"sin": WORDS, "cos": WORDS, "sincos": WITHOUT}
+    return text + "".join(FAR.format(name=name, **one) for name, one in words.items())
+
+
+def text_of_machine(names: Sequence[str] = (*QUICK, "sincos")) -> str:
+    """The same with some functions by names that others see."""
+    text = text_of_desk()
     for name in names:
+        text = text.replace(f'define internal void @"rattle.{name}"(', f'define void @"rattle.{name}"(')
         text = text.replace(f'define internal double @"rattle.{name}"(', f'define double @"rattle.{name}"(')
     return "\n".join([text, *intrinsics(text)])
 
