@@ -59,7 +59,7 @@ def test_a_run_ends_only_where_all_modes_tried_have_no_solution_or_several_or_fr
 
 
 HARD = (0.3, 0.8, 1.5, 2.5)
-LATE = [(seed, 3, FRICTIONS) for seed in (276, 470, 598, 916, 1466, 1589, 1839, 1874)]
+LATE = [(seed, 3, FRICTIONS) for seed in (276, 598, 916, 1466, 1589, 1839, 1874)]
 
 
 @pytest.mark.parametrize(("seed", "most", "frictions"), [*LATE, (2087, 4, HARD)])
