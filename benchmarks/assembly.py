@@ -13,7 +13,7 @@ import numpy as np
 
 import rattle as rt
 from measure import Row, Sampler, interleave
-from rattle.trace import machine_code
+from rattle.jit import functions
 
 COUNT = 100  # mechanisms per timing
 TOLERANCE = 1e-3  # share of the length by which they differ
@@ -43,7 +43,7 @@ def drawn(length: float) -> Iterator[float]:
 
 def rows(repeats: int) -> list[Row]:
     """One line for each study."""
-    machine_code.start()
+    functions.start()
     found = []
     for name, parameter in STUDIES.items():
         m = rt.example(name)

@@ -17,10 +17,10 @@ from scipy.integrate import solve_ivp
 
 import rattle as rt
 from measure import Row, interleave, timed
+from rattle.jit import functions
 from rattle.jit.families import call_film
 from rattle.jit.functions import KernelFunction
 from rattle.registry import kinds
-from rattle.trace import machine_code
 
 CRANK, ROD, RADIUS, LENGTH, C, MU = 0.05, 0.12, 0.01, 0.02, 2e-4, 0.4  # [m], [Pa s]
 ROD_MASS, ROD_INERTIA, SLIDER_MASS = 0.21, 2.5e-4, 0.14
@@ -150,7 +150,7 @@ many = KernelFunction(_many)
 
 def seconds_per_film(name: str, rounds: int) -> float:
     """Time of one call of a film law [s] in a compiled loop over random places and velocities."""
-    machine_code.start()
+    functions.start()
     rng, law = np.random.default_rng(0), kinds("film")[name]
     assert law.kernel is not None
     values = {"viscosity": MU, "length": LENGTH, "bush_radius": RADIUS, "cavitation": "reynolds", "shear": "whole"}

@@ -15,8 +15,8 @@ import rattle as rt
 from measure import Row, interleave, timed
 from rattle.analyses.dynamics.run import start_state
 from rattle.equations.motion import derivative
+from rattle.jit import functions
 from rattle.jit.functions import KernelFunction
-from rattle.trace import machine_code
 
 LINKS = (10, 30, 100, 300, 1000, 3000, 10_000)
 C_OPTIONS = ("-O3", "-march=native")
@@ -32,7 +32,7 @@ many = KernelFunction(_many)
 
 def seconds_per_rhs(mechanism: rt.Mechanism, calls: int) -> float:
     """Time of one right-hand side at the start of the mechanism [s], called in a compiled loop."""
-    machine_code.start()
+    functions.start()
     y = start_state(mechanism.system, mechanism.start)
     workspace, dy = mechanism.system.workspace(), np.zeros_like(y)
     many(workspace, 0.0, y, dy, 1)

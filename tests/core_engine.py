@@ -13,16 +13,14 @@ import rattle as rt
 from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.run import How
 from rattle.analyses.dynamics.simulate import output_times
+from rattle.jit import functions, machine
 from rattle.jit import layout as at
-from rattle.jit import machine
-from rattle.jit.cache import KeptFile
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.result_data import result_data
 from rattle.pages.run_image import run_image
 from rattle.pages.tape import Tape
 from rattle.solvers.stepper import ATOL, RTOL
-from rattle.trace import machine_code
-from rattle.trace.library import NAMES, text_of_machine
+from rattle.trace.library import NAMES, library_text
 
 VIEWER = Path(rt.__file__).parent / "pages" / "viewer"
 SCRIPT = """
@@ -48,6 +46,18 @@ console.log(JSON.stringify(said));
 RESULT = f"""const {{ openTape, functionsByName }} = await import("{VIEWER.as_uri()}/tape.js");
   const {{ data, tape, numbers }} = JSON.parse(fs.readFileSync("result_data.json"));
   const functions = functionsByName(await openTape(tape), numbers);"""
+# sine and cosine of one angle, and powers of 2, are calls of their own in machine code
+TOGETHER = """define void @"rattle.sincos"(double %x, ptr %s, ptr %c) {
+  %a = call double @"rattle.sin"(double %x)
+  %b = call double @"rattle.cos"(double %x)
+  store double %a, ptr %s
+  store double %b, ptr %c
+  ret void
+}
+define double @"rattle.exp2"(double %x) {
+  %a = call double @"rattle.pow"(double 2.0, double %x)
+  ret double %a
+}"""
 TWO = ("pow", "atan2", "hypot", "fmod")
 
 
@@ -56,7 +66,7 @@ def new(name, method=None, t_end=None, finer=1.0, **changes):
 
     finer: by what its tolerances are divided.
     """
-    machine_code.start()
+    functions.start()
     m = rt.example(name) if isinstance(name, str) else name
     m = m.set(**changes) if changes else m
     settings = m.system.model.settings
@@ -112,23 +122,29 @@ def by_machine_code(run):
     }
 
 
-OWN = (*NAMES, "sincos", "exp2", "fmod")
-
-
 @cache
 def _library():
-    """The package's own elementary functions as machine code, beside those that kernels call."""
-    engine = llvm.create_mcjit_compiler(machine.parsed(text_of_machine(OWN)), machine.new_target())
+    """The package's own elementary functions as machine code, by name: addresses."""
+    text = library_text().replace("define internal", "define") + TOGETHER
+    declared = "\n".join(f"declare double @llvm.{name}.f64(double)" for name in ("fabs", "floor", "sqrt"))
+    made = machine.parsed(f"{text}\n{declared}\ndeclare double @llvm.copysign.f64(double, double)")
+    target = machine.target()
+    made.triple, made.data_layout = llvm.get_process_triple(), str(target.target_data)
+    engine = machine._engine()
+    engine.add_object_file(llvm.ObjectFileRef.from_data(bytes(target.emit_object(made))))
     engine.finalize_object()
-    return engine
-
-
-def use_own_functions():
-    """Let kernels that are loaded from now on call all of them; it cannot be undone: for a process of its own."""
-    machine.use_library(lambda: text_of_machine(OWN), KeptFile(None, "", None))
+    return {name: engine.get_function_address(f"rattle.{name}") for name in (*NAMES, "fmod", "sincos", "exp2")}
 
 
 def own_function(name):
     """One of the package's own elementary functions, compiled."""
-    address = _library().get_function_address(f"rattle.{name}")
-    return ctypes.CFUNCTYPE(*[ctypes.c_double] * (3 if name in TWO else 2))(address)
+    return ctypes.CFUNCTYPE(*[ctypes.c_double] * (3 if name in TWO else 2))(_library()[name])
+
+
+def use_own_functions():
+    """Let kernels that are loaded from now on call the package's own elementary functions instead of the C library's.
+
+    It cannot be undone: for a process of its own.
+    """
+    for name, address in _library().items():
+        llvm.add_symbol(name, address)

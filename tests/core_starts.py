@@ -16,7 +16,6 @@ from rattle.jit.workspace import TYPES, Workspace
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.start_data import start_data
 from rattle.pages.tape import Tape
-from rattle.trace import machine_code
 
 VIEWER = Path(rt.__file__).parent / "pages" / "viewer"
 SCRIPT = """
@@ -38,7 +37,7 @@ console.log(JSON.stringify(starts.map(plainly)));
 
 def found_in_node(folder, m, asked):
     """What a page finds for lists of values of all parameters, in this order, in one finder."""
-    machine_code.start()
+    functions.start()
     tape = Tape()
     data = start_data(m, tape)
     (folder / "engine.wasm.gz").write_bytes(engine_of_pages())

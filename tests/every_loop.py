@@ -1,7 +1,5 @@
 """Short runs that go through every loop of the package, and numbers that they lead to."""
 
-import math
-
 import numpy as np
 
 import rattle as rt
@@ -61,8 +59,7 @@ def positions():
 def equilibria():
     """The search for equilibria."""
     found = rt.example("balanced_arm").equilibrium()
-    angles = (float(angle) for one in found for angle in one.q[2::3])  # which may be off by whole turns
-    return [float(len(found)), *(part(angle) for angle in angles for part in (math.cos, math.sin))]
+    return [float(len(found)), *(float(number) for one in found for number in one.q)]
 
 
 LOOPS = (

@@ -21,10 +21,10 @@ from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.run import How
 from rattle.equations.complementarity import contact_row
 from rattle.equations.compliant import locate_contacts
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.solvers.dry_friction_modes import solve_at
 from rattle.solvers.nonsmooth.contact_projection import motion_without
-from rattle.trace import machine_code
 
 TOUCHES = 1e-7  # gap of a stop that counts as closed [rad]: an event leaves 1e-12
 RESTS = 1e-5  # rate of a row that counts as none [rad/s]: events err by the tolerance of the run
@@ -37,7 +37,7 @@ MOST = 1e5  # times those that the joints ask for: an event at a dead centre, of
 
 def stopped(text: str, duration: float, rtol: float = 1e-8):
     """The run of a model file after its last step, its message in `message`."""
-    machine_code.start()
+    functions.start()
     mechanism = rt.loads(text)
     system = mechanism.system
     stepper, step = choose_stepper(system, None, None, duration)

@@ -4,13 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.language.expression import compile_program, concatenate, parse
 from rattle.language.instants import find_instants, search_arrays
 from rattle.language.switching import Signals, find_switches
 from rattle.language.tables import NO_TABLES
-from rattle.trace import machine_code
 
 
 def switches(text, end, tables=NO_TABLES, **signals):
@@ -18,7 +18,7 @@ def switches(text, end, tables=NO_TABLES, **signals):
 
     Beside them the workspace in which they were found, and where the program of the expression stands in `code`.
     """
-    machine_code.start()
+    functions.start()
     numbers = {name: k for k, name in enumerate(signals)}
     names = list(tables.curves)
     parsed = (parse(one, tables=names) if names else parse(one) for one in (*signals.values(), text))

@@ -19,10 +19,9 @@ import rattle as rt
 from circling import circling
 from rattle import registry
 from rattle.cli.main import main
-from rattle.jit import folder
+from rattle.jit import folder, functions
 from rattle.language.materials import MATERIALS
 from rattle.language.units import parse_quantity
-from rattle.trace import machine_code
 
 nojit = pytest.mark.nojit
 
@@ -300,7 +299,7 @@ def test_warmup_fails_where_nothing_would_be_kept(tmp_path):
 
 
 def test_after_warmup_a_run_compiles_nothing(tmp_path):
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("runs without machine code")
     done = run("warmup")
     assert done.exit_code == 0, done.output

@@ -3,7 +3,6 @@
 import pytest
 
 from rattle.jit import functions
-from rattle.trace import machine_code
 
 
 @pytest.fixture(params=["python", "machine"])
@@ -11,5 +10,5 @@ def mode(request, monkeypatch):
     """Every contract holds as plain Python and as machine code."""
     if request.param == "python":
         monkeypatch.setattr(functions, "_jit", False)
-    elif not machine_code.start():
+    elif not functions.start():
         pytest.skip("machine code is switched off")

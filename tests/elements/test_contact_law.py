@@ -10,7 +10,7 @@ import rattle as rt
 from rattle import registry
 from rattle.elements.custom.contact_law import friction_law, normal_law
 from rattle.errors import ModelError
-from rattle.trace import machine_code
+from rattle.jit import functions
 
 BUSH = """
 format = 1
@@ -81,7 +81,7 @@ def test_a_law_runs_as_machine_code_like_the_built_in_ones():
     def quick(static, delta, ddelta, v0, p):
         return static * (1.0 + p.a * ddelta / v0)
 
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("runs without machine code")
     own = free_pin('{ model = "quick", a = 0.1, stiffness = 1e9 }')
     theirs = free_pin('{ model = "hunt-crossley", restitution = 0.93333333, stiffness = 1e9 }')
@@ -173,7 +173,7 @@ def test_bad_laws_are_refused(caplog):
 
     m = free_pin('{ model = "python only", stiffness = 1e9 }')
     m.simulate(0.001)
-    if machine_code.start():
+    if functions.start():
         assert "normal law 'python only' runs as plain Python, slower: " in caplog.text
         assert "test_contact_law.only, line" in caplog.text
     normal_law("wants", a="")(lambda static, delta, ddelta, v0, p: static)

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from rattle import registry
 from rattle.jit import families, functions
-from rattle.trace import machine_code
 
 pytestmark = pytest.mark.nojit
 LAWS = registry.kinds("friction")
@@ -181,7 +180,7 @@ def test_ambrosio_needs_two_speeds_in_order():
 
 # ---------------------------------------------------------------- machine code
 def test_every_kernel_gives_the_same_value_compiled():
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("runs without machine code")
     rng = np.random.default_rng(3)
     dz, dz_python = np.zeros(1), np.zeros(1)
@@ -213,7 +212,7 @@ def contact(stiffness, normal, friction, delta, ddelta, v0, u, p, z, dz):
 
 
 def test_laws_are_called_through_their_tables_in_a_compiled_loop():
-    machine_code.start()
+    functions.start()
     families = ("stiffness", "normal", "friction")
     names = ("power", "exact", "coulomb-smooth")
     found = [registry.kinds(family)[name] for family, name in zip(families, names, strict=True)]

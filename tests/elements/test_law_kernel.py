@@ -14,11 +14,10 @@ from rattle import registry
 from rattle.elements.custom import load_law
 from rattle.elements.custom.contact_law import friction_law, normal_law
 from rattle.jit import functions
-from rattle.trace import machine_code
 
 pytestmark = [
     pytest.mark.usefixtures("laws"),
-    pytest.mark.skipif(not machine_code.start(), reason="runs without machine code"),
+    pytest.mark.skipif(not functions.start(), reason="runs without machine code"),
 ]
 with_numba = pytest.mark.skipif(importlib.util.find_spec("numba") is None, reason="needs the extra `laws`")
 

@@ -8,7 +8,7 @@ import pytest
 
 import rattle as rt
 from rattle import registry
-from rattle.trace import machine_code
+from rattle.jit import functions
 
 pytestmark = pytest.mark.nojit
 
@@ -196,7 +196,7 @@ def test_interrupt_in_a_law_stops_the_run():
 
 
 def test_log_says_what_runs_slower(caplog):
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("machine code is switched off: everything is plain Python")
     for name in ("turn back slowly", "turn back plainly"):  # as if met for the first time
         registry.kinds("load")[name].kernel._address = 0

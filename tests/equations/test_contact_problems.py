@@ -8,10 +8,10 @@ import pytest
 import rattle as rt
 from rattle.equations import complementarity, lemke, motion, unilateral
 from rattle.equations.complementarity import BACKWARD, FORWARD, IMPOSSIBLE, JAMMED, SOLVED, STICK, A, B, F
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import uniqueness
 from rattle.solvers.nonsmooth.contact_arrays import contact_arrays
-from rattle.trace import machine_code
 
 MASS, INERTIA, ARM, PLAY, BORE = 0.5, 0.5 * 0.2**2 / 12, 0.1, 1e-3, 0.01
 
@@ -38,7 +38,7 @@ def chain(pins, friction=0.1, restitution=0.3, hanging=False, bend=0.4):
 
 def problem(pins, friction, rng, known_slip=False):
     """A problem with all pins of a chain closed and any right side; its workspace and G, without the joints' code."""
-    machine_code.start()
+    functions.start()
     system = chain(pins, friction, hanging=True).system
     workspace = system.workspace(**contact_arrays(system), course=np.zeros(at.width("course")))
     q = np.concatenate([[0.3 * k, -0.2 * k, rng.uniform(-3, 3)] for k in range(pins)])

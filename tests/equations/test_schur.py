@@ -11,7 +11,6 @@ from rattle.equations import schur
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-from rattle.trace import machine_code
 
 pytestmark = pytest.mark.nojit
 
@@ -20,7 +19,7 @@ pytestmark = pytest.mark.nojit
 def mode(request, monkeypatch):
     if request.param == "python":
         monkeypatch.setattr(functions, "_jit", False)
-    elif not machine_code.start():
+    elif not functions.start():
         pytest.skip("machine code is switched off")
 
 

@@ -6,14 +6,13 @@ import sys
 
 import pytest
 
-from rattle.trace import machine_code
+from rattle.jit import functions
 
 CODE = """
 import numpy as np
 from rattle.jit import functions
-from rattle.trace import machine_code
 
-machine_code.start()
+functions.start()
 @functions.compiled
 def beyond(values, k):
     return values[k]
@@ -32,7 +31,7 @@ print(len(r.t))
 
 
 def test_kernels_of_the_position_sweep_stay_within_their_arrays(tmp_path):
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("runs without machine code; NumPy checks indices there")
     environment = os.environ | {"RATTLE_BOUNDSCHECK": "1"}
     (tmp_path / "sweep.py").write_text(CODE)

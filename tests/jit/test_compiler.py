@@ -13,8 +13,8 @@ import pytest
 
 import rattle
 from rattle.jit import folder
+from rattle.jit import functions as jit
 from rattle.jit.functions import KernelFunction, compiled
-from rattle.trace import machine_code
 
 
 def all_compiled():
@@ -60,7 +60,7 @@ def mix(table, weights, count, out):
 
 
 def test_machine_code_gives_what_plain_python_gives():
-    machine_code.start()
+    jit.start()
     rng = np.random.default_rng(3)
     table, weights = rng.normal(size=(5, 4)), rng.normal(size=4)
     count, expected_count = np.arange(5) % 4, np.arange(5) % 4

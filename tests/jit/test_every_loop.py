@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import every_loop
-from rattle.trace import machine_code
+from rattle.jit import functions
 
 TESTS = Path(__file__).parents[1]
 
@@ -20,7 +20,7 @@ TESTS = Path(__file__).parents[1]
 @pytest.fixture(scope="module")
 def in_python():
     """The numbers of every loop from a process without machine code."""
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("there is nothing but plain Python to compare with")
     done = subprocess.run(
         [sys.executable, "-c", "import every_loop, json; print(json.dumps(every_loop.numbers()))"],

@@ -68,16 +68,15 @@ BROKEN = """
 import logging
 logging.getLogger("rattle").addHandler(logging.StreamHandler(__import__("sys").stdout))
 {break_it}
-from rattle.jit import mode
+from rattle.jit import functions, mode
 from rattle.jit.functions import compiled
-from rattle.trace import machine_code
 import numpy as np
 
 @compiled
 def twice(row, k):
     return 2.0 * row[k]
 
-print("answer", machine_code.start(), machine_code.start(), twice(np.ones(3), 1), mode.described())
+print("answer", functions.start(), functions.start(), twice(np.ones(3), 1), mode.described())
 """
 
 

@@ -11,10 +11,9 @@ import pytest
 import rattle as rt
 from rattle import registry
 from rattle.equations import motion
-from rattle.jit import folder
+from rattle.jit import folder, functions
 from rattle.jit import layout as at
 from rattle.jit.functions import native
-from rattle.trace import machine_code
 
 SOURCES = str(Path(__file__).parents[2] / "src")
 
@@ -40,7 +39,7 @@ def choose(table, rows, out, wanted):
 
 
 def test_native_functions_give_what_plain_python_gives():
-    machine_code.start()
+    functions.start()
     rng = np.random.default_rng(5)
     table, rows = rng.normal(size=(4, 6)), np.array([[0, 1], [3, 5], [2, 2]])
     for wanted in (0, 1):
@@ -53,7 +52,7 @@ def test_native_functions_give_what_plain_python_gives():
 
 @pytest.mark.parametrize("row", [np.arange(8.0)[::2], np.arange(4), np.zeros((2, 2))], ids=["gaps", "whole", "rows"])
 def test_an_array_that_machine_code_would_misread_is_refused(row):
-    machine_code.start()
+    functions.start()
     with pytest.raises(TypeError, match="split takes a contiguous array"):
         split(row, 1.0)
 
@@ -67,7 +66,7 @@ def test_a_function_is_compiled_when_it_is_first_called():
     def usual(x):
         return x if x < 0.0 else rare(x)
 
-    machine_code.start()
+    functions.start()
     assert usual(-1.0) == -1.0
     assert not rare._address
     assert usual(3.0) == 6.0
@@ -91,7 +90,7 @@ def test_what_stops_the_compiler_on_the_way_stops_the_call_and_nothing_else(monk
     def stopped(self):
         raise error
 
-    machine_code.start()
+    functions.start()
     with monkeypatch.context() as patch:
         patch.setattr(type(needed), "_made", stopped)
         with pytest.raises(error):
@@ -152,9 +151,9 @@ def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
 
     third.__module__ = "rattle.somewhere"
     monkeypatch.setattr(folder, "_code_folder", Folder(tmp_path, True))
-    machine_code.start()
+    functions.start()
     assert third(6.0) == 2.0
-    (file,) = tmp_path.glob("rattle.*")
+    (file,) = tmp_path.iterdir()
     kept = KeptFile(tmp_path, third.symbol, (third.letters, machine.processor()))
     assert kept.file == file
     code = machine.Code(*kept.read())
@@ -164,15 +163,15 @@ def test_code_that_needs_what_is_not_there_is_made_anew(tmp_path, monkeypatch):
 
 CHECKED = """
 import numpy as np
+from rattle.jit import functions
 from rattle.jit.functions import native
-from rattle.trace import machine_code
 @native("f", "v", "i")
 def at(row, n):
     return row[n]
 @native("f", "v", "i")
 def next_to(row, n):
     return at(row, n + 1)
-machine_code.start()
+functions.start()
 try:
     next_to(np.zeros(3), 2)
 except IndexError as error:
@@ -189,7 +188,7 @@ def test_a_wrong_index_is_told_through_all_callers(tmp_path):
 
 @pytest.mark.parametrize("family", ["joint", "load"])
 def test_a_kernel_that_is_not_in_the_table_is_told_and_does_not_end_the_process(family):
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("runs without machine code; Python raises by itself")
     system = rt.example("squeezer").system
     workspace = system.workspace()

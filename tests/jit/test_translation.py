@@ -11,9 +11,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from random_kernels import Source
-from rattle.jit import mode
+from rattle.jit import functions, mode
 from rattle.jit.functions import compiled, native
-from rattle.trace import machine_code
 
 pytestmark = pytest.mark.skipif(not mode.is_native(), reason="runs without machine code")
 TABLE, CHOICES, SHIFT = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([2, 0, 1]), 0.25
@@ -29,7 +28,7 @@ def same(a, b):
 
 def agree(function, *args):
     """Machine code and Python, with arrays of their own, give the same bits and leave the same arrays."""
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("runs without machine code")
     mine, theirs = ([np.copy(one) if isinstance(one, np.ndarray) else one for one in args] for _ in range(2))
     found, expected = function(*mine), function.python(*theirs)
@@ -60,7 +59,7 @@ def test_a_whole_power_is_a_product():
         return x**2, x**3, x**5, x**0, x**1
 
     for x in (1.7, -0.3, 1e-200, 1e200):
-        assert machine_code.start() is False or powers(x) == (x * x, x * (x * x), x * ((x * x) * (x * x)), 1.0, x)
+        assert functions.start() is False or powers(x) == (x * x, x * (x * x), x * ((x * x) * (x * x)), 1.0, x)
 
 
 @compiled
@@ -86,9 +85,7 @@ def library(x):
 
 @given(st.floats(-100.0, 100.0))
 def test_functions_of_the_library(x):
-    """To the last digits: Python asks the C library."""
-    machine_code.start()
-    np.testing.assert_allclose(library(x), library.python(x), rtol=1e-14, atol=1e-14)
+    agree(library, x)
 
 
 # ---------------------------------------------------------------- choices and loops
@@ -211,7 +208,7 @@ def test_functions_of_one_name_and_versions_of_one_function_are_told_apart():
     def half(x):
         return x // 2 if x > 4 else x / 2
 
-    machine_code.start()
+    functions.start()
     assert [made(one)(3.0) for one in (1.0, 2.0, 5.0)] == [3.0, 6.0, 15.0]
     assert agree(half, 3.0) == 1.5
     assert agree(half, 3) == agree(half, np.int64(3)) == 1.5
@@ -224,7 +221,7 @@ def test_an_array_with_gaps_is_refused():
     def last(row):
         return row[row.shape[0] - 1]
 
-    if machine_code.start():
+    if functions.start():
         assert last(np.arange(4.0)) == 3.0
         with pytest.raises(TypeError, match=r"contiguous array of .* with steps of"):
             last(np.arange(4.0)[::2])
@@ -232,7 +229,7 @@ def test_an_array_with_gaps_is_refused():
 
 # ---------------------------------------------------------------- what is refused
 def refused(function, *args):
-    machine_code.start()
+    functions.start()
     from rattle.jit.translation import unit, values
 
     with pytest.raises(values.TranslationError) as raised:
@@ -334,7 +331,7 @@ def last_of_all(x):
 
 
 def test_parts_of_one_name_that_contain_each_other_are_told_apart():
-    if machine_code.start():
+    if functions.start():
         assert nested(nested(nested(nested(last_of_all))))(1.0) == 32.0
 
 

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from numpy import sin as sine
 
-from rattle.jit import mode
+from rattle.jit import functions, mode
 from rattle.jit.functions import KernelFunction
-from rattle.trace.machine_code import start
 
 pytestmark = pytest.mark.skipif(not mode.is_native(), reason="runs without machine code")
 GRID, CURVE, TABLE = np.array([0.0, 0.5, 2.0, 3.0]), [1.0, -1.0, 4.0, 0.5], [[1.0, 2.0], [3.0, 4.0]]
@@ -25,7 +24,7 @@ def machine_code(law):
     def run(x, y):
         return float(law(x, y))
 
-    start()
+    functions.start()
     return KernelFunction(run, letters="fff")
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.jit import functions
 from rattle.jit.functions import compiled
 from rattle.jit.workspace import ARRAYS, Workspace
-from rattle.trace import machine_code
 
 
 @compiled
@@ -33,7 +33,7 @@ def test_an_array_that_is_not_declared_is_refused():
 
 
 def test_machine_code_reads_the_arrays_that_python_sees():
-    machine_code.start()
+    functions.start()
     system = rt.example("fourbar").system
     workspace = system.workspace()
     workspace.body[2, 2] = 0.25
@@ -44,7 +44,7 @@ def test_machine_code_reads_the_arrays_that_python_sees():
 
 @pytest.mark.parametrize("make", ["workspace", "plain_workspace"])
 def test_a_function_takes_several_workspaces_at_any_place(make):
-    machine_code.start()
+    functions.start()
     system = rt.example("fourbar").system
     one, other = getattr(system, make)(), getattr(system, make)()
     one.body[2, 2], other.body[2, 2] = 0.75, 0.25
@@ -73,7 +73,7 @@ def test_mechanisms_of_one_structure_keep_their_own_numbers(clearance):
 
 
 def test_a_wrong_name_does_not_compile():
-    if not machine_code.start():
+    if not functions.start():
         pytest.skip("runs without machine code")
     with pytest.raises(Exception, match="bodies"):
         mistaken(rt.example("fourbar").system.workspace())

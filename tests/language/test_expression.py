@@ -21,7 +21,6 @@ from rattle.language.expression import (
 )
 from rattle.language.jets import evaluate_jet
 from rattle.language.units import dimension_of
-from rattle.trace import machine_code
 
 pytestmark = pytest.mark.nojit
 
@@ -35,7 +34,7 @@ def mode(request, monkeypatch):
     """Every test of the interpreter runs as plain Python and as machine code."""
     if request.param == "python":
         monkeypatch.setattr(compiled_functions, "_jit", False)
-    elif not machine_code.start():
+    elif not compiled_functions.start():
         pytest.skip("machine code is switched off")
 
 

@@ -268,7 +268,7 @@ def test_starts_that_are_found_one_by_one_use_machine_code_and_recorded_ones_nee
     example, name, compiled, monkeypatch
 ):
     asked: list[bool] = []
-    monkeypatch.setattr(starts, "machine_code", SimpleNamespace(start=lambda: asked.append(True)))
+    monkeypatch.setattr(starts, "functions", SimpleNamespace(start=lambda: asked.append(True)))
     m = rt.example(example)
     m.many({name: m.parameters[name] * np.array([0.999, 1.001])}, ["final(energy.kinetic)"], 1e-3)
     assert bool(asked) == compiled

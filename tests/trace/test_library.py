@@ -1,7 +1,6 @@
 """Elementary functions that an engine calls: the bits of the exact operations, and remainders without rounding."""
 
 import math
-from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
@@ -13,8 +12,7 @@ from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
 from rattle.trace.library import NAMES
 
-BY_TABLES = ("exp", "log")  # and what follows from them
-KNOWN = [name for name in NAMES if name not in (*BY_TABLES, "expm1", "log1p")]
+KNOWN = [name for name in NAMES if name not in ("expm1", "log1p")]
 SPECIAL = [
     0.0,
     -0.0,
@@ -52,34 +50,9 @@ def test_functions_have_the_bits_of_a_trace(name):
     x = np.concatenate(
         [SPECIAL, random.normal(size=300), 10.0 ** random.uniform(-300, 300, 300), random.uniform(-30, 30, 300)]
     )
-    if name in ("sin", "cos"):  # beyond, those of the C library are asked
-        x = x[~(np.abs(x) >= 1e6)]
     given = [x, random.permutation(x)] if name in TWO else [x]
     found = [own_function(name)(*one) for one in zip(*(one.tolist() for one in given), strict=True)]
     assert (bits(found) == bits(evaluated(name, *given))).all()
-
-
-@pytest.mark.parametrize("name", BY_TABLES)
-def test_tables_give_all_digits(name):
-    """Against forty digits: everywhere, beside 1, where a logarithm vanishes, and at both ends of the range."""
-    random = np.random.default_rng(4)
-    near = 1.0 + random.normal(size=400) * 10.0 ** random.uniform(-16, -1, 400)
-    wide = random.uniform(-708.0, 709.0, 800) if name == "exp" else 10.0 ** random.uniform(-307.0, 308.0, 800)
-    off = 0.0
-    for x in [*near.tolist(), *wide.tolist(), 1.0, 0.6875, 1.375, 700.0, 700.1]:
-        with localcontext(prec=40):
-            true = Decimal(x).exp() if name == "exp" else Decimal(x).ln()
-            off = max(off, abs(float((Decimal(own_function(name)(x)) - true) / Decimal(math.ulp(float(true))))))
-    assert off < 1.0
-
-
-@pytest.mark.parametrize("name", BY_TABLES)
-def test_special_values_are_those_of_a_trace(name):
-    found = [own_function(name)(x) for x in (*SPECIAL, -1e308, 710.5, -750.0, 2e-308)]
-    want = evaluated(name, [*SPECIAL, -1e308, 710.5, -750.0, 2e-308])
-    odd = [k for k, x in enumerate(want) if not np.isfinite(x) or x == 0.0]
-    assert (bits(found)[odd] == bits(want)[odd]).all()
-    np.testing.assert_allclose(found, want, rtol=1e-15)
 
 
 @pytest.mark.parametrize("name", ["expm1", "log1p"])

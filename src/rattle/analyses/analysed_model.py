@@ -404,9 +404,9 @@ class AnalysedModel(WrittenModel):
     def _start_or_none(self) -> Assembled | None:
         """The start at t = 0, or None if the mechanism cannot be assembled there."""
         from rattle.errors import AssemblyError
-        from rattle.trace import machine_code
+        from rattle.jit import functions
 
-        machine_code.start()
+        functions.start()
         try:
             return self.start
         except AssemblyError:

@@ -9,11 +9,11 @@ import numpy as np
 
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.language.instants import search_arrays
 from rattle.results.event import Event
 from rattle.solvers.driver_jumps import find_timetable
-from rattle.trace import machine_code
 
 ROOM = 4096  # rows of `switchings` for a start
 MORE = 16  # times the room that was needed at least, as a search that has no room begins again
@@ -65,7 +65,7 @@ def timetable(system: System, start: float, end: float) -> Timetable:
     """Timetable of a run between two times [s].  Raises ModelError if a driver jumps in position."""
     if not end > start or not len(system.arrays["timed"]):
         return ALWAYS
-    machine_code.start()  # as plain Python thousands of instants take seconds, and giving up minutes
+    functions.start()  # as plain Python thousands of instants take seconds, and giving up minutes
     room = ROOM
     while (needed := find_timetable(workspace := system.workspace(**_arrays(system, room)), start, end)) > 0:
         room = MORE * needed

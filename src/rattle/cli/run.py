@@ -157,11 +157,10 @@ def warmup(ctx: click.Context) -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    from rattle.jit import folder, mode
-    from rattle.trace import machine_code
+    from rattle.jit import folder, functions, mode
 
     start = time.perf_counter()
-    if not machine_code.start():
+    if not functions.start():
         click.echo(f"{mode.described()}; there is nothing to compile")
         return
     if not folder.code_folder().lasting:
@@ -195,9 +194,8 @@ def _warm(what: str) -> None:
     from rattle.loading import example
     from rattle.registry import kinds
     from rattle.solvers.stepper import SET_VALUED
-    from rattle.trace import machine_code
 
-    machine_code.start()
+    functions.start()
     if what == "motion":
         example("fourbar").ideal().kinematics(np.linspace(0.0, 0.1, 2000))
         example("toggle").simulate(1e-4)  # its expressions switch

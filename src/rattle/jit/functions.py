@@ -149,13 +149,8 @@ _places: dict[KernelFunction, Any] = {}  # of the first of them
 
 def _announced() -> Any:
     """The module `machine`, which knows the addresses of all native functions that machine code may call."""
-    global _library
     machine = _machine()
     with _lock:
-        if _library is not None:
-            library, key = _library
-            _library = None
-            machine.use_library(library, KeptFile(cache_folder(), "library", (key, machine.processor())))
         for one in _natives[len(_places) :]:
             _places[one] = machine.announce(one.symbol, lambda one=one: one.address)
     return machine
@@ -195,19 +190,12 @@ def kernel(family: str) -> Callable[[Callable[..., Any]], KernelFunction]:
 
 
 # ---------------------------------------------------------------- for the whole process
-def start(library: Callable[[], str], key: str) -> bool:
-    """Switch from Python to machine code (no effect with RATTLE_JIT=python); True if it runs now.
-
-    library: the text of the elementary functions that it calls, see `trace.library.start`; key: of what it is made.
-    """
-    global _jit, _library
+def start() -> bool:
+    """Switch from Python to machine code (no effect with RATTLE_JIT=python); True if it runs now."""
+    global _jit
     if not _jit and mode.is_native():
-        _library = library, key
         _jit = _works()
     return _jit
-
-
-_library: tuple[Callable[[], str], str] | None = None  # until it is loaded
 
 
 def _works() -> bool:

@@ -8,7 +8,7 @@ become calls of the function itself.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from rattle.jit import families, functions, machine
@@ -18,8 +18,6 @@ from rattle.jit.translation.unit import ABOUT, Unit, function, told_where
 from rattle.jit.translation.values import parts_of
 
 MISSING = "a kernel of the family '{}' was called, but it is not in the table of this workspace"
-INTRINSICS = {"fabs": 1, "floor": 1, "sqrt": 1, "copysign": 2}  # of LLVM, that elementary functions call
-CALLED = re.compile(r'^declare double @"(\w+)"\([^)]*\).*$', re.MULTILINE)  # elementary functions
 PLACE = "rattle.place."  # how symbols of natives begin
 
 
@@ -99,25 +97,3 @@ def _own_places(text: str, symbols: Iterable[str]) -> str:
     lines = [line for line in text.split("\n") if not line.endswith(" = external global i64")]
     outside = re.compile(rf'declare \w+ @"({re.escape(machine.FIND)}|{re.escape(machine.FAULT)})"')
     return "\n".join([*places, *(line for line in lines if not outside.match(line))])
-
-
-def with_library(linked: Linked, library: str, names: Collection[str] | None = None) -> str:
-    """A text with elementary functions of a library, which stand there as "rattle.sin" and the like.
-
-    library: without the intrinsics that it calls.  names: of those that are called; by default all that kernels call,
-    and remainders too.
-    """
-    text = linked.text
-    for name in sorted(set(CALLED.findall(text)).intersection(names or CALLED.findall(text))):
-        text = re.sub(rf'^declare double @"{name}"\(.*$\n?', "", text, flags=re.MULTILINE)
-        text = text.replace(f'call double @"{name}"(', f'call double @"rattle.{name}"(')
-    if names is None:
-        text = re.sub(r"frem double (\S+), (\S+)", r'call double @"rattle.fmod"(double \1, double \2)', text)
-    return "\n".join([text, library, *intrinsics(text)])
-
-
-def intrinsics(text: str) -> Iterator[str]:
-    """Declarations of functions of LLVM that elementary functions call, and a text does not declare."""
-    for name, count in INTRINSICS.items():
-        if f'@"llvm.{name}.f64"' not in text:
-            yield f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"

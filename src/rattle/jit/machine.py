@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import builtins
 import ctypes
-import pickle
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,7 +22,6 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from rattle.jit.address import address_of
-from rattle.jit.cache import KeptFile
 
 FIND = "rattle.find"  # symbol of the function that provides a missing address
 FAULT = "rattle.fault"  # symbol of the function that machine code tells of an error
@@ -85,29 +83,6 @@ def load(code: Code) -> int:
     engine.add_object_file(llvm.ObjectFileRef.from_data(code.object))
     engine.finalize_object()
     return int(engine.get_function_address(code.symbol))
-
-
-def use_library(library: Callable[[], str], kept: KeptFile) -> None:
-    """Let machine code that is loaded from now on call other elementary functions than those of the C library.
-
-    library: their text, in LLVM's language: "rattle.sin" stands for sin; kept: where their machine code is kept.
-    """
-    names, made = kept.read() or (None, b"")
-    if names is None:
-        module = parsed(library())
-        names = [
-            one.name for one in module.functions if not one.is_declaration and one.linkage == llvm.Linkage.external
-        ]
-        module.triple, module.data_layout = llvm.get_process_triple(), str(target().target_data)
-        builder = llvm.create_pass_builder(target(), llvm.create_pipeline_tuning_options(speed_level=2))
-        builder.getModulePassManager().run(module, builder)
-        made = bytes(target().emit_object(module))
-        kept.write(lambda: pickle.dumps((names, made)))
-    engine = _engine()
-    engine.add_object_file(llvm.ObjectFileRef.from_data(made))
-    engine.finalize_object()
-    for name in names:
-        llvm.add_symbol(name.removeprefix("rattle."), engine.get_function_address(name))
 
 
 @cache

@@ -8,12 +8,12 @@ in the order of `Linked.kernels` and of `families.SIGNATURE`.  The program has `
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import llvmlite.binding as llvm
 
 from rattle.jit import families, machine
-from rattle.jit.linking import Linked, with_library
+from rattle.jit.linking import Linked
 from rattle.jit.machine import ARRAYS
 from rattle.jit.translation.unit import ABOUT
 
@@ -43,12 +43,9 @@ def prototype(offered: str, letters: Sequence[str]) -> str:
     return f"RATTLE_HIDDEN int32_t {symbol(offered)}({', '.join(given)});"
 
 
-def object_file(linked: Linked, library: str, own: Collection[str]) -> bytes:
-    """Machine code of linked functions for any processor of this platform, to be loaded anywhere.
-
-    library: text of elementary functions, of which those called `own` are called, otherwise those of the C library.
-    """
-    text = with_library(linked, library, own).replace(f'@"{machine.FAULT}"', f"@{FAULT}")
+def object_file(linked: Linked) -> bytes:
+    """Machine code of linked functions for any processor of this platform, to be loaded anywhere."""
+    text = linked.text.replace(f'@"{machine.FAULT}"', f"@{FAULT}")
     for name in linked.offered:
         text = text.replace(f'@"call.{name}"', f"@{symbol(name)}")
     text = re.sub(r"^define (?=i32 @rattle_)", "define hidden ", text, flags=re.MULTILINE)

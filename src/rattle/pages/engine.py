@@ -36,9 +36,9 @@ from rattle.jit.object_file import object_file
 from rattle.jit.wasm.engine import about, engine
 from rattle.solvers import driver_jumps, run_loop
 from rattle.solvers.output_row import record
-from rattle.trace.library import QUICK, library_text, text_of_desk
-from rattle.trace.machine_code import SOURCES
+from rattle.trace.library import library_text
 
+OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
 BUILT = "engine.wasm.gz"  # in this folder
 NATIVES = {  # what a page calls: the functions that `analyses` calls for a run and its start
     "run.timetable": driver_jumps.find_timetable,
@@ -93,7 +93,7 @@ def sources() -> str:
         here / "jit" / "linking.py",
         here / "jit" / "object_file.py",
         *(here / "jit" / "wasm").glob("*.py"),
-        *(here / "trace" / name for name in SOURCES),
+        *(here / "trace" / name for name in OF_LIBRARY),
         Path(__file__),
     ]
     for path in [*compiled_sources(), *sorted(makers)]:
@@ -142,7 +142,7 @@ def kernels_of_platform() -> Kernels:
     if found is None:
         functions.say_once("compiling kernels for this platform (once)")
         made = linked()
-        found = (object_file(made, text_of_desk(), QUICK), made.offered, made.kernels)
+        found = (object_file(made), made.offered, made.kernels)
         kept.write(lambda: pickle.dumps(found))
     return Kernels(*found)
 

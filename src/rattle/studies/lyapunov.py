@@ -16,10 +16,10 @@ from rattle.analyses.assembly.rank import rank
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.errors import InputError, TraceError
+from rattle.jit import functions
 from rattle.results.display import lines
 from rattle.studies import neighbouring_runs, variational_equations
 from rattle.studies.neighbouring_runs import APART, parts_of
-from rattle.trace import machine_code
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -100,7 +100,7 @@ def lyapunov(
     an impact that the other is about to have.
     Raises InputError if the drivers determine every position (then nothing can grow), or if a run cannot go on.
     """
-    machine_code.start()
+    functions.start()
     span = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     length = span / 400 if stretch is None else arguments.positive("stretch", stretch)
     rtol = arguments.relative_tolerance(rtol)

@@ -34,10 +34,10 @@ from rattle.analyses.travel import out_of_place
 from rattle.description.model import Joint
 from rattle.equations.system import System
 from rattle.errors import InputError, ModelError, Problem
+from rattle.jit import functions
 from rattle.results.chosen_units import Shown, chosen
 from rattle.results.display import quantity, table
 from rattle.solvers.positions import position_sweep as swept
-from rattle.trace import machine_code
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -160,7 +160,7 @@ def accuracy(
     began = time.perf_counter()
     times = instants(t_eval)
     require_no_states(system.model, "accuracy")
-    machine_code.start()
+    functions.start()
     ideal = ideal_system(system.model)
     joints = [one for one in system.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
     if not joints:

@@ -18,12 +18,12 @@ from rattle.analyses.dynamics.run import How
 from rattle.analyses.law_check import law_faults
 from rattle.equations.system import System
 from rattle.errors import InputError, SolverError
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.registry import kinds
 from rattle.results.columns import width
 from rattle.results.result import Result
 from rattle.solvers.stepper import ATOL, RTOL
-from rattle.trace import machine_code
 
 log = logging.getLogger("rattle")
 
@@ -37,7 +37,7 @@ def simulate(
     horizon: bool = False, most_steps: int | None = None,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion to t_end [s], with steps of at most `step` [s]; see `Mechanism.simulate`."""
-    machine_code.start()
+    functions.start()
     settings = system.model.settings
     end, times = output_times(settings, t_end, t_eval)
     asked, steppers = settings.method if method is None else method, kinds("stepper")

@@ -30,13 +30,13 @@ from rattle.equations.dense import LARGE
 from rattle.equations.motion import loads, place
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError, InputError, ModelError, Problem, SolverError
+from rattle.jit import functions
 from rattle.results.build import build_result
 from rattle.results.columns import columns, motion, motion_columns, width
 from rattle.results.event import Breaks, Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
-from rattle.trace import machine_code
 
 log = logging.getLogger("rattle")
 BESIDE = 1e-9  # share of the span at which the values on either side of a switch are taken
@@ -113,7 +113,7 @@ def analyse(
         system, start = stiff, None
     what = "inverse dynamics" if forces else "kinematics"
     require_no_states(system.model, what)
-    machine_code.start()
+    functions.start()
     if forces:
         require_known_torques(system, what)
     if start is None:

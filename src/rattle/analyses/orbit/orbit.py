@@ -29,13 +29,13 @@ from rattle.description.model import Joint
 from rattle.equations.placement import point_at
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem, SolverError, suggest
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.results.build import build_result
 from rattle.results.film_columns import PinMotion, film_values
 from rattle.results.result import Result, UnknownName
 from rattle.solvers import mobility
 from rattle.solvers.stepper import RTOL
-from rattle.trace import machine_code
 
 log = logging.getLogger("rattle")
 
@@ -67,7 +67,7 @@ def orbit(
     joint = _lubricated(system, name)
     _, times = output_times(system.model.settings, t_end, t_eval)
     tolerance = arguments.relative_tolerance(RTOL if rtol is None else rtol)
-    machine_code.start()
+    functions.start()
     ideal = ideal_system(system.model)
     ideal_start = assemble(ideal)
     require_driven(ideal, ideal_start, "an orbit under the forces of the ideal mechanism")

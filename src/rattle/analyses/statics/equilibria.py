@@ -35,8 +35,8 @@ from rattle.equations.closure import merit_at
 from rattle.equations.motion import drive
 from rattle.equations.system import System, is_link
 from rattle.errors import AssemblyError, InputError
+from rattle.jit import functions
 from rattle.solvers.positions import position_sweep
-from rattle.trace import machine_code
 
 RANDOM_STARTS = 48  # of a mechanism without a degree of freedom, for its other branches
 FEW_STARTS = 12  # of a mechanism with one degree of freedom
@@ -62,7 +62,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     """All equilibria found with the drivers at t [s]; see `Mechanism.equilibrium`."""
     if branches not in ("near", "all"):
         raise InputError(f"branches must be 'near' or 'all', got {branches!r}")
-    machine_code.start()
+    functions.start()
     load_law.forget()
     if not with_stops(system.model):
         return _equilibria(system, t, branches, effort)

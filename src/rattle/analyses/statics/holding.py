@@ -18,9 +18,9 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.placement import point_at
 from rattle.equations.system import System, compile_system
 from rattle.errors import InputError, suggest
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-from rattle.trace import machine_code
 
 GRAVITY = "gravity"  # the name by which it is asked for
 
@@ -44,7 +44,7 @@ def position_asked(system: System, t: float, at_rest: Equilibrium | None) -> tup
 
     Raises ModelError, AssemblyError, ValueError if friction holds nothing there or nothing is known of it.
     """
-    machine_code.start()
+    functions.start()
     require_answerable(system)
     bare = compile_system(without_stops(system.model)) if with_stops(system.model) else system
     if at_rest is None:

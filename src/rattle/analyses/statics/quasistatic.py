@@ -29,11 +29,11 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.placement import turned
 from rattle.equations.rest_force import stiffness
 from rattle.equations.system import System, compile_system
+from rattle.jit import functions
 from rattle.results.build import build_result
 from rattle.results.event import Event
 from rattle.results.result import Result
 from rattle.results.trust import Trust
-from rattle.trace import machine_code
 
 log = logging.getLogger("rattle")
 
@@ -94,7 +94,7 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
     """Equilibria at the times t_eval (n,) [s]; see `Mechanism.equilibrium`."""
     began = time.perf_counter()
     times = instants(t_eval)
-    machine_code.start()
+    functions.start()
     given, system = system, without_guide_play(compile_system(without_stops(system.model)))
     first = equilibria(system, float(times[0]), effort=effort)
     rigid = rigid_model(system, floating=True)

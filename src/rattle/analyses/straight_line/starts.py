@@ -18,7 +18,7 @@ from rattle.description.model import Model
 from rattle.description.reader import read
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError, TraceError
-from rattle.trace import machine_code
+from rattle.jit import functions
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
 from rattle.trace.lane_program import Compile, filled
@@ -61,7 +61,7 @@ class Starts:
         messages: dict[int, str] = {}
         alike = self._alike(values)
         if not good.all():
-            machine_code.start()  # for one of them already: a sample has the same bits however many there are beside it
+            functions.start()  # for one of them already: a sample has the same bits however many there are beside it
         for n in np.flatnonzero(~good):
             try:
                 system, start = self.assemble(values[:, n])

@@ -17,7 +17,7 @@ import llvmlite.binding as llvm
 
 from rattle.jit import families, machine
 from rattle.jit.columns import COLUMNS
-from rattle.jit.linking import Linked, with_library
+from rattle.jit.linking import Linked
 from rattle.jit.translation.unit import ABOUT
 from rattle.jit.wasm import binary
 from rattle.jit.workspace import ARRAYS
@@ -28,6 +28,12 @@ TRIPLE = "wasm32-unknown-unknown"
 FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals"
 STACK = 128 * 1024  # bytes
 TOLD = "rattle.told"  # place in memory of the address of the text of the last error
+LIBRARY = re.compile(r'^declare double @"(\w+)"\([^)]*\).*$', re.MULTILINE)
+INTRINSICS = {
+    f"llvm.{name}.f64": f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"
+    for name, count in (("fabs", 1), ("floor", 1), ("sqrt", 1), ("copysign", 2))
+}
+REMAINDER = re.compile(r"frem double (\S+), (\S+)")
 
 
 def layout() -> str:
@@ -40,11 +46,20 @@ def layout() -> str:
 def whole_text(linked: Linked, library: str) -> str:
     """The text of an engine.
 
-    library: text of the functions "rattle.sin" and the like that kernels call, and of "rattle.fmod".
+    library: text of the functions "rattle.sin" and the like, and of "rattle.fmod", for those that kernels call.
     """
     slots = [_slot(symbol, f"code.{symbol}") for symbol in linked.kernels]
     slots += [_slot(f"trap.{family}", f"trap.{family}") for family in families.SIGNATURE]
-    return "\n".join([_first(), with_library(linked, library), *slots, ABOUT])
+    text = "\n".join([_first(), _with_library(linked.text), *slots, library, ABOUT])
+    return text + "\n".join(line for name, line in INTRINSICS.items() if f'@"{name}"' not in linked.text)
+
+
+def _with_library(text: str) -> str:
+    """A text that calls the package's own library."""
+    for name in sorted(set(LIBRARY.findall(text))):
+        text = re.sub(rf'^declare double @"{name}"\(.*$\n?', "", text, flags=re.MULTILINE)
+        text = text.replace(f'call double @"{name}"(', f'call double @"rattle.{name}"(')
+    return REMAINDER.sub(r'call double @"rattle.fmod"(double \1, double \2)', text)
 
 
 def _first() -> str:

@@ -19,11 +19,11 @@ from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, PAUSED
 from rattle.equations.state import LOSS, STORED, state_layout
 from rattle.errors import InputError, SolverError, suggest
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.mechanism import Mechanism
 from rattle.registry import kinds
 from rattle.solvers.stepper import TIME_STEPPING
-from rattle.trace import machine_code
 
 Array = NDArray[np.float64]
 GAUSS = 8  # points in a step in which all is smooth
@@ -62,7 +62,7 @@ def settings_of(ran: Mapping[str, Any]) -> Settings:
 
 def rows_at(m: Mechanism, settings: Settings, t: Array) -> Array:
     """Rows (n, columns) with ports at increasing instants (n,) [s]."""
-    machine_code.start()
+    functions.start()
     run = new_run(m.system, m.start, t, settings.t_end, settings.how)
     _forward(run, float(t[-1]))
     reached = int(run.tally[at.OUTPUTS])
@@ -73,7 +73,7 @@ def rows_at(m: Mechanism, settings: Settings, t: Array) -> Array:
 
 def steps_between(m: Mechanism, settings: Settings, t0: float, t1: float) -> Iterator[Steps]:
     """The steps of the run from t0 to t1 [s], in batches."""
-    machine_code.start()
+    functions.start()
     nothing = np.zeros(0)
     ahead = _Ahead(new_run(m.system, m.start, nothing, settings.t_end, settings.how))
     behind = new_run(m.system, m.start, nothing, settings.t_end, settings.how)

@@ -24,6 +24,7 @@ from rattle.analyses.dynamics.events import require_workable
 from rattle.analyses.dynamics.methods import choose_stepper
 from rattle.analyses.dynamics.run import How
 from rattle.errors import InputError, ModelError, Problem
+from rattle.jit import functions
 from rattle.mechanism import Mechanism
 from rattle.progress_bar import progress_bar
 from rattle.solvers.stepper import ATOL, SMOOTH
@@ -33,7 +34,6 @@ from rattle.studies.wear.folder import Folder
 from rattle.studies.wear.jumps import marched, per_cycle, sigma, straight
 from rattle.studies.wear.pins import Depths, Pin, depths_of, pins_of, wearing_system
 from rattle.studies.wear.worn import Reached, Worn
-from rattle.trace import machine_code
 
 Array = NDArray[np.float64]
 ALL, ROUNDING = "all cycles", 1e-12
@@ -63,7 +63,7 @@ def wear(
     progress: bool | Callable[[float, float], None] = False,
 ) -> Worn:  # fmt: skip
     """Wear of all joints that have `wear`; see `Mechanism.wear`."""
-    machine_code.start()
+    functions.start()
     system = wearing_system(m.model)
     require_workable(system)
     pins = pins_of(system)
