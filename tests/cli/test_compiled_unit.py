@@ -17,6 +17,7 @@ from mock_up_unit import Unit
 from rattle.cli.main import main
 from rattle.errors import TraceError
 from rattle.pages import compiled_unit as units
+from rattle.pages.engine import kernels_of_platform
 
 pytestmark = [
     pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"),
@@ -58,6 +59,7 @@ EVENTS = {"eventModeUsed": True, "earlyReturnAllowed": True}
 def written(tmp_path_factory):
     """A function: the FMU of a model, each written once."""
     folder, made = tmp_path_factory.mktemp("units"), {}
+    kernels_of_platform()  # compiled once for all of them
 
     def one(name):
         if name not in made:
@@ -346,6 +348,7 @@ def test_laws_in_python_are_refused_as_in_pages(laws):
         units.compiled_unit(m, "law", 1.0)
 
 
+@pytest.mark.usefixtures("written")
 def test_without_a_compiler_nothing_is_written(tmp_path, monkeypatch):
     program = tmp_path / "broken"
     program.write_text("#!/bin/sh\necho no licence; exit 3\n")
@@ -358,6 +361,7 @@ def test_without_a_compiler_nothing_is_written(tmp_path, monkeypatch):
 
 
 # ---------------------------------------------------------------- what is in the file
+@pytest.mark.usefixtures("written")
 def test_descriptions_of_parameters_may_hold_what_xml_cannot():
     text = PIN.replace("c = { value", 'c = { description = "a <b> & \\u0001 */", value')
     with zipfile.ZipFile(io.BytesIO(units.compiled_unit(rt.loads(text), "pin", 0.015).content)) as opened:
