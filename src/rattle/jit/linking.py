@@ -18,6 +18,7 @@ from rattle.jit.translation.unit import ABOUT, Unit, function, told_where
 from rattle.jit.translation.values import parts_of
 
 MISSING = "a kernel of the family '{}' was called, but it is not in the table of this workspace"
+LEFT_OUT = "{} is not among these kernels"
 PLACE = "rattle.place."  # how symbols of natives begin
 
 
@@ -32,12 +33,17 @@ class Linked(NamedTuple):
     kernels: dict[str, str]  # family by symbol, of what stands in tables
 
 
-def link(offered: Mapping[str, tuple[KernelFunction, Sequence[str]]], kernels: Iterable[KernelFunction]) -> Linked:
+def link(
+    offered: Mapping[str, tuple[KernelFunction, Sequence[str]]], kernels: Iterable[KernelFunction],
+    without: Iterable[KernelFunction] = (),
+) -> Linked:  # fmt: skip
     """The text of all that these functions and kernels reach.
 
-    offered: by name, with the letters of result and arguments.  kernels: those that may stand in tables.
+    offered: by name, with the letters of result and arguments.  kernels: those that may stand in tables.  without:
+    natives that nobody who calls the offered ones has a use for; they fail with words.
     Raises TranslationError for what kernels cannot use.
     """
+    left_out = {one.symbol: one for one in without}
     unit, texts = Unit(), []
     table = sorted(kernels, key=lambda one: one.symbol)
     for name, (one, letters) in sorted(offered.items()):
@@ -46,13 +52,16 @@ def link(offered: Mapping[str, tuple[KernelFunction, Sequence[str]]], kernels: I
     done: set[str] = set()
     ahead = {one.symbol for one in table} | _places(unit)
     while ahead:
-        for symbol in sorted(ahead):
+        for symbol in sorted(ahead - left_out.keys()):
             text = _called(unit, f"code.{symbol}", natives[symbol], natives[symbol].letters)
             texts.append(text.replace("define i32", "define internal i32", 1))
         done |= ahead
         ahead = _places(unit) - done
     whole = unit.whole("\n".join(texts)).replace(ABOUT, "")
-    traps = [_trap(family) for family in families.SIGNATURE]
+    traps = [_failing(f"trap.{one}", letters, MISSING.format(one)) for one, letters in families.SIGNATURE.items()]
+    traps += [
+        _failing(f"code.{one}", left_out[one].letters, LEFT_OUT.format(one)) for one in sorted(done & left_out.keys())
+    ]
     return Linked(
         "\n".join([_own_places(whole, done), *traps]),
         {name: tuple(offered[name][1]) for name in sorted(offered)},
@@ -67,11 +76,10 @@ def _called(unit: Unit, name: str, one: KernelFunction, letters: Sequence[str]) 
     return told_where(made, lambda: made.written(name, outer=result))
 
 
-def _trap(family: str) -> str:
-    """The text of what stands in tables where there is no kernel: it fails, and says which family was called."""
-    _, kinds = kinds_of(families.SIGNATURE[family])
-    types = ["ptr", *(type_ for kind in kinds for type_ in parts_of(kind))]
-    name, words = f"trap.{family}", f"RuntimeError: {MISSING.format(family)}"
+def _failing(name: str, letters: Sequence[str], said: str) -> str:
+    """The text of a function that fails with a RuntimeError."""
+    _, kinds = kinds_of(letters)
+    types, words = ["ptr", *(type_ for kind in kinds for type_ in parts_of(kind))], f"RuntimeError: {said}"
     return f"""@"words.{name}" = private constant [{len(words) + 1} x i8] c"{words}\\00"
 define internal i32 @"{name}"({", ".join(types)}) noinline cold {{
   call void @"{machine.FAULT}"(ptr @"words.{name}")

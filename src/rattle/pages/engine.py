@@ -34,7 +34,8 @@ from rattle.jit.functions import KernelFunction
 from rattle.jit.linking import Linked, link
 from rattle.jit.object_file import object_file
 from rattle.jit.wasm.engine import about, engine
-from rattle.solvers import driver_jumps, run_loop
+from rattle.solvers import driver_jumps, ports, run_loop
+from rattle.solvers.contacts import wear_sum
 from rattle.solvers.output_row import record
 from rattle.trace.library import library_text
 
@@ -49,6 +50,7 @@ NATIVES = {  # what a page calls: the functions that `analyses` calls for a run 
     "start.outside": start_near.outside,
     "start.constants": start_near.count_constants,
 }
+NEVER_CALLED = (ports.write_ports, wear_sum.keep_speeds, wear_sum.add_wear)  # no page asks for powers or wear
 WITH_LETTERS = {  # the same of functions whose types follow from their arguments
     # arrays of results: what `pages/result_data.py` leaves to them
     "short_peaks": (short_peaks, ("void", "v", "v", "v")),
@@ -75,7 +77,7 @@ def linked() -> Linked:
         **{name: (one, one.letters) for name, one in NATIVES.items()},
         **WITH_LETTERS,
     }
-    return link(offered, kernels)
+    return link(offered, kernels, NEVER_CALLED)
 
 
 def build() -> bytes:

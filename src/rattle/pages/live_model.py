@@ -88,9 +88,9 @@ def live_model(
         "drawn": [list(place) for place in places],
         "settings": _settings(m, run, t_end),
         "method": {"name": run.stepper.name, "refinement": run.stepper.leaf.refinement, "usual": RTOL},
-        "result": result.data,
         "functions": {"arrays": add_arrays(tape, arrays), **result.functions},
         "start": {"description": start.description, "content": packed(start.content)},
+        "result": result.data,  # the last, see `page.worker_text`
     }  # fmt: skip
     known = {name: m.model.parameters[name] for name in names}
     notes = (f"the model as it is written: {note}" for note in m.start.notes)

@@ -24,7 +24,7 @@ from rattle.results.derived import rules
 from rattle.results.handy_units import written_units
 
 WORKER = "live_worker.js"
-REPLAYED = 151  # instants of the motion that a browser shows which cannot compute
+REPLAYED = 101  # instants of the motion that a browser shows which cannot compute
 EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
 
 
@@ -82,7 +82,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "live": {
             "packed": lettered(worker_text(live)), "settings": {"t_end": live.t_end},
             "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.names),
-            "replay": _replay(m, t_end),
+            "replay": lettered(_json(_replay(m, t_end))),
         },
         "show": {"ghost": live.ideal is not None},
         "notes": [*live.notes, *_fixed(live)],
@@ -126,7 +126,9 @@ def _fixed(live: LiveModel) -> list[str]:
 
 def worker_text(live: LiveModel) -> str:
     """The program of the page's worker: the engine, the recorded functions, and the numbers of their models."""
-    models = {"model": live.data} | ({} if live.ideal is None else {"ideal": live.ideal.data})
+    models = {"model": live.data}
+    if live.ideal is not None:  # what is alike is in the results: one after the other compression sees both
+        models["ideal"] = {"result": live.ideal.data["result"], **live.ideal.data}
     return (
         f'"use strict";\n(() => {{\n{in_function(joined(viewer_files(), WORKER))}'
         f'const engineText = "{engine_in_text()}";\nconst models = {_json(models)};\n'

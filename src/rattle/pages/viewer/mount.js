@@ -4,6 +4,7 @@ import { make } from "./dom.js";
 import { unpack } from "./data.js";
 import { HostSource, LiveSource } from "./live.js";
 import { Knobs } from "./knobs.js";
+import { unpackedText } from "./unpack.js";
 import { Viewer } from "./viewer.js";
 
 // host: {page: true} for a page of its own, {inside: true} in one that has title and trust, {autoplay: false}, {theme: "dark"}; returns the app of the page.
@@ -70,9 +71,9 @@ function computeMotions(viewer, scene, host, first) {
 }
 
 // A browser that cannot compute shows the motion that was computed when the page was written, and says so.
-function showReplay(viewer, replay, why) {
+async function showReplay(viewer, replay, why) {
   viewer.scene.notes = [...(viewer.scene.notes ?? []), `this page replays the motion of its bodies that was computed when it was written: ${why}`];
-  if (replay) viewer.setRun(unpack(replay), { ghost: null });
+  if (replay) viewer.setRun(unpack(JSON.parse(await unpackedText(replay))), { ghost: null });
 }
 
 // Number of the run with this value of a parameter, of several the one in which least else changes.
