@@ -108,3 +108,11 @@ def test_a_place_without_a_kernel_is_an_error_in_words(tmp_path):
     said = in_node(tmp_path, run, tables=tables)
     assert said["reason"] == "failed"
     assert "a kernel of the family 'stepper' was called" in said["error"]
+
+
+def test_what_no_page_asks_for_is_left_out_and_named_if_it_is_called(tmp_path):
+    """An output row that goes on with the powers at all joints."""
+    wide = "const wide = { at: run.m.rows.at, shape: [run.width + 40] };"
+    said = in_node(tmp_path, new("ellipse"), steps=f'{wide} run.m.call("record", 0, run.m.arrays.state, wide);')
+    assert said["reason"] == "failed"
+    assert said["error"] == "RuntimeError: rattle.solvers.ports.write_ports is not among these kernels"

@@ -235,32 +235,45 @@ def find_near(m, ideal, shut, every, t):
 @compiled
 def find_places(m, ideal, shut, every, t):
     """The positions of `find_near`."""
-    q, given, size, form, before = m.start_q, m.start_given, m.start_size[0], m.start_form, m.start_scratch[2]
-    if form[WITHOUT_PLAY] == 0:
-        copy_numbers(m.start_before, q)
-        became, _iterations = close_near(m, t, q, given, size, m.start_scratch)
+    if m.start_form[WITHOUT_PLAY] == 0:
+        copy_numbers(m.start_before, m.start_q)
+        became, _iterations = close_near(m, t, m.start_q, m.start_given, m.start_size[0], m.start_scratch)
         return became
-    missing = m.start_missing.shape[0] > 0
-    if form[HELD] == 0 or not hold_offsets(m, ideal, shut, t):
-        if form[HELD] > 0 and not missing:
-            return NOT_CLOSED
-        copy_numbers(ideal.start_q, q)
-        place_outward(m, q, given, m.start_offsets, m.start_lines, m.start_ways)
-        if not closes(m, t):
-            return NOT_CLOSED
-    if missing and off_given(m, 2):  # on which side of its bush a pin stands
+    if not closes_beside(m, ideal, shut, t):
+        return NOT_CLOSED
+    keep_in_play(m, ideal, every, t)
+    return MOVED
+
+
+@compiled
+def closes_beside(m, ideal, shut, t):
+    """Whether the mechanism closes beside the one without play: with its pins held, or from the ground outwards."""
+    if m.start_form[HELD] > 0:
+        if hold_offsets(m, ideal, shut, t):
+            return True
+        if m.start_missing.shape[0] == 0:
+            return False
+    copy_numbers(ideal.start_q, m.start_q)
+    place_outward(m, m.start_q, m.start_given, m.start_offsets, m.start_lines, m.start_ways)
+    return closes(m, t)
+
+
+@compiled
+def keep_in_play(m, ideal, every, t):
+    """Go on to given values, each time back to the positions before where a pin is then outside its bush."""
+    q, form, before = m.start_q, m.start_form, m.start_scratch[2]
+    if m.start_missing.shape[0] > 0 and off_given(m, 2):  # on which side of its bush a pin stands
         copy_numbers(q, before)
         if not at_given(m, t) or outside(m, t) >= 0:
             copy_numbers(before, q)
     if form[KEEPS] > 0:
         copy_numbers(q, before)
-        if keep_given(m, t, q, given, size) != MOVED or outside(m, t) >= 0:
+        if keep_given(m, t, q, m.start_given, m.start_size[0]) != MOVED or outside(m, t) >= 0:
             copy_numbers(before, q)
     if form[EVERY] > 0 and outside(m, t) >= 0:  # given values are too rough for the play
         copy_numbers(q, before)
         if not hold_offsets(m, ideal, every, t) or outside(m, t) >= 0:
             copy_numbers(before, q)
-    return MOVED
 
 
 @compiled

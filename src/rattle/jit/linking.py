@@ -43,14 +43,14 @@ def link(
     natives that nobody who calls the offered ones has a use for; they fail with words.
     Raises TranslationError for what kernels cannot use.
     """
-    left_out = {one.symbol: one for one in without}
+    left_out = {native.symbol: native for native in without}
     unit, texts = Unit(), []
-    table = sorted(kernels, key=lambda one: one.symbol)
-    for name, (one, letters) in sorted(offered.items()):
-        texts.append(_called(unit, f"call.{name}", one, letters))
-    natives = {one.symbol: one for one in functions.natives()}
+    table = sorted(kernels, key=lambda kernel: kernel.symbol)
+    for name, (kernel, letters) in sorted(offered.items()):
+        texts.append(_called(unit, f"call.{name}", kernel, letters))
+    natives = {native.symbol: native for native in functions.natives()}
     done: set[str] = set()
-    ahead = {one.symbol for one in table} | _places(unit)
+    ahead = {kernel.symbol for kernel in table} | _places(unit)
     while ahead:
         for symbol in sorted(ahead - left_out.keys()):
             text = _called(unit, f"code.{symbol}", natives[symbol], natives[symbol].letters)
@@ -58,22 +58,25 @@ def link(
         done |= ahead
         ahead = _places(unit) - done
     whole = unit.whole("\n".join(texts)).replace(ABOUT, "")
-    traps = [_failing(f"trap.{one}", letters, MISSING.format(one)) for one, letters in families.SIGNATURE.items()]
+    traps = [
+        _failing(f"trap.{family}", letters, MISSING.format(family)) for family, letters in families.SIGNATURE.items()
+    ]
     traps += [
-        _failing(f"code.{one}", left_out[one].letters, LEFT_OUT.format(one)) for one in sorted(done & left_out.keys())
+        _failing(f"code.{symbol}", left_out[symbol].letters, LEFT_OUT.format(symbol.removeprefix(PLACE)))
+        for symbol in sorted(done & left_out.keys())
     ]
     return Linked(
         "\n".join([_own_places(whole, done), *traps]),
         {name: tuple(offered[name][1]) for name in sorted(offered)},
-        {one.symbol: one.family for one in table},
+        {kernel.symbol: kernel.family for kernel in table},
     )
 
 
-def _called(unit: Unit, name: str, one: KernelFunction, letters: Sequence[str]) -> str:
+def _called(unit: Unit, name: str, kernel: KernelFunction, letters: Sequence[str]) -> str:
     """The text of a function as others call it by its address."""
     result, kinds = kinds_of(letters)
-    made = function(unit, one.python, kinds)
-    return told_where(made, lambda: made.written(name, outer=result))
+    translated = function(unit, kernel.python, kinds)
+    return told_where(translated, lambda: translated.written(name, outer=result))
 
 
 def _failing(name: str, letters: Sequence[str], said: str) -> str:

@@ -30,7 +30,6 @@ from rattle.equations.system import System
 from rattle.errors import AssemblyError, InputError, ModelError, TraceError
 from rattle.jit import layout as at
 from rattle.mechanism import Mechanism
-from rattle.pages.packed import packed
 from rattle.pages.result_data import result_data
 from rattle.pages.run_image import planned_run, run_image
 from rattle.pages.start_data import start_data
@@ -49,7 +48,7 @@ Place = tuple[str | int, ...]
 class LiveModel(NamedTuple):
     """A model that computes in a page."""
 
-    data: dict[str, Any]  # for JSON
+    data: dict[str, Any]  # for JSON, with bytes, see `packed.as_json`
     tape: Tape  # its functions, and those of the same mechanism without play
     parameters: Mapping[str, Parameter]  # that a page can change
     fixed: Mapping[str, str]  # parameters that it cannot change, and why
@@ -80,7 +79,7 @@ def live_model(
     result, start = result_data(m, tape, t_end, names, derived), start_data(m, tape, names)
     data = {
         "run": image.description,
-        "content": packed(image.content),
+        "content": image.content,
         "parameters": [_written(name, m.model.parameters[name]) for name in names],
         "entries": [[name, where.tolist()] for name, where in arrays.entries.items() if name != DRAWING],
         "facts": list(arrays.facts),
@@ -89,7 +88,7 @@ def live_model(
         "settings": _settings(m, run, t_end),
         "method": {"name": run.stepper.name, "refinement": run.stepper.leaf.refinement, "usual": RTOL},
         "functions": {"arrays": add_arrays(tape, arrays), **result.functions},
-        "start": {"description": start.description, "content": packed(start.content)},
+        "start": {"description": start.description, "content": start.content},
         "result": result.data,  # the last, see `page.worker_text`
     }  # fmt: skip
     known = {name: m.model.parameters[name] for name in names}

@@ -23,7 +23,6 @@ from rattle.jit import layout as at
 from rattle.jit.object_file import prototype, symbol
 from rattle.jit.workspace import ARRAYS
 from rattle.pages.engine import Kernels
-from rattle.pages.packed import unpacked
 from rattle.pages.result_data import WORDS
 from rattle.pages.tape import Key, Tape
 from rattle.trace import c
@@ -73,16 +72,16 @@ class FunctionsInC(Tape):
 
     def __init__(self) -> None:
         super().__init__()
-        self.made: list[tuple[Graph, list[Any]]] = []
+        self.recorded: list[tuple[Graph, list[Any]]] = []
 
     def add(self, graph: Graph, outputs: Sequence[Any], inputs: Sequence[Key]) -> int:
         """Number of a function of exact operations; inputs: see `Tape.add`."""
-        self.made.append((graph, list(outputs)))
-        return len(self.made) - 1
+        self.recorded.append((graph, list(outputs)))
+        return len(self.recorded) - 1
 
     def text(self, number: int, name: str) -> str:
         """A function in C, see `trace.c`."""
-        return c.function(*self.made[number], name)
+        return c.function(*self.recorded[number], name)
 
 
 class ModelInC:
@@ -91,12 +90,12 @@ class ModelInC:
     def __init__(self, data: Mapping[str, Any], functions: FunctionsInC, kernels: Kernels) -> None:
         self.data, self.result, self.functions, self.kernels = data, data["result"], functions, kernels
         start = data["start"]["description"]
-        self.systems, content = start["systems"], unpacked(data["start"]["content"])
+        self.systems, content = start["systems"], data["start"]["content"]
         self.starts = list[Mapping[str, Any]]()
         self._enter(start["start"])
-        self.order = {one: n for n, one in enumerate(kernels.families)}
+        self.order = {kernel: n for n, kernel in enumerate(kernels.families)}
         self.cells = list[int]()
-        images = [(data["run"], unpacked(data["content"])), *((one["image"], content) for one in self.systems)]
+        images = [(data["run"], data["content"]), *((system["image"], content) for system in self.systems)]
         self.images = [line for k, image in enumerate(images) for line in self._image(k, *image)]
 
     def _enter(self, start: Mapping[str, Any]) -> int:
@@ -133,7 +132,7 @@ class ModelInC:
             "WIDTH": result["width"], "ENERGIES": at.ENERGIES, "FIRST_ENERGY": result["energies"],
             "ARRAYS": len(ARRAYS), "WORKSPACES": len(self.cells), "CELLS": sum(self.cells), "RUN_CELLS": self.cells[0],
             "STARTS": len(self.starts), "SYSTEMS": len(self.systems),
-            "MOST_NUMBERS": 1 + max(len(one["counts"]) for one in self.systems),
+            "MOST_NUMBERS": 1 + max(len(system["counts"]) for system in self.systems),
             "MOST_CONSTANTS": max(self._constants(k) for k in range(len(self.systems))),
             **{name.upper(): order.index(name) for name in USED},
             **{f"{array}_{name}".upper(): getattr(at, name) for array, names in COLUMNS.items() for name in names},
@@ -170,14 +169,14 @@ class ModelInC:
             yield _list(f"const uint64_t content_{number}[]", (f"UINT64_C({x:#x})" for x in words))
         else:  # that of all systems of the start
             yield f"#define content_{number} content_1"
-        every = dict(zip(ARRAYS, description["arrays"], strict=True))
-        room = max(MORE * every["switchings"][0], INSTANTS)
-        found = {"switchings": room, "edges": room + 2, "driver_jump": room * every["driver_leap"][0]}
-        for name, (*shape, stored) in every.items():
+        shapes = dict(zip(ARRAYS, description["arrays"], strict=True))
+        room = max(MORE * shapes["switchings"][0], INSTANTS)
+        searched = {"switchings": room, "edges": room + 2, "driver_jump": room * shapes["driver_leap"][0]}
+        for name, (*shape, stored) in shapes.items():
             if name in LEFT_BY_STEPS:
                 shape[0] = min(shape[0], ROOM)
-            if name in found and every["timed"][0]:
-                shape[0], stored = found[name], -1
+            if name in searched and shapes["timed"][0]:  # what is there is found anew
+                shape[0], stored = searched[name], -1
             size, called = math.prod(shape), "NULL"
             if name in tables:
                 called = f"kernels_{number}_{name}"
@@ -192,17 +191,17 @@ class ModelInC:
         """Numbers of kernels in a table; for none, of what fails and says the family."""
         family = name.removesuffix("_table").replace("_", " ")
         trap = str(-1 - list(families.SIGNATURE).index(family))
-        return [trap if one is None else str(self.order[one]) for one in kernels]
+        return [trap if kernel is None else str(self.order[kernel]) for kernel in kernels]
 
     # ---------------------------------------------------------------- parameters, curves
     def _parameters(self) -> Iterator[str]:
         """Values and limits of the parameters, and where what follows from them stands."""
-        every = self.data["parameters"]
-        yield _numbers("nominal", [*(value for _, value, *_ in every), 0.0])
-        if every:
-            yield _list("const char *const names[]", (json.dumps(name) for name, *_ in every))
-            yield _numbers("least", [-math.inf if low is None else low for _, _, low, _, _ in every])
-            yield _numbers("most", [math.inf if high is None else high for _, _, _, high, _ in every])
+        parameters = self.data["parameters"]
+        yield _numbers("nominal", [*(value for _, value, *_ in parameters), 0.0])
+        if parameters:
+            yield _list("const char *const names[]", (json.dumps(name) for name, *_ in parameters))
+            yield _numbers("least", [-math.inf if low is None else low for _, _, low, _, _ in parameters])
+            yield _numbers("most", [math.inf if high is None else high for _, _, _, high, _ in parameters])
         yield _list("const Place entries[]", _places(self.data["entries"]))
 
     def _functions(self) -> Iterator[str]:
@@ -211,8 +210,8 @@ class ModelInC:
         yield self.functions.text(numbers["arrays"], "arrays")
         for name in wanted:
             yield self.functions.text(numbers[name], f"row_{name}")
-        for k, one in enumerate(self.systems):
-            yield self.functions.text(one["function"], f"numbers_{k}")
+        for k, system in enumerate(self.systems):
+            yield self.functions.text(system["function"], f"numbers_{k}")
 
     def _curves(self) -> Iterator[str]:
         """Curves of a row, and what kernels over arrays return for it, call after call."""
@@ -223,37 +222,39 @@ class ModelInC:
             yield f"    curves[{k}] = {f'derived[{-1 - place}]' if place < 0 else f'in[NP + {place}]'};"
         yield "}\n\nstatic bool call_kernels(const double *in, double *called) {"
         if calls:
-            yield f"    double given[{2 * len(calls)}], table[{1 + sum(one['table'] for one in calls)}];"
+            yield f"    double given[{2 * len(calls)}], table[{1 + sum(call['table'] for call in calls)}];"
             yield "    int64_t none;\n    row_tables(in, table);\n    row_before(in, given);"
         first = 0
-        for k, one in enumerate(calls):
-            table = f"table + {first}, {one['table']}, " if one["table"] else ""
-            yield CALL.format(name=symbol(one["kernel"]), first=2 * k, second=2 * k + 1, table=table, call=k)
-            first += one["table"]
+        for k, call in enumerate(calls):
+            table = f"table + {first}, {call['table']}, " if call["table"] else ""
+            yield CALL.format(name=symbol(call["kernel"]), first=2 * k, second=2 * k + 1, table=table, call=k)
+            first += call["table"]
         yield "    return true;\n}\n"
 
     # ---------------------------------------------------------------- the start
     def _systems(self) -> Iterator[str]:
         """How numbers of the systems of the start follow from parameters and constants."""
         rows = []
-        for k, one in enumerate(self.systems):
-            placed = sum(len(where) for _, where in one["entries"])
-            yield _list(f"const Place places_{k}[]", _places(one["entries"]))
-            yield _list(f"const unsigned char counts_{k}[]", map(str, one["counts"] or [0]))
-            yield _numbers(f"inputs_{k}", [*one["inputs"], 0.0])
-            rows.append(f"{{numbers_{k}, {len(one['counts'])}, {placed}, places_{k}, counts_{k}, inputs_{k}}}")
+        for k, system in enumerate(self.systems):
+            placed = sum(len(where) for _, where in system["entries"])
+            yield _list(f"const Place places_{k}[]", _places(system["entries"]))
+            yield _list(f"const unsigned char counts_{k}[]", map(str, system["counts"] or [0]))
+            yield _numbers(f"inputs_{k}", [*system["inputs"], 0.0])
+            rows.append(f"{{numbers_{k}, {len(system['counts'])}, {placed}, places_{k}, counts_{k}, inputs_{k}}}")
         yield _list("const System systems[]", rows)
 
     def _starts(self) -> Iterator[str]:
         """The start of the model and those that are found before it."""
         starts = []
-        for k, one in enumerate(self.starts):
-            rows = [f'{{"{"driver" if driver else "joint"} {owner}", "{unit}"}}' for owner, unit, driver in one["rows"]]
+        for k, start in enumerate(self.starts):
+            rows = [
+                f'{{"{"driver" if driver else "joint"} {owner}", "{unit}"}}' for owner, unit, driver in start["rows"]
+            ]
             yield _list(f"const Row rows_{k}[]", rows or ['{"", ""}'])
             keys = ("system", "ideal", "loose", "shut", "every", "counting")
-            starts.append(f"{{{', '.join(str(one[key]) for key in keys)}, {len(rows)}, rows_{k}}}")
+            starts.append(f"{{{', '.join(str(start[key]) for key in keys)}, {len(rows)}, rows_{k}}}")
         yield _list("const Start starts[]", starts)
-        drivers = [one["name"] for one in self.result["told"]["drivers"]] or [""]
+        drivers = [driver["name"] for driver in self.result["told"]["drivers"]] or [""]
         yield _list("const char *const drivers[]", map(json.dumps, drivers))
         yield _list("const char *const contacts[]", (json.dumps(name) for name in self.starts[0]["contacts"] or [""]))
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import gzip
+import json
+from typing import Any
 
 SAFE = str.maketrans("<>&`", "[]:,")  # letters of base85 that mean something in HTML or JavaScript
 
@@ -13,9 +15,9 @@ def packed(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")
 
 
-def unpacked(letters: str) -> bytes:
-    """The bytes that are `packed`."""
-    return gzip.decompress(base64.b64decode(letters))
+def as_json(data: Any) -> str:
+    """JSON in which bytes are `packed`."""
+    return json.dumps(data, separators=(",", ":"), allow_nan=False, default=packed)
 
 
 def lettered(text: str) -> str:

@@ -13,7 +13,7 @@ from rattle.errors import InputError, TraceError, suggest
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
-from rattle.pages.packed import lettered
+from rattle.pages.packed import as_json, lettered
 from rattle.pages.replay import write_page
 from rattle.pages.scene import OF_GHOST, frame_of, run_of
 from rattle.pages.sweep_page import sweep_scene
@@ -82,7 +82,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "live": {
             "packed": lettered(worker_text(live)), "settings": {"t_end": live.t_end},
             "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.names),
-            "replay": lettered(_json(_replay(m, t_end))),
+            "replay": lettered(as_json(_replay(m, t_end))),
         },
         "show": {"ghost": live.ideal is not None},
         "notes": [*live.notes, *_fixed(live)],
@@ -131,15 +131,15 @@ def worker_text(live: LiveModel) -> str:
         models["ideal"] = {"result": live.ideal.data["result"], **live.ideal.data}
     return (
         f'"use strict";\n(() => {{\n{in_function(joined(viewer_files(), WORKER))}'
-        f'const engineText = "{engine_in_text()}";\nconst models = {_json(models)};\n'
-        f"const begin = (port) => serve(port, engineText, {_json(live.tape.written())}, models);\n"
+        f'const engineText = "{engine_in_text()}";\nconst models = {as_json(models)};\n'
+        f"const begin = (port) => serve(port, engineText, {as_json(live.tape.written())}, models);\n"
         'if (typeof document === "undefined") begin(self);\nelse globalThis.rattleLive = begin;\n})();\n'
     )
 
 
 def model_text(live: LiveModel) -> str:
     """An expression: the data of a model, and the tape with its functions."""
-    return _json({"data": live.data, "tape": live.tape.written()})
+    return as_json({"data": live.data, "tape": live.tape.written()})
 
 
 def engine_in_text() -> str:
@@ -150,7 +150,3 @@ def engine_in_text() -> str:
 def in_function(module: str) -> str:
     """The text of a module as the inside of a function."""
     return EXPORT.sub("", module)
-
-
-def _json(data: Any) -> str:
-    return json.dumps(data, separators=(",", ":"), allow_nan=False)

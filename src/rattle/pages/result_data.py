@@ -5,7 +5,7 @@ The columns that `results.columns` computes are recorded from that very code, so
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple
@@ -178,39 +178,48 @@ def _record(m: Mechanism, names: Sequence[str], further: bool) -> _Record:
         recorder.replace(kernel, calls.of(kernel))
     recorder.replace(of_law, lambda method, *given: recorder.recorded(method.__func__)(method.__self__, *given))
     recorder.recorded(film_columns)
-    table, titles, units = recorder.recorded(columns)(replace(system, model=model), Table([first, row]))
+    recorded = replace(system, model=model)
+    table, titles, units = recorder.recorded(columns)(recorded, Table([first, row]))
     curves = {name: values[-1] for name, values in zip(titles, table, strict=True)}
     units = dict(units)
-    if further:
-        recorded = replace(system, model=model)
-        stored = dict(curves)
-        for name in derived_names(model, stored):
-            if (made := derived_curve(graph, recorded, stored, name)) is not None:
-                curves[name], units[name] = made
+    for name, curve, unit in list(_further(graph, recorded, curves)) if further else ():
+        curves[name], units[name] = curve, unit
     watch.require_record()
-    places: list[int] = []
-    derived: list[Any] = []
-    rank = {symbol.place: k for k, symbol in enumerate(row)}
-    for symbol in curves.values():
-        place = rank.get(symbol.place) if isinstance(symbol, Symbol) else None
-        if place is None:
-            place = -1 - len(derived)
-            derived.append(symbol)
-        places.append(place)
-    tables = [one for call in calls.made for one in call.table]
-    given = [one for call in calls.made for one in call.given]
-    told = dict(facts(model, system.watched))
-    sizes, belts = [symbol_of(value) for value in told.values()], _belts(replace(system, model=model), recorder, row)
-    holds = [x for belt in belts for x in belt.holds]
-    parts = {"tables": tables, "before": given, "columns": derived, "facts": sizes, "belts": holds}
+    places, derived = _in_row(row, curves.values())
+    sizes, belts = dict(facts(model, system.watched)), _belts(recorded, recorder, row)
+    parts = {
+        "tables": [x for call in calls.made for x in call.table],
+        "before": [x for call in calls.made for x in call.given],
+        "columns": derived,
+        "facts": [symbol_of(size) for size in sizes.values()],
+        "belts": [x for belt in belts for x in belt.holds],
+    }
     exact, lowered = lower(graph, [x for values in parts.values() for x in values])
     outputs, rest = {}, iter(lowered)
     for name, values in parts.items():
         outputs[name] = list(islice(rest, len(values)))
     return _Record(
         exact, outputs, places, units, [{"kernel": call.kernel, "table": len(call.table)} for call in calls.made],
-        [list(place) for place in told], [belt._asdict() | {"holds": len(belt.holds)} for belt in belts],
+        [list(place) for place in sizes], [belt._asdict() | {"holds": len(belt.holds)} for belt in belts],
     )  # fmt: skip
+
+
+def _further(graph: Graph, recorded: System, stored: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
+    """Names, symbols and SI units of the curves that results derive from stored ones."""
+    for name in derived_names(recorded.model, stored):
+        if (curve := derived_curve(graph, recorded, stored, name)) is not None:
+            yield name, *curve
+
+
+def _in_row(row: Sequence[Symbol], curves: Iterable[Any]) -> tuple[list[int], list[Any]]:
+    """Places of curves in a row, or -1 - place among those that follow from it; these."""
+    rank, derived, places = {symbol.place: k for k, symbol in enumerate(row)}, list[Any](), list[int]()
+    for curve in curves:
+        place = rank.get(curve.place) if isinstance(curve, Symbol) else None
+        if place is None:
+            derived.append(curve)
+        places.append(-len(derived) if place is None else place)
+    return places, derived
 
 
 class _Belt(NamedTuple):

@@ -231,23 +231,28 @@ def _start_numbers(
     joints = [first[p] for p in ways[:, WAY_P].tolist()]
     turns = np.nan_to_num(one_turn - given_values(system, 0)).tolist()  # whole ones
 
-    def find(other: System) -> Values:
-        joint, bodies, offsets = other.model.joints, other.model.initial.bodies, other.model.initial.offsets
-        found = {
-            f"start_{name}": [bodies.get(body, {}).get(key, math.nan) for body in other.bodies for key in keys]
-            for name, keys in zip(("given", "rates"), KEYS, strict=True)
+    def numbers(other: System) -> Values:
+        joint, offsets = other.model.joints, other.model.initial.offsets
+        values = {
+            "start_given": [x + turn for x, turn in zip(_given(other, KEYS[0]), turns, strict=True)],
+            "start_rates": _given(other, KEYS[1]),
+            "start_offsets": [x for name in joints for x in offsets.get(name, (0.0, 0.0))],
+            "start_lines": [x for name in joints for x in (joint[name].line or 0.0, joint[name].distance)],
+            "start_held": [x for name in held for x in (*joint[name].a.at, *offsets.get(name, (0.0, 0.0)))],
+            "start_pressed": [x for name in missing for x in (joint[name].clearance, 0.0, 0.0)],
+            "start_least": [least for least, _ in least_gaps(other)],
+            "start_size": [other.size],
         }
-        found["start_offsets"] = [x for name in joints for x in offsets.get(name, (0.0, 0.0))]
-        found["start_lines"] = [x for name in joints for x in (joint[name].line or 0.0, joint[name].distance)]
-        found["start_held"] = [x for name in held for x in (*joint[name].a.at, *offsets.get(name, (0.0, 0.0)))]
-        found["start_pressed"] = [x for name in missing for x in (joint[name].clearance, 0.0, 0.0)]
-        found["start_least"] = [least for least, _ in least_gaps(other)]
-        found["start_size"] = [other.size]
-        found["start_given"] = [x + turn for x, turn in zip(found["start_given"], turns, strict=True)]
-        return {name: dict(enumerate(values)) for name, values in found.items()}
+        return {name: dict(enumerate(entries)) for name, entries in values.items()}
 
-    vectors = {name: np.array([*values.values()], dtype=float) for name, values in find(system).items()}
+    vectors = {name: np.array([*values.values()], dtype=float) for name, values in numbers(system).items()}
     for name, width in (("offsets", 2), ("lines", 2), ("held", 4), ("pressed", 3)):
         vectors[f"start_{name}"] = vectors[f"start_{name}"].reshape(-1, width)
     which = np.array([held.index(name) for name in missing], np.int64)
-    return vectors | {"start_given": one_turn, "start_ways": ways, "start_missing": which}, find
+    return vectors | {"start_given": one_turn, "start_ways": ways, "start_missing": which}, numbers
+
+
+def _given(system: System, keys: Sequence[str]) -> list[Any]:
+    """Given values of these keys, body after body; nan if not given."""
+    bodies = system.model.initial.bodies
+    return [bodies.get(body, {}).get(key, math.nan) for body in system.bodies for key in keys]

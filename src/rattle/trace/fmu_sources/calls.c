@@ -2,8 +2,9 @@
    saved states, and what no model has.
 
    Before them stand `clear`, which makes an instance as it is when it is new, `take_place`, which makes what was copied
-   from another one its own, `look_up`, which finds a variable, `set_inputs`, which changes parameters during a run; MORE,
-   the bytes that an instance has behind its struct, and EXCHANGES, whether there is model exchange. */
+   from another one its own, `look_up`, which finds a variable, `set_inputs`, which changes parameters during a run, and
+   `settle_states`, which may change states in event mode; MORE, the bytes that an instance has behind its struct, and
+   EXCHANGES, whether there is model exchange. */
 FMI(const char *, fmi3GetVersion)(void) { return "3.0"; }
 
 FMI(fmi3Status, fmi3SetDebugLogging)(
@@ -70,6 +71,18 @@ FMI(fmi3Status, fmi3Terminate)(fmi3Instance instance) {
 FMI(fmi3Status, fmi3Reset)(fmi3Instance instance) {
     clear(instance);
     return fmi3OK;
+}
+
+FMI(fmi3Status, fmi3UpdateDiscreteStates)(
+    fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate, fmi3Boolean *terminateSimulation,
+    fmi3Boolean *nominalsOfContinuousStatesChanged, fmi3Boolean *valuesOfContinuousStatesChanged,
+    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime) {
+    Mechanism *m = instance;
+    REQUIRE(EVENTS, "fmi3UpdateDiscreteStates");
+    *discreteStatesNeedUpdate = *terminateSimulation = *nominalsOfContinuousStatesChanged = false;
+    *valuesOfContinuousStatesChanged = *nextEventTimeDefined = false;
+    *nextEventTime = 0.0;
+    return settle_states(m, valuesOfContinuousStatesChanged);
 }
 
 FMI(fmi3Status, fmi3GetFloat64)(

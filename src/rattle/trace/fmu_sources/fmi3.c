@@ -15,14 +15,8 @@ FMI(fmi3Status, fmi3EnterInitializationMode)(
     fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
     fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     Mechanism *m = instance;
-    REQUIRE(INSTANTIATED, "fmi3EnterInitializationMode");
-    if (startTime != 0.0) return say(m, fmi3Error, "the start time is %g s; this model starts at 0", startTime);
-    if (toleranceDefined) {
-        if (!(tolerance > 0.0)) return say(m, fmi3Error, "the relative tolerance must be positive");
-        m->tolerance = fmin(fmax(tolerance, SMALLEST_TOLERANCE), 0.1);
-        m->most_drift = fmax(10.0 * m->tolerance, SMALLEST_DRIFT);
-    }
-    m->mode = INITIALIZING;
+    if (initialize(m, toleranceDefined, tolerance, startTime) != fmi3OK) return fmi3Error;
+    if (toleranceDefined) m->most_drift = fmax(10.0 * m->tolerance, SMALLEST_DRIFT);
     return fmi3OK;
 }
 
@@ -127,22 +121,15 @@ FMI(fmi3Status, fmi3CompletedIntegratorStep)(
     return fmi3OK;
 }
 
-FMI(fmi3Status, fmi3UpdateDiscreteStates)(
-    fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate, fmi3Boolean *terminateSimulation,
-    fmi3Boolean *nominalsOfContinuousStatesChanged, fmi3Boolean *valuesOfContinuousStatesChanged,
-    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime) {
-    Mechanism *m = instance;
+/* states that have drifted off are brought back onto the constraints */
+static fmi3Status settle_states(Mechanism *m, bool *changed) {
     double closed[NY];
-    REQUIRE(EVENTS, "fmi3UpdateDiscreteStates");
-    *discreteStatesNeedUpdate = *terminateSimulation = *nominalsOfContinuousStatesChanged = false;
-    *valuesOfContinuousStatesChanged = *nextEventTimeDefined = false;
-    *nextEventTime = 0.0;
     if (!m->drifted) return fmi3OK;
     if (!on_constraints(m, m->t, m->y, closed)) return say(m, fmi3Error, "t = %g s: the joints cannot be closed", m->t);
     memcpy(m->y, closed, sizeof m->y);
     moved(m);
     m->drifted = false;
-    *valuesOfContinuousStatesChanged = true;
+    *changed = true;
     return fmi3OK;
 }
 

@@ -12,14 +12,8 @@ FMI(fmi3Status, fmi3EnterInitializationMode)(
     fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
     fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     Mechanism *m = instance;
-    REQUIRE(INSTANTIATED, "fmi3EnterInitializationMode");
-    if (startTime != 0.0) return say(m, fmi3Error, "the start time is %g s; this model starts at 0", startTime);
-    if (toleranceDefined) {
-        if (!(tolerance > 0.0)) return say(m, fmi3Error, "the relative tolerance must be positive");
-        m->tolerance = fmin(fmax(tolerance, SMALLEST_TOLERANCE), 0.1);
-    }
+    if (initialize(m, toleranceDefined, tolerance, startTime) != fmi3OK) return fmi3Error;
     m->asked_end = stopTimeDefined ? stopTime : 0.0;
-    m->mode = INITIALIZING;
     return fmi3OK;
 }
 
@@ -45,17 +39,8 @@ FMI(fmi3Status, fmi3EnterStepMode)(fmi3Instance instance) {
     return fmi3OK;
 }
 
-FMI(fmi3Status, fmi3UpdateDiscreteStates)(
-    fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate, fmi3Boolean *terminateSimulation,
-    fmi3Boolean *nominalsOfContinuousStatesChanged, fmi3Boolean *valuesOfContinuousStatesChanged,
-    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime) {
-    Mechanism *m = instance;
-    REQUIRE(EVENTS, "fmi3UpdateDiscreteStates");
-    *discreteStatesNeedUpdate = *terminateSimulation = *nominalsOfContinuousStatesChanged = false;
-    *valuesOfContinuousStatesChanged = *nextEventTimeDefined = false;
-    *nextEventTime = 0.0;
-    return fmi3OK;
-}
+/* events have been taken when a step ends with them */
+static fmi3Status settle_states(Mechanism *m, bool *changed) { return fmi3OK; }
 
 /* ---------------------------------------------------------------- variables */
 enum { TIME, FIRST_PARAMETER, FIRST_FOLLOWING = FIRST_PARAMETER + NP, END_OF_VARIABLES = FIRST_FOLLOWING + NO };

@@ -42,6 +42,15 @@ static fmi3Status lacks(fmi3Instance instance, const char *what) {
     return say(instance, fmi3Error, "this model has no %s, as its description says", what);
 }
 
+static fmi3Status initialize(Mechanism *m, bool told, double tolerance, double start_time) {
+    REQUIRE(INSTANTIATED, "fmi3EnterInitializationMode");
+    if (start_time != 0.0) return say(m, fmi3Error, "the start time is %g s; this model starts at 0", start_time);
+    if (told && !(tolerance > 0.0)) return say(m, fmi3Error, "the relative tolerance must be positive");
+    if (told) m->tolerance = fmin(fmax(tolerance, SMALLEST_TOLERANCE), 0.1);
+    m->mode = INITIALIZING;
+    return fmi3OK;
+}
+
 static fmi3Status check_step(Mechanism *m, double point, double size) {
     if (!(size > 0.0 && size < INFINITY)) return say(m, fmi3Error, "the communication step size must be positive");
     if (!(fabs(point - m->t) <= 1e-6 * size + 1e-12 * fabs(m->t))) {
