@@ -15,7 +15,7 @@ from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
 from rattle.pages.packed import as_json, lettered
 from rattle.pages.replay import write_page
-from rattle.pages.scene import OF_GHOST, frame_of, run_of
+from rattle.pages.scene import OF_GHOST, frame_of, run_of, scene_json
 from rattle.pages.sweep_page import sweep_scene
 from rattle.pages.thinning import shared_rows
 from rattle.pages.viewer_text import joined, viewer_files
@@ -82,7 +82,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "live": {
             "packed": lettered(worker_text(live)), "settings": {"t_end": live.t_end},
             "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.names),
-            "replay": lettered(as_json(_replay(m, t_end))),
+            "replay": lettered(scene_json(_replay(m, t_end))),
         },
         "show": {"ghost": live.ideal is not None},
         "notes": [*live.notes, *_fixed(live)],

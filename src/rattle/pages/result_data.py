@@ -100,23 +100,15 @@ def result_data(
             "names": titles, "units": record.units, "places": record.places, "parameters": list(names),
             "values": [model.parameters[name].value for name in names], "calls": record.calls,
             "width": width(system), "energies": width(system) - at.ENERGIES, "peaks": _peaks(system),
-            "sample": {key: getattr(samples, key) for key in ("BEST", "WHEN", "SQUARES")},
-            "kinds": KINDS,
             "words": {name: dict(words) for name, joint in model.joints.items() if (words := joint.leaf.events)},
             "contacts": len(system.arrays["contact"]), "first_account": layout.account(0).start,
             "account": {"size": layout.account(0).stop - layout.account(0).start, "IMPULSE": IMPULSE, "LOSS": LOSS},
             "rows": [[row.owner, row.unit] for row in system.rows], "watched": list(system.watched),
             "reactions": [titles[k] for k in np.flatnonzero(reaction_columns(system, record.units))],
             "extent": float(system.extent), "size": float(system.size), "notes": list(m.start.notes),
-            "limit": soundness.LIMIT, "unsound": UNSOUND, "loose": soundness.LOOSE, "words_of_end": WORDS,
-            "statuses": STATUSES,
             "signals": list(model.recorded), "moving": moving, "bodies": system.body_count,
             "own_states": [layout.own_states.start, layout.own_states.stop], "states": states_of(system).start,
-            "facts": record.facts, "belts": record.belts, "told": trust_data(run, model.settings.method),
-            "horizon": {key: getattr(horizon, key) for key in HORIZON},
-            "at": {
-                array: {name: getattr(at, name) for name in wanted} for array, wanted in NEEDED.items()
-            },
+            "facts": record.facts, "belts": record.belts, "told": trust_data(run, model.settings.method), **ALIKE,
         },
         functions,
     )  # fmt: skip
@@ -143,6 +135,17 @@ NEEDED = {  # columns of arrays of a run that become parts of a result
     "timed": ("OWN_CODE", "RESOLVED", "FIRST_FOUND"),
     "switchings": ("SIDE_AFTER",),
     "passage": ("PASSED", "PASSED_AT", "PASSED_FROM", "PASSED_UNTIL"),
+}
+ALIKE = {  # for every model
+    "sample": {key: getattr(samples, key) for key in ("BEST", "WHEN", "SQUARES")},
+    "kinds": KINDS,
+    "limit": soundness.LIMIT,
+    "unsound": UNSOUND,
+    "loose": soundness.LOOSE,
+    "words_of_end": WORDS,
+    "statuses": STATUSES,
+    "horizon": {key: getattr(horizon, key) for key in HORIZON},
+    "at": {array: {name: getattr(at, name) for name in wanted} for array, wanted in NEEDED.items()},
 }
 
 

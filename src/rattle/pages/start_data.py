@@ -68,6 +68,16 @@ def start_data(m: Mechanism, tape: Tape, names: Sequence[str] | None = None) -> 
     return StartData({"parameters": names, "own": own, "systems": writer.systems, "start": description}, content)
 
 
+class _Play(NamedTuple):
+    """Pins that are held in a start, all that can be, those whose offset follows from reactions."""
+
+    held: list[str]
+    every: list[str]
+    missing: list[str]
+    shut: System  # the mechanism without play
+    ideal: dict[str, Any] | None  # its start
+
+
 class _Writer:
     """Collects the systems that a start needs: their images, and functions of the numbers in them."""
 
@@ -98,24 +108,12 @@ class _Writer:
         if system.row_count > LARGE:
             raise TraceError("the mechanism has too many joints for a page that finds its start")
         model = system.model
-        links, open_ = with_play(model)
-        offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
-        missing = [x for x in links if math.hypot(*offsets[x]) < NO_OFFSET * model.joints[x].clearance]
-        ideal, held, shut = None, list[str](), system
-        if offsets:
-            shut, without = self.shut(system)
-            near = without.q if isinstance(without, Assembled) else first_guess(system)
-            held = [*links, *undetermined(system, 0.0, near, {name: model.joints[name] for name in open_})]
-            if isinstance(without, Assembled):
-                ideal = self.start(shut, lambda read: ideal_model(form(read)), without, bool(missing))
-            elif held:
-                raise TraceError(f"its start without play is not known: {without}")
-        given = [name in model.initial.offsets for name in held]
-        every = list(dict.fromkeys([*held, *open_])) if ideal is not None else []
+        held, every, missing, shut, ideal = self._play(system, form)
         vectors, numbers = _start_numbers(system, every, missing)
-        closed = self._closed(system, form, held, alike=len(held) == len(offsets)) if held else None
+        closed = self._closed(system, form, held, alike=set(held) == set(every)) if held else None
         more = self._closed(system, form, every, alike=True) if every != held and not missing else None
-        formed = [ideal is not None, len(held), more is not None, not missing and not any(given)]
+        keeps = not missing and not any(name in model.initial.offsets for name in held)
+        formed = [ideal is not None, len(held), more is not None, keeps]
         vectors |= {
             "start_q": start.q, "start_v": start.v, "start_before": start.q, "start_form": np.array(formed, np.int64),
             "start_first": np.array([shut.first_row(x) for x in missing], np.int64),
@@ -128,6 +126,23 @@ class _Writer:
             "ideal": ideal, "shut": closed, "every": more,
             **(self._counting(system, form) if constants_of(model) else {"loose": None, "counting": None}),
         }  # fmt: skip
+
+    def _play(self, system: System, form: Form) -> _Play:
+        """What the start without play does for that of a system."""
+        links, open_ = with_play(system.model)
+        if not (links or open_):
+            return _Play([], [], [], system, None)
+        joints, offsets = system.model.joints, system.model.initial.offsets
+        shut, without = self.shut(system)
+        near = without.q if isinstance(without, Assembled) else first_guess(system)
+        held = [*links, *undetermined(system, 0.0, near, {name: joints[name] for name in open_})]
+        missing = [x for x in links if math.hypot(*offsets.get(x, (0.0, 0.0))) < NO_OFFSET * joints[x].clearance]
+        if isinstance(without, Assembled):
+            ideal = self.start(shut, lambda read: ideal_model(form(read)), without, bool(missing))
+            return _Play(held, list(dict.fromkeys([*held, *open_])), missing, shut, ideal)
+        if held:
+            raise TraceError(f"its start without play is not known: {without}")
+        return _Play([], [], [], shut, None)
 
     def _counting(self, system: System, form: Form) -> dict[str, Any]:
         """What is put together before the constants are known, and the rows that tell them."""
