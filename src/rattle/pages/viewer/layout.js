@@ -62,7 +62,9 @@ export function sayTrust(element, motion, remarks, lines) {
   const [solved = "", more = ""] = trust.text ?? [], reach = solved.split("; ").slice(1).join("; "); // behind the errors
   const first = level === "mind" ? trust.limits?.[0] ?? trust.word ?? (pulled ? more : reach || more) : ""; // the reason in one line, while it is closed
   const count = remarks.length ? ` · ${remarks.length} note${remarks.length > 1 ? "s" : ""}` : "";
-  const head = trust.word ? [trust.word] : trust.limits ?? [], all = [...head, ...(trust.contacts ?? []), ...(trust.text ?? [])]; // as `rattle run`
+  const head = trust.word ? [trust.word] : trust.limits ?? [], said = (part) => head.some((line) => line.includes(part));
+  const rest = (trust.text ?? []).map((line) => line.split("; ").filter((part) => !said(part)).join("; ")).filter((line) => line);
+  const all = [...head, ...(trust.contacts ?? []), ...rest]; // as `rattle run`
   element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `why?${count}`),
     ...(first ? [make("span", { class: "first quiet" }, first)] : [])),
     make("div", { class: "lines" }, ...all.map((line) => make("p", {}, line)),
