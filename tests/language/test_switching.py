@@ -102,6 +102,14 @@ def test_touching_zero_is_no_switching():
 
 
 @pytest.mark.nojit
+def test_what_stays_at_zero_is_no_switching():
+    """Two ramps that are one: parameters may make them so."""
+    for text in ("max(2*t, 2*t)", "abs(3*(t - 1) - 3*(t - 1))", "step(0*t)"):
+        ((switch,), _, _) = switches(text, 1.0)
+        assert switch.resolved
+        assert len(switch.instants) == 0
+
+
 def test_switches_inside_switches_and_signals():
     (inner, outer), _, _ = switches("abs(max(0, t - 0.3) - 0.2)", 1.0)
     assert inner.instants == [0.3]
@@ -214,6 +222,12 @@ def test_a_torque_in_steps_is_exact(torque):
     late = np.maximum(0.0, result.t - 0.31)
     np.testing.assert_allclose(result["rotor.angle"], 3.0 * late**2, atol=1e-14)
     assert result.stats["rejected"] == 0
+
+
+def test_a_run_may_have_its_start_alone():
+    """No instant is looked for: values are those of the definition."""
+    for torque, alpha in (("1 + step(t - 0.5)", 2.0), ("step(t)", 2.0), ("floor(t + 0.3) + sign(t)", 0.0)):
+        assert rotor(torque=torque).simulate(t_eval=[0.0])["rotor.alpha"] == alpha
 
 
 def test_a_table_may_end_with_the_run():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -63,7 +63,10 @@ ALWAYS = Timetable(np.zeros(0), (), (), {})
 
 def timetable(system: System, start: float, end: float) -> Timetable:
     """Timetable of a run between two times [s].  Raises ModelError if a driver jumps in position."""
-    if not end > start or not len(system.arrays["timed"]):
+    timed = system.arrays["timed"]
+    if not end > start:  # nothing switches: values of the definition
+        return replace(ALWAYS, arrays={"timed": timed[:0]})
+    if not len(timed):
         return ALWAYS
     functions.start()  # as plain Python thousands of instants take seconds, and giving up minutes
     room = ROOM

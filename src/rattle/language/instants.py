@@ -211,7 +211,7 @@ def look(m, n, low, high, narrow):
     steepest = most(abs(s.slow), abs(s.fast))
     if steepest < INF:  # by the mean value, with a little for rounding
         reach = 0.5 * (high - low) * steepest * (1.0 + 1e-12)
-        if here - reach > 0.0 or here + reach < 0.0:
+        if here - reach > 0.0 or here + reach < 0.0 or reach == 0.0:
             return -1
     monotone = (s.slow > 0.0 or s.fast < 0.0) and s.low > -INF and s.high < INF  # without a pole
     size = abs(high)
