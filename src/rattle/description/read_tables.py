@@ -150,7 +150,7 @@ def _period(values: Values, given: Mapping[str, Any], unit: str, of_x: Dimension
         number = number * _scale(unit)[0] if unit.strip() else number
     elif of_x is not None and dimension != of_x:
         values.wrong(here, f"{said(given['period'])} is {describe(dimension)}; x is {describe(of_x)}")
-    if not math.isfinite(number):
+    if not math.isfinite(bare(number)):
         return math.nan
     if not number > 0.0:
         values.wrong(here, f"{said(given['period'])} must be positive")
@@ -170,7 +170,7 @@ def _shape_is_sound(values: Values, x: list[float], y: list[float], kind: str, p
                 f"{float(x[n]):g} does not follow on {float(x[n - 1]):g}: x must increase (in SI units)",
             )
             return False
-    if math.isnan(period):
+    if math.isnan(bare(period)):
         return False
     if len(x) < 2:
         values.wrong((*path, "x"), f"{len(x)} point{'s' * (len(x) != 1)}; a table needs two or more")
@@ -182,7 +182,7 @@ def _shape_is_sound(values: Values, x: list[float], y: list[float], kind: str, p
         )
         return False
     closed = bool(period) and span >= period * (1.0 - CLOSE)
-    if closed and abs(y[-1] - y[0]) > CLOSE * (max(y) - min(y)):
+    if closed and y[-1] != y[0] and abs(y[-1] - y[0]) > CLOSE * (max(y) - min(y)):
         values.wrong(
             (*path, "y"),
             f"y ends with {float(y[-1]):g} one period after {float(y[0]):g} (in SI units); expected the same",

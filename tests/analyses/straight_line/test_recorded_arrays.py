@@ -99,6 +99,16 @@ def test_the_flag_is_false_where_a_part_appears() -> None:
     assert made.at(given) is None
 
 
+def test_the_period_and_the_values_of_a_table_follow() -> None:
+    m = rt.Mechanism("rotor").ground(O=[0, 0]).body("rotor", points={"O": [0, 0]}, mass=1.0, inertia=1.0)
+    m.revolute("axis", "ground.O", "rotor.O").load("M", type="torque", body="rotor", torque="f(t/1 s)")
+    m.parameter("P", 0.5).parameter("k", 2.0).table("f", ["0.2*P", "0.5*P", "1.2*P"], [0, "k", 0], period="P")
+    made = _recorded(m)
+    assert made.names == ("P", "k")
+    assert _same(m, made, {"P": 0.7, "k": 2.0})
+    assert _same(m, made, {"P": 0.01, "k": -1.0})
+
+
 def test_the_start_of_own_states_follows() -> None:
     m = rt.Mechanism("tank", gravity=[0, -9.81])
     m.parameter("level", 2.0).parameter("rate", 0.5).ground(O=[0, 0])
