@@ -52,6 +52,7 @@ type = "force"
 at = "pin.P"
 force = ["3 N * (1 - 2*step(t - 4 ms))", 0]
 """
+STEPPED = TURNED.replace("2*step(t - 4 ms)", "floor(t/1 ms)")
 EVENTS = {"eventModeUsed": True, "earlyReturnAllowed": True}
 
 
@@ -87,7 +88,7 @@ def opened(written):
 def model(name):
     if name == "wide":  # it can be told lengths that fit nowhere
         return rt.example("fourbar_onesided").set({"parameters.l2.max": 10.0, "parameters.l1.max": 1.0})
-    texts = {"pin": PIN, "turned": TURNED}
+    texts = {"pin": PIN, "turned": TURNED, "stepped": STEPPED}
     return rt.loads(texts[name]) if name in texts else rt.example(name)
 
 
@@ -246,6 +247,19 @@ def test_a_stop_time_that_never_comes_is_no_scale_for_events(opened):
         unit.fmu.doStep(0.0, 0.01)
         ends.append(unit.get("slider.x", "B.normal"))
     np.testing.assert_allclose(ends[1:], [ends[0]] * 2, rtol=1e-6)
+
+
+def test_it_is_told_when_instants_are_too_many(opened):
+    unit = opened("stepped")
+    unit.begin(stopTime=0.015)
+    assert not unit.said
+    unit.fmu.reset()
+    unit.begin(stopTime=float("inf"))
+    assert "switches too often up to 15000 s to follow" in unit.said[-1]
+    unit.fmu.reset()
+    with pytest.raises(pytest.importorskip("fmpy.fmi1").FMICallException):
+        unit.begin(stopTime=15.0)
+    assert "than the model has room for" in unit.said[-1]
 
 
 def test_energies_are_compared_with_those_between_communication_points_too(opened):

@@ -41,6 +41,7 @@ COLUMNS = {
     "clock": ("T",), "tally": ("FOUND", "EVENT_COUNT", "OUTPUTS"), "course": ("PIECE",),
     "contact_memory": ("CLOSED",), "rows": ("RES",), "contact_kinematics": ("GAP",),
     "driver_leap": ("LEAP_COUNT", "LEAP_SIZE", "LEAP_AT"),
+    "timed": ("RESOLVED",),
     "audit": ("FLOOR", "MOST_KINETIC", "MOST_WORK", "LEAST_POTENTIAL", "MOST_POTENTIAL", "MOST_UNREST"),
 }  # fmt: skip
 STATUSES = {"PAUSED": PAUSED, "DONE": DONE, "MOVED": MOVED, "NOT_FINITE": NOT_FINITE, "TOO_FAR": TOO_FAR}

@@ -178,7 +178,13 @@ static fmi3Status find_instants(Mechanism *m) {
     if (rattle_run_timetable(&needed, table, 0.0, m->end)) return say(m, fmi3Error, "%s", told);
     if (needed > 0) {
         return say(m, fmi3Error, "expressions of time switch more often up to %g s than the model has room for: write it "
-                   "with that end, rattle code FILE --t-end TIME", m->end);
+                   "with that end and these parameters, rattle code FILE --t-end TIME --set NAME=VALUE", m->end);
+    }
+    for (k = 0; k < rows(table, TIMED); k++) {
+        if (wholes(table, TIMED)[k * columns(table, TIMED) + TIMED_RESOLVED] != 0) continue;
+        say(m, fmi3Warning, "an expression of time switches too often up to %g s to follow: steps do not end at its "
+            "switching instants; tell an earlier stop time", m->end);
+        break;
     }
     for (k = 0; k < rows(table, DRIVER_LEAP); k++, leap += columns(table, DRIVER_LEAP)) {
         if (leap[DRIVER_LEAP_LEAP_COUNT] > 0.0) {
