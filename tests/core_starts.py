@@ -9,7 +9,7 @@ import numpy as np
 
 import rattle as rt
 from rattle.equations.kept_values import MOVED
-from rattle.equations.start_near import count_constants, find_near, outside
+from rattle.equations.start import count_constants, find_start, outside
 from rattle.errors import AssemblyError, ModelError
 from rattle.jit import functions
 from rattle.jit.workspace import TYPES, Workspace
@@ -51,6 +51,16 @@ def found_in_node(folder, m, asked):
     return json.loads(done.stdout)
 
 
+def far_values(m):
+    """(name, value [SI]) for every parameter that can be chosen: fractions and multiples within its limits."""
+    known = m.model.parameters
+    for name in start_data(m, Tape()).description["parameters"]:
+        one = known[name]
+        least, most = (-math.inf if one.minimum is None else one.minimum, one.maximum or math.inf)
+        values = [(one.value or 1.0) * share for share in (0.3, 0.7, 1.7, 2.4, 6.0)]
+        yield from ((name, x) for x in (*values, least, most) if least <= x <= most and math.isfinite(x))
+
+
 def changed_values(m):
     """(name, value [SI]) for every parameter that can be chosen: a small step, and a larger one towards its limits."""
     known = m.model.parameters
@@ -61,10 +71,10 @@ def changed_values(m):
         yield name, one.value * 1.1 if far is None or far == one.value else one.value + 0.1 * (far - one.value)
 
 
-def starts_apart(folder, name):
+def starts_apart(folder, name, far=False):
     """By parameter and value, how starts in a page differ from those of Python; only those that do."""
     m = rt.example(name)
-    values = list(changed_values(m))
+    values = list(far_values(m) if far else changed_values(m))
     names = start_data(m, Tape()).description["parameters"]
     own = [m.model.parameters[x].value for x in names]
     asked = [own]
@@ -115,7 +125,7 @@ def workspace_of(image, content):
 
 
 def found_here(m, p):
-    """Positions, rates and constants of a start by the kernels in plain Python, near that of the model."""
+    """Positions, rates and constants of a start by the kernels in plain Python."""
     kept = KeptFunctions()
     description, content = start_data(m, kept)
     workspaces = [workspace_of(system["image"], content) for system in description["systems"]]
@@ -128,10 +138,10 @@ def found_here(m, p):
                 getattr(workspace, name).ravel()[place] = next(values)
         return workspace
 
-    def near(start):
+    def find(start):
         constants = []
         if start["loose"]:
-            loose = near(start["loose"])
+            loose = find(start["loose"])
             counting = enter(start["counting"], [*p, *(0.0 for _ in workspaces[start["counting"]].start_constants)])
             count_constants(counting, loose, 0.0)
             constants = counting.start_constants
@@ -139,9 +149,9 @@ def found_here(m, p):
             workspaces[start["system"]] if k is None else enter(k, [*p, *constants])
             for k in (start["system"], start["shut"], start["every"])
         )
-        ideal = near(start["ideal"]) if start["ideal"] else main
-        assert find_near(main, ideal, shut, every, 0.0) == MOVED
+        ideal = find(start["ideal"]) if start["ideal"] else main
+        assert find_start(main, ideal, shut, every, 0.0) == MOVED
         assert outside(main, 0.0) == -1
         return main
 
-    return near(description["start"])
+    return find(description["start"])

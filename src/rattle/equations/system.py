@@ -227,9 +227,7 @@ class System:
 
     def fact(self, key: Any, find: Callable[[], Fact]) -> Fact:
         """What `find` finds of the parts of the model, whatever its numbers: once for all systems of one form."""
-        facts = self.__dict__.get("_facts")
-        if facts is None:
-            return find()
+        facts = self.__dict__.setdefault("_facts", {})
         if key not in facts:
             facts[key] = find()
         found: Fact = facts[key]

@@ -25,7 +25,7 @@ from rattle.analyses.dynamics import run
 from rattle.elements.film_table import read_ratios
 from rattle.elements.long_film import long_peaks
 from rattle.elements.short_film import short_peaks
-from rattle.equations import kept_values, motion, start_near
+from rattle.equations import kept_values, motion, start
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.cache import KeptFile
@@ -46,9 +46,9 @@ NATIVES = {  # what a page calls: the functions that `analyses` calls for a run 
     "run.begin": run_loop.begin,
     "run.advance": run_loop.advance,
     "record": record,
-    "start.near": start_near.find_near,
-    "start.outside": start_near.outside,
-    "start.constants": start_near.count_constants,
+    "start.find": start.find_start,
+    "start.outside": start.outside,
+    "start.constants": start.count_constants,
 }
 NEVER_CALLED = (ports.write_ports, wear_sum.keep_speeds, wear_sum.add_wear)  # no page asks for powers or wear
 WITH_LETTERS = {  # the same of functions whose types follow from their arguments
@@ -65,7 +65,7 @@ COLUMNS = (
 STATUSES = {
     motion: ("PAUSED", "DONE"),
     kept_values: ("MOVED", "NOT_FINITE"),
-    start_near: ("TOO_FAR",),
+    start: ("NOT_HELD",),
 }
 SETTINGS = {run: ("CHUNK", "MOST_NUMBERS"), timetable: ("MORE",)}
 

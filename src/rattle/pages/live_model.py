@@ -14,9 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.analyses import arguments
-from rattle.analyses.assembly.assembly import has_play
-from rattle.analyses.assembly.rank import free_motions, scaled_rows
-from rattle.analyses.assembly.start_values import given_values
 from rattle.analyses.dynamics.peak_values import measures_of_peaks
 from rattle.analyses.dynamics.run import Run
 from rattle.analyses.dynamics.simulate import POINTS
@@ -24,7 +21,6 @@ from rattle.analyses.dynamics.soundness import measures_of_rows
 from rattle.analyses.straight_line.recorded_arrays import RecordedArrays, Values, recorded_arrays
 from rattle.description.model import Parameter
 from rattle.description.read_parameters import chosen_parameters
-from rattle.equations.closure import open_by
 from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, InputError, ModelError, TraceError
@@ -117,7 +113,7 @@ def _settings(m: Mechanism, run: Run, t_end: float | None) -> dict[str, Any]:
     given = m.model.settings
     return {
         "interval": given.output, "outputs": POINTS, "end_given": t_end is not None,
-        "free": _is_free(m), "tightest": arguments.TIGHTEST, **_default_step(run),
+        "tightest": arguments.TIGHTEST, **_default_step(run),
         "step_given": given.step is not None, "atol_given": given.atol is not None, "most_steps": MOST_STEPS,
     }  # fmt: skip
 
@@ -180,20 +176,6 @@ def _structural(m: Mechanism, arrays: RecordedArrays) -> Iterator[str]:
         tried[k] = values
         if not arrays.graph.evaluate([arrays.holds], tried).any():
             yield name
-
-
-def _is_free(m: Mechanism) -> bool:
-    """Whether [initial] leaves places open: a start beside the model's is then one of several."""
-    if has_play(m.model):  # where pins stand in their play is settled by offsets, reactions and given values
-        try:
-            return _is_free(m.ideal()) if not has_play(m.ideal().model) else False
-        except AssemblyError:
-            return True
-    given, q = given_values(m.system, 0), m.start.q
-    workspace = m.system.assembly_workspace()
-    open_by(workspace, m.start.t, q, np.zeros_like(q))
-    known = np.eye(len(q))[~np.isnan(given)]
-    return len(free_motions(np.vstack([scaled_rows(m.system, workspace), known]))) > 0
 
 
 class _Recorded(NamedTuple):

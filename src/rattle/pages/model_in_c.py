@@ -17,7 +17,6 @@ from rattle.analyses.arguments import TIGHTEST
 from rattle.analyses.timetable import MORE
 from rattle.equations.kept_values import MOVED, NOT_FINITE
 from rattle.equations.motion import DONE, PAUSED
-from rattle.equations.start_near import TOO_FAR
 from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.jit.object_file import prototype, symbol
@@ -35,7 +34,7 @@ INSTANTS = 64  # rows for those of expressions of time, at least
 USED = (
     *("state", "clock", "tally", "course", "contact_memory", "break_times", "rows", "contact_kinematics", "audit"),
     *("timed", "driver_leap"),
-    *(f"start_{name}" for name in ("q", "v", "before", "least", "constants")),
+    *(f"start_{name}" for name in ("q", "v", "least", "constants")),
 )
 COLUMNS = {
     "clock": ("T",), "tally": ("FOUND", "EVENT_COUNT", "OUTPUTS"), "course": ("PIECE",),
@@ -44,7 +43,7 @@ COLUMNS = {
     "timed": ("RESOLVED",),
     "audit": ("FLOOR", "MOST_KINETIC", "MOST_WORK", "LEAST_POTENTIAL", "MOST_POTENTIAL", "MOST_UNREST"),
 }  # fmt: skip
-STATUSES = {"PAUSED": PAUSED, "DONE": DONE, "MOVED": MOVED, "NOT_FINITE": NOT_FINITE, "TOO_FAR": TOO_FAR}
+STATUSES = {"PAUSED": PAUSED, "DONE": DONE, "MOVED": MOVED, "NOT_FINITE": NOT_FINITE}
 TYPES = """#include <stdbool.h>
 #define RATTLE_HIDDEN __attribute__((visibility("hidden")))
 

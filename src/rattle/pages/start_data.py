@@ -17,20 +17,24 @@ import numpy as np
 from rattle.analyses.assembly.assembly import (
     Assembled,
     consistent_start,
+    held_pins,
     ideal_system,
+    pin_places,
+    play_arrays,
+    pressed,
     undetermined,
     with_play,
 )
-from rattle.analyses.assembly.first_guess import first_guess, ways_of_kernels
 from rattle.analyses.assembly.outside import least_gaps
+from rattle.analyses.assembly.searching import first_guess, joint_lines, joint_offsets, search_arrays
 from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
-from rattle.analyses.assembly.vector_loops import given_in_one_turn
+from rattle.analyses.assembly.tied_bodies import given_in_one_turn
 from rattle.analyses.assembly.without_play import ideal_model
 from rattle.analyses.straight_line.recorded_arrays import Values, recorded_arrays
 from rattle.description.model import Model, driven_ends
+from rattle.equations import start_columns as of
 from rattle.equations.dense import LARGE
-from rattle.equations.start_near import WAY_P
 from rattle.equations.system import System, compile_system, is_link, joint_rows
 from rattle.errors import AssemblyError, TraceError
 from rattle.jit import layout as at
@@ -43,7 +47,6 @@ Form = Callable[[Model], Model]
 Numbers = Callable[[System], Values] | None  # of vectors, see `_start_numbers`
 ALL, MOVING = True, False  # entries of arrays that count: all, or those from which positions and rates follow
 OFFSET = (3.0, 4.0)  # of the points of a joint, at which it tells what its constants are
-NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where it is pressed
 
 
 class StartData(NamedTuple):
@@ -107,24 +110,21 @@ class _Writer:
         """
         if system.row_count > LARGE:
             raise TraceError("the mechanism has too many joints for a page that finds its start")
-        model = system.model
         held, every, missing, shut, ideal = self._play(system, form)
-        vectors, numbers = _start_numbers(system, every, missing)
         closed = self._closed(system, form, held, alike=set(held) == set(every)) if held else None
-        more = self._closed(system, form, every, alike=True) if every != held and not missing else None
-        keeps = not missing and not any(name in model.initial.offsets for name in held)
-        formed = [ideal is not None, len(held), more is not None, keeps]
-        vectors |= {
-            "start_q": start.q, "start_v": start.v, "start_before": start.q, "start_form": np.array(formed, np.int64),
-            "start_first": np.array([shut.first_row(x) for x in missing], np.int64),
-            "start_scratch": np.zeros((3, len(start.q))),
-        }  # fmt: skip
+        more = self._closed(system, form, every, alike=True) if ideal is not None and every != held else None
+        numbers = _start_numbers(system, every, missing)
+        vectors = _start_arrays(system, numbers(system)) | play_arrays(
+            system, shut, held, every, missing, ideal is not None
+        )
+        vectors |= {"start_q": start.q, "start_v": start.v}
+        vectors["start_form"][of.EVERY] = more is not None
         return {
             "system": self.system(system, form, counted, vectors, numbers),
             "rows": [[row.owner, row.unit, row.driver] for row in system.rows],
             "contacts": [system.joints[n] for n in system.arrays["contact"][:, at.OWNER].tolist()],
             "ideal": ideal, "shut": closed, "every": more,
-            **(self._counting(system, form) if constants_of(model) else {"loose": None, "counting": None}),
+            **(self._counting(system, form) if constants_of(system.model) else {"loose": None, "counting": None}),
         }  # fmt: skip
 
     def _play(self, system: System, form: Form) -> _Play:
@@ -132,11 +132,11 @@ class _Writer:
         links, open_ = with_play(system.model)
         if not (links or open_):
             return _Play([], [], [], system, None)
-        joints, offsets = system.model.joints, system.model.initial.offsets
+        joints = system.model.joints
         shut, without = self.shut(system)
         near = without.q if isinstance(without, Assembled) else first_guess(system)
         held = [*links, *undetermined(system, 0.0, near, {name: joints[name] for name in open_})]
-        missing = [x for x in links if math.hypot(*offsets.get(x, (0.0, 0.0))) < NO_OFFSET * joints[x].clearance]
+        missing = pressed(system.model, links)
         if isinstance(without, Assembled):
             ideal = self.start(shut, lambda read: ideal_model(form(read)), without, bool(missing))
             return _Play(held, list(dict.fromkeys([*held, *open_])), missing, shut, ideal)
@@ -179,7 +179,7 @@ class _Writer:
 
     def _closed(self, system: System, form: Form, held: list[str], alike: bool) -> int:
         """The mechanism with some joints closed, whose pins are held: the first of those that can be."""
-        model, number = system.model, {name: n for n, name in enumerate(("ground", *system.bodies))}
+        model = system.model
 
         def closed(read: Model) -> Model:
             read = form(read)
@@ -189,11 +189,7 @@ class _Writer:
         shut = compile_system(closed(model))
         if alike and not constants_of(model):
             shut, closed = self.shut(system)[0], lambda read: ideal_model(form(read))
-        pins = []
-        for n, name in enumerate(held):
-            for owner in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
-                pins.append((number[model.joints[name].a.body], shut.first_value(owner), n))
-        return self.system(shut, closed, MOVING, {"start_pins": np.array(pins, np.int64)}, None)
+        return self.system(shut, closed, MOVING, {"start_pins": held_pins(system, shut, held)}, None)
 
     def system(
         self, system: System, form: Form, counted: bool, vectors: Mapping[str, np.ndarray], numbers: Numbers
@@ -237,34 +233,37 @@ def _values_of_joints(model: Model) -> int:
 
 
 # ---------------------------------------------------------------- numbers beside the arrays
-def _start_numbers(
-    system: System, held: list[str], missing: list[str]
-) -> tuple[dict[str, np.ndarray], Callable[[System], Values]]:
-    """Vectors of what is given for a start, and how their numbers follow from a system."""
-    ways, one_turn = ways_of_kernels(system), given_in_one_turn(system, 0.0)
-    first = {int(p): name for name, p in zip(system.joints, system.arrays["joint"][:, at.FIRST_P], strict=True)}
-    joints = [first[p] for p in ways[:, WAY_P].tolist()]
-    turns = np.nan_to_num(one_turn - given_values(system, 0)).tolist()  # whole ones
+def _start_numbers(system: System, held: list[str], missing: list[str]) -> Callable[[System], Values]:
+    """How numbers of what is given for a start follow from a system.
+
+    held: pins that can be held; missing: those whose offset follows from reactions.
+    """
+    turns = np.nan_to_num(given_in_one_turn(system, 0.0) - given_values(system, 0)).tolist()  # whole ones
 
     def numbers(other: System) -> Values:
-        joint, offsets = other.model.joints, other.model.initial.offsets
+        offsets, joints = other.model.initial.offsets, other.model.joints
         values = {
             "start_given": [x + turn for x, turn in zip(_given(other, KEYS[0]), turns, strict=True)],
             "start_rates": _given(other, KEYS[1]),
-            "start_offsets": [x for name in joints for x in offsets.get(name, (0.0, 0.0))],
-            "start_lines": [x for name in joints for x in (joint[name].line or 0.0, joint[name].distance)],
-            "start_held": [x for name in held for x in (*joint[name].a.at, *offsets.get(name, (0.0, 0.0)))],
-            "start_pressed": [x for name in missing for x in (joint[name].clearance, 0.0, 0.0)],
+            "start_offsets": [x for one in joint_offsets(other, offsets) for x in one],
+            "start_lines": [x for one in joint_lines(other) for x in one],
+            "start_held": [x for one in pin_places(other, held) for x in one],
+            "start_pressed": [x for name in missing for x in (joints[name].clearance, 0.0, 0.0)],
             "start_least": [least for least, _ in least_gaps(other)],
             "start_size": [other.size],
         }
         return {name: dict(enumerate(entries)) for name, entries in values.items()}
 
-    vectors = {name: np.array([*values.values()], dtype=float) for name, values in numbers(system).items()}
-    for name, width in (("offsets", 2), ("lines", 2), ("held", 4), ("pressed", 3)):
-        vectors[f"start_{name}"] = vectors[f"start_{name}"].reshape(-1, width)
-    which = np.array([held.index(name) for name in missing], np.int64)
-    return vectors | {"start_given": one_turn, "start_ways": ways, "start_missing": which}, numbers
+    return numbers
+
+
+def _start_arrays(system: System, numbers: Values) -> dict[str, np.ndarray]:
+    """Arrays of the start of a system, with its numbers."""
+    given, rates, least = (
+        np.array([*numbers[f"start_{name}"].values()], dtype=float) for name in ("given", "rates", "least")
+    )
+    arrays = search_arrays(system, given, system.model.initial.offsets)
+    return arrays | {"start_rates": rates, "start_least": least}
 
 
 def _given(system: System, keys: Sequence[str]) -> list[Any]:

@@ -7,16 +7,17 @@ iteration satisfies all constraints with the least mass-weighted change.  Rates 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rattle.analyses.assembly.computable import not_finite, require_digits
-from rattle.analyses.assembly.first_guess import first_guess, ways_of_kernels
-from rattle.analyses.assembly.guesses import Guesses, least_open, why_open_from
-from rattle.analyses.assembly.outside import outside
+from rattle.analyses.assembly.loop_map import loop_map
+from rattle.analyses.assembly.outside import least_gaps, outside
 from rattle.analyses.assembly.rank import RANK, free_motions, loose_without_mass, scaled_rows
+from rattle.analyses.assembly.searching import first_guess, search_arrays, why_open_from
 from rattle.analyses.assembly.start_constants import (
     constants_at,
     constants_of,
@@ -25,41 +26,31 @@ from rattle.analyses.assembly.start_constants import (
     without_counting,
 )
 from rattle.analyses.assembly.start_notes import start_notes
-from rattle.analyses.assembly.start_values import (
-    change_of_given,
-    given_values,
-    keep_places,
-    keep_positions,
-    keep_rates,
-    places,
-)
+from rattle.analyses.assembly.start_values import change_of_given, given_values, keep_rates, places
+from rattle.analyses.assembly.tied_bodies import GROUND, given_in_one_turn, groups_at
 from rattle.analyses.assembly.unclosed import without_value
-from rattle.analyses.assembly.vector_loops import GROUND, given_in_one_turn, groups_at
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
 from rattle.description.model import Contact, Joint, Model
-from rattle.equations.closure import close_position, close_rate, open_by, place_only
+from rattle.equations import start_columns as of
+from rattle.equations.closure import close_rate, open_by, place_only
 from rattle.equations.dense import LARGE
-from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins
+from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, keep_given
 from rattle.equations.motion import constraints, drive
-from rattle.equations.placement import point_at, pose, turned
-from rattle.equations.start_near import FAR, close_near, place_rates
+from rattle.equations.placement import point_at, pose
+from rattle.equations.start import NOT_HELD, close_near, find_positions, place_rates, put_inside
+from rattle.equations.start import outside as _outside
+from rattle.equations.start_search import KEPT, WORTH
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
-KEPT = (
-    1e-9  # change of a given value that counts as none [rad, mechanism sizes]: rounding of what was computed elsewhere
-)
-ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
-WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
 ALONE = 10.0  # bending of closed positions, about 2, with room for what is not counted
-HARD = 8  # guesses from which it is tried hard to close, until one does
-LOOKED = 6  # closings that are looked at more closely, at most
 NUDGE = 1e-5  # of differences, as a share of the mechanism's size
 DETERMINED = 1e-6  # share of a nudge by which a pin may move in its bush that joints and given values place
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
+NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where it is pressed
 
 
 @dataclass(frozen=True)
@@ -181,41 +172,19 @@ def consistent_start(
     system: System, t: float, ideal: Assembled | None = None, workspace: Workspace | None = None
 ) -> Assembled:
     """As `assemble`, without notes on what could not be kept.  workspace: an `assembly_workspace` to work in."""
-    model = system.model
     workspace = system.assembly_workspace() if workspace is None else workspace
     _require_values(system, workspace, t)
-    links, open_ = (
-        {name: model.joints[name] for name in names} for names in system.fact("play", lambda: with_play(model))
-    )
-    offsets = {name: model.initial.offsets.get(name, (0.0, 0.0)) for name in (*links, *open_)}
-    shut, held = system, list[str]()
-    missing: list[str] = []
-    if offsets:
-        shut, found = without_play(system, t)
-        if isinstance(found, Assembled):
-            ideal = found
-        held = undetermined(system, t, first_guess(system, t) if ideal is None else ideal.q, open_)
-        if isinstance(found, AssemblyError) and (links or held):  # it need not close if given values determine all
-            shut, ideal = _partly_closed(model, t, [*links, *held], found)
-        missing = [name for name in links if math.hypot(*offsets[name]) < 1e-9 * links[name].clearance]
-        if missing and ideal is not None:
-            pressed = {name: links[name].clearance for name in missing}
-            offsets.update(along_reactions(shut, t, ideal.q, ideal.v, pressed))
-        if ideal is not None:
-            held = [*links, *held]  # closing would move the pins away from their offsets, given or along the reactions
-    q, iterations = _closed(system, workspace, t, offsets, held, missing, ideal, shut)
-    pins = any(one.one_sided is None for one in (*links.values(), *open_.values()))
-    if ideal is not None and pins and _beyond(system, workspace, t, q):
-        q = _inside(system, workspace, t, offsets, held, missing, ideal, shut, q)
+    play = _play(system, t, ideal)
+    given, rates, ideal = given_in_one_turn(system, t, workspace), given_values(system, 1), play.ideal
+    found = None
+    if system.row_count <= LARGE and t == 0.0 and system.model.initial.near and ideal is None and not play.joints:
+        found = _near_by(system, workspace, given)
+    q, iterations = found or _searched(system, workspace, t, given, play)
     if t == 0.0:  # the instant for which offsets are given
         _refuse_offsets_along(system, q)
-    given = given_values(system, 1)
-    if ideal is None:
-        v = _free_rates(system, workspace, t, q, given)
-    else:
-        v = np.where(np.isnan(given), ideal.v, given)
-        place_rates(workspace, q, v, given, ways_of_kernels(system))
-        v = _closed_rates(system, workspace, t, q, v, given)
+    v = np.where(np.isnan(rates), 0.0 if ideal is None else ideal.v, rates)
+    place_rates(workspace, q, v, rates, loop_map(system).arrays["start_ways"])
+    v = _closed_rates(system, workspace, t, q, v, rates)
     _refuse_contradiction(system, workspace, t, q, v)
     residual = float(open_by(workspace, t, q, v))
     if beyond := outside(system, workspace):
@@ -256,69 +225,115 @@ def _partly_closed(model: Model, t: float, names: list[str], why: AssemblyError)
         raise why from None
 
 
-def _closed(
-    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
-    ideal: Assembled | None, shut: System,
-) -> tuple[np.ndarray, int]:  # fmt: skip
-    """Positions (3 nb,) that satisfy every joint, with the pins of the `held` joints at their offsets if possible.
+class _Play(NamedTuple):
+    """What the mechanism without play says of the start of one with play."""
 
-    Also returns the number of iterations.
+    joints: list[str]  # those with play
+    held: list[str]  # those of them whose pins are held at their offsets
+    missing: list[str]  # massless links whose offsets follow from reactions
+    shut: System  # without play
+    ideal: Assembled | None  # its start
+
+
+def _play(system: System, t: float, ideal: Assembled | None) -> _Play:
+    """What is known before the search.  ideal: the start without play, if the system has none."""
+    model = system.model
+    links, open_ = system.fact("play", lambda: with_play(model))
+    if not (links or open_):
+        return _Play([], [], [], system, ideal)
+    shut, found = without_play(system, t)
+    if isinstance(found, Assembled):
+        ideal = found
+    near = first_guess(system, t) if ideal is None else ideal.q
+    held = undetermined(system, t, near, {name: model.joints[name] for name in open_})
+    if isinstance(found, AssemblyError) and (links or held):  # it need not close if given values determine all
+        shut, ideal = _partly_closed(model, t, [*links, *held], found)
+    return _Play([*links, *open_], [*links, *held] if ideal is not None else [], pressed(model, links), shut, ideal)
+
+
+def pressed(model: Model, links: Iterable[str]) -> list[str]:
+    """Those of some massless links whose offset is not given."""
+    offsets, joints = model.initial.offsets, model.joints
+    return [one for one in links if math.hypot(*offsets.get(one, (0.0, 0.0))) < NO_OFFSET * joints[one].clearance]
+
+
+def _searched(system: System, workspace: Workspace, t: float, given: np.ndarray, play: _Play) -> tuple[np.ndarray, int]:
+    """Closed positions (3 nb,), and the number of iterations."""
+    model, ideal, held = system.model, play.ideal, play.held
+    places = {} if ideal is None else {"start_q": ideal.q, "start_v": ideal.v}
+    every = list(dict.fromkeys([*held, *(name for name in play.joints if _has_play(model.joints[name]))]))
+    arrays = search_arrays(system, given, model.initial.offsets) | {
+        **play_arrays(system, play.shut, held, every, play.missing, ideal is not None),
+        "start_least": np.array([math.nextafter(*least) for least in least_gaps(system)]),
+        "start_q": np.zeros(len(given)), "start_v": np.zeros(len(given)),
+    }  # fmt: skip
+    room = system.assembly_workspace(**arrays)
+    closed, shut = _closed(system, play, held, places) if held else (system, room)
+    beside = shut if closed is play.shut and held else play.shut.workspace(**places) if places else room
+    became = find_positions(room, beside, shut, t)
+    if became == MOVED and len(every) and _outside(room, t) >= 0:
+        room.start_form[of.EVERY] = every != held
+        put_inside(room, beside, shut, _closed(system, play, every, places)[1] if every != held else shut, t)
+    q = room.start_q
+    if became == NOT_HELD:
+        raise AssemblyError(why_open_from(closed, shut, t, q))
+    if became == NOT_CLOSED:
+        if room.start_search[of.TRIED] > 0:
+            _without_drivers(system, workspace, t)
+        raise AssemblyError(why_open_from(system, workspace, t, q))
+    if became != MOVED:
+        raise not_finite()
+    return q, int(room.start_search[of.ITERATIONS])
+
+
+def play_arrays(
+    system: System, shut: System, held: list[str], every: list[str], missing: list[str], ideal: bool
+) -> dict[str, np.ndarray]:
+    """Arrays of the start of a mechanism with play: which pins are held, and where.
+
+    shut: the mechanism without play; ideal: whether its start is known.  every: pins that can be held, first those that
+    are; missing: those whose offset follows from reactions.
     """
-    q, given = None, given_in_one_turn(system, t, workspace)
-    if held and ideal is not None:
-        try:
-            joints = {
-                name: replace(one, contact=None) if name in held else one for name, one in system.model.joints.items()
-            }
-            closed = replace(system.model, joints=joints)
-            alike = len(held) == len(offsets) and not constants_of(closed)  # its own start sets those of `shut`
-            closed_system = shut if alike else compile_system(closed)
-            there = {name: offsets[name] for name in held}
-            q, iterations = _hold_offsets(closed_system, closed, t, there, ideal, given)
-            gap = close_position(workspace, t, q, np.empty_like(q), 1e-12 * system.size, 60)[0]
-            if not gap <= 1e-9 * system.size or (missing and np.abs(q - ideal.q)[2::3].max() > FAR):
-                raise AssemblyError(why_open_from(system, workspace, t, q))
-        except AssemblyError:
-            if not any(is_link(system.model.joints[name]) for name in held):
-                raise
-            q, missing = None, []  # pins placed by reactions that are not unique may not fit
-    if q is None:
-        q, iterations = _positions(system, workspace, t, offsets, ideal, given)
-    if missing and system.row_count <= LARGE:
-        placed = keep_places(system, workspace, t, q, given)
-        q = q if _beyond(system, workspace, t, placed) else placed
-    if system.row_count > LARGE or missing or any(name in system.model.initial.offsets for name in held):
-        return q, iterations
-    kept = keep_positions(system, workspace, t, q, given)
-    return (q if _beyond(system, workspace, t, kept) else kept), iterations
+    joints, offsets, number = system.model.joints, system.model.initial.offsets, list(system.joints)
+    form = loop_map(system).arrays["start_form"].copy()
+    form[of.WITHOUT_PLAY], form[of.HELD] = ideal, len(held)
+    form[of.LINKS] = any(is_link(joints[name]) for name in held)
+    form[of.OFFSETS] = any(name in offsets for name in held)
+    form[of.PINS] = any(joints[name].one_sided is None for name in every)
+    return {
+        "start_form": form,
+        "start_held": np.array(pin_places(system, every), dtype=float).reshape(-1, 4),
+        "start_missing": np.array([(every.index(x), number.index(x)) for x in missing], np.int64).reshape(-1, 2),
+        "start_first": np.array([shut.first_row(x) for x in missing], np.int64),
+        "start_pressed": np.array([(joints[x].clearance, 0.0, 0.0) for x in missing], dtype=float).reshape(-1, 3),
+    }
 
 
-def _beyond(system: System, workspace: Workspace, t: float, q: np.ndarray) -> str:
-    """In words, which pin is outside its bush at positions q (3 nb,); "" if none is."""
-    open_by(workspace, t, q, np.zeros_like(q))
-    return outside(system, workspace)
+def pin_places(system: System, names: Iterable[str]) -> list[tuple[float, ...]]:
+    """Of some joints: their point on A, and the offset of the pin, given or 0 [m]."""
+    joints, offsets = system.model.joints, system.model.initial.offsets
+    return [(*joints[name].a.at, *offsets.get(name, (0.0, 0.0))) for name in names]
 
 
-def _inside(
-    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], held: list[str], missing: list[str],
-    ideal: Assembled, shut: System, otherwise: np.ndarray,
-) -> np.ndarray:  # fmt: skip
-    """Positions (3 nb,) with all pins inside their bushes; `otherwise` if there are none.
+def _closed(system: System, play: _Play, held: list[str], places: dict[str, np.ndarray]) -> tuple[System, Workspace]:
+    """The mechanism with some joints closed, whose pins are held; places: the start without play."""
+    joints = {name: replace(one, contact=None) if name in held else one for name, one in system.model.joints.items()}
+    model = replace(system.model, joints=joints)
+    alike = len(held) == len(play.joints) and not constants_of(model)  # its own start sets those of `shut`
+    closed = play.shut if alike else compile_system(model)
+    pins = held_pins(system, closed, held)
+    return closed, closed.assembly_workspace(start_pins=pins, **places)
 
-    Where given values are too rough for the play, pins start where the mechanism without play has them, and massless
-    links stand in other directions than the reactions have.
-    """
-    every = list(dict.fromkeys([*held, *(name for name, one in system.model.joints.items() if _has_play(one))]))
-    for turn in range(4 if missing else 1):
-        for names in (held, every) if turn else (every,):
-            aside = {name: tuple(turned(0.5 * math.pi * turn, offsets[name]).tolist()) for name in missing}
-            try:
-                q, _ = _closed(system, workspace, t, {**offsets, **aside}, names, missing, ideal, shut)
-            except AssemblyError:
-                continue
-            if not _beyond(system, workspace, t, q):
-                return q
-    return otherwise
+
+def held_pins(system: System, closed: System, held: list[str]) -> np.ndarray:
+    """`start_pins` of the mechanism with these joints closed: bushes that are moved, those of their drivers too."""
+    model, number = system.model, {name: n for n, name in enumerate((GROUND, *system.bodies))}
+    pins = [
+        (number[model.joints[name].a.body], closed.first_value(one), n)
+        for n, name in enumerate(held)
+        for one in (name, *(key for key, driver in model.drivers.items() if driver.joint == name))
+    ]  # both begin with the point on A
+    return np.array(pins, np.int64).reshape(-1, 3)
 
 
 def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
@@ -358,32 +373,6 @@ def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Join
     return [name for name, joint in joints.items() if name not in without or touches(joint) or moves(joint)]
 
 
-def _hold_offsets(
-    system: System, model: Model, t: float, offsets: dict[str, Any], ideal: Assembled, given: np.ndarray
-) -> tuple[np.ndarray, int]:
-    """Positions (3 nb,) with the pins of some joints at given offsets [m], and the number of iterations.
-
-    system, model: with these joints closed; here their bushes are shifted.  given: (3 nb,), nan if not given.
-    """
-    q, workspace = ideal.q.copy(), system.__dict__.pop("spare", None) or system.assembly_workspace()
-    number = {name: n for n, name in enumerate(("ground", *system.bodies))}
-    pins, places = [], []
-    for n, (name, offset) in enumerate(offsets.items()):
-        point = model.joints[name].a
-        places.append((*point.at, *offset))
-        for one in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
-            pins.append((number[point.body], system.first_value(one), n))  # both begin with the point on A
-    found, iterations = hold_pins(
-        workspace, t, q, given, system.size, np.array(pins, np.int64).reshape(-1, 3),
-        np.array(places, dtype=float).reshape(-1, 4), int(system.row_count <= LARGE), np.empty((2, len(q))),
-    )  # fmt: skip
-    if found == NOT_FINITE:
-        raise not_finite()
-    if found == NOT_CLOSED:
-        raise AssemblyError(why_open_from(replace(system, model=model), workspace, t, q))
-    return q, iterations
-
-
 def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
     """Raise AssemblyError if the offset given for a guide or slot has a part along it, where nothing is play."""
     for name, offset in system.model.initial.offsets.items():
@@ -401,70 +390,27 @@ def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
 
 
 # ---------------------------------------------------------------- positions
-def _positions(
-    system: System, workspace: Workspace, t: float, offsets: dict[str, Any], ideal: Assembled | None, given: np.ndarray
-) -> tuple[np.ndarray, int]:
-    """Closed positions (3 nb,) that change given values least among all that are found, and the number of iterations.
-
-    Where several do, the first of them.
-    """
-    small, tolerance = system.row_count <= LARGE, 1e-12 * system.size
-    if small and not offsets and t == 0.0 and system.model.initial.near:
-        q, iterations = _near_by(system, workspace, given)
-        if q is not None:
-            return q, iterations
-    closings: list[tuple[float, np.ndarray]] = []  # the squared change of given values, positions
-    least_gap, total, search = None, 0, Guesses(system, workspace, t, offsets, None if ideal is None else ideal.q)
-    for number, q in enumerate(search):
-        start = q.copy()
-        gap, iterations = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
-        if not gap <= 1e-9 * system.size and small and not closings and number < HARD:
-            q[:] = start
-            least_open(system, workspace, t, q)
-            gap, more = close_position(workspace, t, q, np.empty_like(q), tolerance, 60)
-            iterations += more
-        total += iterations
-        if gap <= 1e-9 * system.size:
-            if ideal is not None or (not small and change_of_given(system, q, given) <= KEPT**2):
-                return q, total
-            if not closings and small:
-                q = keep_positions(system, workspace, t, q, given)
-            closings.append((change_of_given(system, q, given), q))
-            if closings[0][0] <= KEPT**2 and (search.settled or closings[-1][0] > KEPT**2):
-                break  # closings that change given values come after those that do not
-            if closings[-1][0] <= KEPT**2 < closings[0][0]:
-                closings = closings[-1:]
-        elif least_gap is None or gap < least_gap[0]:
-            least_gap = (gap, q)
-    if closings:
-        if not small:
-            return min(closings, key=lambda closing: closing[0])[1], total
-        if search.discrete and (kept := [q for change, q in closings if change <= KEPT**2]):
-            return min(kept, key=search.away), total
-        return _nearest(system, workspace, t, given, closings), total
-    assert least_gap is not None
-    _without_drivers(system, workspace, t)
-    raise AssemblyError(why_open_from(system, workspace, t, least_gap[1]))
-
-
-def _near_by(system: System, workspace: Workspace, given: np.ndarray) -> tuple[np.ndarray | None, int]:
+def _near_by(system: System, workspace: Workspace, given: np.ndarray) -> tuple[np.ndarray, int] | None:
     """Closed positions (3 nb,) beside a start near by, and the number of iterations; None if they are far from it.
 
     Given values are kept as well as that start has them.
     """
     near = system.model.initial.near
     if any(name not in near for name in system.bodies):
-        return None, 0
+        return None
     start = np.array([near[name] for name in system.bodies]).ravel()
     q = start.copy()
     became, iterations = close_near(workspace, 0.0, q, given, system.size, np.empty((2, len(q))))
     if became == NOT_FINITE:
         raise not_finite()
     if became != MOVED:
-        return None, iterations
+        return None
     change = change_of_given(system, q, given)
-    kept = change <= max(KEPT**2, WORTH * change_of_given(system, start, given))
-    return (q if kept or _nearest_alone(system, workspace, q, change) else None), iterations
+    kept = change <= max(KEPT, WORTH * change_of_given(system, start, given))
+    if not kept and not _nearest_alone(system, workspace, q, change):
+        return None
+    keep_given(workspace, 0.0, q, given, system.size)
+    return q, iterations
 
 
 def _nearest_alone(system: System, workspace: Workspace, q: np.ndarray, change: float) -> bool:
@@ -493,25 +439,6 @@ def _angles_known(system: System) -> bool:
     bodies = system.model.initial.bodies
     known = {groups[GROUND][0], *(groups[name][0] for name, values in bodies.items() if "angle" in values)}
     return all(group in known for group, _ in groups.values())
-
-
-def _nearest(
-    system: System, workspace: Workspace, t: float, given: np.ndarray, closings: list[tuple[float, np.ndarray]]
-) -> np.ndarray:
-    """Positions (3 nb,) that change given values least; those that do not are moved to change them less, first.
-
-    closings: the squared change of given values, and positions; the first of them cannot be moved so.
-    """
-    best = closings[0]
-    later = sorted(range(1, len(closings)), key=lambda n: closings[n][0])
-    for n in later[:LOOKED]:
-        if closings[n][0] > WORTH * best[0]:
-            break
-        q = keep_positions(system, workspace, t, closings[n][1], given)
-        change = min(closings[n][0], change_of_given(system, q, given))  # moved by mass, it may count more than before
-        if change < (1.0 - ALIKE) * best[0]:
-            best = (change, q)
-    return best[1]
 
 
 def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
@@ -560,13 +487,6 @@ def _refuse_contradiction(system: System, workspace: Workspace, t: float, q: np.
 
 
 # ---------------------------------------------------------------- rates
-def _free_rates(system: System, workspace: Workspace, t: float, q: np.ndarray, given: np.ndarray) -> np.ndarray:
-    """Rates of an ideal mechanism: given ones are kept if the joints allow, the others follow."""
-    v = np.where(np.isnan(given), 0.0, given)
-    place_rates(workspace, q, v, given, ways_of_kernels(system))
-    return _closed_rates(system, workspace, t, q, v, given)
-
-
 def _closed_rates(
     system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
 ) -> np.ndarray:

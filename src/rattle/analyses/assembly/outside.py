@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Joint
-from rattle.equations.start_near import first_outside
+from rattle.equations.start import first_outside
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace

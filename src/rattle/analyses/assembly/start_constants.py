@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rattle.analyses.assembly.first_guess import first_guess
+from rattle.analyses.assembly.searching import first_guess
 from rattle.analyses.travel import fits
 from rattle.description.model import Model
 from rattle.equations.closure import open_by

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.computable import finite
-from rattle.analyses.assembly.first_guess import first_guess, ways_outward
+from rattle.analyses.assembly.outward import ways_outward
 from rattle.analyses.assembly.rank import free_motions, scaled_rows
+from rattle.analyses.assembly.searching import first_guess
 from rattle.analyses.assembly.start_values import KEYS, given_values
-from rattle.analyses.assembly.vector_loops import GROUND, groups_at
+from rattle.analyses.assembly.tied_bodies import GROUND, groups_at
 from rattle.description.model import driven_ends
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE, dense_rows

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from rattle.description.model import Contact, Model, with_fields
-from rattle.equations.start_near import press_pins
+from rattle.equations.start import press_pins
 from rattle.equations.system import System, compile_system
 from rattle.errors import AssemblyError
 from rattle.language.syntax import Node, names

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from rattle.analyses.assembly.first_guess import outward
+from rattle.analyses.assembly.outward import outward
 from rattle.analyses.statics.balance import StaticProblem
 from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.description.model import driven_ends

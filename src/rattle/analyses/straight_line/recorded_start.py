@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.assembly.first_guess import outward
 from rattle.analyses.assembly.loops import loops
+from rattle.analyses.assembly.outward import outward
 from rattle.analyses.assembly.start_constants import constants_of, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.description.model import Driver, Model, Point

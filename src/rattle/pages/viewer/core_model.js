@@ -13,7 +13,6 @@ import { functionsByName } from "./tape.js";
 
 const MOST_BESIDE = 400_000; // numbers beside events that a page keeps of a run
 const MOST_OUTPUTS = 20_000; // of a longer run they are farther apart
-const BESIDE = "the start is the one beside that of the model file, as [initial] alone does not determine it: `rattle run` may begin elsewhere with these values";
 const EVENT_PARTS = ["t", "joint", "kind", "normal_speed", "duration", "peak_force", "impulse", "energy_lost"]; // in lists of a scene
 
 /** A model in an engine. */
@@ -40,7 +39,6 @@ export class CoreModel {
     const same = p.every((value, k) => value === this.own[k]);
     const start = same ? null : this.finder.find(p);
     if (start?.error) throw new Error(start.error);
-    if (start) start.beside = this.data.settings.free && start.q.some((x, k) => x !== this.ownStart.q[k]);
     const arrays = this.arrays(p, (start ?? this.ownStart).constants);
     return new ModelRun(this, p, start, arrays, settings);
   }
@@ -119,10 +117,9 @@ class ModelRun {
     return core;
   }
 
-  /** What a page says of such a trust; a start that is one of several is a limit. */
+  /** What a page says of such a trust. */
   trusted(trust) {
-    const said = trusted(trust, this.model.data.result.told.sentences.trust);
-    return this.start?.beside ? { ...said, limits: [...said.limits, BESIDE] } : said;
+    return trusted(trust, this.model.data.result.told.sentences.trust);
   }
 
   /** Up to which time [s] the second run, which has ended, agrees with this one. */
@@ -142,7 +139,6 @@ class ModelRun {
     const made = this.made = resultOf(run, data.result, functions, p, performance.now() - this.began);
     const parameters = Object.fromEntries(model.names.map((name, k) => [name, p[k]]));
     const message = this.stopped && !made.success ? `at t = ${general(run.t)} s, when it was told to; what was computed before is shown` : made.message;
-    if (this.start?.beside) made.trust.notes.push(BESIDE);
     const events = made.events.map((event) => EVENT_PARTS.map((key) => event[key]));
     return {
       ...made, trust: this.trusted(made.trust), label: "", t_end: run.end, message, parameters, events, geometry: model.drawing(sizes),

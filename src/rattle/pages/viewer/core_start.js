@@ -1,10 +1,8 @@
 // The start of a mechanism for other parameters: numbers are entered into the workspaces of the systems that it is put
-// together from, and the kernel `find_near` of `rattle.equations.start_near` finds a start near the one before.
+// together from, and the kernel `find_start` of `rattle.equations.start` finds a start, as `Mechanism.set` does.
 // data: `rattle.pages.start_data`, { description, content }; functions: of its tape, by their numbers.
 
 import { CoreMemory } from "./core.js";
-
-const PARTS = [1, 8, 32, 128]; // equal parts of the way from the model's own parameters, the next where one fails
 
 /** Starts of one mechanism: `find(p)`, with all parameters [SI] in the order of `description.parameters`. */
 export class StartFinder {
@@ -18,19 +16,9 @@ export class StartFinder {
 
   /** { q, v, constants, error }: positions, rates and what the start sets; error: null, or why in words. */
   find(p) {
-    let first = null;
-    for (const parts of PARTS) {
-      this.memory.set(this.image);
-      let found;
-      for (let k = 1; k <= parts && !found?.error; k++) {
-        found = this.start.near(k === parts ? p : this.own.map((x, n) => x + ((p[n] - x) * k) / parts));
-        if (!found.error) this.start.goOn();
-      }
-      if (!found.error) return this.start.found();
-      first ??= found;
-      if (found.final) break;
-    }
-    return { q: null, v: null, constants: null, error: first.error };
+    this.memory.set(this.image);
+    const { error } = this.start.find(p);
+    return error ? { q: null, v: null, constants: null, error } : this.start.found();
   }
 }
 
@@ -67,14 +55,14 @@ class Start {
     this.own = { q: start_q.data.slice(), v: start_v.data.slice(), constants: constants?.data.slice() ?? new Float64Array() };
   }
 
-  near(p) {
-    const { main, ideal, loose, shut, every, own } = this, inner = loose?.near(p);
+  find(p) {
+    const { main, ideal, loose, shut, every, own } = this, inner = loose?.find(p);
     if (inner?.error) return inner;
     this.constants = !inner || inner.same ? own.constants : this.count(p);
     const inputs = Float64Array.from([...p, ...(this.constants ?? [])]), parts = [main, shut, every].filter((one) => one);
     if (!this.constants || !parts.every((one) => one.enter(inputs)))
-      return { error: "with these parameters the mechanism has another form", final: true };
-    const without = ideal?.near(p);
+      return { error: "with these parameters the mechanism has another form" };
+    const without = ideal?.find(p);
     if (without?.error) return without;
     const same = [...parts, inner, without].every((one) => one?.same ?? true), { m } = main;
     if (same) {
@@ -82,7 +70,7 @@ class Start {
       m.arrays.start_v.data.set(own.v);
       return { same, error: null };
     }
-    const became = m.call("start.near", ideal?.main.m ?? m, shut?.m ?? m, every?.m ?? m, 0);
+    const became = m.call("start.find", ideal?.main.m ?? m, shut?.m ?? m, every?.m ?? m, 0);
     return { same, error: became === this.N.MOVED ? null : this.words(became) };
   }
 
@@ -94,12 +82,6 @@ class Start {
     return m.arrays.start_constants.data.slice();
   }
 
-  goOn() {
-    const { start_q, start_before } = this.main.m.arrays;
-    start_before.data.set(start_q.data);
-    for (const one of [this.ideal, this.loose]) one?.goOn();
-  }
-
   found() {
     const { main: { m }, constants } = this, { start_q, start_v, start_least, contact_kinematics: { data, shape: [, width] } } = m.arrays;
     const n = m.call("start.outside", 0), gap = n < 0 ? 0 : data[n * width + this.N.GAP] - Math.max(start_least.data[n], -1);
@@ -109,10 +91,9 @@ class Start {
 
   words(became) {
     const { N, rows, main: { m } } = this, { data, shape: [, width] } = m.arrays.rows;
-    if (became === N.TOO_FAR) return "these parameters lead to another position of the mechanism, which is not looked for here";
     if (became === N.NOT_FINITE) return "with these parameters numbers of the mechanism are too large or have no value";
     const gaps = rows.map((_, k) => Math.abs(data[k * width + N.RES])), k = gaps.indexOf(Math.max(...gaps));
-    const what = rows[k] ? `${rows[k][2] ? "driver" : "joint"} '${rows[k][0]}' stays open by ${gaps[k].toPrecision(3)} ${rows[k][1]}` : "pins do not fit";
-    return `the mechanism cannot be put together with these parameters, beside its own position: ${what}`;
+    const what = became !== N.NOT_HELD && rows[k] ? `${rows[k][2] ? "driver" : "joint"} '${rows[k][0]}' stays open by ${gaps[k].toPrecision(3)} ${rows[k][1]}` : "pins do not fit";
+    return `the mechanism cannot be put together with these parameters: ${what}`;
   }
 }

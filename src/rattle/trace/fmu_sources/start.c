@@ -1,8 +1,7 @@
 /* The start of the model in model.c for other parameters: numbers are entered into the workspaces of the systems that it
-   is put together from, and a kernel finds a start near the one before.  See `pages/viewer/core_start.js`. */
+   is put together from, and a kernel finds a start, as `Mechanism.set` does.  See `pages/viewer/core_start.js`. */
 
-static const int parts_of_way[] = {1, 8, 32, 128}; /* from the model's own parameters, the next where one fails */
-enum { OTHER_FORM = -1 };                          /* what became of a start, beside the words of the kernel */
+enum { OTHER_FORM = -1 }; /* what became of a start, beside the words of the kernel */
 
 static int64_t *workspace(Mechanism *m, int system) { return m->tables[1 + system]; }
 
@@ -38,9 +37,7 @@ static void explain(Mechanism *m, const Start *one, int64_t became) {
     int64_t *const table = workspace(m, one->system);
     double most = -1.0;
     int k, worst = -1;
-    if (became == TOO_FAR) {
-        snprintf(m->why, sizeof m->why, "these parameters lead to another position of the mechanism, which is not looked for here");
-    } else if (became == NOT_FINITE) {
+    if (became == NOT_FINITE) {
         snprintf(m->why, sizeof m->why, "with these parameters numbers of the mechanism are too large or have no value");
     } else {
         for (k = 0; k < one->count; k++) {
@@ -48,13 +45,12 @@ static void explain(Mechanism *m, const Start *one, int64_t became) {
             if (gap > most) most = gap, worst = k;
         }
         snprintf(m->why, sizeof m->why,
-                 "the mechanism cannot be put together with these parameters, beside its own position: %s stays open by %.3g %s",
-                 worst < 0 ? "a joint" : one->rows[worst].name, most, worst < 0 ? "m" : one->rows[worst].unit);
+                 "the mechanism cannot be put together with these parameters: %s stays open by %.3g %s", worst < 0 ? "a joint" : one->rows[worst].name, most, worst < 0 ? "m" : one->rows[worst].unit);
     }
 }
 
-/* a start near the one before; returns what became of it.  same: it is that of the model as it was written */
-static int64_t near(Mechanism *m, int number, const double *p, bool *same) {
+/* a start; returns what became of it.  same: it is that of the model as it was written */
+static int64_t find(Mechanism *m, int number, const double *p, bool *same) {
     const Start *one = starts + number;
     int64_t *const table = workspace(m, one->system);
     const int others[3] = {one->system, one->shut, one->every};
@@ -64,7 +60,7 @@ static int64_t near(Mechanism *m, int number, const double *p, bool *same) {
     int k;
     memcpy(in, p, sizeof(double) * NP);
     if (one->loose >= 0) {
-        became = near(m, one->loose, p, &inner);
+        became = find(m, one->loose, p, &inner);
         if (became != MOVED) return became;
         if (!inner) {
             int64_t *const counting = workspace(m, one->counting);
@@ -83,7 +79,7 @@ static int64_t near(Mechanism *m, int number, const double *p, bool *same) {
         *same = *same && m->same[others[k]];
     }
     if (one->ideal >= 0) {
-        became = near(m, one->ideal, p, &without);
+        became = find(m, one->ideal, p, &without);
         if (became != MOVED) return became;
     }
     *same = *same && without;
@@ -92,43 +88,22 @@ static int64_t near(Mechanism *m, int number, const double *p, bool *same) {
         copy_written(one->system, START_V, numbers(table, START_V));
         return MOVED;
     }
-    if (rattle_start_near(&became, table, one->ideal < 0 ? table : workspace(m, starts[one->ideal].system),
+    if (rattle_start_find(&became, table, one->ideal < 0 ? table : workspace(m, starts[one->ideal].system),
                           one->shut < 0 ? table : workspace(m, one->shut),
                           one->every < 0 ? table : workspace(m, one->every), 0.0)) became = NOT_FINITE;
     if (became != MOVED) explain(m, one, became);
     return became;
 }
 
-static void go_on(Mechanism *m) {
-    int k;
-    for (k = 0; k < STARTS; k++) {
-        int64_t *const table = workspace(m, starts[k].system);
-        memcpy(numbers(table, START_BEFORE), numbers(table, START_Q), sizeof(double) * rows(table, START_Q));
-    }
-}
-
 /* positions and rates into the state, and the constants that the start sets, for the parameters in m->p */
 static fmi3Status find_start(Mechanism *m, double *state) {
     int64_t *const table = workspace(m, starts[0].system), became = OTHER_FORM, who;
-    double p[NP + 1];
-    char first[sizeof m->why] = "";
     bool same;
-    size_t tries;
-    int k, i;
-    for (tries = 0; tries < sizeof parts_of_way / sizeof *parts_of_way; tries++) {
-        const int parts = parts_of_way[tries];
-        for (k = 0; k < SYSTEMS; k++) lay_out(images + 1 + k, workspace(m, k));
-        became = MOVED;
-        for (k = 1; k <= parts && became == MOVED; k++) {
-            for (i = 0; i < NP; i++) p[i] = k == parts ? m->p[i] : nominal[i] + (m->p[i] - nominal[i]) * k / parts;
-            became = near(m, 0, p, &same);
-            if (became == MOVED) go_on(m);
-        }
-        if (became == MOVED || became == OTHER_FORM) break;
-        if (tries == 0) memcpy(first, m->why, sizeof first);
-    }
+    int k;
+    for (k = 0; k < SYSTEMS; k++) lay_out(images + 1 + k, workspace(m, k));
+    became = find(m, 0, m->p, &same);
     if (became == OTHER_FORM) return other_form(m);
-    if (became != MOVED) return say(m, fmi3Error, "%s", first);
+    if (became != MOVED) return say(m, fmi3Error, "%s", m->why);
     if (rattle_start_outside(&who, table, 0.0)) return say(m, fmi3Error, "%s", told);
     if (who >= 0) {
         return say(m, fmi3Error, "with these parameters joint '%s' starts %.3g outside its play", contacts[who],

@@ -1,0 +1,66 @@
+"""The ways by joints from the ground outwards, along which bodies are placed."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from typing import Any
+
+from rattle.description.model import Joint, Model
+from rattle.equations.system import System
+
+
+def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]:
+    """(body, its parent, joint between them) from the ground outwards: bodies behind few loose joints first, then few.
+
+    A joint is loose if it does not determine the position of B: one with clearance, a line to slide along, a rod.
+    islands: and then from bodies outwards that no joints lead to; these have no parent, and stand where they are given.
+    """
+    driven = {driver.joint for driver in model.drivers.values()}
+    near: dict[str, list[Joint]] = {}
+    for joint in model.joints.values():
+        if joint.leaf.places:
+            near.setdefault(joint.a.body, []).append(joint)
+            near.setdefault(joint.b.body, []).append(joint)
+    order: list[tuple[str, str, Joint]] = []
+    done = set()
+    number = itertools.count()
+    queue: list[Any] = [(0, 0, next(number), "ground", "", None)]
+    roots = _places_given_first(model) if islands else []
+    while True:
+        if not queue:
+            root = next((body for body in roots if body not in done), None)
+            if root is None:
+                return order
+            queue.append((0, 0, next(number), root, "", None))
+        slack, depth, _, body, parent, via = heapq.heappop(queue)
+        if body in done:
+            continue
+        done.add(body)
+        if via is not None:
+            order.append((body, parent, via))
+        for joint in near.get(body, ()):
+            other = joint.b.body if joint.a.body == body else joint.a.body
+            if other not in done:
+                loose = joint.contact is not None and not joint.contact.closed
+                loose |= joint.name not in driven and leaves_place(joint)
+                heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
+
+
+def ways_outward(system: System, islands: bool = False) -> list[tuple[str, str, Joint]]:
+    """`outward` of a system."""
+    joints = system.model.joints
+    found = system.fact(
+        ("outward", islands), lambda: [(body, parent, one.name) for body, parent, one in outward(system.model, islands)]
+    )
+    return [(body, parent, joints[name]) for body, parent, name in found]
+
+
+def _places_given_first(model: Model) -> list[str]:
+    """Bodies, those first of which x and y are given."""
+    return sorted(model.bodies, key=lambda body: -len({"x", "y"} & model.initial.bodies.get(body, {}).keys()))
+
+
+def leaves_place(joint: Joint) -> bool:
+    """True if the joint, even without clearance, does not determine the position of its B on its A."""
+    return joint.line is not None or joint.distance > 0.0
