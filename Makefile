@@ -36,8 +36,8 @@ proofs: $(VENV)/.ready-dev $(VENV)/.ready-oldest ## all other tests: slow ones, 
 	$(OLDEST)/bin/python -m pytest -q -n 2 --part quick
 	$(PYTEST) --part rest
 
-engine: $(VENV)/.ready-dev ## build the kernels for pages: src/rattle/pages/engine.wasm.gz
-	$(BIN)/python -m rattle.pages.engine -o src/rattle/pages/engine.wasm.gz
+engine: $(VENV)/.ready-dev ## build the kernels for pages: src/rattle/pages/*.wasm.gz
+	$(BIN)/python -m rattle.pages.engine src/rattle/pages
 
 wheel: engine ## build wheel and sdist, install each into an empty environment and run it
 	rm -rf build/dist build/installed

@@ -16,6 +16,7 @@ from rattle.analyses.dynamics.simulate import output_times
 from rattle.jit import functions, machine
 from rattle.jit import layout as at
 from rattle.pages.engine import engine_of_pages
+from rattle.pages.live_model import touches
 from rattle.pages.result_data import result_data
 from rattle.pages.run_image import run_image
 from rattle.pages.tape import Tape
@@ -91,7 +92,7 @@ def in_node(folder, run, steps="run.advance();", **changes):
     changes: of the description.
     """
     image = run_image(run)
-    (folder / "engine.wasm.gz").write_bytes(engine_of_pages())
+    (folder / "engine.wasm.gz").write_bytes(engine_of_pages(touches(run)))
     (folder / "run.json").write_text(json.dumps({**image.description, **changes}, allow_nan=False))
     (folder / "run.bin").write_bytes(image.content)
     (folder / "go.mjs").write_text(SCRIPT % {"viewer": VIEWER.as_uri(), "steps": steps}, encoding="utf-8")

@@ -17,7 +17,8 @@ from rattle.jit.workspace import ARRAYS
 from rattle.pages import engine
 from rattle.pages.run_image import run_image
 
-MOST = 150_000  # bytes, compressed: it stands in every page
+MOST = 150_000  # bytes, compressed: it stands in every page of a mechanism with contacts
+MOST_WITHOUT = 80_000  # the other one
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +34,16 @@ def test_it_is_one_small_module_that_needs_nothing(module):
     assert binary.imports(module) == []
     assert set(binary.exports(module)) == {"memory", *(f"call {name}" for name in about(module)["calls"])}
     assert len(engine.engine_of_pages()) < MOST
+
+
+def test_the_one_without_contacts_has_their_calls_and_is_half_as_large(module):
+    small = gzip.decompress(engine.engine_of_pages(False))
+    assert len(engine.engine_of_pages(False)) < MOST_WITHOUT
+    told, whole = about(small), about(module)
+    for name in ("calls", "layout", "arrays", "numbers", "sources"):
+        assert told[name] == whole[name]
+    families = {one.symbol: one.family for one in functions.natives()}
+    assert {families[name] for name in told["kernels"]} == {"joint", "load", "stepper", "dense output"}
 
 
 def test_it_has_every_kernel_that_may_stand_in_a_table(module):
@@ -64,8 +75,8 @@ def test_a_built_one_that_is_held_is_used_for_its_sources_alone(module, monkeypa
     held = engine.built()
     if held is not None and about(held)["sources"] == engine.sources():
         assert about(held)["llvmlite"] != about(module)["llvmlite"] or held == module
-    monkeypatch.setattr(engine, "built", lambda: module)
-    monkeypatch.setattr(engine, "build", lambda: pytest.fail("it was built again"))
+    monkeypatch.setattr(engine, "built", lambda contacts: module)
+    monkeypatch.setattr(engine, "build", lambda contacts: pytest.fail("it was built again"))
     engine.engine_of_pages.cache_clear()
     assert gzip.decompress(engine.engine_of_pages()) == module
 
@@ -75,11 +86,12 @@ def test_another_module_says_nothing_of_itself():
         about(binary.written([]))
 
 
-def test_the_command_writes_a_file_and_says_its_size(module, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(engine, "build", lambda: module)
-    engine.main(["-o", str(tmp_path / "e.wasm.gz")])
-    assert gzip.decompress((tmp_path / "e.wasm.gz").read_bytes()) == module
-    assert "compressed" in capsys.readouterr().err
+def test_the_command_writes_both_and_says_their_sizes(module, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(engine, "build", lambda contacts: module if contacts else b"small")
+    engine.main([str(tmp_path)])
+    assert gzip.decompress((tmp_path / "engine.wasm.gz").read_bytes()) == module
+    assert gzip.decompress((tmp_path / "engine_without_contacts.wasm.gz").read_bytes()) == b"small"
+    assert capsys.readouterr().err.count("compressed") == 2
 
 
 # ---------------------------------------------------------------- what it refuses

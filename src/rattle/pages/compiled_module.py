@@ -87,5 +87,5 @@ def compiled_module(m: Mechanism, title: str, t_end: float, step: float | None) 
         f"/** {safe}\n *\n * The motion with contacts and events: import {{ run, names, units, parameters }}, then\n"
         " * run(tEnd, step, p).  In node, `node FILE [tEnd]` prints it as CSV.  All numbers are in SI units. */\n"
     )
-    main = MAIN.replace("@model@", model_text(live)).replace("@engine@", engine_in_text())
+    main = MAIN.replace("@model@", model_text(live)).replace("@engine@", engine_in_text(live.contacts))
     return head + in_function(joined(viewer_files(), "core_model.js")) + main.replace("</", "<\\/"), live.fixed

@@ -1,7 +1,8 @@
-"""The engine of pages: every kernel that a run needs, as one WebAssembly module.
+"""The engines of pages: every kernel that a run needs, as one WebAssembly module.
 
-`python -m rattle.pages.engine -o FILE` builds it.  A wheel holds a built one, `engine.wasm.gz`.  Where there is none,
-or one of other sources, as while they are changed, it is built when it is first needed and kept in the cache folder.
+There is one for everything, and one of half the size for mechanisms without contacts and friction in joints.
+`python -m rattle.pages.engine FOLDER` builds them.  A wheel holds built ones.  Where there is none, or one of other
+sources, as while they are changed, it is built when it is first needed and kept in the cache folder.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from rattle.analyses.dynamics import run
 from rattle.elements.film_table import read_ratios
 from rattle.elements.long_film import long_peaks
 from rattle.elements.short_film import short_peaks
-from rattle.equations import kept_values, motion, start
+from rattle.equations import compliant, kept_values, motion, start
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.cache import KeptFile
@@ -35,12 +36,13 @@ from rattle.jit.linking import Linked, link
 from rattle.jit.object_file import object_file
 from rattle.jit.wasm.engine import about, engine
 from rattle.solvers import driver_jumps, ports, run_loop
-from rattle.solvers.contacts import wear_sum
+from rattle.solvers.contacts import contact_events, wear_sum
+from rattle.solvers.nonsmooth import jolts
 from rattle.solvers.output_row import record
 from rattle.trace.library import library_text
 
 OF_LIBRARY = ("elementary.py", "graph.py", "library.py", "llvm.py")
-BUILT = "engine.wasm.gz"  # in this folder
+BUILT = {True: "engine.wasm.gz", False: "engine_without_contacts.wasm.gz"}  # in this folder, by `contacts`
 NATIVES = {  # what a page calls: the functions that `analyses` calls for a run and its start
     "run.timetable": driver_jumps.find_timetable,
     "run.begin": run_loop.begin,
@@ -51,6 +53,17 @@ NATIVES = {  # what a page calls: the functions that `analyses` calls for a run 
     "start.constants": start.count_constants,
 }
 NEVER_CALLED = (ports.write_ports, wear_sum.keep_speeds, wear_sum.add_wear)  # no page asks for powers or wear
+# what only contacts, oil and friction in joints call: families of kernels, modules, single functions
+FAMILIES_OF_CONTACTS = ("clearance", "stiffness", "normal", "friction", "film", "problem", "closed contacts")
+MODULES_OF_CONTACTS = tuple(
+    f"rattle.{name}"
+    for name in (
+        "solvers.nonsmooth.", "solvers.contacts.gap_search", "solvers.dry_friction_modes", "equations.dry_friction",
+        "equations.friction_beside_contacts", "equations.worn_contact",
+    )
+)  # fmt: skip
+OF_CONTACTS = (compliant.add_contact_forces, *(getattr(contact_events, name) for name in ("start_contacts", "turn")))
+WITHOUT_CONTACTS = (jolts.jolt,)  # what needs none although it stands in one of these modules
 WITH_LETTERS = {  # the same of functions whose types follow from their arguments
     # arrays of results: what `pages/result_data.py` leaves to them
     "short_peaks": (short_peaks, ("void", "v", "v", "v")),
@@ -70,21 +83,28 @@ STATUSES = {
 SETTINGS = {run: ("CHUNK", "MOST_NUMBERS"), timetable: ("MORE",)}
 
 
-def linked() -> Linked:
+def linked(contacts: bool = True) -> Linked:
     """All that a page calls, with all kernels of the package that may stand in a table."""
-    kernels = [one for one in functions.natives() if one.family and one.__module__.startswith("rattle.")]
+    ours = [one for one in functions.natives() if one.__module__.startswith("rattle.")]
+    without = [*NEVER_CALLED, *(one for one in ours if not contacts and _is_of_contacts(one))]
     offered: Mapping[str, tuple[KernelFunction, Sequence[str]]] = {
         **{name: (one, one.letters) for name, one in NATIVES.items()},
         **WITH_LETTERS,
     }
-    return link(offered, kernels, NEVER_CALLED)
+    return link(offered, [one for one in ours if one.family and one not in without], without)
 
 
-def build() -> bytes:
-    """The engine of pages, made from the sources."""
+def _is_of_contacts(one: KernelFunction) -> bool:
+    """Whether a native is left out of the engine without contacts; a run that calls it after all fails with words."""
+    named = one.family in FAMILIES_OF_CONTACTS or one.__module__.startswith(MODULES_OF_CONTACTS)
+    return one in OF_CONTACTS or (named and one not in WITHOUT_CONTACTS)
+
+
+def build(contacts: bool = True) -> bytes:
+    """An engine of pages, made from the sources."""
     named: list[tuple[Any, tuple[str, ...]]] = [(at, COLUMNS), *STATUSES.items(), *SETTINGS.items()]
     numbers = {name: getattr(one, name) for one, names in named for name in names}
-    return engine(linked(), library_text(), {"sources": sources(), "numbers": numbers})
+    return engine(linked(contacts), library_text(), {"sources": sources(), "numbers": numbers})
 
 
 @functools.cache
@@ -108,23 +128,26 @@ def compressed(module: bytes) -> bytes:
     return gzip.compress(module, 9, mtime=0)
 
 
-def built() -> bytes | None:
+def built(contacts: bool = True) -> bytes | None:
     """The engine that the package holds; None if it holds none."""
-    file = resources.files("rattle.pages") / BUILT
+    file = resources.files("rattle.pages") / BUILT[contacts]
     return gzip.decompress(file.read_bytes()) if file.is_file() else None
 
 
 @functools.cache
-def engine_of_pages() -> bytes:
-    """The engine for these sources, compressed: the one that the package holds, one that was kept, or a new one."""
-    held = built()
+def engine_of_pages(contacts: bool = True) -> bytes:
+    """The engine for these sources, compressed: the one that the package holds, one that was kept, or a new one.
+
+    contacts: whether mechanisms may have contacts, oil and friction in joints.
+    """
+    held = built(contacts)
     if held is not None and about(held)["sources"] == sources():
         return compressed(held)
-    kept = KeptFile(cache_folder(), "engine", (sources(), os.environ.get("RATTLE_BOUNDSCHECK", "0")))
+    kept = KeptFile(cache_folder(), BUILT[contacts], (sources(), os.environ.get("RATTLE_BOUNDSCHECK", "0")))
     found: bytes | None = kept.read()
     if found is None:
         functions.say_once("compiling kernels for pages (once)")
-        found = compressed(build())
+        found = compressed(build(contacts))
         kept.write(lambda: pickle.dumps(found))
     return found
 
@@ -150,15 +173,16 @@ def kernels_of_platform() -> Kernels:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Build the engine into a file, and say what it has become."""
+    """Build the engines into a folder, and say what they have become."""
     parser = argparse.ArgumentParser(prog="python -m rattle.pages.engine", description=main.__doc__)
-    parser.add_argument("-o", dest="file", type=Path, required=True, help="the file, .wasm or .wasm.gz")
-    file, began = parser.parse_args(arguments).file, time.process_time()
-    module = build()
-    small = compressed(module)
-    file.write_bytes(small if file.suffix == ".gz" else module)
-    took = time.process_time() - began
-    sys.stderr.write(f"{file}: {len(module)} bytes, {len(small)} compressed, {took:.1f} s\n")
+    parser.add_argument("folder", type=Path, help="the folder")
+    folder, began = parser.parse_args(arguments).folder, time.process_time()
+    for contacts, name in BUILT.items():
+        module = build(contacts)
+        small = compressed(module)
+        (folder / name).write_bytes(small)
+        took = time.process_time() - began
+        sys.stderr.write(f"{folder / name}: {len(module)} bytes, {len(small)} compressed, {took:.1f} s\n")
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ from rattle.pages.start_data import start_data
 from rattle.pages.tape import Tape, add_arrays
 from rattle.results.columns import geometry
 from rattle.solvers.peaks import samples
-from rattle.solvers.stepper import RTOL
+from rattle.solvers.stepper import RTOL, SMOOTH
 
 MOST_STEPS = 1_000_000  # of a run in a page
 TRIED = (-0.3, -0.07, 0.01, 0.4)  # changes of a parameter at which something is looked at, in shares of it
@@ -51,6 +51,7 @@ class LiveModel(NamedTuple):
     names: tuple[str, ...]  # of curves
     t_end: float  # of its run [s]
     notes: tuple[str, ...]  # that a reader needs
+    contacts: bool  # whether its kernels are those of the engine with contacts
     ideal: LiveModel | None = None  # the same mechanism without play
 
 
@@ -90,9 +91,15 @@ def live_model(
     known = {name: m.model.parameters[name] for name in names}
     notes = (f"the model as it is written: {note}" for note in m.start.notes)
     return LiveModel(
-        data, tape, known, fixed, tuple(result.data["names"]), run.t_end, tuple(notes),
+        data, tape, known, fixed, tuple(result.data["names"]), run.t_end, tuple(notes), touches(run),
         None if alone else _without_play(m, t_end, tape),
     )  # fmt: skip
+
+
+def touches(run: Run) -> bool:
+    """Whether a run needs kernels of contacts, oil or friction in joints."""
+    arrays = run.system.arrays
+    return len(arrays["contact"]) > 0 or len(arrays["dry"]) > 0 or run.stepper.leaf.loop != SMOOTH
 
 
 def _written(name: str, parameter: Parameter) -> list[Any]:

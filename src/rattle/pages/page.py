@@ -131,7 +131,7 @@ def worker_text(live: LiveModel) -> str:
         models["ideal"] = {"result": live.ideal.data["result"], **live.ideal.data}
     return (
         f'"use strict";\n(() => {{\n{in_function(joined(viewer_files(), WORKER))}'
-        f'const engineText = "{engine_in_text()}";\nconst models = {as_json(models)};\n'
+        f'const engineText = "{engine_in_text(live.contacts)}";\nconst models = {as_json(models)};\n'
         f"const begin = (port) => serve(port, engineText, {as_json(live.tape.written())}, models);\n"
         'if (typeof document === "undefined") begin(self);\nelse globalThis.rattleLive = begin;\n})();\n'
     )
@@ -142,9 +142,9 @@ def model_text(live: LiveModel) -> str:
     return as_json({"data": live.data, "tape": live.tape.written()})
 
 
-def engine_in_text() -> str:
-    """The engine in letters, see `bytesFrom` of viewer/core.js."""
-    return base64.b64encode(engine_of_pages()).decode("ascii")
+def engine_in_text(contacts: bool) -> str:
+    """The engine with or without contacts in letters, see `bytesFrom` of viewer/core.js."""
+    return base64.b64encode(engine_of_pages(contacts)).decode("ascii")
 
 
 def in_function(module: str) -> str:
