@@ -14,18 +14,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import (
-    Assembled,
-    consistent_start,
+from rattle.analyses.assembly.assembly import Assembled, consistent_start, ideal_system
+from rattle.analyses.assembly.outside import least_gaps
+from rattle.analyses.assembly.pins import (
     held_pins,
-    ideal_system,
     pin_places,
     play_arrays,
     pressed,
     undetermined,
     with_play,
 )
-from rattle.analyses.assembly.outside import least_gaps
 from rattle.analyses.assembly.searching import first_guess, joint_lines, joint_offsets, search_arrays
 from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values

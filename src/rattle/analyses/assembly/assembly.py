@@ -7,7 +7,6 @@ iteration satisfies all constraints with the least mass-weighted change.  Rates 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -16,7 +15,8 @@ import numpy as np
 from rattle.analyses.assembly.computable import not_finite, require_digits
 from rattle.analyses.assembly.loop_map import loop_map
 from rattle.analyses.assembly.outside import least_gaps, outside
-from rattle.analyses.assembly.rank import RANK, free_motions, loose_without_mass, scaled_rows
+from rattle.analyses.assembly.pins import held_pins, holds_by_contacts, play_arrays, pressed, undetermined, with_play
+from rattle.analyses.assembly.rank import RANK, loose_without_mass, scaled_rows
 from rattle.analyses.assembly.searching import first_guess, search_arrays, why_open_from
 from rattle.analyses.assembly.start_constants import (
     constants_at,
@@ -30,13 +30,13 @@ from rattle.analyses.assembly.start_values import change_of_given, given_values,
 from rattle.analyses.assembly.tied_bodies import GROUND, given_in_one_turn, groups_at
 from rattle.analyses.assembly.unclosed import without_value
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
-from rattle.description.model import Contact, Joint, Model
+from rattle.description.model import Contact, Model
 from rattle.equations import start_columns as of
 from rattle.equations.closure import close_rate, open_by, place_only
 from rattle.equations.dense import LARGE
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, keep_given
 from rattle.equations.motion import constraints, drive
-from rattle.equations.placement import point_at, pose
+from rattle.equations.placement import pose
 from rattle.equations.start import NOT_HELD, close_near, find_positions, place_rates, put_inside
 from rattle.equations.start import outside as _outside
 from rattle.equations.start_search import KEPT, WORTH
@@ -47,10 +47,7 @@ from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
 ALONE = 10.0  # bending of closed positions, about 2, with room for what is not counted
-NUDGE = 1e-5  # of differences, as a share of the mechanism's size
-DETERMINED = 1e-6  # share of a nudge by which a pin may move in its bush that joints and given values place
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
-NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where it is pressed
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,7 @@ def without_play(system: System, t: float = 0.0) -> tuple[System, Assembled | As
 
 def has_play(model: Model) -> bool:
     """True if the assembly of a model begins at the start of the mechanism without play."""
-    return any(is_link(one) or _has_play(one) for one in model.joints.values())
+    return any(is_link(one) or holds_by_contacts(one) for one in model.joints.values())
 
 
 def near_places(system: System, start: Assembled) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -199,24 +196,13 @@ def _require_values(system: System, workspace: Workspace, t: float) -> None:
         raise AssemblyError(why)
 
 
-def _has_play(joint: Joint) -> bool:
-    """True if its contacts hold the mechanism together."""
-    return joint.is_loose and not joint.passing
-
-
-def with_play(model: Model) -> tuple[list[str], list[str]]:
-    """Joints that are massless links, and those whose contacts hold the mechanism together."""
-    joints = model.joints.items()
-    return [name for name, one in joints if is_link(one)], [name for name, one in joints if _has_play(one)]
-
-
 def _partly_closed(model: Model, t: float, names: list[str], why: AssemblyError) -> tuple[System, Assembled]:
     """The mechanism without the play of some joints, put together.  Raises `why` if that cannot be either."""
     joints = dict(model.joints)
     for name in names:
         joints[name] = replace(joints[name], contact=Contact("ideal", {}), stop=None)
     closed = replace(model, joints=joints)
-    if not any(_has_play(one) or is_link(one) for one in joints.values()):
+    if not any(holds_by_contacts(one) or is_link(one) for one in joints.values()):
         raise why
     try:
         system = put_together(closed)
@@ -251,17 +237,11 @@ def _play(system: System, t: float, ideal: Assembled | None) -> _Play:
     return _Play([*links, *open_], [*links, *held] if ideal is not None else [], pressed(model, links), shut, ideal)
 
 
-def pressed(model: Model, links: Iterable[str]) -> list[str]:
-    """Those of some massless links whose offset is not given."""
-    offsets, joints = model.initial.offsets, model.joints
-    return [one for one in links if math.hypot(*offsets.get(one, (0.0, 0.0))) < NO_OFFSET * joints[one].clearance]
-
-
 def _searched(system: System, workspace: Workspace, t: float, given: np.ndarray, play: _Play) -> tuple[np.ndarray, int]:
     """Closed positions (3 nb,), and the number of iterations."""
     model, ideal, held = system.model, play.ideal, play.held
     places = {} if ideal is None else {"start_q": ideal.q, "start_v": ideal.v}
-    every = list(dict.fromkeys([*held, *(name for name in play.joints if _has_play(model.joints[name]))]))
+    every = list(dict.fromkeys([*held, *(name for name in play.joints if holds_by_contacts(model.joints[name]))]))
     arrays = search_arrays(system, given, model.initial.offsets) | {
         **play_arrays(system, play.shut, held, every, play.missing, ideal is not None),
         "start_least": np.array([math.nextafter(*least) for least in least_gaps(system)]),
@@ -286,35 +266,6 @@ def _searched(system: System, workspace: Workspace, t: float, given: np.ndarray,
     return q, int(room.start_search[of.ITERATIONS])
 
 
-def play_arrays(
-    system: System, shut: System, held: list[str], every: list[str], missing: list[str], ideal: bool
-) -> dict[str, np.ndarray]:
-    """Arrays of the start of a mechanism with play: which pins are held, and where.
-
-    shut: the mechanism without play; ideal: whether its start is known.  every: pins that can be held, first those that
-    are; missing: those whose offset follows from reactions.
-    """
-    joints, offsets, number = system.model.joints, system.model.initial.offsets, list(system.joints)
-    form = loop_map(system).arrays["start_form"].copy()
-    form[of.WITHOUT_PLAY], form[of.HELD] = ideal, len(held)
-    form[of.LINKS] = any(is_link(joints[name]) for name in held)
-    form[of.OFFSETS] = any(name in offsets for name in held)
-    form[of.PINS] = any(joints[name].one_sided is None for name in every)
-    return {
-        "start_form": form,
-        "start_held": np.array(pin_places(system, every), dtype=float).reshape(-1, 4),
-        "start_missing": np.array([(every.index(x), number.index(x)) for x in missing], np.int64).reshape(-1, 2),
-        "start_first": np.array([shut.first_row(x) for x in missing], np.int64),
-        "start_pressed": np.array([(joints[x].clearance, 0.0, 0.0) for x in missing], dtype=float).reshape(-1, 3),
-    }
-
-
-def pin_places(system: System, names: Iterable[str]) -> list[tuple[float, ...]]:
-    """Of some joints: their point on A, and the offset of the pin, given or 0 [m]."""
-    joints, offsets = system.model.joints, system.model.initial.offsets
-    return [(*joints[name].a.at, *offsets.get(name, (0.0, 0.0))) for name in names]
-
-
 def _closed(system: System, play: _Play, held: list[str], places: dict[str, np.ndarray]) -> tuple[System, Workspace]:
     """The mechanism with some joints closed, whose pins are held; places: the start without play."""
     joints = {name: replace(one, contact=None) if name in held else one for name, one in system.model.joints.items()}
@@ -323,54 +274,6 @@ def _closed(system: System, play: _Play, held: list[str], places: dict[str, np.n
     closed = play.shut if alike else compile_system(model)
     pins = held_pins(system, closed, held)
     return closed, closed.assembly_workspace(start_pins=pins, **places)
-
-
-def held_pins(system: System, closed: System, held: list[str]) -> np.ndarray:
-    """`start_pins` of the mechanism with these joints closed: bushes that are moved, those of their drivers too."""
-    model, number = system.model, {name: n for n, name in enumerate((GROUND, *system.bodies))}
-    pins = [
-        (number[model.joints[name].a.body], closed.first_value(one), n)
-        for n, name in enumerate(held)
-        for one in (name, *(key for key, driver in model.drivers.items() if driver.joint == name))
-    ]  # both begin with the point on A
-    return np.array(pins, np.int64).reshape(-1, 3)
-
-
-def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
-    """Joints, of those with contacts, whose pins have an offset or are not where other joints and given values say.
-
-    Surfaces that only push touch, unless an angle is given for their bodies too.
-    q: (3 nb,) positions [m, m, rad] near the start, which is at t [s].
-    """
-    model = system.model
-    without = [name for name in joints if name not in model.initial.offsets]
-    if not without or system.row_count > LARGE:
-        return list(joints)
-    workspace = system.workspace()
-    open_by(workspace, t, q, np.zeros_like(q))
-    known = np.eye(len(q))[~np.isnan(given_values(system, 0))]
-    motions = free_motions(np.vstack([scaled_rows(system, workspace), known]))
-    scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
-
-    def moves(joint: Joint) -> bool:
-        """True if its pin can move in the bush while nothing that is known changes."""
-        for motion in motions * (NUDGE * system.size * scale):
-            ahead, back = (
-                point_at(system, q + way * motion, joint.b) - point_at(system, q + way * motion, joint.a)
-                for way in (1.0, -1.0)
-            )
-            if np.abs(ahead - back).max() > DETERMINED * NUDGE * system.size:
-                return True
-        return False
-
-    driven = {driver.joint for driver in model.drivers.values()}
-    turning = {one.b.body for one in model.joints.values() if one.name in driven} | {"ground"}
-
-    def touches(joint: Joint) -> bool:
-        bodies = {joint.a.body, joint.b.body} - turning
-        return joint.one_sided is not None and any("angle" not in model.initial.bodies.get(one, {}) for one in bodies)
-
-    return [name for name, joint in joints.items() if name not in without or touches(joint) or moves(joint)]
 
 
 def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
