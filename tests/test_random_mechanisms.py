@@ -11,13 +11,14 @@ from reference.generate import drawn
 from reference.set_valued import answers
 
 BATCH = 20
+BATCHES = [pytest.param(first, marks=pytest.mark.long if first >= 100 else ()) for first in range(0, 200, BATCH)]
 
 
 def accelerations(result, count):
     return np.array([float(result[f"b{k}.{key}"][0]) for k in range(count) for key in ("ax", "ay", "alpha")])
 
 
-@pytest.mark.parametrize("first", range(0, 200, BATCH))
+@pytest.mark.parametrize("first", BATCHES)
 def test_accelerations_reactions_and_motion_are_those_of_the_reference(first):
     for seed in range(first, first + BATCH):
         given = drawn(seed)

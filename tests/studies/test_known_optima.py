@@ -257,7 +257,13 @@ def test_a_damper_at_the_bound_of_a_constraint_is_a_success():
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "start"), [(0.1, 1e5, 1.0), (0.1, 1e5, 2.0), (1e-3, 10.0, 2e-3), (1e-3, 1e3, 0.01)]
+    ("low", "high", "start"),
+    [
+        pytest.param(0.1, 1e5, 1.0, marks=pytest.mark.long),
+        (0.1, 1e5, 2.0),
+        (1e-3, 10.0, 2e-3),
+        (1e-3, 1e3, 0.01),
+    ],
 )
 def test_ranges_of_decades_end_at_the_optimum_or_are_no_success(low, high, start):
     limit = 4.0 / math.sqrt(low * high)
