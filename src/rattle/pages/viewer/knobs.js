@@ -293,7 +293,7 @@ export class Knobs {
   }
 
   refuse(text) {
-    say(this.said, text.charAt(0).toUpperCase() + text.slice(1));
+    say(this.said, text.replace(/^[a-z](?=[a-z]* ['a-z])/, (letter) => letter.toUpperCase())); // no name of a parameter
     this.said.hidden = !text;
   }
 
