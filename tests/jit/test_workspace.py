@@ -53,6 +53,32 @@ def test_a_function_takes_several_workspaces_at_any_place(make):
     assert turned_apart(2, one, one) == 0.0
 
 
+@compiled
+def last_of(m):
+    return m.start_size[m.start_size.shape[0] - 1]
+
+
+@pytest.mark.parametrize("make", ["workspace", "plain_workspace"])
+def test_arrays_that_are_put_take_the_place_of_others(make):
+    functions.start()
+    workspace = getattr(rt.example("fourbar").system, make)()
+    for numbers in ([1.0], [2.0, 3.0]):
+        workspace.put({"start_size": np.array(numbers)})
+        assert last_of(workspace) == numbers[-1] == workspace.start_size[-1]
+    with pytest.raises(TypeError, match="no array bodies"):
+        workspace.put({"bodies": np.zeros(1)})
+
+
+def test_workspaces_that_one_function_gets_run_alike():
+    """Also where machine code has been switched on between them."""
+    functions.start()
+    system = rt.example("fourbar").system
+    plain = system.plain_workspace()
+    assert system.assembly_workspace(plain).handle is functions.IN_PYTHON
+    usual = system.workspace()
+    assert (system.assembly_workspace(usual).handle is functions.IN_PYTHON) == (usual.handle is functions.IN_PYTHON)
+
+
 def test_workspaces_of_one_system_share_no_number():
     system = rt.example("slider_crank_play").system
     one, other = system.workspace(), system.workspace()

@@ -112,14 +112,14 @@ class System:
         machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
         return Workspace({**self._tables(machine, also), **more}, self._image)
 
-    def assembly_workspace(self, **more: np.ndarray) -> Workspace:
+    def assembly_workspace(self, beside: Workspace | None = None, **more: np.ndarray) -> Workspace:
         """A new workspace in which given values can be kept, see `kept_values`; a usual one if there are many rows.
 
-        more: arrays of a start near a known one.
+        beside: one that the same functions get: both are for machine code, or neither.  more: arrays of a start.
         """
-        if self.row_count > LARGE:
-            return self.workspace(**more)
-        return Workspace({**self._tables(functions.jit_runs(), ()), **more}, self._assembly_image)
+        machine = functions.jit_runs() if beside is None else beside.handle is not functions.IN_PYTHON
+        image = self._image if self.row_count > LARGE else self._assembly_image
+        return Workspace({**self._tables(machine, ()), **more}, image)
 
     def plain_workspace(self) -> Workspace:
         """A new workspace for kernels that run as plain Python, whether or not machine code runs."""

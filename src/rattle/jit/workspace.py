@@ -395,6 +395,15 @@ class Workspace:
                 table[PLACE[name]] = address_of(array), array.shape[0], array.shape[-1]
             self.handle = Handle(table, (self._block, arrays))
 
+    def put(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Put arrays of numbers in the place of those of the same names."""
+        _check(arrays)
+        self.__dict__.update(arrays)
+        if isinstance(self.handle, Handle):
+            for name, array in arrays.items():
+                self.handle.table[PLACE[name]] = address_of(array), array.shape[0], array.shape[-1]
+            self.handle.arrays = (self.handle.arrays, arrays)
+
     def __getattr__(self, name: str) -> np.ndarray:
         if name not in ARRAYS:
             raise AttributeError(f"a workspace has no array {name}")

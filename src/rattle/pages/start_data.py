@@ -196,7 +196,7 @@ class _Writer:
 
         vectors: its arrays of the start.
         """
-        workspace = system.assembly_workspace(**vectors)
+        workspace = system.assembly_workspace(None, **vectors)
         recorded = recorded_arrays(self.document, system, self.asked, form=form, more=numbers)
         self.names, entries = recorded.names, recorded.entries
         counts = [x for name in entries for x in _counts(system, name, entries[name], counted)]

@@ -43,6 +43,7 @@ from rattle.equations.start_search import KEPT, WORTH
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
+from rattle.jit.functions import IN_PYTHON
 from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
@@ -238,7 +239,7 @@ def _play(system: System, t: float, ideal: Assembled | None) -> _Play:
 
 
 def _searched(system: System, workspace: Workspace, t: float, given: np.ndarray, play: _Play) -> tuple[np.ndarray, int]:
-    """Closed positions (3 nb,), and the number of iterations."""
+    """Closed positions (3 nb,), and the number of iterations; the workspace gets the arrays of the search."""
     model, ideal, held = system.model, play.ideal, play.held
     places = {} if ideal is None else {"start_q": ideal.q, "start_v": ideal.v}
     every = list(dict.fromkeys([*held, *(name for name in play.joints if holds_by_contacts(model.joints[name]))]))
@@ -247,33 +248,44 @@ def _searched(system: System, workspace: Workspace, t: float, given: np.ndarray,
         "start_least": np.array([math.nextafter(*least) for least in least_gaps(system)]),
         "start_q": np.zeros(len(given)), "start_v": np.zeros(len(given)),
     }  # fmt: skip
-    room = system.assembly_workspace(**arrays)
-    closed, shut = _closed(system, play, held, places) if held else (system, room)
-    beside = shut if closed is play.shut and held else play.shut.workspace(**places) if places else room
-    became = find_positions(room, beside, shut, t)
-    if became == MOVED and len(every) and _outside(room, t) >= 0:
-        room.start_form[of.EVERY] = every != held
-        put_inside(room, beside, shut, _closed(system, play, every, places)[1] if every != held else shut, t)
-    q = room.start_q
+    workspace.put(arrays)
+    closed, shut = _closed(system, play, held, places, workspace) if held else (system, workspace)
+    beside = shut if closed is play.shut and held else workspace
+    if places and beside is workspace:
+        beside = play.shut.assembly_workspace(workspace, **places)
+    became = find_positions(workspace, beside, shut, t)
+    if became == MOVED and len(every) and _outside(workspace, t) >= 0:
+        workspace.start_form[of.EVERY] = every != held
+        more = _closed(system, play, every, places, workspace)[1] if every != held else shut
+        put_inside(workspace, beside, shut, more, t)
+    q = workspace.start_q
     if became == NOT_HELD:
         raise AssemblyError(why_open_from(closed, shut, t, q))
     if became == NOT_CLOSED:
-        if room.start_search[of.TRIED] > 0:
+        if workspace.start_search[of.TRIED] > 0:
             _without_drivers(system, workspace, t)
         raise AssemblyError(why_open_from(system, workspace, t, q))
     if became != MOVED:
         raise not_finite()
-    return q, int(room.start_search[of.ITERATIONS])
+    return q, int(workspace.start_search[of.ITERATIONS])
 
 
-def _closed(system: System, play: _Play, held: list[str], places: dict[str, np.ndarray]) -> tuple[System, Workspace]:
-    """The mechanism with some joints closed, whose pins are held; places: the start without play."""
+def _closed(
+    system: System, play: _Play, held: list[str], places: dict[str, np.ndarray], beside: Workspace
+) -> tuple[System, Workspace]:
+    """The mechanism with some joints closed, whose pins are held, and a workspace beside another one.
+
+    places: the start without play.
+    """
     joints = {name: replace(one, contact=None) if name in held else one for name, one in system.model.joints.items()}
     model = replace(system.model, joints=joints)
     alike = len(held) == len(play.joints) and not constants_of(model)  # its own start sets those of `shut`
     closed = play.shut if alike else compile_system(model)
-    pins = held_pins(system, closed, held)
-    return closed, closed.assembly_workspace(start_pins=pins, **places)
+    workspace = closed.__dict__.pop("spare", None)
+    if workspace is None or (workspace.handle is IN_PYTHON) != (beside.handle is IN_PYTHON):
+        workspace = closed.assembly_workspace(beside)
+    workspace.put({"start_pins": held_pins(system, closed, held), **places})
+    return closed, workspace
 
 
 def _refuse_offsets_along(system: System, q: np.ndarray) -> None:

@@ -51,7 +51,7 @@ def first_guess(system: System, t: float = 0.0) -> np.ndarray:
     """Positions (3 nb,) [m, m, rad] at time t [s] with which the search for closed ones begins."""
     q = np.zeros(3 * system.body_count)
     arrays = search_arrays(system, given_values(system, 0), system.model.initial.offsets)
-    guess_first(system.assembly_workspace(**arrays), t, q)
+    guess_first(system.assembly_workspace(None, **arrays), t, q)
     return q
 
 
