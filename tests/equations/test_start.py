@@ -25,6 +25,18 @@ def pendulum(length=1.0, angle=0.3):
     return m.system
 
 
+def too_short():
+    """Two rods of 1 m between points that are 3 m apart."""
+    m = rt.Mechanism("two rods", gravity=[0, -9.81])
+    m.ground(O=[0, 0], C=[3, 0])
+    m.bar("left", "A", "B", length=1, mass=1)
+    m.bar("right", "A", "B", length=1, mass=1)
+    m.revolute("O", "ground.O", "left.A")
+    m.revolute("P", "left.B", "right.A")
+    m.revolute("C", "ground.C", "right.B")
+    return m.system
+
+
 def hanging(length, angle):
     return np.array([0.5 * length * math.cos(angle), 0.5 * length * math.sin(angle), angle])
 
@@ -43,14 +55,7 @@ def test_a_start_on_the_other_side_is_too_far():
 
 
 def test_a_loop_that_is_too_short_stays_open():
-    m = rt.Mechanism("two rods", gravity=[0, -9.81])
-    m.ground(O=[0, 0], C=[3, 0])
-    m.bar("left", "A", "B", length=1, mass=1)
-    m.bar("right", "A", "B", length=1, mass=1)
-    m.revolute("O", "ground.O", "left.A")
-    m.revolute("P", "left.B", "right.A")
-    m.revolute("C", "ground.C", "right.B")
-    system, q = m.system, np.array([0.5, 0.0, 0.1, 2.0, 0.0, -0.1])
+    system, q = too_short(), np.array([0.5, 0.0, 0.1, 2.0, 0.0, -0.1])
     became, _ = close_near(system.assembly_workspace(), 0.0, q, np.full(6, math.nan), system.size, np.empty((2, 6)))
     assert became == NOT_CLOSED
 
@@ -116,14 +121,7 @@ def test_a_block_on_a_rod_hangs_below_its_point_unless_a_place_is_given(ends):
 
 
 def test_a_mechanism_that_cannot_be_closed_is_left_where_it_is_least_open():
-    m = rt.Mechanism("two rods", gravity=[0, -9.81])
-    m.ground(O=[0, 0], C=[3, 0])
-    m.bar("left", "A", "B", length=1, mass=1)
-    m.bar("right", "A", "B", length=1, mass=1)
-    m.revolute("O", "ground.O", "left.A")
-    m.revolute("P", "left.B", "right.A")
-    m.revolute("C", "ground.C", "right.B")
-    system, q, given = m.system, np.zeros(6), np.full(6, math.nan)
+    system, q, given = too_short(), np.zeros(6), np.full(6, math.nan)
     workspace = system.assembly_workspace(**search_arrays(system, given, {}))
     became, _ = find_closing(workspace, 0.0, q, q, 0)
     assert became == NOT_CLOSED

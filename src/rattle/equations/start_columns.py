@@ -36,8 +36,9 @@ PIN, PIN_JOINT = range(2)  # columns of `start_missing`: row of `start_held`, jo
 # are looked for, and where they are given
 AHEAD, ANGLE, NEAR, EXACT = range(4)
 # `start_search`: nodes on the heap, nodes made, looked at; 1 while no value was needed that nobody gave; closings that
-# were seen, that count, those after the first; guesses tried; iterations; 1 if numbers have no value
-HEAPED, NODES, LOOKED_AT, COMPLETE, SEEN, CLOSINGS, LATER, TRIED, ITERATIONS, NO_VALUE = range(10)
+# were seen, that count, those after the first; guesses tried; iterations; 1 if numbers have no value; 1 if no later
+# guess is better than one that keeps all given values
+HEAPED, NODES, LOOKED_AT, COMPLETE, SEEN, CLOSINGS, LATER, TRIED, ITERATIONS, NO_VALUE, SETTLED = range(11)
 # columns of `start_nodes` and `start_steps`: numbers of a node, and what made it of which other one
 CHANGE, OPEN, AWAY, ONE_VALUE, OTHER_VALUE = range(5)
 NODE, EVENT, WHICH, ONE, ANOTHER = range(5)

@@ -216,6 +216,32 @@ def residuals_at(m, q, phi):
     return square
 
 
+@compiled
+def weigh_rows(m, phi):
+    """Phi_q in `kept_rows`, weighted by mass: the steepest slope of |Phi|^2 / 2, and the sum of all squares."""
+    rows, root, steepest, trace = m.kept_rows, m.kept_places[ROOT], 0.0, 0.0
+    for k in range(rows.shape[1]):
+        slope = 0.0
+        for r in range(rows.shape[0]):
+            rows[r, k] *= root[k]
+            slope += rows[r, k] * phi[r]
+            trace += rows[r, k] * rows[r, k]
+        steepest = max(steepest, abs(slope))
+    return steepest, trace
+
+
+@compiled
+def damped_normal(m, damping):
+    """Rows times rows into `kept_left`, with damping on its diagonal."""
+    rows, normal = m.kept_rows, m.kept_left
+    for r in range(rows.shape[0]):
+        for i in range(rows.shape[0]):
+            value = damping if i == r else 0.0
+            for k in range(rows.shape[1]):
+                value += rows[r, k] * rows[i, k]
+            normal[r, i] = value
+
+
 @native("void", "h", "f", "v")
 def least_open(m, t, q):
     """Minimise |Phi|^2 over q (3 nb,), in place: Levenberg-Marquardt, weighted by mass, also where rank is lost."""
@@ -233,22 +259,11 @@ def least_open(m, t, q):
     for _ in range(80):
         if not take_rows(m):
             break
-        steepest, trace = 0.0, 0.0
-        for k in range(n):
-            slope = 0.0
-            for r in range(nr):
-                rows[r, k] *= root[k]
-                slope += rows[r, k] * phi[r]
-                trace += rows[r, k] * rows[r, k]
-            steepest = max(steepest, abs(slope))
+        steepest, trace = weigh_rows(m, phi)
         if not steepest < math.inf or steepest < 1e-14:
             break
+        damped_normal(m, damping * trace / n)
         for r in range(nr):
-            for i in range(nr):
-                value = damping * trace / n if i == r else 0.0
-                for k in range(n):
-                    value += rows[r, k] * rows[i, k]
-                normal[r, i] = value
             right[r] = phi[r]
         solve_square(normal, nr, m.kept_order[0], m.kept_pivot_tall, right, 0.0, m.kept_sides[4], solved)
         turn = 1e-300
@@ -325,11 +340,10 @@ def close_hard(m, t, q):
 
 
 @compiled
-def consider(m, t, settled, beside):
+def consider(m, t, beside):
     """Close the mechanism from the guess in `start_found` and judge what is found; True if no other is needed.
 
-    settled: whether no later guess is better than one that keeps all given values; beside: whether this one is beside
-    the mechanism without play, and taken if it closes.
+    beside: whether it is beside the mechanism without play, and taken if it closes.
     """
     search, found, judged, size = m.start_search, m.start_found, m.start_judged, m.start_size[0]
     q = found[of.NOW]
@@ -345,10 +359,17 @@ def consider(m, t, settled, beside):
         search[of.NO_VALUE] = 1
         return True
     change = change_of_given(m, q)
-    if beside or not small:
-        if first or change < judged[of.OF_FIRST]:
-            enter_first(m, q, change)
-        return beside or change <= KEPT
+    if not beside and small:
+        return enter_closing(m, q, change, first)
+    if first or change < judged[of.OF_FIRST]:
+        enter_first(m, q, change)
+    return beside or change <= KEPT
+
+
+@compiled
+def enter_closing(m, q, change, first):
+    """Note a closing; True if no other is needed."""
+    judged = m.start_judged
     if first:
         enter_first(m, q, change)
     elif judged[of.OF_FIRST] > KEPT >= change:  # those before change given values
@@ -356,7 +377,7 @@ def consider(m, t, settled, beside):
         return False
     else:
         enter_later(m, q, change)
-    return judged[of.OF_FIRST] <= KEPT and (settled or change > KEPT)
+    return judged[of.OF_FIRST] <= KEPT and (m.start_search[of.SETTLED] > 0 or change > KEPT)
 
 
 @compiled
@@ -434,11 +455,28 @@ def try_beside(m, t, ideal):
     for row in range(parts[of.FREE], parts[of.FREE + 1]):
         q[3 * m.start_map[row, of.TO] - 1] = ideal[3 * m.start_map[row, of.TO] - 1]
     place_outward(m, q, 0)
-    if not consider(m, t, True, True):
+    if not consider(m, t, True):
         for k in range(2, q.shape[0], 3):
             q[k] = ideal[k]
         place_outward(m, q, 0)
-        consider(m, t, True, True)
+        consider(m, t, True)
+
+
+@compiled
+def try_closings(m, t, turn, most):
+    """At most so many closings of the loops, of one choice of given values; True if no other guess is needed."""
+    q, parts, search = m.start_found[of.NOW], m.start_parts, m.start_search
+    begin_turn(m)
+    for _ in range(most):
+        if not next_closing(m, turn):
+            return False
+        closing_angles(m, q)
+        place_outward(m, q, 1)
+        if is_new(m, q):
+            search[of.SETTLED] = 1 if parts[of.FREE + 1] == parts[of.FREE] or search[of.COMPLETE] == 0 else 0
+            if consider(m, t, False):
+                return True
+    return False
 
 
 @compiled
@@ -446,23 +484,16 @@ def try_all(m, t):
     """All guesses, until no other is needed; True if all closings are known that keep the given values."""
     q, parts, search = m.start_found[of.NOW], m.start_parts, m.start_search
     free, wishes = parts[of.FREE + 1] - parts[of.FREE], parts[of.WISHES + 1] - parts[of.WISHES]
-    settled = free == 0  # no later guess is better than one that keeps all given values
+    search[of.SETTLED] = 1 if free == 0 else 0
     known_angles(m, q)
     place_outward(m, q, 0)
-    if consider(m, t, settled, False) or m.start_form[of.LOOPED] == 0:
+    if consider(m, t, False) or m.start_form[of.LOOPED] == 0:
         return False
-    turns = min(max(1, wishes), MOST_TURNS)
-    for turn in range(turns):
-        begin_turn(m)
-        for _ in range(max(LEAST_CLOSINGS, MOST_CLOSINGS // turns)):
-            if parts[of.WISH_LOOPS] - parts[of.LOOPS] + wishes == 0 or not next_closing(m, turn):
-                break
-            closing_angles(m, q)
-            place_outward(m, q, 1)
-            if is_new(m, q):
-                settled = free == 0 or search[of.COMPLETE] == 0
-                if consider(m, t, settled, False):
-                    return search[of.COMPLETE] > 0
+    if wishes + parts[of.WISH_LOOPS] - parts[of.LOOPS] > 0:
+        turns = min(max(1, wishes), MOST_TURNS)
+        for turn in range(turns):
+            if try_closings(m, t, turn, max(LEAST_CLOSINGS, MOST_CLOSINGS // turns)):
+                return search[of.COMPLETE] > 0
     if free == 0 or search[of.COMPLETE] > 0 or m.start_form[of.SMALL] == 0:
         return search[of.COMPLETE] > 0
     for n in range(m.start_turns.shape[0]):
@@ -470,7 +501,7 @@ def try_all(m, t):
         for row in range(parts[of.FREE], parts[of.FREE + 1]):
             q[3 * m.start_map[row, of.TO] - 1] = m.start_turns[n, row - parts[of.FREE]]
         place_outward(m, q, 0)
-        if consider(m, t, settled, False):
+        if consider(m, t, False):
             break
     return False
 

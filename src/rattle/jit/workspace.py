@@ -208,7 +208,7 @@ ARRAYS = {
     "start_nodes": Array("f2", "n, 5", "", "closings in the making"),
     "start_steps": Array("i2", "n, 5", "", "how each was made"),
     "start_heap": Array("i1", "n", "", "those that wait, the next first"),
-    "start_search": Array("i1", "10", "", "counts of the search"),
+    "start_search": Array("i1", "11", "", "counts of the search"),
     "start_found": Array("f2", "n, 3 nb", "m, rad", "positions that were found"),
     "start_judged": Array("f1", "11", "", "how far they are from given values"),
     # time integration

@@ -258,16 +258,21 @@ def _searched(system: System, workspace: Workspace, t: float, given: np.ndarray,
         workspace.start_form[of.EVERY] = every != held
         more = _closed(system, play, every, places, workspace)[1] if every != held else shut
         put_inside(workspace, beside, shut, more, t)
-    q = workspace.start_q
+    q = workspace.start_q.copy()
     if became == NOT_HELD:
         raise AssemblyError(why_open_from(closed, shut, t, q))
+    _refuse_open(system, workspace, t, q, became)
+    return q, int(workspace.start_search[of.ITERATIONS])
+
+
+def _refuse_open(system: System, workspace: Workspace, t: float, q: np.ndarray, became: int) -> None:
+    """Raise AssemblyError, with the reason, if positions were not found; q: where the gap is least."""
     if became == NOT_CLOSED:
         if workspace.start_search[of.TRIED] > 0:
             _without_drivers(system, workspace, t)
         raise AssemblyError(why_open_from(system, workspace, t, q))
     if became != MOVED:
         raise not_finite()
-    return q, int(workspace.start_search[of.ITERATIONS])
 
 
 def _closed(

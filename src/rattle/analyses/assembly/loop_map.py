@@ -105,7 +105,7 @@ class _Writer:
         return {
             "start_bodies": (4, len(self.number)), "start_spans": (vectors + slides, 2),
             "start_unknown": (self.count,), "start_wishes": (3, depth), "start_nodes": (nodes, 5),
-            "start_steps": (nodes, 5), "start_heap": (nodes,), "start_search": (10,),
+            "start_steps": (nodes, 5), "start_heap": (nodes,), "start_search": (11,),
             "start_found": (of.FIRST_SEEN + (MOST_CLOSINGS if vectors else 0), nq),
             "start_judged": (of.OF_LATER + of.LOOKED,), "start_scratch": (3, nq),
         }  # fmt: skip
