@@ -69,6 +69,24 @@ def test_a_mechanism_that_cannot_be_closed_is_told_and_the_next_one_found(tmp_pa
     assert again == open_
 
 
+def test_a_driver_without_a_value_is_told_and_the_next_start_found(tmp_path):
+    """As on the desk, before a search in loops without values."""
+    m = rt.Mechanism("slider-crank")
+    m.parameter("p", 2)
+    m.ground(O=[0, 0])
+    m.bar("crank", "O", "A", length="50 mm", mass="0.3 kg")
+    m.bar("rod", "A", "B", length="120 mm", mass="0.2 kg")
+    m.body("slider", mass="0.1 kg", inertia="1e-4 kg*m^2", points={"B": [0, 0]})
+    m.revolute("O", "ground.O", "crank.O")
+    m.revolute("A", "crank.A", "rod.A")
+    m.revolute("B", "slider.B", "rod.B")
+    m.prismatic("guide", "ground.O", "slider.B", axis=0)
+    m.driver("motor", "guide", position="0.1*sqrt(p - 1 + t)")
+    without, own = found_in_node(tmp_path, m, [[0.5], [2.0]])
+    assert "no value" in without["error"]
+    assert (own["q"], own["error"]) == (m.start.q.tolist(), None)
+
+
 def test_a_parameter_that_does_not_reach_the_start_leaves_every_bit(tmp_path):
     m = rt.example("bouncing_pin")
     names = start_data(m, Tape()).description["parameters"]

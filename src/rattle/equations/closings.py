@@ -495,7 +495,8 @@ def next_closing(m, turn):
     """
     search = m.start_search
     for _ in range(MOST_NODES):
-        if search[of.HEAPED] == 0 or search[of.LOOKED_AT] == MOST_NODES:
+        full = search[of.NODES] + 2 > m.start_nodes.shape[0]  # as no search of finite numbers is
+        if full or search[of.HEAPED] == 0 or search[of.LOOKED_AT] == MOST_NODES:
             return False
         search[of.LOOKED_AT] += 1
         node = from_heap(m)

@@ -12,7 +12,7 @@ from rattle.equations import start_columns as of
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins, keep_given, keep_given_rates
-from rattle.equations.motion import solve_motion
+from rattle.equations.motion import drive, solve_motion
 from rattle.equations.start_search import arm, copy_numbers, find_closing, least_open
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
@@ -142,6 +142,8 @@ def find_start(m, ideal, shut, every, t):
     ideal: the mechanism without play, at its start; shut: with joints closed whose pins are held, every: with all that
     have play closed.  Where `start_form` says that there is none it is m.
     """
+    if not drivers_have_values(m, t):
+        return NOT_FINITE
     became = find_positions(m, ideal, shut, t)
     if became == NOT_CLOSED and m.start_form[of.SMALL] > 0:
         least_open(m, t, m.start_q)
@@ -152,6 +154,16 @@ def find_start(m, ideal, shut, every, t):
     for k in range(m.start_v.shape[0]):
         m.start_v[k] = ideal.start_v[k] if m.start_form[of.WITHOUT_PLAY] > 0 else 0.0
     return rates_near(m, t, m.start_q, m.start_v, m.start_rates, m.start_size[0], m.start_ways)
+
+
+@compiled
+def drivers_have_values(m, t):
+    """Whether all drivers have finite values at t [s]; nothing is searched for otherwise."""
+    drive(m, t)
+    for n in range(m.jet.shape[0]):
+        if not abs(m.values[m.jet[n, at.TARGET]]) < math.inf:
+            return False
+    return True
 
 
 @native("i", "h", "h", "h", "f")

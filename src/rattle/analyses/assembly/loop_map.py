@@ -101,7 +101,7 @@ class _Writer:
         vectors, slides, wishes = (len(rows[part]) for part in (of.VECTORS, of.SLIDES, of.WISHES))
         unknowns = len({row[of.GROUP] for row in rows[of.VECTORS]} | {row[of.SLIDE] for row in rows[of.SLIDES]})
         depth = unknowns + wishes + 2
-        nodes = min(2 * MOST_NODES + 1, depth * 2 ** min(unknowns // 2, 12) + 1)
+        nodes = min(2 * MOST_NODES + 1, depth * 2 ** min(unknowns // 2, 12) + 1) + 2  # with room for two more
         return {
             "start_bodies": (4, len(self.number)), "start_spans": (vectors + slides, 2),
             "start_unknown": (self.count,), "start_wishes": (3, depth), "start_nodes": (nodes, 5),
