@@ -27,9 +27,10 @@ WIDTH = 100  # of a help text [characters]
 CLOSE = 1e-3  # share by which a printed number may differ: printed with three to five digits, the last may turn
 ROUNDING = 2e-9  # below it a number is nothing but rounding, and is not compared
 NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-OF_THE_MACHINE = re.compile(
-    r'^ *"(wall_time|message|how|steps|rejected|evaluations|rhs)".*\n', re.MULTILINE
-)  # lines that differ from run to run
+# lines that differ from run to run or between machines
+OF_THE_MACHINE = re.compile(r'^ *"(wall_time|message|how|steps|rejected|evaluations|rhs)".*\n', re.MULTILINE)
+ROD = '--vary "rod_length=0.1 mm"'
+QUICK = "--analysis kinematics --threads 1"
 # what two runs of a chaotic motion do not share is not asked
 LINES = {
     "check": ["check fourbar", "check planetary", "check cam_lift_off", "check fourbar --set l2=0.01"],
@@ -74,8 +75,8 @@ LINES = {
         "sensitivity fourbar --of nothing.x",
     ],
     "ensemble": [
-        'ensemble slider_crank -n 16 --vary "rod_length=0.1 mm" --of "max(slider.ax)" --analysis kinematics --threads 1',
-        'ensemble slider_crank -n 16 --vary "rod_length=0.1 mm" --of "max(slider.ax)" --analysis kinematics --threads 1 --json',
+        f'ensemble slider_crank -n 16 {ROD} --of "max(slider.ax)" {QUICK}',
+        f'ensemble slider_crank -n 16 {ROD} --of "max(slider.ax)" {QUICK} --json',
         "ensemble slider_crank",
     ],
     "sweep": [
@@ -84,12 +85,12 @@ LINES = {
         'sweep slider_crank --over rod_length --of "max(slider.ax)"',
     ],
     "tolerance": [
-        'tolerance slider_crank --vary "rod_length=0.1 mm" --of "at(slider.x, 5 ms)" --analysis kinematics -n 64 --threads 1',
-        'tolerance slider_crank --vary "rod_length=0.1 mm" --of "at(slider.x, 5 ms)" --analysis kinematics -n 64 --threads 1 --json',
+        f'tolerance slider_crank {ROD} --of "at(slider.x, 5 ms)" -n 64 {QUICK}',
+        f'tolerance slider_crank {ROD} --of "at(slider.x, 5 ms)" -n 64 {QUICK} --json',
         'tolerance slider_crank --of "max(slider.ax)" --cost rod_length=2',
     ],
     "optimise": [
-        'optimise path_generator --ideal --analysis kinematics --minimise "sd(coupler.P.y)" --vary a=.03:.05 --starts 1',
+        'optimise path_generator --ideal --analysis kinematics --starts 1 --minimise "sd(coupler.P.y)" --vary a=.03:.05',
         'optimise path_generator --minimise "sd(coupler.P.y)" --vary a',
     ],
     "power": ["power slider_crank", "power slider_crank --json", "power fourbar --cycle -1"],
