@@ -16,7 +16,7 @@ from rattle.pages.replay import replay, write_page
 from rattle.pages.scene import run_of, scene_json, scene_of
 from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.result import Result
-from rattle.studio.jobs.blocks import of_result
+from rattle.answers.blocks import of_result
 from wiper import wiper
 
 PIN = "B.normal"

@@ -5,7 +5,7 @@ import pytest
 pytest.importorskip("panel")
 import rattle as rt
 from rattle.studio import sheets
-from rattle.studio.jobs.blocks import of_result
+from rattle.answers.blocks import of_result
 
 pytestmark = [pytest.mark.nojit]
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.answers.blocks import Block, Content, content, table, words
 from rattle.errors import InputError
 from rattle.mechanism import Mechanism
 from rattle.pages.scene import scene_of
@@ -15,7 +16,6 @@ from rattle.results.display import quantity
 from rattle.results.handy_units import handy_unit
 from rattle.studies.ensemble.ensemble import Ensemble
 from rattle.studies.ensemble.fields import Vary
-from rattle.studio.jobs.blocks import Block, Content, content, table, words
 from rattle.studio.jobs.motion import usual_force
 from rattle.studio.shelf import Shelf, Source
 

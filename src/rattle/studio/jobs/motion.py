@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from rattle.answers.blocks import Content, content, of_result, table, words
 from rattle.pages.scene import scene_of
 from rattle.results.contact_summary import contact_lines, joint_rows
 from rattle.results.result import Result
-from rattle.studio.jobs.blocks import Content, content, of_result, table, words
 from rattle.studio.jobs.live import shape_of
 from rattle.studio.shelf import Shelf, Source
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.answers.blocks import Block, Content, content, curves, drawing, line, of_result, table, words
 from rattle.errors import InputError
 from rattle.plots.curves import axis_label
 from rattle.results.film_summary import film_rows
-from rattle.studio.jobs.blocks import Block, Content, content, curves, drawing, line, of_result, table, words
 from rattle.studio.shelf import Shelf, Source
 
 HOW_WEAR = (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.answers.blocks import Content, content, drawing, table
 from rattle.plots.power import plot_cycle
 from rattle.results.display import quantity
-from rattle.studio.jobs.blocks import Content, content, drawing, table
 from rattle.studio.shelf import Shelf, Source
 
 ROUNDING = 1e-12  # share of the largest below which a number is only rounding

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from rattle.analyses.statics.equilibrium import Equilibrium
+from rattle.answers.blocks import Block, Content, bars, content, curves, drawing, line, table, words
 from rattle.errors import AssemblyError, ModelError
 from rattle.language.times import seconds
 from rattle.mechanism import Mechanism
@@ -15,7 +16,6 @@ from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
 from rattle.results.display import quantity
 from rattle.results.handy_units import handy_unit
-from rattle.studio.jobs.blocks import Block, Content, bars, content, curves, drawing, line, table, words
 from rattle.studio.jobs.motion import usual_output
 from rattle.studio.shelf import Shelf, Source
 
