@@ -86,6 +86,15 @@ class Question(NamedTuple):
         return importlib.util.find_spec(f"{self.package}.{name}") is not None
 
     @property
+    def needed(self) -> tuple[str, ...]:
+        """Arguments that it cannot do without."""
+        code = self.answer.__code__
+        positional = code.co_varnames[1 : code.co_argcount]
+        named = code.co_varnames[code.co_argcount : code.co_argcount + code.co_kwonlyargcount]
+        without = positional[: len(positional) - len(self.answer.__defaults__ or ())]
+        return (*without, *(name for name in named if name not in (self.answer.__kwdefaults__ or {})))
+
+    @property
     def answers_in_blocks(self) -> bool:
         """True if it returns an `Answer`, from which everything it shows is made."""
         return str(self.answer.__annotations__.get("return", "")).rpartition(".")[2] == "Answer"
@@ -151,4 +160,4 @@ def asked_of(what: str) -> dict[str, Question]:
 def analysis_names() -> tuple[str, ...]:
     """The questions that ensembles, sweeps and tolerances may ask of each sample, as they are written."""
     asked = asked_of("mechanism").values()
-    return tuple(one.written for one in asked if one.has("samples") or one.answers_in_blocks)
+    return tuple(one.written for one in asked if one.has("samples") or (one.answers_in_blocks and not one.needed))

@@ -1,4 +1,4 @@
-"""Results of a report: forces, contacts, oil, wear, equilibria, accuracy, power, events, as tables and pictures."""
+"""A motion in a report: what moves, forces, contacts, oil and events, as tables and pictures."""
 
 from __future__ import annotations
 
@@ -22,22 +22,29 @@ from rattle.pages.report_html import (
     sentence,
     table,
 )
-from rattle.pages.report_study import Study
+from rattle.pages.report_study import FORCES, MOTION, NOT_READ, Study, late, tried
 from rattle.results.contact_summary import contact_lines, force_rounding, readable, rigid_joints, why_unread
 from rattle.results.event import Event
 from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
 
-MOTION, FORCES, CONTACTS = "Motion", "Forces and efforts", "Play, contacts and impacts"  # titles
 MOST_EVENTS = 10
-NOT_READ = "not to be read"  # in place of a force that says nothing of a real one
 ROUNDING = 1e-9  # moment over force times size below which it is rounding
-SEEN = 1e-6  # share of the largest energy below which one is not told
-MOST_RESTS = 8
 KINDS = {
     "contact": "touches", "release": "lifts off", "impact": "impact", "stick": "sticks", "slip": "slips",
     "jolt": "jump of the driver's speed", "lock": "locks", "free": "runs free", "side": "changes sides",
 }  # fmt: skip
+
+
+def gather(study: Study) -> None:
+    run = study.run
+    if not study.loose or run is None or not run.success:
+        return
+    ideal = tried(
+        study, "without play", "computing the motion without play, for comparison",
+        lambda: study.m.ideal().simulate(run.trust.t_end, t_eval=run.t).whole(),
+    )  # fmt: skip
+    study.ideal = ideal if ideal is not None and ideal.success else None
 
 
 def motion_section(s: Study) -> Section:
@@ -98,11 +105,6 @@ def _clutches(s: Study, run: Result) -> str:
     return table(head, rows, "Clutches over the whole run") + _late_note(rows)
 
 
-def late(run: Result, t: float) -> bool:
-    """True for an instant [s] after the horizon: what happens there is one of many possible motions."""
-    return run.trust.horizon is not None and t > run.trust.horizon
-
-
 def _at(run: Result, t: float) -> str:
     return said(t, "s") + (" *" if late(run, t) else "")
 
@@ -135,7 +137,7 @@ def contact_section(s: Study) -> Section:
     """Orbits, contacts and impacts of joints with play, stops and one-sided joints."""
     run = s.run
     if run is None:
-        return Section(CONTACTS, "", s.reasons.get("motion", "there is no motion"))
+        return Section("Play, contacts and impacts", "", s.reasons.get("motion", "there is no motion"))
     rows = []
     for name, one in run.contacts.items():
         hits = [event.impulse for event in run.events if event.joint == name and event.kind == "impact"]
@@ -157,7 +159,7 @@ def contact_section(s: Study) -> Section:
     )  # fmt: skip
     body = table(head, rows, "Contacts over the whole run; forces between impacts")
     body += listed(map(sentence, contact_lines(run))) + figures.orbit_figures(s)
-    return Section(CONTACTS, body, "no joint has play, a stop or a one-sided contact")
+    return Section("Play, contacts and impacts", body, "no joint has play, a stop or a one-sided contact")
 
 
 def _angular(s: Study, name: str) -> bool:
@@ -173,110 +175,6 @@ def oil_section(s: Study) -> Section:
     lead = "The least film is found within the steps; pressure, power and leakage at the output instants. Mixed is the"
     lead += " share of time in which the surfaces touch through the film."
     return Section("Oil films", paragraph(lead) + table(("joint", *head[1:]), rows))
-
-
-def wear_section(s: Study) -> Section:
-    """What the model says about wear; the depths over many cycles are a study of their own."""
-    rows = []
-    for name, joint in s.m.model.joints.items():
-        one = joint.wear
-        if one is None:
-            continue
-        deepest = [said(max(side), "m") for side in one.profile] if one.profile is not None else ["new", "new"]
-        cycle = said(one.cycle, "s") if math.isfinite(one.cycle) else "one turn of the driver"
-        rows.append(
-            (
-                name, f"{1e9 * one.bush:.3g} mm³/(N·m)", f"{1e9 * one.pin:.3g} mm³/(N·m)", *deepest, said(one.wall, "m")
-                if math.isfinite(one.wall) else "", f"{one.cycles:g} of {cycle}",
-            )
-        )  # fmt: skip
-    if not rows:
-        return Section("Wear", "", "no joint wears")
-    head = (
-        "joint",
-        "wear of bush",
-        "wear of pin",
-        "bush worn by",
-        "pin worn by",
-        "worn through at",
-        "cycles of a study",
-    )
-    lead = "This report is of the mechanism as it is now. The wear of many cycles is a study of its own (rattle wear)."
-    return Section("Wear", paragraph(lead) + table(head, rows))
-
-
-# ---------------------------------------------------------------- at rest, over a cycle, under play
-def rest_section(s: Study) -> Section:
-    """Equilibria and natural frequencies of a mechanism without drivers."""
-    if not s.rest:
-        return Section("Equilibrium and vibration", "", s.reasons.get("equilibrium", ""))
-    rows, least = [], ROUNDING * min(s.m.system.extent, 1.0)
-    for n, one in enumerate(s.rest[:MOST_RESTS]):
-        units = {"x": "m", "y": "m", "angle": "rad"}
-        places = [
-            f"{body} {', '.join(said(_rounded(one[f'{body}.{key}'], least), unit) for key, unit in units.items())}"
-            for body in list(s.m.model.bodies)[:6]
-        ]
-        pulls = f"no: {', '.join(one.pulled)} would have to pull" if one.pulled else "yes"
-        rows.append((str(n + 1), "yes" if one.stable else "no", pulls, "; ".join(places)))
-    many = f" (the first {MOST_RESTS} of {len(s.rest)})" if len(s.rest) > MOST_RESTS else ""
-    body = table(("", "stable", "possible", "bodies at x, y, angle"), rows, f"Equilibria{many}")
-    body += paragraph(sentence(f"How far the search went: {s.rest.extent}")) if s.rest.extent else ""
-    if s.modes is not None and len(s.modes):
-        head = ("mode", "natural frequency", "damping", "bodies that move most")
-        body += table(head, s.modes.rows(), "Small vibrations about the first equilibrium")
-    return Section("Equilibrium and vibration", body)
-
-
-def _rounded(value: float, least: float) -> float:
-    """A coordinate [m or rad], 0 where it is rounding."""
-    return value if abs(value) > least else 0.0
-
-
-def power_section(s: Study) -> Section:
-    """Where the energy of a cycle goes."""
-    if s.power is None:
-        return Section("Power", "", s.reasons.get("power", ""))
-    power, rows, left = s.power, [], 0.0
-    one = power.cycle
-    for name, kind, *energies in power.balance():
-        supplied, lost, stored, _ = energies
-        left += supplied - lost - stored
-        sizes = [said(value, "J") if abs(value) > SEEN * float(one.into.max()) else "" for value in energies]
-        if any(sizes):
-            rows.append((name, "driver" if name in s.m.model.drivers else kind.replace("-", " "), *sizes))
-    head = ("element", "type", "supplied from outside", "lost", "stored", "goes back and forth")
-    if abs(left) > SEEN * float(one.into.max()):
-        rows.append(("all bodies", "kinetic energy", "", "", said(left, "J"), ""))
-    span = f"Energies from t = {said(power.t0, 's')} to {said(power.t1, 's')}"
-    checked = f"In every body powers and the rate of kinetic energy agree within {one.residual:.1g} W."
-    return Section("Power", figures.power_figure(power) + table(head, rows, span) + paragraph(checked))
-
-
-def accuracy_section(s: Study) -> Section:
-    """How far play lets the output deviate."""
-    one = s.accuracy
-    if one is None:
-        return Section("Accuracy", "", s.reasons.get("accuracy", ""))
-    k = int(np.argmax(one.worst))
-    total = one.worst[k]
-    facts = [
-        f"Worst case, every pin anywhere in its clearance: ±{said(total, one.unit)}, at t = {said(one.t[k], 's')}."
-    ]
-    facts.append(f"Root sum square, if the joints vary independently: ±{said(one.rss[k], one.unit)} there.")
-    most = one.share[one.tighten]
-    first = [name for name, share in one.share.items() if share > 0.99 * most]
-    if len(one.joints) > 1:
-        facts.append(f"To tighten first: {' or '.join(first)}.")
-    rows = [
-        (name, said(one.clearances[name], "m"), f"±{said(one.contributions[k, one.joints.index(name)], one.unit)}",
-         f"{100 * share:.0f} %")
-        for name, share in sorted(one.share.items(), key=lambda item: -item[1])
-    ]  # fmt: skip
-    body = paragraph(f"How far the play lets {one.of} deviate from its value without play.")
-    shares = table(("joint", "clearance", "contribution at most", "share"), rows)
-    body += abreast([listed(facts), shares]) + listed(map(sentence, one.notes))
-    return Section("Accuracy under play", body + figures.accuracy_figures(one))
 
 
 # ---------------------------------------------------------------- events
@@ -316,3 +214,6 @@ def _event(s: Study, one: Event) -> tuple[str, ...]:
         if_any(one.duration, "s"), NOT_READ if unread else if_any(one.peak_force, force), if_any(one.impulse, impulse),
         if_any(one.energy_lost, "J"),
     )  # fmt: skip
+
+
+SECTIONS = ((20, motion_section), (30, force_section), (40, contact_section), (50, oil_section), (100, event_section))
