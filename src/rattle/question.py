@@ -34,11 +34,13 @@ from rattle.errors import InputError
 
 ROOM = "rattle.questions"
 FOLDERS = "RATTLE_QUESTIONS"  # environment variable: further folders of questions
+OF_THE_CALLER = ("progress",)  # arguments that whoever asks gives by itself
+PLACE_OF_ANSWERS = 75  # of tabs of answers in blocks, before the report
 OWN_ORDER = 1000  # of questions that do not say where they stand: after all others
 # modules that a question's folder may hold, and what stands in each
 PARTS = {
     "command": "`command`: the click command, in place of one made from the signature",
-    "tab": "`tab(shelf, source, **options)` and `fields(facts, names)`: the content and the form of the studio's tab",
+    "tab": "`tab(shelf, source, **options)`: the content of the studio's tab",
     "section": "`gather(study)`, what is computed for a report, and `section(study)`",
     "samples": "`ANALYSIS`: how ensembles, sweeps and tolerances ask it of each sample",
 }
@@ -53,6 +55,29 @@ class Argument(NamedTuple):
     choices: tuple[str, ...] = ()
     at_least: float | None = None
     offers: str = ""  # names that a form suggests: "curves", "joints", "bodies", "loads" or "parameters"
+
+
+class FormField(NamedTuple):
+    """A field in the form of a tab; what is written into it goes to the tab under its key."""
+
+    key: str
+    label: str
+    value: str = ""  # at first
+    usual: str = ""  # what the page puts there at first: "output", "force" or "dimensions" of the model
+    choices: tuple[str, ...] = ()  # a list to choose from
+    offers_curves: bool = False  # suggests names of curves
+    needs: str = ""  # it is there only where the model has such joints: "wear" or "oil"
+    size: int = 18  # [characters]
+    means: str = ""  # in one line
+
+
+class Tab(NamedTuple):
+    """A tab of the studio."""
+
+    name: str
+    title: str
+    place: int  # among all tabs
+    fields: tuple[FormField, ...] = ()
 
 
 class Question(NamedTuple):
@@ -70,6 +95,7 @@ class Question(NamedTuple):
     order: int  # its place in lists
     arguments: Mapping[str, Argument]
     shows_quantities: bool  # the command has --units
+    own_tab: Tab | None  # what its part `tab` fills
 
     @property
     def written(self) -> str:
@@ -86,13 +112,37 @@ class Question(NamedTuple):
         return importlib.util.find_spec(f"{self.package}.{name}") is not None
 
     @property
+    def tab(self) -> Tab | None:
+        """Its tab in the studio: its own, or one for an answer in blocks with a field for every argument."""
+        if self.own_tab is not None or not self.answers_in_blocks:
+            return self.own_tab
+        return Tab(self.name, self.title, PLACE_OF_ANSWERS, tuple(map(self._field, self.takes)))
+
+    def _field(self, name: str) -> FormField:
+        argument, usual = self.arguments.get(name, Argument("")), self.usual.get(name)
+        return FormField(
+            name, name.replace("_", " "), "" if usual is None else str(usual), choices=argument.choices,
+            offers_curves=argument.offers == "curves", means=argument.means,
+        )  # fmt: skip
+
+    @property
+    def takes(self) -> tuple[str, ...]:
+        """Its arguments after the mechanism or result, but those that whoever asks gives by itself."""
+        code = self.answer.__code__
+        every = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
+        return tuple(name for name in every if name not in OF_THE_CALLER)
+
+    @property
+    def usual(self) -> dict[str, Any]:
+        """Arguments that may be left out, with their values."""
+        code, defaults = self.answer.__code__, self.answer.__defaults__ or ()
+        positional = code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]
+        return dict(zip(positional, defaults, strict=True)) | (self.answer.__kwdefaults__ or {})
+
+    @property
     def needed(self) -> tuple[str, ...]:
         """Arguments that it cannot do without."""
-        code = self.answer.__code__
-        positional = code.co_varnames[1 : code.co_argcount]
-        named = code.co_varnames[code.co_argcount : code.co_argcount + code.co_kwonlyargcount]
-        without = positional[: len(positional) - len(self.answer.__defaults__ or ())]
-        return (*without, *(name for name in named if name not in (self.answer.__kwdefaults__ or {})))
+        return tuple(name for name in self.takes if name not in self.usual)
 
     @property
     def answers_in_blocks(self) -> bool:
@@ -106,7 +156,7 @@ _declared: dict[str, Question] = {}
 def question(
     *, asks: str, wants: str | tuple[tuple[str, str], ...] = (), examples: tuple[tuple[str, str], ...] = (),
     of: str = "mechanism", command: str | None = None, title: str = "", order: int = OWN_ORDER,
-    arguments: Mapping[str, Argument] | None = None, shows_quantities: bool = True,
+    arguments: Mapping[str, Argument] | None = None, shows_quantities: bool = True, tab: Tab | None = None,
 ) -> Callable[[F], F]:  # fmt: skip
     """Decorator: declares a question; arguments as in `Question`.
 
@@ -130,7 +180,7 @@ def question(
         _declared[name] = Question(
             name, function, function.__module__, asks, of, name.replace("_", "-") if command is None else command,
             title or words[0].upper() + words[1:], ((wants, words),) if isinstance(wants, str) else wants, examples,
-            order, arguments or {}, shows_quantities,
+            order, arguments or {}, shows_quantities, tab,
         )  # fmt: skip
         return function
 
@@ -161,3 +211,9 @@ def analysis_names() -> tuple[str, ...]:
     """The questions that ensembles, sweeps and tolerances may ask of each sample, as they are written."""
     asked = asked_of("mechanism").values()
     return tuple(one.written for one in asked if one.has("samples") or (one.answers_in_blocks and not one.needed))
+
+
+def tabs() -> list[tuple[Question, Tab]]:
+    """The questions that have a tab in the studio, in the order of their tabs."""
+    filled = [(asked, tab) for asked in questions().values() if (tab := asked.tab) is not None]
+    return sorted(filled, key=lambda entry: (entry[1].place, entry[1].name))

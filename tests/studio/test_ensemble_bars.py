@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("panel")
 from rattle.studies.ensemble.first_order import FirstOrder
 from rattle.studies.ensemble.statistics import Bounded
-from rattle.studio.jobs import ensemble
+from rattle.questions.ensemble import tab as ensemble
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 

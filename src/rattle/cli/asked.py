@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import inspect
 import textwrap
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
+from rattle.answers.arguments import read, takes_several, types_of
 from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, read_result, settings_option, shows_progress, time
+from rattle.cli.options import model_options, read_model, read_result, settings_option, shows_progress
 from rattle.cli.output import as_json, check_pictures, say_written
 from rattle.errors import InputError
 from rattle.question import Argument, Question
 
-T = TypeVar("T")
-PLAIN = {"float": float, "int": int, "str": str}
-OF_COMMANDS = {"progress"}  # arguments that a command gives by itself
-
 
 def command_of(question: Question) -> click.Command:
     """The command: FILE, an option per argument, --json and -o for a picture."""
-    takes = list(inspect.signature(question.answer).parameters.values())[1:]
-    options = [_option(question, one) for one in takes if one.name not in OF_COMMANDS]
-    progress = any(one.name == "progress" for one in takes)
+    options = [_option(question, name, kind) for name, kind in types_of(question).items()]
+    progress = "progress" in inspect.signature(question.answer).parameters
 
     def ask(file: str, settings: tuple[str, ...], as_json_too: bool, picture: str | None, **given: Any) -> None:
         check_pictures(file, picture)
@@ -66,69 +62,30 @@ def _help(question: Question) -> str:
     return "\n\n".join(filter(None, (head, f"{name} is {where}.", rest, f"\b\nExample:  {example}")))
 
 
-def _option(question: Question, parameter: inspect.Parameter) -> click.Option:
+def _option(question: Question, name: str, annotation: str) -> click.Option:
     """The option of an argument: its type follows from annotation and unit."""
-    told = question.arguments.get(parameter.name, Argument(parameter.name.replace("_", " ").capitalize() + "."))
-    names = [f"--{parameter.name.replace('_', '-')}", parameter.name]
-    kind = str(parameter.annotation).replace(" ", "")
-    required = parameter.default is inspect.Parameter.empty
-    default = None if required else parameter.default
-    usual: dict[str, Any] = {"help": told.means, "default": default, "required": required}
-    if kind == "bool":
-        return click.Option([f"{names[0]}/--no-{names[0][2:]}" if default else names[0], names[1]], **usual)
-    shown = usual | {"show_default": default is not None}
-    base = kind.removesuffix("|None")
-    if base.startswith(("Sequence[", "tuple[", "list[")):
-        return click.Option(names, multiple=True, metavar="VALUE", help=told.means, required=required)
-    if told.choices:
-        return click.Option(names, type=click.Choice(told.choices), **shown)
-    if "Seconds" in base:
-        return click.Option(names, type=time, metavar="TIME", **shown)
-    if told.unit:
-        return click.Option(names, type=_Quantity(told), metavar="VALUE", **shown)
-    return click.Option(names, type=_Bounded(PLAIN.get(base, str), told), **shown)
+    told = question.arguments.get(name, Argument(f"{name.replace('_', ' ').capitalize()}."))
+    flag, required, usual = f"--{name.replace('_', '-')}", name in question.needed, question.usual.get(name)
+    if annotation == "bool":
+        return click.Option([f"{flag}/--no-{flag[2:]}" if usual else flag, name], default=usual, help=told.means)
+    if takes_several(annotation):
+        return click.Option([flag, name], multiple=True, metavar="VALUE", help=told.means, required=required)
+    kind = click.Choice(told.choices) if told.choices else _Written(question, name)
+    shown: dict[str, Any] = {"help": told.means, "required": required, "show_default": usual is not None}
+    return click.Option([flag, name], type=kind, default=usual, **shown)
 
 
-class _Quantity(click.ParamType[float]):
-    """A number in SI, or a text with a unit of the same kind."""
+class _Written(click.ParamType[Any]):
+    """The value of an argument as it is written."""
 
-    name = "quantity"
+    name = "value"
 
-    def __init__(self, told: Argument) -> None:
-        self.told = told
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The value [SI]."""
-        from rattle.language.quantities import in_si
-
-        try:
-            return _bounded(in_si(_name(param), value, self.told.unit, f"a number in {self.told.unit}"), self.told)
-        except InputError as error:
-            self.fail(str(error), param, ctx)
-
-
-class _Bounded(click.ParamType[Any]):
-    """A number or text, not below what is declared."""
-
-    def __init__(self, kind: type, told: Argument) -> None:
-        self.kind, self.told = kind, told
-        self.name = {float: "number", int: "integer"}.get(kind, "text")
+    def __init__(self, question: Question, argument: str) -> None:
+        self.question, self.argument = question, argument
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The value as the type that is declared."""
+        """The value, in SI."""
         try:
-            return _bounded(self.kind(value), self.told)
+            return read(self.question, self.argument, value) if isinstance(value, str) else value
         except InputError as error:
-            self.fail(str(error), param, ctx)
-        except ValueError:
-            self.fail(f"{value!r} is not a{'n' if self.name == 'integer' else ''} {self.name}", param, ctx)
-
-
-def _bounded(value: T, told: Argument) -> T:
-    if told.at_least is not None and isinstance(value, int | float) and value < told.at_least:
-        raise InputError(f"{value:g} is below {told.at_least:g}")
-    return value
-
-
-def _name(param: click.Parameter | None) -> str:
-    return param.opts[0] if param is not None else "value"
+            self.fail(str(error).removeprefix(f"{self.argument}: "), param, ctx)

@@ -17,7 +17,7 @@ from panel.custom import Child, JSComponent
 from rattle.pages.viewer_text import joined, viewer_text
 from rattle.studio.desk import Desk, Message
 from rattle.studio.sheets import sheet
-from rattle.studio.tabs import TABS
+from rattle.studio.tabs import TABS, forms
 
 silence(EMPTY_LAYOUT, True)  # a tab is empty until it is opened
 
@@ -39,28 +39,21 @@ def page_text() -> str:
 class Studio(JSComponent):
     """The whole page; what tabs show is inside of it as children.
 
-    style: its style sheet.  viewer: the viewer as the text of an ES module.  tabs: names of the tabs with a child.
+    style: its style sheet.  viewer: the viewer as the text of an ES module.  tabs: what the page knows of each tab.
     """
 
     style = param.String()
     viewer = param.String()
     tabs = param.List()
 
-    forces = Child()
-    equilibrium = Child()
-    accuracy = Child()
-    sensitivity = Child()
-    ensemble = Child()
-    power = Child()
-    wear = Child()
-    report = Child()
+    vars().update({tab: Child() for tab in TABS})
 
     _esm = page_text()
 
     def __init__(self, make_desk: Callable[..., Desk], **params: Any) -> None:
         sheets = {tab: pn.Column(sizing_mode="stretch_width", margin=0) for tab in TABS}
         super().__init__(
-            style=(HERE / "studio.css").read_text(encoding="utf-8"), viewer=viewer_text(), tabs=list(TABS),
+            style=(HERE / "studio.css").read_text(encoding="utf-8"), viewer=viewer_text(), tabs=forms(),
             sizing_mode="stretch_both", margin=0, **sheets, **params,
         )  # fmt: skip
         self._document = pn.state.curdoc

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rattle.language.times import Seconds, times
-from rattle.question import question
+from rattle.question import FormField, Tab, question
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     order=130,
     wants=(("how accurate it is when its joints have play", "accuracy"),),
     examples=(("rattle accuracy F --of rocker.angle", 'm.accuracy("rocker.angle", t)'),),
+    tab=Tab("accuracy", "Accuracy", 30, (FormField("of", "of", usual="output", offers_curves=True, size=22),)),
 )
 def accuracy(
     m: Mechanism,

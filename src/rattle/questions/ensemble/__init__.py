@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rattle.language.times import Seconds, seconds_or_none
-from rattle.question import question
+from rattle.question import FormField, Tab, question
 
 if TYPE_CHECKING:
     import os
@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 @question(
     asks="What tolerances do: statistics over many mechanisms of one drawing, and the share within a limit.",
     order=150,
+    tab=Tab(
+        "ensemble",
+        "Ensemble",
+        50,
+        (FormField("of", "number", usual="force", size=22), FormField("n", "mechanisms", "64", size=6)),
+    ),
 )
 def ensemble(
     m: Mechanism, n: int, outputs: Sequence[str], vary: Vary = None, *, seed: int = 0, analysis: str = "simulate",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, overload
 
 from rattle.language.times import Seconds, times
-from rattle.question import question
+from rattle.question import FormField, Tab, question
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +32,15 @@ def equilibrium(
     examples=(
         ("rattle equilibrium F --at 0", "m.equilibrium(t=0.0)"),
         ("rattle equilibrium F --path", "m.equilibrium(t_array)"),
+    ),
+    tab=Tab(
+        "equilibrium",
+        "Equilibrium",
+        20,
+        (
+            FormField("t", "drivers held at", "0 s", size=8),
+            FormField("branches", "look in", "near", choices=("near", "all")),
+        ),
     ),
 )
 def equilibrium(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rattle.question import question
+from rattle.question import Tab, question
 
 if TYPE_CHECKING:
     from rattle.results.result import Result
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     asks="Where energy goes: who gives it to which body, what comes back, where it is lost.",
     order=220,
     of="result",
+    tab=Tab("power", "Power", 60),
 )
 def power(r: Result, t0: float | None = None, t1: float | None = None) -> Power:
     """Powers [W] between elements and bodies, and their energies [J] from t0 to t1 [s].

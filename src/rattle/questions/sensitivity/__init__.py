@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rattle.language.times import Seconds, times
-from rattle.question import question
+from rattle.question import FormField, Tab, question
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,6 +20,15 @@ if TYPE_CHECKING:
     order=140,
     wants=(("which dimension matters, when, and how much", "sensitivity"),),
     examples=(("rattle sensitivity F --of rocker.angle", 'm.sensitivity(["rocker.angle"], ["l2"], t)'),),
+    tab=Tab(
+        "sensitivity",
+        "Sensitivity",
+        40,
+        (
+            FormField("of", "of", usual="output", offers_curves=True, size=22),
+            FormField("to", "to", usual="dimensions", size=22),
+        ),
+    ),
 )
 def sensitivity(
     m: Mechanism, outputs: Sequence[str], parameters: Sequence[str],

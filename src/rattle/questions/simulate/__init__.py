@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rattle.language.times import Seconds, seconds_or_none, times
-from rattle.question import question
+from rattle.question import Tab, question
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     title="Motion",
     wants=(("what really happens in time: free motion, play with impacts", "simulation"),),
     examples=(("rattle run F", "m.simulate(t_end)"),),
+    tab=Tab("forces", "Forces", 10),
 )
 def simulate(
     m: Mechanism, t_end: Seconds | None = None, *, t_eval: Sequence[Seconds] | np.ndarray | None = None,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from rattle.language.times import Seconds, seconds_or_none
-from rattle.question import question
+from rattle.question import FormField, Tab, question
 
 if TYPE_CHECKING:
     import os
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     order=250,
     wants=(("where its joints wear, and how long they last", "[wear](wear.md)"),),
     examples=(("rattle wear F --cycles 1e6", "m.wear(cycles=1e6)"),),
+    tab=Tab("wear", "Oil and wear", 70, (FormField("cycles", "cycles", "1e5", needs="wear", size=8),)),
 )
 def wear(
     m: Mechanism, cycles: float | None = None, jump: float | str | None = None, cycle: Seconds | None = None,

@@ -10,15 +10,16 @@ import { listen } from "./keys.js";
 import { Show } from "./motion.js";
 import { Report } from "./report.js";
 import { Status, stateOf } from "./status.js";
-import { Strip, TABS, TabHead, fieldsOf } from "./tabs.js";
+import { Strip, TABS, TabHead, fieldsOf, know } from "./tabs.js";
 
 const BEAT = 5000; // between two questions whether the studio is there [ms]
 const NARROW = "(max-width: 600px)"; // where there is no room for names beside curves
-const EMPTY = { knobs: [], contacts: [], wear: [], tolerances: [] }; // what is known of a model that was not read yet
+const EMPTY = { knobs: [], contacts: [], wear: [], oil: [], tolerances: [] }; // what is known of a model that was not read yet
 
 class Page {
   constructor(model) {
     this.model = model;
+    know(model.tabs);
     this.history = new History();
     this.shown = "motion";
     this.puts = 0; // how often something was put into the text at once: a step back each
@@ -47,7 +48,7 @@ class Page {
   }
 
   build() {
-    this.heads = new Map(this.model.tabs.map((tab) => [tab, new TabHead(tab, (message) => this.tell(message))]));
+    this.heads = new Map(this.model.tabs.map(({ name }) => [name, new TabHead(name, (message) => this.tell(message))]));
     this.panels = new Map(TABS.map(([name, title]) => [name, h("section", { class: `panel ${name}`, role: "tabpanel", id: `panel-${name}`, "aria-label": title, hidden: true }, this.content(name))]));
     this.main = h("main", {}, this.strip.el, [...this.panels.values()]);
     this.toast = h("div", { class: "toast", role: "status", hidden: true });

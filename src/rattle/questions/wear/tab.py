@@ -1,4 +1,4 @@
-"""Oil films and wear of the pins of a model."""
+"""Oil films and wear of the pins of a model, in the studio."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HOW_WEAR = (
 HOW_OIL = 'No joint has oil: choose the contact model "lubricated" on the left, see the example slider_crank_oil.'
 
 
-def wear(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
+def tab(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
     """Films of joints with oil, and wear of joints that wear over so many cycles."""
     m = shelf.mechanism(source)
     oiled = [name for name, one in m.model.joints.items() if one.contact and one.contact.film is not None]

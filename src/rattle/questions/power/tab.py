@@ -1,4 +1,4 @@
-"""Where energy goes: who gives it to which body, what comes back, where it is lost."""
+"""Where energy goes, in the studio."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def zeroed(value: float, floor: float) -> float:
     return 0.0 if abs(value) <= floor else float(value)
 
 
-def power(shelf: Shelf, source: Source) -> Content:
+def tab(shelf: Shelf, source: Source) -> Content:
     """Energy of a turn as a picture of flows, and a table of every port."""
     r = shelf.motion(source)
     p = r.power()

@@ -1,15 +1,12 @@
-"""Many mechanisms of one drawing: a histogram, and each sample as a motion."""
+"""Many mechanisms of one drawing, in the studio: a histogram whose bars are samples."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
 from rattle.answers.blocks import Block, Content, content, table, words
 from rattle.errors import InputError
 from rattle.mechanism import Mechanism
-from rattle.pages.scene import scene_of
 from rattle.plots.curves import QUANTITY, axis_label
 from rattle.plots.shares import bounded, together
 from rattle.results.display import quantity
@@ -25,7 +22,7 @@ FAR = 5.0  # distances between the quartiles beyond them, from which numbers sha
 SHARE = 0.01  # by which parameters differ where none has a tolerance
 
 
-def ensemble(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Content:
+def tab(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Content:
     """The histogram of a number over mechanisms whose parameters differ by their tolerances."""
     m = shelf.mechanism(source)
     try:
@@ -134,19 +131,3 @@ def _shares(e: Ensemble, output: str) -> Block | None:
     rows = [(found.names[k], bounded(found.indices[k])) for k in order]
     what = "variance of its ranks" if found.ranks else "variance"
     return table(("parameter", f"share of the {what} (95 % bounds)"), rows, together(found))
-
-
-def sample(shelf: Shelf, source: Source, number: int) -> dict[str, Any]:
-    """The motion of one mechanism of the last ensemble."""
-    shelf.mechanism(source)
-    e = shelf.studies.get("ensemble")
-    if e is None:
-        raise InputError("the model has changed since: compute the ensemble again")
-    r = e.sample(int(number)).simulate(e.task.t_end, progress=True).whole()
-    said = e.told(int(number))
-    value = quantity(float(e[e.outputs[0]][int(number)]), e.unit(e.outputs[0]))
-    return {
-        "scene": scene_of([("", r)]),
-        "words": f"Mechanism {number} of the ensemble: {e.outputs[0]} = {value}",
-        "more": said,
-    }

@@ -1,4 +1,4 @@
-"""Exact derivatives of a curve: which dimension matters, when, and how much."""
+"""Exact derivatives of a curve in the studio: which dimension matters, when, and how much."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rattle.studio.shelf import Shelf, Source
 POINTS = 201
 
 
-def sensitivity(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Content:
+def tab(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Content:
     """What a usual change of each parameter does to an output: its tolerance, or 1 % of it."""
     m = shelf.mechanism(source)
     every = m.model.parameters

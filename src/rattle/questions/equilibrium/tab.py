@@ -1,4 +1,4 @@
-"""Equilibria, small vibrations about them, and what play does to the accuracy of an output."""
+"""Equilibria and small vibrations about them in the studio."""
 
 from __future__ import annotations
 
@@ -7,24 +7,21 @@ import math
 import numpy as np
 
 from rattle.analyses.statics.equilibrium import Equilibrium
-from rattle.answers.blocks import Block, Content, bars, content, curves, drawing, line, table, words
+from rattle.answers.blocks import Block, Content, content, drawing, table, words
 from rattle.errors import AssemblyError, ModelError
 from rattle.language.times import seconds
 from rattle.mechanism import Mechanism
-from rattle.plots.curves import axis_label, length_axes, new_figure, tidy
+from rattle.plots.curves import length_axes, new_figure, tidy
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
 from rattle.results.display import quantity
-from rattle.results.handy_units import handy_unit
-from rattle.studio.jobs.motion import usual_output
 from rattle.studio.shelf import Shelf, Source
 
 DRAWN = 6  # equilibria that are drawn, at most
-POINTS = 61  # positions at which a band is computed
 ROOM = 0.15  # around a drawing, as a share of its size
 
 
-def equilibrium(shelf: Shelf, source: Source, t: str = "0", branches: str = "near") -> Content:
+def tab(shelf: Shelf, source: Source, t: str = "0", branches: str = "near") -> Content:
     """Equilibria with the drivers held, and natural frequencies about the first."""
     m = shelf.mechanism(source)
     found = m.equilibrium(seconds(t, "drivers held at"), branches=branches)
@@ -87,40 +84,3 @@ def _vibrations(m: Mechanism, t: str, rests: bool) -> list[Block | None]:
         return [words(f"Small vibrations about it: {error}")]
     rows = [(str(k + 1), found.behaviour(k, 4)) for k in range(min(8, len(found)))]
     return [table(("mode", "small vibrations about the first"), rows), words(found.note)]
-
-
-def accuracy(shelf: Shelf, source: Source, of: str = "") -> Content:
-    """How far play lets an output deviate over the motion, and which joint to tighten first."""
-    m = shelf.mechanism(source)
-    end = m.model.settings.t_end
-    of = of.strip() or usual_output(shelf.motion(source))
-    found = m.accuracy(of, np.linspace(0.0, end, POINTS))
-    factor, unit = handy_unit(found.unit, float(found.worst.max(initial=0.0)))
-    exact = not np.isnan(found.low).all()
-    t = found.t
-    lines = [
-        line("all pins at their worst, to first order", t, factor * found.worst),
-        line("", t, -factor * found.worst, like=0),
-    ]
-    lines += [line("root sum square", t, factor * found.rss), line("", t, -factor * found.rss, like=2)]
-    if exact:
-        lines += [
-            line("exact extremes", t, factor * (found.high - found.nominal), dash=True),
-            line("", t, factor * (found.low - found.nominal), like=4, dash=True),
-        ]
-    if not np.isnan(found.loaded).all():
-        lines.append(line("under the loads, at rest", t, factor * found.loaded))
-    k = int(np.argmax(found.worst))
-    said = str(found).replace("+-", "±").splitlines()
-    return content(
-        said[-1 - len(found.notes)],
-        curves(f"What play lets {of} deviate", "time [s]", axis_label("deviation", unit), lines),
-        bars(
-            f"Which joint does how much, at t = {t[k]:.4g} s",
-            axis_label("deviation", unit),
-            found.joints,
-            factor * found.contributions[k],
-        ),
-        words("\n".join(said)),
-        words("\n".join(found.notes), "care"),
-    )
