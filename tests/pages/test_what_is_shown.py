@@ -10,13 +10,13 @@ import rattle as rt
 from browsing import becomes, frames
 from circling import circling
 from linkages import SCISSOR
+from rattle.answers.blocks import of_result
 from rattle.pages.notebook import kernel_scene
 from rattle.pages.page import page
 from rattle.pages.replay import replay, write_page
 from rattle.pages.scene import run_of, scene_json, scene_of
 from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.result import Result
-from rattle.answers.blocks import of_result
 from wiper import wiper
 
 PIN = "B.normal"

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 pytest.importorskip("panel")
+from rattle.questions.ensemble import tab as ensemble
 from rattle.studies.ensemble.first_order import FirstOrder
 from rattle.studies.ensemble.statistics import Bounded
-from rattle.questions.ensemble import tab as ensemble
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 

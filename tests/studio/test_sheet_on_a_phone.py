@@ -4,8 +4,8 @@ import pytest
 
 pytest.importorskip("panel")
 import rattle as rt
-from rattle.studio import sheets
 from rattle.answers.blocks import of_result
+from rattle.studio import sheets
 
 pytestmark = [pytest.mark.nojit]
 

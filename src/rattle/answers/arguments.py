@@ -36,7 +36,7 @@ def read(question: Question, name: str, text: str) -> Any:
     if "Seconds" in kind:
         value = seconds(text, name)
     elif told.unit:
-        value = in_si(name, text, told.unit, f"a number in {told.unit}")
+        value = in_si(text, name, told.unit, f'"1 {told.unit}"')
     elif kind in NUMBERS:
         value = _number(name, text, kind)
     elif kind == "bool":

@@ -58,8 +58,9 @@ def _help(question: Question) -> str:
     name = "RESULT" if question.of == "result" else "FILE"
     example = question.examples[0][0] if question.examples and question.examples[0][0] else ""
     example = example or f"rattle {question.command} {'out.nc' if question.of == 'result' else 'slider_crank'}"
-    head, _, rest = text.partition("\n\n")
-    return "\n\n".join(filter(None, (head, f"{name} is {where}.", rest, f"\b\nExample:  {example}")))
+    head, *rest = text.split("\n\n")
+    more = [part for part in rest if not part.startswith(tuple(f"{argument}:" for argument in question.takes))]
+    return "\n\n".join([head, f"{name} is {where}.", *more, f"\b\nExample:  {example}"])
 
 
 def _option(question: Question, name: str, annotation: str) -> click.Option:

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from rattle.errors import ANSWERS, SolverError, shown
+from rattle.errors import ANSWERS, InputError, SolverError, shown
 from rattle.question import questions
 from rattle.studies.runs.ctrl_c import raised_again
 
@@ -37,7 +37,11 @@ OTHERS = {
     "schema": ("files", 300, "JSON Schema of model files, for editors."),
     "warmup": ("warmup", 310, "Compile all kernels now, so that the first run is quick."),
 }  # fmt: skip
-ASKED = {one.command: one for one in questions().values() if one.command}
+try:
+    ASKED = {question.command: question for question in questions().values() if question.command}
+except InputError as refused:  # a folder of one's own that is not there
+    sys.stderr.write(f"error: {refused}\n")
+    raise SystemExit(2) from None
 # every command in its order, with its line of `rattle --help`
 HELP = {
     name: words
