@@ -42,7 +42,7 @@ engine: $(VENV)/.ready-dev ## build the kernels for pages: src/rattle/pages/*.wa
 
 signatures: $(VENV)/.ready-dev ## write the methods that questions add for editors and mypy: src/rattle/asked.pyi
 	$(BIN)/python -m rattle.signatures
-	$(BIN)/ruff check --quiet --fix src/rattle/asked.pyi && $(BIN)/ruff format --quiet src/rattle/asked.pyi
+	$(BIN)/ruff check --quiet --fix --select I src/rattle/asked.pyi && $(BIN)/ruff format --quiet src/rattle/asked.pyi
 
 wheel: engine ## build wheel and sdist, install each into an empty environment and run it
 	rm -rf build/dist build/installed

@@ -74,17 +74,21 @@ def test_it_is_a_method_with_its_signature(everywhere):
 
 
 def test_it_is_a_command_with_options_json_and_picture(everywhere):
-    assert "travel" in everywhere["listed"] and "How far the mass centre" in everywhere["listed"]
+    assert "travel" in everywhere["listed"]
+    assert "How far the mass centre" in everywhere["listed"]
     for words in ("--points", "--least", "evenly spaced in time", "--json", "--set", "-o, --output", "rattle travel"):
         assert words in everywhere["help"]
-    assert "slider.x" in everywhere["command"] and "slider.y" not in everywhere["command"]
+    assert "slider.x" in everywhere["command"]
+    assert "slider.y" not in everywhere["command"]
     assert everywhere["json"]["numbers"]["farthest"] == {"value": pytest.approx(TRAVEL, rel=1e-4), "unit": "m"}
     assert (everywhere["folder"] / "travel.svg").read_text().count("<path") > 10
 
 
 def test_wrong_values_are_refused_in_words(everywhere):
-    assert "--points" in everywhere["refused"] and "1 is below 2" in everywhere["refused"]
-    assert "--least" in everywhere["unit"] and "a mass" in everywhere["unit"]
+    assert "--points" in everywhere["refused"]
+    assert "1 is below 2" in everywhere["refused"]
+    assert "--least" in everywhere["unit"]
+    assert "a mass" in everywhere["unit"]
 
 
 def test_it_has_a_tab_with_a_form_in_the_studio(everywhere):
@@ -96,8 +100,10 @@ def test_it_has_a_tab_with_a_form_in_the_studio(everywhere):
 
 
 def test_it_has_a_section_in_the_report_and_a_card_in_a_notebook(everywhere):
-    assert "<h2>Travel</h2>" in everywhere["report"] and "the farthest travels 100" in everywhere["report"]
-    assert "<table>" in everywhere["card"] and "<svg" in everywhere["card"]
+    assert "<h2>Travel</h2>" in everywhere["report"]
+    assert "the farthest travels 100" in everywhere["report"]
+    assert "<table>" in everywhere["card"]
+    assert "<svg" in everywhere["card"]
 
 
 def test_ensembles_and_sweeps_may_ask_it(everywhere):
@@ -134,7 +140,8 @@ def test_signatures_for_editors_are_those_of_the_declarations():
 @pytest.mark.parametrize("name", questions())
 def test_every_question_says_what_it_asks_and_its_parts_are_known(name):
     asked = questions()[name]
-    assert asked.asks.endswith(".") and len(asked.asks) < 110
+    assert asked.asks.endswith(".")
+    assert len(asked.asks) < 110
     assert asked.answer.__doc__
     parts = {path.stem for path in Path(asked.answer.__code__.co_filename).parent.glob("*.py")}
     assert not asked.command or "command" in parts or asked.answers_in_blocks
@@ -159,5 +166,6 @@ def test_a_name_that_is_taken_and_an_argument_that_is_not_there_are_refused():
 def test_a_folder_that_is_not_there_is_named():
     env = os.environ | {"RATTLE_QUESTIONS": "/nowhere/at/all"}
     done = subprocess.run([sys.executable, "-m", "rattle", "--help"], env=env, capture_output=True, text=True)
-    assert done.returncode == 2 and "RATTLE_QUESTIONS: there is no folder /nowhere/at/all" in done.stderr
+    assert done.returncode == 2
+    assert "RATTLE_QUESTIONS: there is no folder /nowhere/at/all" in done.stderr
     assert "Traceback" not in done.stderr

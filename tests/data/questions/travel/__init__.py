@@ -1,4 +1,4 @@
-"""How far bodies travel while a mechanism is driven: a question of one's own, as docs/adding-a-question.md explains it."""
+"""How far bodies travel while a mechanism is driven: a question of one's own, see docs/adding-a-question.md."""
 
 from __future__ import annotations
 
