@@ -12,7 +12,7 @@ from rattle.plots.animation import scene
 from rattle.plots.drawings import Part, drawings
 from rattle.plots.scene import BODIES, Scene
 from rattle.plots.sketch import draw_mechanism, hull
-from rattle.plots.statics import magnified, plot_accuracy
+from rattle.questions.accuracy.pictures import magnified, plot_accuracy
 
 CYLINDER = """
 format = 1

@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("panel")
 from rattle.questions.ensemble import tab as ensemble
-from rattle.studies.ensemble.first_order import FirstOrder
-from rattle.studies.ensemble.statistics import Bounded
+from rattle.questions.ensemble.first_order import FirstOrder
+from rattle.questions.ensemble.statistics import Bounded
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 

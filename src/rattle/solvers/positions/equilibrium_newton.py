@@ -2,7 +2,7 @@
 
     Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
 
-H is formed by differences along the columns of Z.  Coordinates are scaled, see `rattle.analyses.statics.balance`.
+H is formed by differences along the columns of Z.  Coordinates are scaled, see `rattle.questions.equilibrium.balance`.
 """
 
 from __future__ import annotations
