@@ -32,7 +32,7 @@ def messages(path: Path) -> Iterator[tuple[int, str]]:
     """Texts in a source file that users may come to read: all but docstrings, those of commands included."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     internal = set()
-    if path.parent.name != "cli":
+    if path.parent.name != "cli" and path.name != "command.py":
         for node in ast.walk(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
                 internal.add(id(node.body[0].value))
