@@ -148,7 +148,7 @@ def test_a_single_value_that_stands_out_is_seen_at_every_zoom(tmp_path, open_pag
     tab.evaluate("rattle.choose(['O.normal'])")
     for span in (0.2, 0.05, 0.01, 1e-3, 1e-4):
         low = min(max(0.0, r.t[at] - 0.4 * span), r.t[-1] - span)
-        tab.evaluate("([low, high]) => rattle.viewer.curves.window([low, high])", [low, low + span])
+        tab.evaluate("([low, high]) => rattle.viewer.curves.scope.choose([low, high])", [low, low + span])
         frames(tab)
         assert tab.evaluate(INK, [r.t[at], 4000.0]), f"not seen in a window of {span} s"
 
