@@ -16,7 +16,6 @@ from rattle.pages.replay import replay, write_page
 from rattle.pages.scene import run_of, scene_json, scene_of
 from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.result import Result
-from rattle.studio.jobs.blocks import of_result
 from wiper import wiper
 
 PIN = "B.normal"
@@ -93,18 +92,6 @@ def test_a_notebook_reaches_the_peak_of_the_table(shown, tmp_path):
     sent = json.loads(scene_json(run_of(want, "", scene["geometry"])))
     assert sent["peaks"][PIN][0] == pytest.approx(want.peak(PIN)[0])
     assert sent["between"].keys() == scene["runs"][0]["between"].keys()
-
-
-def test_figures_of_the_studio_reach_the_peak_of_the_table():
-    pytest.importorskip("panel")
-    from rattle.studio.sheets import sheet
-
-    r = rattling(5e-4).simulate()
-    block = of_result("forces", r, [PIN])
-    (pane,) = sheet({"told": "", "blocks": [block]}, False, lambda _: None)
-    (mark,) = [one for one in pane.object.renderers if one.name == f"largest {PIN}"]
-    (drawn,) = mark.data_source.data["y"] if hasattr(mark, "data_source") else [mark.glyph.y]
-    assert drawn in (pytest.approx(r.peak(PIN)[0]), pytest.approx(r.peak(PIN)[0] / 1e3))  # N, kN
 
 
 @pytest.mark.parametrize("interval", [1e-6, 5e-4])

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-pytest.importorskip("panel")
 from rattle.studies.ensemble.first_order import FirstOrder
 from rattle.studies.ensemble.statistics import Bounded
 from rattle.studio.jobs import ensemble

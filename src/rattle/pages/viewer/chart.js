@@ -107,8 +107,8 @@ export class Chart {
     return true;
   }
 
-  // Which curves it shows: [{name, label, x, y, peak, bursts, colour, dash, swatch}], x increasing, peak and bursts {x, y}:
-  // single values that lie between.  across, up: labels of the axes; values times `factor` are in `unit`, in which they are shown.
+  // Which curves it shows: [{name, label, x, y, peak, bursts, colour, dash, over, swatch}], the first on top but for those that
+  // lie over all; x increasing, peak and bursts {x, y}: single values that lie between.  across, up: labels of the axes; values times `factor` are in `unit`, in which they are shown.
   setLines(lines, { across, up, factor = 1, unit = "" }) {
     Object.assign(this, { lines, across, up, factor, unit, fresh: null });
     for (const line of lines) line.text = steady(factor * largest(line)); // a small curve keeps its digits beside a large one
@@ -221,7 +221,7 @@ export class Chart {
     c.beginPath();
     c.rect(LEFT, 0, this.room, this.height - BOTTOM + 1);
     c.clip();
-    for (const line of [...seen].reverse()) this.stroke(c, theme, line, from, to);
+    for (const line of [...seen.filter((one) => !one.over).reverse(), ...seen.filter((one) => one.over)]) this.stroke(c, theme, line, from, to);
     c.restore();
     for (const line of seen) if (!line.dash && within(line.peak, from, to)) this.summit(c, line);
   }
