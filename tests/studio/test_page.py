@@ -414,3 +414,15 @@ def test_another_port_of_this_computer_never_gets_the_cookie(visit):
         listener.shutdown()
     assert len(heard) >= 2
     assert set(heard) == {None}
+
+
+def test_a_studio_that_was_ended_is_missed_and_the_text_stays(visit, tmp_path):
+    (tmp_path / "m.toml").write_text(PENDULUM)
+    served = start_studio(tmp_path, "m.toml", "--no-browser")
+    page = visit(served)
+    served.process.terminate()
+    assert served.process.wait(10) == 0
+    shows(page.get_by_role("heading", name="The studio does not answer"))
+    page.get_by_role("button", name="Stay here").click()
+    page.get_by_role("tab", name="Text").click()
+    assert text_of(page) == PENDULUM

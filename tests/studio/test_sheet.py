@@ -132,6 +132,15 @@ def test_what_the_mouse_is_over_is_read_off_with_units(shown):
     assert float(value.removesuffix(" N")) == pytest.approx(np.sin(3.0), abs=0.02)  # a pixel is 1 ms
 
 
+def test_what_a_finger_has_touched_is_read_off_and_stays(shown):
+    page = shown(waves(), viewport={"width": 390, "height": 844}, is_mobile=True, has_touch=True)
+    page.locator(".curves > .layers").tap(position={"x": 200, "y": 100})
+    frames(page)
+    tip = page.locator(".curves > .layers .tip")
+    shows(tip)
+    assert "small = " in tip.text_content()
+
+
 def test_after_the_horizon_the_ground_is_grey_and_it_is_said(shown):
     page = shown(waves(after=0.5))
     assert "(grey: after the horizon, statistics only)" in page.locator(".curves h3").text_content()

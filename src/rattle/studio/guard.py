@@ -3,7 +3,7 @@
 A request passes if it comes from the page that the studio itself has sent to the user who was given its address:
 
 * `Host` is one of our own names with our port.  A foreign site whose name is made to lead to this computer (DNS
-  rebinding) has its own name there.
+  rebinding) has its own name there.  (Starlette's own check of it leaves the port out, and knows no IPv6.)
 * `Origin`, where a browser sends it, is our own page; `Sec-Fetch-Site` says the same of newer browsers.
 * It knows the secrets: a token in the address, which is spent by its first use and exchanged for the place of the
   page, a path that nobody guesses, and for a cookie that scripts cannot read, that no other site makes the browser

@@ -70,7 +70,11 @@ export class Chart {
       pinch: (x, y, factor, dx) => { this.picking = null; scope.zoom(this.valueAt(x), factor, (-dx / this.room) * scope.span); },
       wheel: (x, y, factor, event) => this.wheeled(x, factor, event),
       hover: (x) => this.read(x),
-      leave: () => { this.tip.hidden = true; this.read(null); },
+      leave: (pointer) => {
+        if (pointer === "touch") return; // what a finger has asked for stays when it is lifted
+        this.tip.hidden = true;
+        this.read(null);
+      },
     });
   }
 

@@ -1,6 +1,6 @@
 """What a tab shows, as plain data that goes from one process to the other.
 
-A content is {"told": one line, "blocks": [...]}; `sheets` makes of it what the page shows.
+A content is {"told": one line, "blocks": [...]}; `page/sheet.js` makes of it what the page shows.
 """
 
 from __future__ import annotations
