@@ -12,7 +12,7 @@ SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees do
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test check proofs wheel engine long times docs coverage bench clean
+.PHONY: help demo test check proofs wheel engine signatures long times docs coverage bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 18
@@ -39,6 +39,10 @@ proofs: $(VENV)/.ready-dev $(VENV)/.ready-oldest ## all other tests: slow ones, 
 
 engine: $(VENV)/.ready-dev ## build the kernels for pages: src/rattle/pages/*.wasm.gz
 	$(BIN)/python -m rattle.pages.engine src/rattle/pages
+
+signatures: $(VENV)/.ready-dev ## write the methods that questions add for editors and mypy: src/rattle/asked.pyi
+	$(BIN)/python -m rattle.signatures
+	$(BIN)/ruff check --quiet --fix --select I src/rattle/asked.pyi && $(BIN)/ruff format --quiet src/rattle/asked.pyi
 
 wheel: engine ## build wheel and sdist, install each into an empty environment and run it
 	rm -rf build/dist build/installed

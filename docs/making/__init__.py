@@ -11,6 +11,7 @@ from pathlib import Path
 MAKERS = (
     "kinds",
     "commands",
+    "questions",
     "interface",
     "validation",
     "live",

@@ -11,12 +11,12 @@ from click.testing import CliRunner
 
 import rattle as rt
 from rattle.analyses.elastic_bushes import _stiff, _stiffness
+from rattle.answers.blocks import of_result
 from rattle.cli.main import main
 from rattle.cli.requirements import judge
 from rattle.results.contact_summary import contact_lines, joint_table
 from rattle.results.trust import Trust
 from rattle.results.within_steps import bursts, largest, summit
-from rattle.studio.jobs.blocks import of_result
 from rattle.studio.jobs.motion import _said
 from wiper import ARM_CENTRE, ARM_INERTIA, ARM_MASS, PIN, ROD, WIPER, C, wiper
 

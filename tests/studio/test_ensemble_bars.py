@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from rattle.questions.ensemble import tab as ensemble
 from rattle.studies.ensemble.first_order import FirstOrder
 from rattle.studies.ensemble.statistics import Bounded
-from rattle.studio.jobs import ensemble
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 

@@ -7,7 +7,7 @@ import pytest
 
 import rattle as rt
 from browsing import becomes, frames, keep_picture, shows
-from rattle.studio.jobs.blocks import bars, curves, line, of_result, table, words
+from rattle.answers.blocks import bars, curves, line, of_result, table, words
 
 pytest.importorskip("starlette")
 from rattle.studio.page import as_json

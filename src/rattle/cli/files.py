@@ -9,8 +9,7 @@ from typing import Any
 import click
 
 from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, read_result, settings_option
-from rattle.cli.output import as_json as to_json
+from rattle.cli.options import read_result, settings_option
 from rattle.cli.output import check_files, say_written
 
 
@@ -59,26 +58,6 @@ def _write_example(path: Path, output: str, tables: list[str]) -> None:
     for source, target in targets.items():
         save(target, source.read_text(encoding="utf-8"))
         say_written(target)
-
-
-@click.command(cls=Command)
-@model_options
-@click.option("--json", "as_json", is_flag=True, help="The report as JSON.")
-def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> None:
-    """Bodies, joints, mobility, redundant joints, loops, branches, range of the driver.
-
-    FILE is a model file or the name of a shipped example.
-
-    \b
-    Example:  rattle check fourbar
-    """
-    report = read_model(file, settings, ideal).check()
-    if as_json:
-        from dataclasses import asdict
-
-        click.echo(to_json(asdict(report)))
-    else:
-        click.echo(str(report))
 
 
 @click.command(cls=Command)

@@ -11,78 +11,46 @@ from typing import Any
 
 import click
 
-from rattle.errors import ANSWERS, SolverError, shown
+from rattle.errors import ANSWERS, InputError, SolverError, shown
+from rattle.question import questions
 from rattle.studies.runs.ctrl_c import raised_again
 
 STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
-# command -> module in rattle.cli; the function has the command's name with _ for -
-COMMANDS = {
-    "demo": "show",
-    "example": "files",
-    "check": "files",
-    "draw": "show",
-    "run": "run",
-    "studio": "studio",
-    "compare": "studies",
-    "poincare": "studies",
-    "kinematics": "analyses",
-    "inverse-dynamics": "analyses",
-    "equilibrium": "analyses",
-    "modes": "analyses",
-    "accuracy": "analyses",
-    "sensitivity": "sensitivity",
-    "ensemble": "ensemble",
-    "sweep": "ensemble",
-    "tolerance": "tolerance",
-    "optimise": "optimise",
-    "plot": "show",
-    "animate": "show",
-    "page": "page",
-    "power": "power",
-    "film": "film",
-    "orbit": "orbit",
-    "wear": "wear",
-    "report": "report",
-    "export": "files",
-    "code": "code",
-    "kinds": "files",
-    "schema": "files",
-    "warmup": "run",
-}
+# commands that are no questions: module in rattle.cli, line of `rattle --help`, place among all
+OTHERS = {
+    "demo": ("show", 10, "What two loose pins do to a crank-rocker: a table, a picture, a page with sliders, CSV."),
+    "example": ("files", 20, "List the shipped examples, or print one as a model file."),
+    "studio": ("studio", 60, "A page on this computer in which one turns knobs, looks, analyses and writes the model."),
+    "plot": ("show", 190, "Plot curves, spectra, paths of points or pin orbits of a saved result."),
+    "animate": ("show", 200, "Animate a saved result (GIF or MP4)."),
+    "page": ("page", 210, "One web page that computes: turn a parameter, the motion follows; no server, no internet."),
+    "report": (
+        "report", 260,
+        "A report to hand on, as a page or PDF: model, assumptions, motion, forces, and how far to trust them.",
+    ),
+    "export": ("files", 270, "Write a saved result as CSV, or in the other result format."),
+    "code": ("code", 280, "Write a mechanism without contacts as a C program."),
+    "kinds": (
+        "files", 290, "Reference: every joint, driver, contact and load with its fields; units, functions, materials.",
+    ),
+    "schema": ("files", 300, "JSON Schema of model files, for editors."),
+    "warmup": ("warmup", 310, "Compile all kernels now, so that the first run is quick."),
+}  # fmt: skip
+try:
+    ASKED = {question.command: question for question in questions().values() if question.command}
+except InputError as refused:  # a folder of one's own that is not there
+    sys.stderr.write(f"error: {refused}\n")
+    raise SystemExit(2) from None
+# every command in its order, with its line of `rattle --help`
 HELP = {
-    "demo": "What two loose pins do to a crank-rocker: a table, a picture, a page with sliders, CSV.",
-    "example": "List the shipped examples, or print one as a model file.",
-    "check": "Is the model as meant? Bodies, joints, mobility, redundant joints, loops, range of the driver.",
-    "draw": "The mechanism as put together, before any run: everything in it by name, and what moves freely.",
-    "run": "Motion in time: joint forces, energy, and how far the result can be trusted.",
-    "studio": "A page on this computer in which one turns knobs, looks, analyses and writes the model.",
-    "compare": "One page: ideal joint, massless link, one-sided impact and compliant contact side by side.",
-    "poincare": "Poincare section, bifurcation diagram over a parameter, largest Lyapunov exponent.",
-    "kinematics": "Driven motion: position, velocity, acceleration, dead centres.",
-    "inverse-dynamics": "Driven motion with all reactions, torque and power of the drivers.",
-    "equilibrium": "Equilibria, or a quasi-static motion through them.",
-    "modes": "Natural frequencies about an equilibrium.",
-    "accuracy": "How far the play of the joints lets an output deviate, and which joint to tighten first.",
-    "sensitivity": "Exact derivatives of curves by parameters: which dimension matters, when, and how much.",
-    "ensemble": "What tolerances do: statistics over many mechanisms of one drawing, and the share within a limit.",
-    "tolerance": "What each tolerance does to a number, which to tighten, and which tolerances keep an accuracy.",
-    "sweep": "Numbers over all combinations of values of parameters, as table, curve or map.",
-    "optimise": "Values of parameters that make a number, such as a peak force or an error, as small as possible.",
-    "plot": "Plot curves, spectra, paths of points or pin orbits of a saved result.",
-    "animate": "Animate a saved result (GIF or MP4).",
-    "page": "One web page that computes: turn a parameter, the motion follows; no server, no internet.",
-    "power": "Where energy goes: who gives it to which body, what comes back, where it is lost.",
-    "film": "An oil film between pin and bush: what it carries, how thick it is, when the pin whirls.",
-    "orbit": "Path of a pin in its oil film under the forces of the ideal mechanism: least film, pressure, friction.",
-    "wear": "Where pins and bushes wear over many cycles, how deep, and how long they last.",
-    "report": "A report to hand on, as a page or PDF: model, assumptions, motion, forces, and how far to trust them.",
-    "export": "Write a saved result as CSV, or in the other result format.",
-    "code": "Write a mechanism without contacts as a C program.",
-    "kinds": "Reference: every joint, driver, contact and load with its fields; units, functions, materials.",
-    "schema": "JSON Schema of model files, for editors.",
-    "warmup": "Compile all kernels now, so that the first run is quick.",
+    name: words
+    for _, name, words in sorted(
+        [(order, name, words) for name, (_, order, words) in OTHERS.items()]
+        + [(question.order, name, question.asks) for name, question in ASKED.items()]
+    )
 }
+COMMANDS = tuple(HELP)
 # what commands are called elsewhere, or in Python
 ELSEWHERE = {
     "lyapunov": "poincare FILE --lyapunov",
@@ -96,11 +64,7 @@ UNITS = (
     "Units of the numbers printed, drawn and written as CSV, such as mm,deg,N; si: all in SI. Others stay as they are;"
     " JSON is in SI."
 )
-# commands that print or write quantities
-WITH_UNITS = (
-    "check", "run", "compare", "poincare", "kinematics", "inverse-dynamics", "equilibrium", "modes", "accuracy",
-    "sensitivity", "ensemble", "sweep", "tolerance", "optimise", "plot", "power", "film", "orbit", "wear", "export",
-)  # fmt: skip
+WITH_UNITS = ("plot", "export", *(name for name, question in ASKED.items() if question.shows_quantities))
 QUIET = "No progress bar and no log messages, only results."
 VERSION = "Show the version, and what compiles kernels."
 
@@ -114,8 +78,7 @@ class Lazy(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        module = importlib.import_module(f"rattle.cli.{COMMANDS[name]}")
-        command: click.Command = getattr(module, name.replace("-", "_"))
+        command = _command(name)
         if not any("--quiet" in one.opts for one in command.params):
             quiet = click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quieten, help=QUIET)
             command.params.append(quiet)
@@ -178,6 +141,20 @@ class Lazy(click.Group):
             if isinstance(context, click.Abort) and isinstance(context.__cause__, KeyboardInterrupt):
                 raise SystemExit(STOPPED) from None
             raise
+
+
+def _command(name: str) -> click.Command:
+    """A command; that of a question is the one of its folder, or made from its signature."""
+    if name in OTHERS:
+        module = importlib.import_module(f"rattle.cli.{OTHERS[name][0]}")
+    elif (own := ASKED[name].part("command")) is not None:
+        module = own
+    else:
+        from rattle.cli.asked import command_of
+
+        return command_of(ASKED[name])
+    command: click.Command = getattr(module, name.replace("-", "_"))
+    return command
 
 
 def _by_ctrl_c(stop: BaseException) -> bool:

@@ -189,3 +189,14 @@ def read_result(file: str, settings: tuple[str, ...] = ()) -> Result:
     if not result.success:
         log.warning(f"stopped: {result.message}")
     return result
+
+
+def only_oiled(m: Mechanism) -> str:
+    """The joint with oil.  Raises click.UsageError if there is none, or more than one."""
+    oiled = [name for name, one in m.model.joints.items() if one.contact is not None and one.contact.film is not None]
+    if len(oiled) == 1:
+        return oiled[0]
+    if oiled:
+        raise click.UsageError(f"--joint says which of the joints with oil: {', '.join(oiled)}")
+    said = 'this needs a joint with oil: contact = { model = "lubricated", viscosity, length, bush_radius }'
+    raise click.UsageError(said)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import datetime
 import itertools
 import logging
+import math
 import os
 import platform
 from collections.abc import Sequence
+from functools import partial
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -15,11 +17,11 @@ from typing import TYPE_CHECKING
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
-from rattle.pages import report_model, report_results, report_summary
+from rattle.pages import report_model, report_summary
 from rattle.pages.print_pdf import print_pdf, require_browser
 from rattle.pages.report_figures import drawing
 from rattle.pages.report_html import Section, listed, paragraph, sentence, table
-from rattle.pages.report_study import Study, study
+from rattle.pages.report_study import FORCES, MOTION, Study, answer_section, in_blocks, section_parts, study
 from rattle.version import __version__
 
 if TYPE_CHECKING:
@@ -29,7 +31,8 @@ SUFFIXES = (".html", ".pdf")
 PAPERS = ("A4", "Letter")
 # sections of small pictures, tables and lists
 LEFT_OUT, MADE = "Not in this report", "How this report was made"
-SMALL = (report_results.MOTION, report_results.FORCES, LEFT_OUT, MADE)
+SMALL = (MOTION, FORCES, LEFT_OUT, MADE)
+FIRST_OF_MOTION, OF_ANSWERS = 20, 95  # places of the first section about the motion, and of those of answers in blocks
 _log = logging.getLogger("rattle")
 
 
@@ -96,16 +99,13 @@ def page_of(s: Study, title: str = "", author: str = "", command: str = "") -> s
 
 
 def _sections(s: Study) -> list[Section]:
-    made = [report_summary.trust_section(s), report_model.model_section(s), report_model.assumptions_section(s)]
-    made.append(_check(s))
-    if s.run is None:
-        return made
-    results = (
-        report_results.motion_section, report_results.force_section, report_results.contact_section,
-        report_results.oil_section, report_results.wear_section, report_results.rest_section,
-        report_results.power_section, report_results.accuracy_section, report_results.event_section,
-    )  # fmt: skip
-    return [*made, *(make(s) for make in results)]
+    """The parts of the report in their order; without a motion those that stand before it."""
+    before = [report_summary.trust_section(s), report_model.model_section(s), report_model.assumptions_section(s)]
+    asked = [entry for part in section_parts() for entry in part.SECTIONS]
+    asked += [(OF_ANSWERS, partial(answer_section, question=question)) for question in in_blocks()]
+    last = FIRST_OF_MOTION if s.run is None else math.inf
+    in_order = sorted((entry for entry in asked if entry[0] < last), key=lambda entry: entry[0])
+    return before + [make(s) for _, make in in_order]
 
 
 def _head(s: Study, name: str, author: str, day: str) -> str:
@@ -145,23 +145,6 @@ def _numbered(body: str) -> str:
         first, *others = body.split(f"<{tag}>")
         body = first + "".join(f"<{tag}><b>{word} {n}.</b> {one}" for n, one in enumerate(others, 1))
     return body
-
-
-def _check(s: Study) -> Section:
-    if s.check is None:
-        return Section("Checks before the run", "", s.reasons.get("check", ""))
-    words = {"free": "free coordinates", "loop": "closed loop", "play": "radial play", "driver": "range of the driver"}
-    rows: dict[str, list[str]] = {}
-    for line in str(s.check).splitlines()[1:]:
-        what, colon, found = line.partition(": ")
-        if what != "parameter":  # these have a table of their own
-            rows.setdefault(words.get(what, what) if colon else "assembly", []).append(found if colon else line)
-    left = "it moves as it is driven" if s.check.mobility == 0 else "free to move under the loads"
-    lead = f"Degrees of freedom beside the drivers: {s.check.mobility} ({left})."
-    return Section(
-        "Checks before the run",
-        paragraph(lead) + table(("what", "found"), [(what, "; ".join(found)) for what, found in rows.items()]),
-    )
 
 
 # ---------------------------------------------------------------- how it was made

@@ -15,8 +15,6 @@ from rattle.plots import curves as style
 from rattle.plots.diagram import Sheet, plot_model
 from rattle.plots.figure import Page
 from rattle.plots.orbit import clearance_joints
-from rattle.plots.power import Spacing, plot_cycle
-from rattle.plots.statics import draw_band, draw_deviation
 from rattle.results.contact_summary import force_rounding
 from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.within_steps import cut, largest, shown_curve
@@ -25,11 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.results.result import Result
-    from rattle.studies.power.power import Power
 
-FLOW = Spacing(1.25, 0.75, 0.52, 7.2)  # of the flow of energy
 SHEET = Sheet(6.0, 2.5, 1.2)  # of the drawing
 HALF = 3.55  # width of most pictures: two stand side by side [inches]
 HIGH = 0.98  # of a panel for one curve
@@ -55,7 +50,7 @@ def panels(s: Study, names: Sequence[str]) -> Figure:
     for ax, name in zip(axes, names, strict=True):
         _panel(ax, run, s.ideal, name)
         _over_time(ax, run)
-    return _with_time(axes)
+    return with_time(axes)
 
 
 def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
@@ -93,15 +88,15 @@ def together(run: Result, names: Sequence[str], robust: bool = False) -> Figure:
             tops += [factor * shown_curve(run, name), factor * style.mark_largest(ax, run, name, colour, factor)]
         ax.set_ylabel(style.axis_label(style.QUANTITY.get(unit, ""), shown) or "no unit", fontsize=8)
         spikes = robust and style.robust_limits(ax, tops, side="right")
-        _names_above(ax, LINE_OF_NOTE if spikes else 0.0)
+        names_above(ax, LINE_OF_NOTE if spikes else 0.0)
         _over_time(ax, run)
-    return _with_time(axes)
+    return with_time(axes)
 
 
 LINE_OF_NOTE = 0.1  # height of a note above a panel, as a share of it
 
 
-def _names_above(ax: Axes, higher: float = 0.0) -> None:
+def names_above(ax: Axes, higher: float = 0.0) -> None:
     """The names of the curves in lines above their panel."""
     handles, names = ax.get_legend_handles_labels()
     across = int(np.clip(52 // (max(map(len, names)) + 4), 1, 4))
@@ -122,7 +117,7 @@ def _over_time(ax: Axes, run: Result) -> None:
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)
 
 
-def _with_time(axes: Sequence[Axes]) -> Figure:
+def with_time(axes: Sequence[Axes]) -> Figure:
     axes[-1].set_xlabel("time [s]", fontsize=8)
     return style.figure_of(axes[0])
 
@@ -175,7 +170,7 @@ def _path(run: Result, tracks: Sequence[str]) -> Figure:
     (left, bottom), (right, top) = 0.5 * (least + most) - room, 0.5 * (least + most) + room
     ax.set(xlim=(left, right), ylim=(bottom, top))
     ax.set_aspect("equal", adjustable="box")
-    _plain(ax)
+    plain_ticks(ax)
     handles, words = ax.get_legend_handles_labels()
     legend = ax.get_legend()
     assert legend is not None, "a path has one"
@@ -193,7 +188,7 @@ def _path(run: Result, tracks: Sequence[str]) -> Figure:
     return picture
 
 
-def _plain(ax: Axes) -> None:
+def plain_ticks(ax: Axes) -> None:
     """Without title and notes, which the report has around it, and with labels for a small picture."""
     ax.set_title("", loc="left")
     for text in list(ax.texts):
@@ -288,7 +283,7 @@ def _shaded_path(run: Result) -> str:
 
 def _orbit(run: Result, joint: str) -> Figure:
     ax = run.plot_orbit(joint, ax=style.new_axes(HALF, 2.4)[0])
-    _plain(ax)
+    plain_ticks(ax)
     unit = ax.get_ylabel().partition(" ")[2]
     ax.set_xlabel(f"x {unit}")
     legend = ax.get_legend()
@@ -335,27 +330,3 @@ def drawing(s: Study) -> str:
     assert isinstance(picture, Page), "without axes given it is a new figure"
     picture.axes[0].tick_params(labelsize=8)
     return figure(picture, "The mechanism at the start, to scale: circled crosses are mass centres.")
-
-
-def power_figure(power: Power) -> str:
-    """Where the energy of a cycle goes."""
-    picture = plot_cycle(power, FLOW)
-    picture.axes[0].set_title("", loc="left")
-    words = "Where the energy goes: from what drives on the left, through the bodies, to losses and loads on the right"
-    return figure(picture, f"{words}; \N{RIGHTWARDS ARROW OVER LEFTWARDS ARROW} goes back and forth.")
-
-
-def accuracy_figures(found: Accuracy) -> str:
-    """The output with the band that play allows, and the deviation alone."""
-    band, deviation = (style.new_axes(HALF, 2.1)[0] for _ in range(2))
-    draw_band(band, found)
-    draw_deviation(deviation, found)
-    for ax in (band, deviation):
-        for handle in ax.get_legend_handles_labels()[0]:
-            handle.set_label(str(handle.get_label()).replace(",\nfirst order", "").replace("\n", " "))
-        _names_above(ax)
-        ax.margins(x=0.0)
-        ax.xaxis.set_major_locator(MaxNLocator(5, steps=STEPS))
-        _plain(ax)
-    words = (f"{found.of} with the band that play allows.", f"Deviation of {found.of} by play.")
-    return gallery([figure(_with_time([ax]), one) for ax, one in zip((band, deviation), words, strict=True)])

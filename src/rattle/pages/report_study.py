@@ -5,26 +5,30 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
+from types import ModuleType
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from rattle.answers.answer import Answer
+from rattle.answers.html import html_of
 from rattle.errors import AssemblyError, MissingPackage, ModelError, SolverError
-from rattle.studies.poincare import driver_period
+from rattle.pages.report_html import Section, paragraph
+from rattle.question import Question, asked_of, questions
 
 if TYPE_CHECKING:
-    from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.analyses.check import Check
-    from rattle.analyses.statics.equilibrium import Equilibria
-    from rattle.analyses.statics.modes import Modes
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
-    from rattle.studies.power.power import Power
 
 POSITIONS = 61  # of studies that go through positions of the driver
 TURNS = 0.02  # [rad] a body turns if its angle changes by more
 FAILURES = (ModelError, AssemblyError, SolverError, MissingPackage, ValueError, ArithmeticError)
+MOTION, FORCES = "Motion", "Forces and efforts"  # titles of sections
+NOT_READ = "not to be read"  # in place of a force that says nothing of a real one
 Found = TypeVar("Found")
+Headline = tuple[str, str, str]  # what it is, number, where or when
 _log = logging.getLogger("rattle")
 
 
@@ -38,11 +42,18 @@ class Study:
     check: Check | None = None
     run: Result | None = None
     ideal: Result | None = None  # the same motion without play
-    rest: Equilibria | None = None
-    modes: Modes | None = None
     path: Result | None = None  # the quasi-static motion of a mechanism that is fully driven
-    accuracy: Accuracy | None = None
-    power: Power | None = None
+    answers: dict[str, object] = field(default_factory=dict)  # of questions, by name
+
+    def keep(self, name: str, answer: object) -> None:
+        """Keep what a question answered; None: it has no answer."""
+        if answer is not None:
+            self.answers[name] = answer
+
+    def answer(self, name: str, kind: type[Found]) -> Found | None:
+        """What a question answered; None if it was not asked, or could not be answered."""
+        answer = self.answers.get(name)
+        return answer if isinstance(answer, kind) else None
 
     @property
     def loose(self) -> list[str]:
@@ -87,10 +98,10 @@ def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> S
     """
     _ = m.model
     found = Study(m)
-    found.check = _tried(found, "check", "checking the mechanism", m.check, fatal=True)
+    found.check = tried(found, "check", "checking the mechanism", m.check, fatal=True)
     if found.check is None:
         return found
-    found.run = _tried(
+    found.run = tried(
         found, "motion", "computing the motion, twice: the second run tells how far the first can be trusted",
         lambda: m.simulate(t_end, horizon=True, progress=progress).whole(), fatal=True,
     )  # fmt: skip
@@ -98,14 +109,17 @@ def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> S
         return found
     if not found.run.success:
         found.trouble.append(f"The motion ends early, at t = {found.run.trust.t_end:.4g} s: {found.run.message}")
-    _without_play(found)
-    _at_rest(found)
-    _over_a_cycle(found)
-    _how_accurate(found)
+    for question in questions().values():
+        gather = getattr(question.part("section"), "gather", None)
+        if gather is not None:
+            gather(found)
+    for question in in_blocks():
+        words = f"asking: {question.asks[0].lower()}{question.asks[1:].rstrip('.')}"
+        found.keep(question.name, tried(found, question.name, words, partial(question.answer, m)))
     return found
 
 
-def _tried(found: Study, what: str, words: str, action: Callable[[], Found], fatal: bool = False) -> Found | None:
+def tried(found: Study, what: str, words: str, action: Callable[[], Found], fatal: bool = False) -> Found | None:
     """What an analysis returns, or None and its reason."""
     _log.info(f"report: {words}")
     try:
@@ -129,59 +143,25 @@ def in_words(error: Exception) -> str:
     return "; ".join(f"{', '.join(filter(None, keys))}: {text}".lstrip(": ") for text, keys in places.items())
 
 
-def _without_play(found: Study) -> None:
-    run = found.run
-    if not found.loose or run is None or not run.success:
-        return
-    ideal = _tried(
-        found, "without play", "computing the motion without play, for comparison",
-        lambda: found.m.ideal().simulate(run.trust.t_end, t_eval=run.t).whole(),
-    )  # fmt: skip
-    found.ideal = ideal if ideal is not None and ideal.success else None
+def late(run: Result, t: float) -> bool:
+    """True for an instant [s] after the horizon: what happens there is one of many possible motions."""
+    return run.trust.horizon is not None and t > run.trust.horizon
 
 
-def _at_rest(found: Study) -> None:
-    m = found.m
-    if not m.model.drivers:
-        found.rest = _tried(found, "equilibrium", "searching for equilibria", m.equilibrium)
-        if found.rest:
-            first = found.rest[0]
-            found.modes = _tried(found, "modes", "computing natural frequencies", lambda: m.modes(equilibrium=first))
-        elif found.rest is not None:
-            found.reasons["equilibrium"] = found.rest.note or "no position was found in which all forces balance"
-        return
-    found.reasons["equilibrium"] = "drivers hold the mechanism"
-    run = found.run
-    fully = found.check is not None and found.check.mobility == 0
-    if run is not None and fully and m.model.loads and not m.model.states and not found.loose:
-        times = np.linspace(0.0, run.trust.t_end, POSITIONS)
-        found.path = _tried(found, "quasi-static", "computing the quasi-static motion", lambda: m.equilibrium(times))
+def section_parts() -> list[ModuleType]:
+    """What questions add to a report, in their order."""
+    return [part for question in questions().values() if (part := question.part("section")) is not None]
 
 
-def _over_a_cycle(found: Study) -> None:
-    run = found.run
-    if run is None or not run.success:
-        return
-
-    def flows() -> Power | None:
-        power = run.power()
-        one = power.cycle  # found here, where it may fail
-        return power if float(np.abs(one.into).max(initial=0.0)) > 0.0 else None
-
-    found.power = _tried(found, "power", "following the energy", flows)
-    if found.power is None:
-        found.reasons.setdefault("power", "no energy is exchanged")
+def in_blocks() -> list[Question]:
+    """Questions without a section of their own whose answer shows itself, and which need nothing but the mechanism."""
+    asked = asked_of("mechanism").values()
+    return [one for one in asked if one.answers_in_blocks and not one.has("section") and not one.needed]
 
 
-def _how_accurate(found: Study) -> None:
-    if not found.loose or found.run is None:
-        found.reasons["accuracy"] = "no joint has play"
-        return
-    if not found.m.model.drivers:
-        found.reasons["accuracy"] = "nothing drives the mechanism, so it has no position that play could falsify"
-        return
-    end = min(driver_period(found.m.system) or np.inf, found.run.trust.t_end)
-    found.accuracy = _tried(
-        found, "accuracy", "computing how far play lets the output deviate",
-        lambda: found.m.accuracy(found.output, np.linspace(0.0, end, POSITIONS)),
-    )  # fmt: skip
+def answer_section(s: Study, question: Question) -> Section:
+    """The section of an answer in blocks."""
+    answer = s.answer(question.name, Answer)
+    if answer is None:
+        return Section(question.title, "", s.reasons.get(question.name, ""))
+    return Section(question.title, paragraph(answer.told) + "".join(map(html_of, answer.blocks)))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from html import escape
+from typing import Any
 
 from rattle import registry
-from rattle.pages import report_results
 from rattle.pages.report_html import Section, count, listed, paragraph, said, sentence
-from rattle.pages.report_study import Study
+from rattle.pages.report_study import NOT_READ, Headline, Study, late, section_parts
 from rattle.results.contact_summary import readable, why_unread
 from rattle.results.display import printed
 from rattle.results.result import Result
@@ -24,7 +23,7 @@ def headline(s: Study) -> str:
     return f'<dl class="numbers">{cells}</dl>' if found else ""
 
 
-def _numbers(s: Study) -> list[tuple[str, str, str]]:
+def _numbers(s: Study) -> list[Headline]:
     """What it is, number, where or when."""
     run = s.run
     if run is None or not len(run.t):
@@ -41,7 +40,7 @@ def _numbers(s: Study) -> list[tuple[str, str, str]]:
     for name, driver in list(s.m.model.drivers.items())[:1]:
         effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
         if effort in run and not readable(run, effort):
-            found.append((f"Peak effort of {name}", report_results.NOT_READ, why_unread(run, effort)))
+            found.append((f"Peak effort of {name}", NOT_READ, why_unread(run, effort)))
         elif effort in run:
             (peak, when), unit = run.peak(effort), run.unit(effort)
             more = f"at t = {said(when, 's')}; RMS {said(run.rms(effort), unit)}{_late(run, when)}"
@@ -50,18 +49,13 @@ def _numbers(s: Study) -> list[tuple[str, str, str]]:
     for name, film in list(run.films.items())[:1]:
         micro = f"{1e6 * film.least_film:.3g} µm"
         found.append((f"Least oil film in {name}", micro, f"pressure up to {1e-6 * film.peak_pressure:.3g} MPa"))
-    if s.accuracy is not None:
-        worst = float(s.accuracy.worst.max())
-        found.append(("Deviation by play at most", f"±{said(worst, s.accuracy.unit)}", f"of {s.accuracy.of}"))
-    if s.rest:
-        stable = sum(one.stable and one.admissible for one in s.rest)
-        first = "" if s.modes is None or not len(s.modes) else f"first natural frequency {_frequency(s)}"
-        found.append(("Stable equilibria", str(stable), first))
+    for part in section_parts():
+        found += getattr(part, "headline", _nothing)(s)
     return found
 
 
 def _late(run: Result, t: float) -> str:
-    return " (after the horizon: one of many possible values)" if report_results.late(run, t) else ""
+    return " (after the horizon: one of many possible values)" if late(run, t) else ""
 
 
 def verdict(s: Study) -> str:
@@ -75,13 +69,7 @@ def verdict(s: Study) -> str:
     return f'<p class="verdict bad">{count(n, "thing")} this report cannot vouch for. {link}</p>'
 
 
-def _frequency(s: Study) -> str:
-    assert s.modes is not None, "asked for with modes"
-    value = float(s.modes.frequency[0])
-    return said(value, "Hz") if math.isfinite(value) else "none"
-
-
-def _touching(run: Result) -> list[tuple[str, str, str]]:
+def _touching(run: Result) -> list[Headline]:
     loose = {name: one for name, one in run.contacts.items() if name not in run.trust.pulled}
     hits = sum(one.impacts + one.contacts for one in loose.values())
     if not hits:
@@ -98,10 +86,7 @@ def trust_section(s: Study) -> Section:
         return Section(title, paragraph("There is no result: see the top of this page.", "bad"))
     size = s.m.system.extent
     good, bad = run.trust.holds(size), run.trust.doubts(size)
-    if s.power is not None:
-        share = s.power.residual / max(float(abs(s.power.cycle.peak).max()), 1e-300)
-        if share < 1e-6:
-            good += ("powers of every body add up to the rate of its kinetic energy",)
+    good += tuple(words for part in section_parts() for words in getattr(part, "holds", _nothing)(s))
     parts = [_said("What was checked and holds", good, "good"), _said("What this report cannot vouch for", bad, "bad")]
     if not bad and not run.trust.notes:
         parts.append(paragraph("Beyond the assumptions below there is nothing in the numbers that needs a warning."))
@@ -112,3 +97,8 @@ def trust_section(s: Study) -> Section:
 def _said(head: str, sentences: tuple[str, ...], kind: str) -> str:
     items = [sentence(one[:1].upper() + one[1:] if one.partition(" ")[0].islower() else one) for one in sentences]
     return f"<h3>{escape(head)}</h3>{listed(items, kind)}" if items else ""
+
+
+def _nothing(s: Study) -> list[Any]:
+    """What a question adds that adds nothing."""
+    return []

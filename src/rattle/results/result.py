@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Self, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rattle.asked import OfResult
 from rattle.atomic_file import atomic
 from rattle.errors import InputError, WrongType
 from rattle.results import archive, contact_summary, film_summary
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from rattle.studies.power.power import Power
 
 
 Array = NDArray[np.float64]
@@ -48,7 +47,7 @@ class UnknownName(InputError, KeyError):
 
 # ---------------------------------------------------------------- the result
 @answers_in_words
-class Result:
+class Result(OfResult):
     """Motion, reactions and energy of one run, by name.
 
     t: (n,) instants [s].  data: (n, len(names)) one column per stored name, SI units.
@@ -220,18 +219,6 @@ class Result:
     def films(self) -> dict[str, film_summary.FilmSummary]:
         """For each joint with oil: least film [m], pressure [Pa], power [W], leakage; fields in `FilmSummary`."""
         return film_summary.films(self)
-
-    def power(self, t0: float | None = None, t1: float | None = None) -> Power:
-        """Powers [W] between elements and bodies, and their energies [J] from t0 to t1 [s].
-
-        By default the last turn of the driver, or the whole run if no driver turns steadily or it is shorter than that.
-        The run of a motion in time is repeated from the model that the result holds.
-        Raises InputError for a result of another analysis or times outside of the run, ModelError for a model with laws
-        in Python that are not known here.
-        """
-        from rattle.studies.power.power import power
-
-        return power(self, t0, t1)
 
     # ------------------------------------------------------------ to other programs
     def to_dataframe(self, *, units: str | Iterable[str] | None = None) -> Any:

@@ -21,12 +21,19 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from rattle.pages.scene import plain
 from rattle.pages.viewer_text import viewer_text
 from rattle.studio.desk import Desk, Message
+from rattle.studio.tabs import forms
+
+
+def _declared() -> str:
+    head = "// The tabs that are computed, and what can be asked of each.\n"
+    return f"{head}export const DECLARED = {json.dumps(forms())};\n"
+
 
 FOLDER = resources.files("rattle.studio") / "page"
 FIRST = "studio.html"
-VIEWER = "viewer.js"  # made of the files of the viewer
+MADE: dict[str, Callable[[], str]] = {"viewer.js": viewer_text, "declared.js": _declared}
 TYPES = {"html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
-FILES = frozenset(file.name for file in FOLDER.iterdir() if file.name.rpartition(".")[2] in TYPES) | {VIEWER}
+FILES = {file.name for file in FOLDER.iterdir() if file.name.rpartition(".")[2] in TYPES} | {*MADE}
 PATHS = frozenset({"/", "/ws"} | {f"/{name}" for name in FILES - {FIRST}})
 aside = ThreadPoolExecutor(8, "studio")  # reads texts and files for all sessions: no page waits for another
 
@@ -47,7 +54,7 @@ async def _file(request: Request) -> Response:
 
 @cache
 def _text_of(name: str) -> str:
-    return viewer_text() if name == VIEWER else (FOLDER / name).read_text(encoding="utf-8")
+    return MADE[name]() if name in MADE else (FOLDER / name).read_text(encoding="utf-8")
 
 
 class Session:

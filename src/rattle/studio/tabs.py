@@ -1,3 +1,16 @@
-"""The tabs whose content is computed, by the name of their job."""
+"""The tabs whose content is computed: those of questions, and the report."""
 
-TABS = ("forces", "equilibrium", "accuracy", "sensitivity", "ensemble", "power", "wear", "report")
+from __future__ import annotations
+
+from typing import Any
+
+from rattle.question import Tab, tabs
+
+REPORT = Tab("report", "Report", 80)
+ALL = tuple(sorted([*(tab for _, tab in tabs()), REPORT], key=lambda tab: (tab.place, tab.name)))
+TABS = tuple(tab.name for tab in ALL)  # the names of their jobs
+
+
+def forms() -> list[dict[str, Any]]:
+    """What the page has to know of the tabs: names, titles, and the fields of their forms."""
+    return [tab._asdict() | {"fields": [field._asdict() for field in tab.fields]} for tab in ALL]

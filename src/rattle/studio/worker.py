@@ -21,7 +21,7 @@ from typing import Any
 
 from rattle.errors import ANSWERS
 from rattle.progress_bar import told_to
-from rattle.studio.jobs import JOBS
+from rattle.studio.jobs import job
 from rattle.studio.shelf import Shelf
 
 TELL = 0.1  # least time between two messages on progress [s]
@@ -96,7 +96,7 @@ class _Worker:
         """The answer to a job.  Raises KeyboardInterrupt if it was stopped."""
         try:
             with told_to(lambda what, done, total: self._tell(number, what, done, total)):
-                return "done", number, JOBS[name.partition(" ")[0]](self.shelf, **arguments)
+                return "done", number, job(name.partition(" ")[0])(self.shelf, **arguments)
         except ANSWERS as error:
             return "failed", number, str(error)
         except Exception:  # the page says so, and the session goes on

@@ -11,7 +11,7 @@ from rattle.errors import AssemblyError, InputError, ModelError, SolverError, su
 from rattle.results.result import UnknownName
 from rattle.studies.ensemble.pieces import FAILED, WAITING
 from rattle.studies.ensemble.samples import Samples
-from rattle.studies.runs.analyses import ANALYSES
+from rattle.studies.runs.analyses import analysis_of
 from rattle.studies.runs.runner import Runner, cores
 from rattle.studies.runs.task import Task
 
@@ -38,7 +38,7 @@ def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Ba
     count = min(arguments.whole("members", members, 1), len(e))
     if not e.task.t_end > 0.0:
         raise InputError(f"{curve}: a band is drawn over time, and this ensemble is of one instant; give it a t_end")
-    known = ANALYSES[e.task.analysis].names(e.task.mechanism)
+    known = analysis_of(e.task.analysis).names(e.task.mechanism)
     if curve not in known:
         raise UnknownName(f"no curve '{curve}'{suggest(curve, known)}")
     task = replace(e.task, outputs=(), histories=(curve,), history_units=(known[curve],))

@@ -19,7 +19,7 @@ from rattle.results.evaluation import evaluate, needs_curve, unread_curves
 from rattle.results.reductions import Known, Output, argument, needed_instants, read
 from rattle.results.result import Result, UnknownName
 from rattle.solvers.stepper import ATOL
-from rattle.studies.runs.analyses import ANALYSES, Stepping, analysis_named
+from rattle.studies.runs.analyses import Stepping, analysis_named, analysis_of
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -46,7 +46,7 @@ class Task:
     mechanism: Mechanism
     names: tuple[str, ...]  # (k,) parameters that differ
     outputs: tuple[Output, ...]
-    analysis: str  # one of ANALYSES
+    analysis: str  # one of `analysis_names`
     t_end: float  # [s]
     how: Stepping
     histories: tuple[str, ...] = ()  # (h,) names of curves that are kept
@@ -108,14 +108,14 @@ class Task:
 
     def result(self, m: Mechanism, times: np.ndarray, needed: Iterable[str]) -> Result:
         """The analysis of a mechanism at instants (n,) [s]."""
-        return ANALYSES[self.analysis].run(m, times, frozenset(needed), self.how)
+        return analysis_of(self.analysis).run(m, times, frozenset(needed), self.how)
 
     def _intervals(self, m: Mechanism, whole: bool) -> int:
         """Intervals between instants of a run, unless bodies turn often: 1 where no curve is needed; see `look`."""
         of_run = peak_names(m.system) if self.analysis == "simulate" and not whole else ()
         every = [one for output in self.outputs for one in output.reductions]
         needed = any(needs_curve(one, of_run, m.model.joints) for one in every)
-        return ANALYSES[self.analysis].points if needed else 1
+        return analysis_of(self.analysis).points if needed else 1
 
     def _resolving(self, result: Result) -> int:
         """Intervals that resolve the turns of the bodies in a result, and the flights between its events."""
@@ -154,7 +154,7 @@ def task_of(
     step = settings.step if step is None else arguments.positive("step", step)
     units = {name: one.unit for name, one in m.model.parameters.items()}
     loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0 or joint.stop is not None]
-    known = Known(ANALYSES[analysis].names(m), units, loose if analysis == "simulate" else ())
+    known = Known(analysis_of(analysis).names(m), units, loose if analysis == "simulate" else ())
     found = tuple(_read(text, known, analysis) for text in texts)
     if text := next((one.text for one in found if not one.reductions), ""):
         raise InputError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
@@ -194,7 +194,7 @@ def _histories(given: Sequence[str], known: Known, end: float) -> dict[str, str]
 
 def _end(m: Mechanism, varied: Sequence[str], analysis: str, t_end: float | None, step: float | None) -> float:
     """The end of all runs [s].  Raises InputError if it would differ from sample to sample."""
-    at_rest = ANALYSES[analysis].at_rest
+    at_rest = analysis_of(analysis).at_rest
     if at_rest and not t_end:
         return 0.0
     follow = m.following(varied)

@@ -3,22 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
-from rattle.studio.jobs import ensemble, live, motion, oil, power, report, sensitivity, statics, thumbnail
+from rattle.answers.answer import Answer
+from rattle.answers.arguments import read
+from rattle.answers.blocks import Content
+from rattle.question import Question, tabs
+from rattle.studio.jobs import live, motion, report, thumbnail
+from rattle.studio.shelf import Shelf, Source
 
-JOBS: dict[str, Callable[..., Any]] = {
+OWN: dict[str, Callable[..., Any]] = {
     "motion": motion.motion,
     "trust": motion.trust,
+    "sample": motion.sample,
     "live": live.live,
-    "forces": motion.forces,
-    "equilibrium": statics.equilibrium,
-    "accuracy": statics.accuracy,
-    "sensitivity": sensitivity.sensitivity,
-    "ensemble": ensemble.ensemble,
-    "sample": ensemble.sample,
-    "power": power.power,
-    "wear": oil.wear,
     "report": report.report,
     "thumbnail": thumbnail.thumbnail,
 }
+
+
+@cache
+def job(name: str) -> Callable[..., Any]:
+    """A job: one of the studio's own, or what the tab of a question shows."""
+    if name in OWN:
+        return OWN[name]
+    question, _ = next(entry for entry in tabs() if entry[1].name == name)
+    part = question.part("tab")
+    if part is not None:
+        own: Callable[..., Any] = part.tab
+        return own
+    return lambda shelf, source, **options: _answered(question, shelf, source, **options)
+
+
+def _answered(question: Question, shelf: Shelf, source: Source, **options: str) -> Content:
+    """The answer of a question, with what was written into the fields of its form."""
+    subject = shelf.motion(source) if question.of == "result" else shelf.mechanism(source)
+    answer: Answer = question.answer(subject, **{name: read(question, name, text) for name, text in options.items()})
+    return answer.content()

@@ -1,4 +1,4 @@
-"""Motion for the viewer, how far it can be trusted, and its forces."""
+"""Motion for the viewer, how far it can be trusted, and one mechanism of an ensemble."""
 
 from __future__ import annotations
 
@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from rattle.errors import InputError
 from rattle.pages.scene import scene_of
-from rattle.results.contact_summary import contact_lines, joint_rows
+from rattle.results.display import quantity
 from rattle.results.result import Result
-from rattle.studio.jobs.blocks import Content, content, of_result, table, words
 from rattle.studio.jobs.live import shape_of
 from rattle.studio.shelf import Shelf, Source
 
 MOVES = 1e-6  # range of a position beyond which a body moves [m, rad]
-
-NO_FORCE = "No joint carries a force over time; impacts without duration, if any, are under Events in Motion."
 
 
 def motion(shelf: Shelf, source: Source) -> dict[str, Any]:
@@ -60,29 +58,17 @@ def _said(r: Result) -> dict[str, Any]:
     return {"success": r.success, "message": r.message, "trust": lines, "limited": r.trust.excepts}
 
 
-def forces(shelf: Shelf, source: Source) -> Content:
-    """Forces of joints and drivers, their largest values, and those of pins with play."""
-    r = shelf.motion(source)
-    every = [name for name in r.geometry["joints"] if f"{name}.force" in r]
-    joints = [name for name in every if np.any(r[f"{name}.force"])]
-    links = [f"{name}.normal" for name in joints if name in r.trust.pulled]
-    dry = [f"{name}.normal" for name in joints if f"{name}.normal" in r and np.any(r[f"{name}.normal"])]
-    dry = [name for name in dry if name not in links]  # pins that lift off, and those in oil that touch the bush
-    efforts = [name for name in r.names if name.endswith((".effort", ".torque", ".thrust"))]
-    by_unit: dict[str, list[str]] = {}
-    for name in efforts:
-        by_unit.setdefault(r.unit(name), []).append(name)
-    head, rows = joint_rows(r)
-    return content(
-        f"{len(r.t)} instants to t = {r.t[-1]:.4g} s" if len(r.t) else "no instant",
-        words("" if r.success else f"The run stopped early: {r.message}", "care"),
-        words("" if joints or not every else NO_FORCE),
-        of_result(
-            "Forces of the joints", r, [f"{name}.force" for name in joints], {f"{name}.force": name for name in joints}
-        ),
-        of_result("Forces between pin and bush, held together: below zero the bush would have to pull", r, links),
-        of_result("Forces between pin and bush where they touch: zero while the pin is free", r, dry),
-        *(of_result("What drives it", r, names) for names in by_unit.values()),
-        table(head, rows, "Largest values, found within the steps of the run"),
-        *(words(line) for line in contact_lines(r)),
-    )
+def sample(shelf: Shelf, source: Source, number: int) -> dict[str, Any]:
+    """The motion of one mechanism of the last ensemble."""
+    shelf.mechanism(source)
+    e = shelf.studies.get("ensemble")
+    if e is None:
+        raise InputError("the model has changed since: compute the ensemble again")
+    r = e.sample(int(number)).simulate(e.task.t_end, progress=True).whole()
+    said = e.told(int(number))
+    value = quantity(float(e[e.outputs[0]][int(number)]), e.unit(e.outputs[0]))
+    return {
+        "scene": scene_of([("", r)]),
+        "words": f"Mechanism {number} of the ensemble: {e.outputs[0]} = {value}",
+        "more": said,
+    }

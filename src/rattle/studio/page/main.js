@@ -1,5 +1,6 @@
 // The page of the studio: it shows what the studio tells and tells what the user does; every decision is the studio's.
 
+import { DECLARED } from "./declared.js";
 import { Dialogs, hints } from "./dialogs.js";
 import { h } from "./dom.js";
 import { Editor } from "./editor.js";
@@ -11,16 +12,16 @@ import { Show } from "./motion.js";
 import { Report } from "./report.js";
 import { Sheet } from "./sheet.js";
 import { Status, stateOf } from "./status.js";
-import { Strip, TABS, TabHead, fieldsOf } from "./tabs.js";
+import { Strip, TABS, TabHead, fieldsOf, know } from "./tabs.js";
 import { Wire } from "./wire.js";
 
 const BEAT = 5000; // between two questions whether the studio is there [ms]
-const COMPUTED = TABS.map(([name]) => name).filter((name) => name !== "motion" && name !== "text");
-const EMPTY = { knobs: [], contacts: [], wear: [], tolerances: [] }; // what is known of a model that was not read yet
+const EMPTY = { knobs: [], contacts: [], wear: [], oil: [], tolerances: [] }; // what is known of a model that was not read yet
 
 class Page {
   constructor(wire) {
     this.wire = wire;
+    know(DECLARED);
     this.history = new History();
     this.shown = "motion";
     this.puts = 0; // how often something was put into the text at once: a step back each
@@ -49,8 +50,8 @@ class Page {
   }
 
   build() {
-    this.heads = new Map(COMPUTED.map((tab) => [tab, new TabHead(tab, (message) => this.tell(message))]));
-    this.sheets = new Map(COMPUTED.filter((tab) => tab !== "report").map((tab) => [tab, new Sheet((message) => this.tell(message))]));
+    this.heads = new Map(DECLARED.map(({ name }) => [name, new TabHead(name, (message) => this.tell(message))]));
+    this.sheets = new Map(DECLARED.filter(({ name }) => name !== "report").map(({ name }) => [name, new Sheet((message) => this.tell(message))]));
     this.panels = new Map(TABS.map(([name, title]) => [name, h("section", { class: `panel ${name}`, role: "tabpanel", id: `panel-${name}`, "aria-label": title, hidden: true }, this.content(name))]));
     this.main = h("main", {}, this.strip.el, [...this.panels.values()]);
     this.toast = h("div", { class: "toast", role: "status", hidden: true });

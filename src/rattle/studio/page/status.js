@@ -3,7 +3,8 @@
 import { h, replace } from "./dom.js";
 import { TABS } from "./tabs.js";
 
-const NAMES = new Map([...TABS, ["trust", "Trust"], ["sample", "Mechanism of the ensemble"]]);
+const OTHERS = [["trust", "Trust"], ["sample", "Mechanism of the ensemble"]];
+const titleOf = (name) => new Map([...TABS, ...OTHERS]).get(name);
 const UNCHECKED = /how long the curves can be trusted was not computed( \([^)]*\))?/g; // of a run of rattle
 const PREPARING = 4; // a job that has not said for so long how far it is compiles [s]
 
@@ -59,7 +60,7 @@ export class Status {
 
   tick() {
     const { what, share } = this.message, seconds = Math.floor((performance.now() - this.since) / 1000);
-    const name = NAMES.get(this.job) ?? this.job;
+    const name = titleOf(this.job) ?? this.job;
     const first = seconds >= PREPARING && share === undefined ? ", a mechanism of a new kind is prepared first" : "";
     this.words.textContent = `${name}${what && what !== this.job ? `, ${what}` : ""} …${seconds >= 2 ? ` ${seconds} s` : ""}${first}`;
   }

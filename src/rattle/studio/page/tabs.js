@@ -2,10 +2,14 @@
 
 import { h, replace } from "./dom.js";
 
-export const TABS = [
-  ["motion", "Motion"], ["forces", "Forces"], ["equilibrium", "Equilibrium"], ["accuracy", "Accuracy"], ["sensitivity", "Sensitivity"],
-  ["ensemble", "Ensemble"], ["power", "Power"], ["wear", "Oil and wear"], ["report", "Report"], ["text", "Text"],
-];
+export const TABS = []; // [name, title] of each
+const FORMS = new Map(); // fields by tab
+
+// The tabs that the studio has: [{name, title, fields}].
+export function know(forms) {
+  TABS.splice(0, TABS.length, ["motion", "Motion"], ...forms.map((tab) => [tab.name, tab.title]), ["text", "Text"]);
+  for (const tab of forms) FORMS.set(tab.name, tab.fields);
+}
 
 const SAID = {
   waiting: "waiting for its turn …", running: "computing …", old: "out of date: the model has changed since", stopped: "stopped", failed: "", done: "",
@@ -136,22 +140,14 @@ export class Strip {
   }
 }
 
-// What can be chosen in each tab, from the facts of the model and the names of curves.
+// What can be chosen in a tab, from what is declared of it, the facts of the model and the names of curves.
 export function fieldsOf(tab, facts, names) {
-  const driver = facts.output ?? "", force = facts.force ?? "", hint = "known after the motion";
-  if (tab === "equilibrium") {
-    return [{ key: "t", label: "drivers held at", kind: "text", value: "0 s", size: 8 },
-      { key: "branches", label: "look in", kind: "select", options: ["near", "all"], value: "near" }];
-  }
-  if (tab === "accuracy") return [{ key: "of", label: "of", kind: "text", value: driver, options: names, hint, size: 22 }];
-  if (tab === "sensitivity") {
-    return [{ key: "of", label: "of", kind: "text", value: driver, options: names, hint, size: 22 },
-      { key: "to", label: "to", kind: "text", value: (facts.tolerances.length ? facts.tolerances : facts.knobs.map((one) => one.name)).join(", "), size: 22 }];
-  }
-  if (tab === "ensemble") {
-    return [{ key: "of", label: "number", kind: "text", value: force, hint, size: 22 },
-      { key: "n", label: "mechanisms", kind: "text", value: "64", size: 6 }];
-  }
-  if (tab === "wear" && facts.wear.length) return [{ key: "cycles", label: "cycles", kind: "text", value: "1e5", size: 8 }];
-  return [];
+  const usual = { output: facts.output ?? "", force: facts.force ?? "",
+    dimensions: (facts.tolerances.length ? facts.tolerances : facts.knobs.map((knob) => knob.name)).join(", ") };
+  const fields = (FORMS.get(tab) ?? []).filter((field) => !field.needs || facts[field.needs].length);
+  return fields.map((field) => ({
+    key: field.key, label: field.label, size: field.size, kind: field.choices.length ? "select" : "text",
+    value: field.usual ? usual[field.usual] : field.value, options: field.choices.length ? field.choices : field.offers_curves ? names : null,
+    hint: ["output", "force"].includes(field.usual) ? "known after the motion" : field.means,
+  }));
 }

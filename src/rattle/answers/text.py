@@ -1,0 +1,63 @@
+"""Blocks as text for a terminal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle.answers.blocks import Block
+
+DIGITS = 5
+_NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?( |$)")
+
+
+def text_of(block: Block) -> str:
+    """A block as lines of text; "" for a drawing without a caption."""
+    return RENDERERS[block["kind"]](block)
+
+
+def columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table with columns as wide as they must be; those that hold numbers alone stand on the right."""
+    every = [list(head), *map(list, rows)]
+    widths = [max(len(row[k]) for row in every) for k in range(len(head))]
+    right = [all(_NUMBER.match(row[k]) for row in rows if row[k]) and bool(rows) for k in range(len(head))]
+    lines = (
+        "  ".join(cell.rjust(w) if r else cell.ljust(w) for cell, w, r in zip(row, widths, right, strict=True))
+        for row in every
+    )
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _words(block: Block) -> str:
+    return str(block["text"])
+
+
+def _table(block: Block) -> str:
+    return "\n".join(filter(None, (block["caption"], columns(block["head"], block["rows"]))))
+
+
+def _curves(block: Block) -> str:
+    """The range of every curve, and where its ends are."""
+    rows = []
+    for line in block["lines"]:
+        x, y = np.asarray(line["x"]), np.asarray(line["y"])
+        if not line["name"] or not np.isfinite(y).any():
+            continue
+        ends = [(y[k], x[k]) for k in (np.nanargmin(y), np.nanargmax(y))]
+        rows.append([line["name"], *(f"{number:.{DIGITS}g}" for end in ends for number in end)])
+    head = ("", "least", f"at {block['x']}", "greatest", f"at {block['x']}")
+    return f"{block['title']}, {block['y']}\n{columns(head, rows)}" if rows else ""
+
+
+def _bars(block: Block) -> str:
+    rows = [(label, f"{value:.{DIGITS}g}") for label, value in zip(block["labels"], block["values"], strict=True)]
+    return f"{block['title']}\n{columns(('', block['y']), rows)}"
+
+
+def _drawing(block: Block) -> str:
+    return str(block["caption"])
+
+
+RENDERERS = {"words": _words, "table": _table, "curves": _curves, "bars": _bars, "svg": _drawing}

@@ -1,0 +1,219 @@
+"""Questions: what may be asked of a mechanism or of a result, each declared once, in a folder of `rattle.questions`.
+
+A question is a function with a true signature:
+
+    @question(
+        asks="Largest pressure angle of every cam, and where the cam is then.",
+        wants="whether a cam pushes its follower sideways",
+        arguments={"points": Argument("Number of positions over a turn", at_least=2)},
+    )
+    def pressure_angle(m: Mechanism, points: int = 361) -> Answer: ...
+
+From this alone come the method `m.pressure_angle()`, the command `rattle pressure-angle FILE` with its options and
+`--json`, the tab and form of the studio, the section of the report, the card of a notebook, the row in "Which analysis
+do I need?", and its use in ensembles and sweeps (`analysis="pressure-angle"`).  Where the usual one does not do, a
+module of the folder is used instead: see PARTS.
+
+Questions of one's own stand in folders which the environment variable RATTLE_QUESTIONS names, separated as in PATH, one
+folder with an `__init__.py` per question: docs/adding-a-question.md.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import importlib.util
+import os
+import pkgutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple, TypeVar
+
+from rattle.errors import InputError
+
+ROOM = "rattle.questions"
+FOLDERS = "RATTLE_QUESTIONS"  # environment variable: further folders of questions
+OF_THE_CALLER = ("progress",)  # arguments that whoever asks gives by itself
+PLACE_OF_ANSWERS = 75  # of tabs of answers in blocks, before the report
+OWN_ORDER = 1000  # of questions that do not say where they stand: after all others
+# modules that a question's folder may hold, and what stands in each
+PARTS = {
+    "command": "`command`: the click command, in place of one made from the signature",
+    "tab": "`tab(shelf, source, **options)`: the content of the studio's tab",
+    "section": "`gather(study)`, what is computed for a report, and `section(study)`",
+    "samples": "`ANALYSIS`: how ensembles, sweeps and tolerances ask it of each sample",
+}
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Argument(NamedTuple):
+    """One argument of a question, as option, field of a form and part of a docstring."""
+
+    means: str  # in one line
+    unit: str = ""  # SI; values may then be given as quantities such as "5 mm"
+    choices: tuple[str, ...] = ()
+    at_least: float | None = None
+    offers: str = ""  # names that a form suggests: "curves", "joints", "bodies", "loads" or "parameters"
+
+
+class FormField(NamedTuple):
+    """A field in the form of a tab; what is written into it goes to the tab under its key."""
+
+    key: str
+    label: str
+    value: str = ""  # at first
+    usual: str = ""  # what the page puts there at first: "output", "force" or "dimensions" of the model
+    choices: tuple[str, ...] = ()  # a list to choose from
+    offers_curves: bool = False  # suggests names of curves
+    needs: str = ""  # it is there only where the model has such joints: "wear" or "oil"
+    size: int = 18  # [characters]
+    means: str = ""  # in one line
+
+
+class Tab(NamedTuple):
+    """A tab of the studio."""
+
+    name: str
+    title: str
+    place: int  # among all tabs
+    fields: tuple[FormField, ...] = ()
+
+
+class Question(NamedTuple):
+    """What is declared of a question; its words, and the function that answers it."""
+
+    name: str  # of the method
+    answer: Callable[..., Any]  # of a mechanism or a result, and the arguments
+    package: str  # its folder, as a package
+    asks: str  # one line, for lists of commands
+    of: str  # "mechanism" or "result"
+    command: str  # name of its command, "" for none
+    title: str  # of its tab and its section
+    wants: tuple[tuple[str, str], ...]  # rows of "Which analysis do I need?": what you want to know, how it is called
+    examples: tuple[tuple[str, str], ...]  # for each of them: on the command line, in Python
+    order: int  # its place in lists
+    arguments: Mapping[str, Argument]
+    shows_quantities: bool  # the command has --units
+    own_tab: Tab | None  # what its part `tab` fills
+
+    @property
+    def written(self) -> str:
+        """Its name as the analysis of ensembles and sweeps, and on the command line."""
+        return self.name.replace("_", "-")
+
+    def part(self, name: str) -> ModuleType | None:
+        """A module of its folder, see PARTS; None if it has none."""
+        module = f"{self.package}.{name}"
+        return importlib.import_module(module) if importlib.util.find_spec(module) is not None else None
+
+    def has(self, name: str) -> bool:
+        """True if its folder holds this part; nothing is imported."""
+        return importlib.util.find_spec(f"{self.package}.{name}") is not None
+
+    @property
+    def tab(self) -> Tab | None:
+        """Its tab in the studio: its own, or one for an answer in blocks with a field for every argument."""
+        if self.own_tab is not None or not self.answers_in_blocks:
+            return self.own_tab
+        return Tab(self.name, self.title, PLACE_OF_ANSWERS, tuple(map(self._field, self.takes)))
+
+    def _field(self, name: str) -> FormField:
+        argument, usual = self.arguments.get(name, Argument("")), self.usual.get(name)
+        return FormField(
+            name, name.replace("_", " "), "" if usual is None else str(usual), choices=argument.choices,
+            offers_curves=argument.offers == "curves", means=argument.means,
+        )  # fmt: skip
+
+    @property
+    def takes(self) -> tuple[str, ...]:
+        """Its arguments after the mechanism or result, but those that whoever asks gives by itself."""
+        code = self.answer.__code__
+        every = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
+        return tuple(name for name in every if name not in OF_THE_CALLER)
+
+    @property
+    def usual(self) -> dict[str, Any]:
+        """Arguments that may be left out, with their values."""
+        code, defaults = self.answer.__code__, self.answer.__defaults__ or ()
+        positional = code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]
+        return dict(zip(positional, defaults, strict=True)) | (self.answer.__kwdefaults__ or {})
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Arguments that it cannot do without."""
+        return tuple(name for name in self.takes if name not in self.usual)
+
+    @property
+    def answers_in_blocks(self) -> bool:
+        """True if it returns an `Answer`, from which everything it shows is made."""
+        return str(self.answer.__annotations__.get("return", "")).rpartition(".")[2] == "Answer"
+
+
+_declared: dict[str, Question] = {}
+
+
+def question(
+    *, asks: str, wants: str | tuple[tuple[str, str], ...] = (), examples: tuple[tuple[str, str], ...] = (),
+    of: str = "mechanism", command: str | None = None, title: str = "", order: int = OWN_ORDER,
+    arguments: Mapping[str, Argument] | None = None, shows_quantities: bool = True, tab: Tab | None = None,
+) -> Callable[[F], F]:  # fmt: skip
+    """Decorator: declares a question; arguments as in `Question`.
+
+    wants: a text, or for each row of the table what you want to know and how the analysis is called, as Markdown.
+    command: default the name of the function with - for _.  title: default the name with spaces.
+    Raises InputError for a name that is taken, or arguments that the function does not have.
+    """
+
+    def declare(function: F) -> F:
+        name = function.__name__
+        words = name.replace("_", " ")
+        if name in _declared and _declared[name].package != function.__module__:
+            raise InputError(
+                f"question '{name}' is declared twice, in {_declared[name].package} and {function.__module__}; rename"
+                " one of them"
+            )
+        takes = function.__code__.co_varnames[1 : function.__code__.co_argcount + function.__code__.co_kwonlyargcount]
+        unknown = sorted(set(arguments or {}) - set(takes))
+        if unknown:
+            raise InputError(f"question '{name}' has no argument {', '.join(unknown)}; it has {', '.join(takes)}")
+        _declared[name] = Question(
+            name, function, function.__module__, asks, of, name.replace("_", "-") if command is None else command,
+            title or words[0].upper() + words[1:], ((wants, words),) if isinstance(wants, str) else wants, examples,
+            order, arguments or {}, shows_quantities, tab,
+        )  # fmt: skip
+        return function
+
+    return declare
+
+
+@functools.cache
+def questions() -> Mapping[str, Question]:
+    """All questions by name, in their order.  Raises InputError for a folder that is none."""
+    room = importlib.import_module(ROOM)
+    for folder in filter(None, os.environ.get(FOLDERS, "").split(os.pathsep)):
+        if not Path(folder).is_dir():
+            raise InputError(f"{FOLDERS}: there is no folder {folder}")
+        if folder not in room.__path__:
+            room.__path__.append(folder)
+    for module in pkgutil.iter_modules(room.__path__):
+        if module.ispkg:
+            importlib.import_module(f"{ROOM}.{module.name}")
+    return dict(sorted(_declared.items(), key=lambda entry: (entry[1].order, entry[0])))
+
+
+def asked_of(what: str) -> dict[str, Question]:
+    """The questions that are asked of a "mechanism" or a "result"."""
+    return {name: asked for name, asked in questions().items() if asked.of == what}
+
+
+def analysis_names() -> tuple[str, ...]:
+    """The questions that ensembles, sweeps and tolerances may ask of each sample, as they are written."""
+    asked = asked_of("mechanism").values()
+    return tuple(one.written for one in asked if one.has("samples") or (one.answers_in_blocks and not one.needed))
+
+
+def tabs() -> list[tuple[Question, Tab]]:
+    """The questions that have a tab in the studio, in the order of their tabs."""
+    filled = [(asked, tab) for asked in questions().values() if (tab := asked.tab) is not None]
+    return sorted(filled, key=lambda entry: (entry[1].place, entry[1].name))

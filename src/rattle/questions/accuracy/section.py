@@ -1,0 +1,81 @@
+"""How far play lets the output of a mechanism deviate, in a report."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from rattle.analyses.accuracy.clearance_error import Accuracy
+from rattle.pages.report_figures import HALF, STEPS, names_above, plain_ticks, with_time
+from rattle.pages.report_html import Section, abreast, figure, gallery, listed, paragraph, said, sentence, table
+from rattle.pages.report_study import POSITIONS, Headline, Study, tried
+from rattle.plots import curves as style
+from rattle.plots.statics import draw_band, draw_deviation
+from rattle.studies.poincare import driver_period
+
+
+def gather(study: Study) -> None:
+    if not study.loose or study.run is None:
+        study.reasons["accuracy"] = "no joint has play"
+        return
+    if not study.m.model.drivers:
+        study.reasons["accuracy"] = "nothing drives the mechanism, so it has no position that play could falsify"
+        return
+    end = min(driver_period(study.m.system) or np.inf, study.run.trust.t_end)
+    study.keep("accuracy", tried(
+        study, "accuracy", "computing how far play lets the output deviate",
+        lambda: study.m.accuracy(study.output, np.linspace(0.0, end, POSITIONS)),
+    ))  # fmt: skip
+
+
+def section(s: Study) -> Section:
+    """How far play lets the output deviate."""
+    one = s.answer("accuracy", Accuracy)
+    if one is None:
+        return Section("Accuracy", "", s.reasons.get("accuracy", ""))
+    k = int(np.argmax(one.worst))
+    total = one.worst[k]
+    facts = [
+        f"Worst case, every pin anywhere in its clearance: ±{said(total, one.unit)}, at t = {said(one.t[k], 's')}."
+    ]
+    facts.append(f"Root sum square, if the joints vary independently: ±{said(one.rss[k], one.unit)} there.")
+    most = one.share[one.tighten]
+    first = [name for name, share in one.share.items() if share > 0.99 * most]
+    if len(one.joints) > 1:
+        facts.append(f"To tighten first: {' or '.join(first)}.")
+    rows = [
+        (name, said(one.clearances[name], "m"), f"±{said(one.contributions[k, one.joints.index(name)], one.unit)}",
+         f"{100 * share:.0f} %")
+        for name, share in sorted(one.share.items(), key=lambda item: -item[1])
+    ]  # fmt: skip
+    body = paragraph(f"How far the play lets {one.of} deviate from its value without play.")
+    shares = table(("joint", "clearance", "contribution at most", "share"), rows)
+    body += abreast([listed(facts), shares]) + listed(map(sentence, one.notes))
+    return Section("Accuracy under play", body + _figures(one))
+
+
+def _figures(found: Accuracy) -> str:
+    """The output with the band that play allows, and the deviation alone."""
+    band, deviation = (style.new_axes(HALF, 2.1)[0] for _ in range(2))
+    draw_band(band, found)
+    draw_deviation(deviation, found)
+    for ax in (band, deviation):
+        for handle in ax.get_legend_handles_labels()[0]:
+            handle.set_label(str(handle.get_label()).replace(",\nfirst order", "").replace("\n", " "))
+        names_above(ax)
+        ax.margins(x=0.0)
+        ax.xaxis.set_major_locator(MaxNLocator(5, steps=STEPS))
+        plain_ticks(ax)
+    words = (f"{found.of} with the band that play allows.", f"Deviation of {found.of} by play.")
+    return gallery([figure(with_time([ax]), one) for ax, one in zip((band, deviation), words, strict=True)])
+
+
+def headline(s: Study) -> list[Headline]:
+    """The largest deviation."""
+    answer = s.answer("accuracy", Accuracy)
+    if answer is None:
+        return []
+    return [("Deviation by play at most", f"±{said(float(answer.worst.max()), answer.unit)}", f"of {answer.of}")]
+
+
+SECTIONS = ((90, section),)

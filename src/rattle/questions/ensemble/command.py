@@ -1,0 +1,118 @@
+"""The command `rattle ensemble`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rattle.cli.command import Command
+from rattle.cli.many_runs import check_written, engine_options, keep_runs, question_options, tolerances
+from rattle.cli.options import model_options, read_model, shows_progress, value
+from rattle.cli.output import as_json
+from rattle.cli.requirements import (
+    asked_outputs,
+    check_limits,
+    judge_share,
+    of_share,
+    required_share,
+)
+
+if TYPE_CHECKING:
+    pass
+
+
+@click.command(cls=Command)
+@model_options
+@click.option("-n", "count", type=int, default=1000, show_default=True, help="How many mechanisms.")
+@question_options(needed=False)
+@click.option(
+    "--vary", "varied", multiple=True, metavar="NAMES",
+    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm,l2=0.5 mm:normal".  '
+    "[default: all that have a tolerance]",
+)  # fmt: skip
+@click.option("--seed", default=0, show_default=True, help="Mechanism i depends on the seed and on i alone.")
+@click.option(
+    "--design", type=click.Choice(["sobol", "halton", "lhs", "random"]), default="sobol", show_default=True,
+    help="How the fields are sampled: evenly (sobol, halton, lhs), or independently (random).",
+)  # fmt: skip
+@click.option(
+    "--history",
+    "histories",
+    multiple=True,
+    metavar="CURVE",
+    help="Keep this curve of every mechanism too, at 201 instants (netCDF, with -o); may be given more than once.",
+)
+@click.option("--limit", metavar="VALUE", help='Also: how many stay at or below it, e.g. "5 kN"; for one --of.')
+@click.option(
+    "--require", "required", multiple=True, metavar="CONDITION",
+    help='What 99.73 % of the mechanisms have to keep, or the exit status is 1: "max(B.force) < 2 kN", or for another'
+    ' share "max(B.force) < 2 kN: 95 %"; 95% alone is about --limit.  May be given more than once.',
+)  # fmt: skip
+@engine_options
+@click.pass_context
+def ensemble(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, count: int, outputs: tuple[str, ...],
+    analysis: str, t_end: float | None, varied: tuple[str, ...], seed: int, design: str, limit: str | None,
+    required: tuple[str, ...], histories: tuple[str, ...],
+    threads: int | None, workers: int | None, scheduler: str | None, folder: str | None, csv: str | None,
+    picture: str | None, json_too: bool,
+) -> None:  # fmt: skip
+    """What tolerances do: statistics of numbers over many mechanisms made with the same drawing.
+
+    FILE is a model file or the name of a shipped example.  Tolerances stand there beside the values:
+    r3 = { value = "5 mm", tol = "0.1 mm", dist = "normal" }.
+
+    \b
+    Examples: rattle ensemble slider_crank_play -n 32 --of "max(B.normal)" --t-end 12ms --limit 50kN
+              rattle ensemble fourbar --vary "r3=0.5 mm" --of "rms(rocker.omega)" --t-end 50ms --plot spread.svg
+              rattle ensemble fourbar -n 10000 --vary r3,r4 --of "final(rocker.angle)" --t-end 20ms -o runs
+
+    Motion with play is chaotic: a single run says little, the distribution of many is the answer.  The table gives
+    every mean with its 95 % confidence, quantiles, and how many mechanisms could not be run and why.  With --limit
+    or --require the exit status is 1 if fewer than 99.73 % of the mechanisms keep it, or than the share asked for.
+    """
+    shares = [text for text in required if "%" in text and not any(sign in text for sign in "<>=")]
+    conditions = [text for text in required if text not in shares]
+    if len(shares) > (limit is not None):
+        raise click.UsageError(
+            f"--require {shares[-1]}: one share of the mechanisms, beside the --limit that they keep"
+        )
+    needed = required_share(shares[0] if shares else None)
+    outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(conditions)]))
+    if not outputs:
+        raise click.UsageError('--of names what is asked of every mechanism, e.g. --of "max(O3.force)"')
+    if limit is not None and len(outputs) > 1:
+        raise click.UsageError(
+            f'--limit is for one --of; with several say what each has to keep: --require "{outputs[0]} <= {limit}"'
+        )
+    if histories and folder is None:
+        raise click.UsageError("--history keeps curves in a folder: give one with -o")
+    check_written(file, csv, picture)
+    m = read_model(file, settings, ideal)
+    vary = tolerances(varied)
+    if limit is not None:
+        from rattle.studies.ensemble.ensemble import require_limit
+
+        require_limit(m, outputs[0], value(limit), vary, analysis=analysis, t_end=t_end)
+    check_limits(m, conditions, vary, analysis=analysis, t_end=t_end)
+    found = m.ensemble(
+        count, list(outputs), vary, seed=seed, analysis=analysis, t_end=t_end, design=design,
+        threads=threads, workers=workers, scheduler=scheduler, folder=folder, histories=histories,
+        progress=shows_progress(ctx),
+    )  # fmt: skip
+    share = None if limit is None else found.yield_below(outputs[0], value(limit))
+    verdicts = judge_share(found, conditions)
+    if share is not None:
+        verdicts.insert(0, of_share(f"stay at or below {limit}", share, needed))
+    if json_too:
+        below = {} if share is None else {"share_below": share._asdict()}
+        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
+        click.echo(as_json(found.record() | below | asked))
+    else:
+        click.echo(str(found))
+        for verdict in verdicts:
+            click.echo(verdict.said)
+    keep_runs(ctx, found, csv, picture, lambda: found.plot(outputs[0], limit=None if limit is None else value(limit)))
+    if not all(verdict.kept for verdict in verdicts):
+        ctx.exit(1)

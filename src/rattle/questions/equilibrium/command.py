@@ -1,0 +1,118 @@
+"""The command `rattle equilibrium`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import click
+
+from rattle.cli.command import Command
+from rattle.cli.instants import at_option, effort_option, notes, ranges, record, span_options, span_times
+from rattle.cli.options import given, model_options, read_model
+from rattle.cli.output import as_json as to_json
+from rattle.cli.output import check_results, finish, keep, save_options
+from rattle.cli.requirements import (
+    check_required,
+    finish_required,
+    judge,
+    require_option,
+)
+from rattle.questions.equilibrium.listing import entry, holding_record, listed
+
+if TYPE_CHECKING:
+    pass
+
+
+@click.command(cls=Command)
+@model_options
+@at_option
+@click.option(
+    "--branches",
+    type=click.Choice(["near", "all"]),
+    default="near",
+    show_default=True,
+    help="all: also search the other ways in which the mechanism can be assembled.",
+)
+@effort_option
+@require_option
+@click.option(
+    "--holds",
+    "load",
+    metavar="LOAD",
+    help="Friction in joints: between which values of this load (or effort of this driver) the mechanism rests as put"
+    " together, and whether it jams.",
+)
+@click.option("--path", "path", is_flag=True, help="Quasi-static motion: follow the equilibrium from t = 0 to --t-end.")
+@span_options(181)
+@save_options("With --path: ")
+@click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
+@click.pass_context
+def equilibrium(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, effort: float,
+    required: tuple[str, ...], load: str | None, path: bool, t_end: float | None, points: int, output: str | None,
+    csv: str | None, fallback: str | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Equilibria: admissible (no bush has to pull) and stable ones first.
+
+    FILE is a model file or the name of a shipped example.  A pin in oil floats where its film carries at the speeds
+    that the drivers have at --at.  --require is about the first equilibrium, or about the --path.
+
+    \b
+    Examples: rattle equilibrium balanced_arm
+              rattle equilibrium toggle_clamp --path -o clamp.nc
+    """
+    if not path and (output, csv) != (None, None):
+        raise click.UsageError("-o and --csv save a quasi-static motion; they need --path")
+    if not path and (given(ctx, "t_end") or given(ctx, "points")):
+        raise click.UsageError("--t-end and --points are those of a quasi-static motion; they need --path")
+    if path and (given(ctx, "t") or given(ctx, "branches")):
+        raise click.UsageError("--at and --branches are of equilibria at one time; a --path begins at t = 0")
+    if load is not None and (path or given(ctx, "branches") or given(ctx, "effort")):
+        raise click.UsageError("--holds is about the position as put together: without --path, --branches and --effort")
+    if load is not None and required:
+        raise click.UsageError("--require is about an equilibrium; leave it out with --holds")
+    m = read_model(file, settings, ideal)
+    if load is not None:
+        held = m.holds(load, t)
+        click.echo(to_json(holding_record(held)) if as_json else str(held))
+        return
+    if path:
+        check_results(file, output, csv, fallback)
+        check_required(m, required, "equilibrium", t_end)
+        result = m.equilibrium(span_times(m, t_end, points), effort=effort)
+        verdicts = judge(result, required)
+        if as_json:
+            click.echo(record(result, verdicts))
+        else:
+            wanted = (".torque", ".thrust", ".normal", ".advantage", ".stiffness")
+            efforts = [
+                n
+                for n in result.stored
+                if n.endswith(wanted) or (n.endswith(".force") and n.partition(".")[0] in m.model.drivers)
+            ]
+            click.echo(ranges(m, result, [name for name in efforts if abs(result[name]).max() < math.inf]))
+            for event in result.events:
+                click.echo(
+                    f"t = {event.t:.8g} s: "
+                    + (f"{event.joint} changes sides (N through zero)" if event.kind == "side" else "snap-through")
+                )
+            click.echo(notes(result))
+        finish(ctx, result, keep(result, output, csv, fallback))
+        finish_required(ctx, verdicts, None if as_json else click.echo)
+        return
+    check_required(m, required, "equilibrium", t or None)
+    found = m.equilibrium(t, branches=branches, effort=effort)
+    if found.note:
+        click.echo(found.note, err=True)
+    verdicts = judge(found[0].result, required) if found else []
+    if as_json:
+        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
+        click.echo(to_json([entry(one) | (asked if n == 0 else {}) for n, one in enumerate(found)]))
+    else:
+        listed(m, found)
+    if not found:
+        remedy = "" if found.undefined else "; try other angles in [initial] or --branches all"
+        click.echo(f"no equilibrium was found at t = {t:g} s{remedy}", err=True)
+        ctx.exit(1)
+    finish_required(ctx, verdicts, None if as_json else click.echo)

@@ -1,0 +1,217 @@
+"""The command `rattle film`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from rattle.cli.command import Command
+from rattle.cli.output import say_written
+from rattle.errors import InputError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from rattle.results.result import Result
+    from rattle.studies.film.bearing import Film
+    from rattle.studies.film.journal import JournalPosition
+
+SHOWN = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # eccentricities of the table
+SIZES = ("viscosity", "length", "radius", "clearance")
+SPARSE = 25  # every so many rows of a Stribeck curve are printed
+PICTURES = (".svg", ".png", ".pdf")
+
+
+@click.command(cls=Command)
+@click.option(
+    "--of", "source", metavar="FILE",
+    help="Model file or shipped example: takes the bearing from a joint with oil, and draws where that joint is.",
+)  # fmt: skip
+@click.option("--joint", metavar="JOINT", help="Which one of --of; default: the only joint with oil.")
+@click.option("--viscosity", metavar="VALUE", help='Dynamic, of the warm oil: "50 mPa*s", "50 cP", 0.05.')
+@click.option("--length", metavar="VALUE", help="Of the bush, along its axis.")
+@click.option("--radius", metavar="VALUE", help="Of the bore of the bush.")
+@click.option("--clearance", metavar="VALUE", help="Radial: half of the difference of the diameters.")
+@click.option("--load", metavar="VALUE", help='Steady load on one bearing, "500 N"; needs --speed.')
+@click.option("--speed", metavar="VALUE", help='Of the pin in the bush at rest, "1000 rpm" or in rad/s; needs --load.')
+@click.option(
+    "--boundary-film", metavar="VALUE",
+    help='Thickness at which the surfaces touch, "1 um": adds the Stribeck curve of --load; -o then draws that.',
+)  # fmt: skip
+@click.option(
+    "--friction", default=0.1, show_default=True, metavar="NUMBER", help="Dry coefficient of the Stribeck curve."
+)
+@click.option(
+    "--model", default="finite", show_default=True, metavar="NAME",
+    help="finite: any length up to twice the diameter; short: closed form; pinkus-sternlicht: long, to repeat papers.",
+)  # fmt: skip
+@click.option(
+    "--cavitation", default="reynolds", show_default=True, metavar="NAME",
+    help="reynolds: no pressure below the surroundings; full: of either sign.",
+)  # fmt: skip
+@click.option(
+    "--shear", default="whole", show_default=True, metavar="NAME",
+    help="The film drags on the whole circumference, or where it has pressure: wetted.",
+)  # fmt: skip
+@click.option("-o", "--output", metavar="FILE", help="Chart (.svg, .png, .pdf) or table (.csv) to write.")
+def film(
+    source: str | None, joint: str | None, load: str | None, speed: str | None, boundary_film: str | None,
+    friction: float, output: str | None, **bearing: str | None,
+) -> None:  # fmt: skip
+    """An oil film between pin and bush: what it carries, at which film thickness, and when the pin whirls.
+
+    Prints a table of static positions, the same for every load and speed through the Sommerfeld number
+    S = viscosity * N * (2 R L/load) * (R/c)^2, N in revolutions per second.  With --load and --speed it says where this
+    load comes to rest.  A number without a unit is in SI units.
+
+    \b
+    Example:  rattle film --viscosity "50 mPa*s" --length "10 mm" --radius "10 mm" --clearance "50 um"
+              rattle film --viscosity 0.02 --length 0.03 --radius 0.05 --clearance 1e-4 --load 1000 --speed "3000 rpm"
+              rattle film --viscosity "20 cP" --length .03 --radius .05 --clearance 1e-4 --model short -o chart.svg
+              rattle film --of slider_crank_oil --load "500 N" --boundary-film "1 um" -o stribeck.svg
+              rattle film --of slider_crank_oil -o load_points.svg
+
+    e/c eccentricity over clearance; attitude from the load to the line of centres, in the sense of rotation; f R/c
+    coefficient of friction; p_max over load/(2 R L); leakage over R c N L; m c w^2/W the mass from which the pin whirls
+    and whirl/w the rate of whirl there, over the speed w ("never": every mass is stable).  With --of the chart has a
+    dot for every output of its orbit; dots beside the line carry by squeezing oil.
+    """
+    table = output is not None and Path(output).suffix.lower() == ".csv"
+    if output is not None and not table and Path(output).suffix.lower() not in PICTURES:
+        raise InputError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
+    if boundary_film is None and (load is None) != (speed is None):
+        raise click.UsageError("the point of a load needs both, --load and --speed")
+    if boundary_film is not None and load is None:
+        raise click.UsageError("a Stribeck curve needs --load")
+    orbit = None
+    if source is None:
+        if joint is not None:
+            raise click.UsageError("--joint names a joint of a model: give --of FILE")
+        made = _of_sizes(bearing)
+    else:
+        made, orbit, joint = _of_model(source, joint, bearing)
+    found = None if load is None or speed is None else made.static(load, speed)
+    lines = [*_locus(made), *(["", *_position(made, found)] if found is not None else [])]
+    curve = None
+    if boundary_film is not None and load is not None:
+        curve = made.stribeck(load, boundary_film=boundary_film, friction=friction)
+        lines += ["", f"Stribeck curve at {load}, boundary film {boundary_film}", *_stribeck(curve)]
+    click.echo("\n".join(lines))
+    for note in made.notes:
+        click.echo(f"note: {note}", err=True)
+    if output is None:
+        return
+    if table:
+        _write(made.table() if curve is None else curve, output)
+    else:
+        from rattle.plots.curves import save_figure
+
+        if boundary_film is not None and load is not None:
+            drawn = made.plot_stribeck(load, boundary_film=boundary_film, friction=friction)
+        else:
+            drawn = made.plot(load, speed, result=orbit, joint=joint or "")
+        save_figure(drawn, output)
+    say_written(output)
+
+
+def _of_sizes(bearing: Mapping[str, str | None]) -> Film:
+    """The film of a bearing that is given by itself.  Raises click.UsageError for sizes that are missing."""
+    from rattle.studies.film.bearing import Film
+
+    given = {name: one for name, one in bearing.items() if one is not None}
+    missing = [f"--{name}" for name in SIZES if name not in given]
+    if missing:
+        raise click.UsageError(f"missing {', '.join(missing)}; or take them from a model: --of FILE")
+    return Film(**given)
+
+
+def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None]) -> tuple[Film, Result, str]:
+    """The film of a joint of a model, its orbit, and its name.  Raises click.UsageError for sizes given twice."""
+    from rattle.cli.options import only_oiled, read_model
+
+    context = click.get_current_context()
+    given = [f"--{name}" for name in bearing if context.get_parameter_source(name) is not ParameterSource.DEFAULT]
+    if given:
+        raise click.UsageError(f"{', '.join(given)}: the model says that already; leave it out with --of")
+    m = read_model(source, (), False)
+    name = joint if joint is not None else only_oiled(m)
+    made = m.film(name)
+    return made, m.orbit(name), name
+
+
+def _stribeck(frame: DataFrame) -> list[str]:
+    """The Stribeck curve, a line for each speed."""
+    from rattle.results.chosen_units import Shown, column_unit
+    from rattle.results.display import quantity
+
+    rate = column_unit("rad/s")
+    lines = [f"{f'speed [{rate.unit}]':>13s}  friction  dry share  least film"]
+    for row in frame.iloc[::SPARSE].itertuples():
+        share, film = f"{100 * row.dry:.3g} %", quantity(row.film_thickness, "m", usual=Shown(1e6, "um"))
+        lines.append(f"{rate.factor * row.speed:13.4g}  {row.friction:8.4g}  {share:>9}  {film:>10}")
+    return lines
+
+
+def _write(frame: DataFrame, path: str) -> None:
+    from rattle.atomic_file import atomic
+
+    with atomic(path) as file:
+        frame.to_csv(file, index=False, lineterminator="\n")
+
+
+def _locus(made: Film) -> list[str]:
+    """The static positions, a line each."""
+    from rattle.studies.film.locus import locus
+
+    columns = locus(made, SHOWN)
+    heads = ("e/c", "S", "attitude", "f R/c", "p_max", "leakage", "m c w^2/W", "whirl/w")
+    rows: list[tuple[str, ...]] = [heads]
+    for k, e in enumerate(columns["eccentricity"]):
+        numbers = [columns[name][k] for name in ("friction", "pressure", "leakage", "critical_mass", "whirl")]
+        angle = f"{math.degrees(columns['attitude'][k]):.2f} deg"
+        rows.append((f"{e:.2f}", f"{columns['sommerfeld'][k]:.4g}", angle, *map(_number, numbers)))
+    widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
+    said = f"film '{made.model}', L/D = {made.ratio:.3g}, R/c = {made.radius / made.clearance:.4g}"
+    return [said, *("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)]
+
+
+def _number(value: float) -> str:
+    return "never" if value == math.inf else "-" if math.isnan(value) else f"{value:.4g}"
+
+
+def _position(made: Film, found: JournalPosition) -> list[str]:
+    """Where the load comes to rest."""
+    from rattle.results.chosen_units import Shown, chosen
+    from rattle.results.display import quantity
+    from rattle.studies.film.journal import threshold
+
+    turned = quantity(found.attitude, "rad", 6) if chosen("rad") else f"{math.degrees(found.attitude):.3f} deg"
+    film = quantity(found.film_thickness, "m", usual=Shown(1e6, "um"))
+
+    mass, whirl = threshold(found.stiffness, found.damping)
+    limit = "whirls with no mass at this speed" if mass == math.inf else f"whirls from {mass:.4g} kg on"
+    lines = [
+        f"load {quantity(found.load, 'N', 5)} at {quantity(found.speed, 'rad/s', 5, Shown(1.0, 'rad/s'))}",
+        f"  Sommerfeld number  {found.sommerfeld:.5g}",
+        f"  eccentricity       {found.eccentricity:.5f} of the clearance",
+        f"  attitude           {turned}",
+        f"  least film         {film}",
+        f"  peak pressure      {quantity(found.pressure, 'Pa', usual=Shown(1e-6, 'MPa'))}",
+        f"  friction           {found.friction:.4g} (coefficient), {quantity(found.loss, 'W')}",
+        f"  leakage            {quantity(found.leakage, 'm^3/s', usual=Shown(1e6, 'cm^3/s'))}",
+        f"  stiffness [N/m]    {_matrix(found.stiffness)}",
+        f"  damping [N*s/m]    {_matrix(found.damping)}",
+        f"  stability          {limit}"
+        + ("" if math.isnan(whirl) else f", {whirl / abs(found.speed):.4g} of the speed"),
+    ]
+    return [one for one in lines if "nan" not in one]
+
+
+def _matrix(numbers: Any) -> str:
+    """Two rows in one line; x along the load, y turned from it in the sense of the speed."""
+    return "; ".join(f"{row[0]:.5g} {row[1]:.5g}" for row in numbers)

@@ -1,0 +1,141 @@
+"""The command `rattle power`."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rattle.cli.command import Command
+from rattle.cli.options import read_result, run_laws, settings_option, time
+from rattle.cli.output import check_files, check_pictures, say_written
+from rattle.errors import InputError
+from rattle.studies.power.in_units import in_units, with_units
+
+if TYPE_CHECKING:
+    from rattle.studies.power.power import Power
+
+SEEN = 1e-9  # share of the largest energy below which one is rounding
+WORDS = ("element", "kind", "body")
+PORTS = ("element", "body", "E_in", "E_out", "net", "recirculated", "peak", "mean")
+ENERGIES = ("supplied", "lost", "stored", "recirculated")
+ELEMENTS = ("element", "kind", *ENERGIES)
+
+
+@click.command(cls=Command)
+@click.argument("result")
+@click.option("--cycle", type=time, metavar="TIME", help="Length of the cycle before the end, in s or as '20 ms'.")
+@click.option("--at", "instant", type=time, metavar="TIME", help="Powers at this instant instead.")
+@click.option("--curves", is_flag=True, help="Draw the powers over time, in place of where energy goes.")
+@click.option(
+    "--laws", multiple=True, metavar="FILE.py",
+    help="Run this Python file, which defines laws of the model; may be given more than once.",
+)  # fmt: skip
+@settings_option
+@click.option("-o", "--output", metavar="FILE", help="Picture (.svg, .png, .pdf) or table (.csv) to write.")
+def power(
+    result: str,
+    cycle: float | None,
+    instant: float | None,
+    curves: bool,
+    laws: tuple[str, ...],
+    settings: tuple[str, ...],
+    output: str | None,
+) -> None:
+    """Where the energy of a saved motion goes: who gives it to which body, and where it is lost.
+
+    Without --cycle it is the last turn of the driver, or the whole motion.  The motion is repeated from the model that
+    the result holds.  Powers are positive into the body.
+
+    \b
+    Example:  rattle power out.nc
+              rattle power out.nc --cycle "20 ms" -o power.svg
+              rattle power out.nc -o power.csv
+    """
+
+    table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
+    if table and Path(str(output)).suffix.lower() != ".csv":
+        raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
+    if curves and (output is None or table):
+        raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
+    if instant is not None and output is not None and not table:
+        raise click.UsageError("--at prints or writes a table: give the name of a .csv file, or leave -o out")
+    if output is not None:
+        (check_files if table else check_pictures)(result, output)
+    run_laws(laws)
+    r = read_result(result, settings)
+    end = r.trust.t_end
+    p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < 1e-9 * end else end - cycle)
+    if output is None:
+        click.echo(_instant(p, instant) if instant is not None else _cycle(p))
+        return
+    if table:
+        p.to_csv(output) if instant is None else _write(p.at(instant), output)
+    else:
+        from rattle.plots.curves import save_figure
+
+        save_figure(p.plot_curves() if curves else p.plot(), output)
+    say_written(output)
+
+
+def _write(frame: Any, path: str) -> None:
+    from rattle.atomic_file import atomic
+
+    with atomic(path) as file:
+        with_units(frame).to_csv(file, index=False, lineterminator="\n")
+
+
+def _instant(p: Power, t: float) -> str:
+    """The powers of all ports at an instant."""
+    from rattle.results.display import quantity
+
+    frame, (_, power) = in_units(p.at(t))
+    return f"power into bodies [{power}] at t = {quantity(t, 's', 6)}\n{_lines(frame, (*WORDS, 'power'))}"
+
+
+def _cycle(p: Power) -> str:
+    """Energies of the cycle: of all ports, then of elements that give, lose or store any."""
+    from rattle.results.display import quantity
+
+    (ports, (energy, power)), (elements, _) = in_units(p.table), in_units(p.elements)
+    largest = float(max((ports["E_in"] + ports["E_out"]).max() if len(ports) else 0.0, 1e-300))
+    least = SEEN * largest
+    numbers = elements[list(ENERGIES)]
+    active = elements[(numbers.abs() > least).any(axis=1)]
+    start = quantity(p.t0, "s", 6).split()[0]
+    said = [
+        f"energy [{energy}] and power [{power}] into bodies, t = {start} to {quantity(p.t1, 's', 6)}",
+        _lines(ports[ports["E_in"] + ports["E_out"] > least], PORTS, least),
+        *([p.remark] if p.remark else []),
+        "",
+        f"elements [{energy}]",
+        _lines(active, ELEMENTS, least),
+        "",
+        f"largest imbalance of a body: {quantity(p.residual, 'W', 2)}",
+    ]
+    return "\n".join(said)
+
+
+def _lines(frame: Any, columns: tuple[str, ...], least: float = 0.0) -> str:
+    """Columns of a table as text; numbers below `least` are rounding."""
+    rows = [[_cell(value, least) for value in row] for row in frame[list(columns)].itertuples(index=False)]
+    widths = [max(len(row[k]) for row in [list(columns), *rows]) for k in range(len(columns))]
+    words = [k for k, name in enumerate(columns) if name in WORDS]
+
+    def line(row: list[str]) -> str:
+        return "  ".join(
+            cell.ljust(width) if k in words else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+
+    return "\n".join(line(row) for row in [list(columns), *rows])
+
+
+def _cell(value: Any, least: float) -> str:
+    if isinstance(value, str):
+        return value
+    if math.isnan(value):
+        return "-"
+    return "0" if abs(value) <= least else f"{value:.5g}"

@@ -1,0 +1,68 @@
+"""The command `rattle sweep`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rattle.cli.command import Command
+from rattle.cli.many_runs import axes_of, check_written, engine_options, keep_runs, question_options
+from rattle.cli.options import model_options, read_model, shows_progress
+from rattle.cli.output import as_json
+from rattle.cli.requirements import (
+    asked_outputs,
+    check_every,
+    finish_required,
+    judge_every,
+)
+
+if TYPE_CHECKING:
+    pass
+
+
+@click.command(cls=Command)
+@model_options
+@click.option(
+    "--over", "ranges", multiple=True, required=True, metavar="NAME=FIRST:LAST:COUNT",
+    help='A parameter and its values: r3=0.001:0.005:21, "r3=1 mm:5 mm:21", or a list r3=0.001,0.002,0.005; '
+    "once for each parameter.",
+)  # fmt: skip
+@question_options(needed=False)
+@click.option(
+    "--require", "required", multiple=True, metavar="CONDITION",
+    help='What every combination has to keep, e.g. "max(B.force) < 2 kN"; exit status 1 where one does not; may be'
+    " given more than once.",
+)  # fmt: skip
+@engine_options
+@click.pass_context
+def sweep(
+    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, ranges: tuple[str, ...],
+    outputs: tuple[str, ...], analysis: str, t_end: float | None, required: tuple[str, ...], threads: int | None,
+    workers: int | None, scheduler: str | None, folder: str | None, csv: str | None, picture: str | None,
+    json_too: bool,
+) -> None:  # fmt: skip
+    """Numbers over all combinations of values of parameters: a curve for one, a map for two.
+
+    FILE is a model file or the name of a shipped example.  --over also takes the path of a number of the model, such as
+    joints.B.contact.restitution.
+
+    \b
+    Examples: rattle sweep slider_crank_play --over "c=0.1 mm:0.5 mm:9" --of "max(B.normal)" --t-end 6ms
+              rattle sweep slider_crank --analysis kinematics --over "rod_length=.1:.2:11" --of "max(slider.ax)"
+    """
+    check_written(file, csv, picture)
+    outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(required)]))
+    if not outputs:
+        raise click.UsageError('--of names what is asked of every combination, e.g. --of "max(O3.force)"')
+    m, axes = axes_of(read_model(file, settings, ideal), ranges)
+    check_every(m, required, list(axes), analysis=analysis, t_end=t_end)
+    found = m.sweep(
+        axes, list(outputs), analysis=analysis, t_end=t_end, threads=threads, workers=workers, scheduler=scheduler,
+        folder=folder, progress=shows_progress(ctx),
+    )  # fmt: skip
+    verdicts = judge_every(found, required)
+    asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
+    click.echo(as_json(found.record() | asked) if json_too else str(found))
+    keep_runs(ctx, found, csv, picture, lambda: found.plot(outputs[0]))
+    finish_required(ctx, verdicts, None if json_too else click.echo)

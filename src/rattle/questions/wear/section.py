@@ -1,0 +1,41 @@
+"""What a model says about wear, in a report."""
+
+from __future__ import annotations
+
+import math
+
+from rattle.pages.report_html import Section, paragraph, said, table
+from rattle.pages.report_study import Study
+
+
+def section(s: Study) -> Section:
+    """What the model says about wear; the depths over many cycles are a study of their own."""
+    rows = []
+    for name, joint in s.m.model.joints.items():
+        one = joint.wear
+        if one is None:
+            continue
+        deepest = [said(max(side), "m") for side in one.profile] if one.profile is not None else ["new", "new"]
+        cycle = said(one.cycle, "s") if math.isfinite(one.cycle) else "one turn of the driver"
+        rows.append(
+            (
+                name, f"{1e9 * one.bush:.3g} mm³/(N·m)", f"{1e9 * one.pin:.3g} mm³/(N·m)", *deepest, said(one.wall, "m")
+                if math.isfinite(one.wall) else "", f"{one.cycles:g} of {cycle}",
+            )
+        )  # fmt: skip
+    if not rows:
+        return Section("Wear", "", "no joint wears")
+    head = (
+        "joint",
+        "wear of bush",
+        "wear of pin",
+        "bush worn by",
+        "pin worn by",
+        "worn through at",
+        "cycles of a study",
+    )
+    lead = "This report is of the mechanism as it is now. The wear of many cycles is a study of its own (rattle wear)."
+    return Section("Wear", paragraph(lead) + table(head, rows))
+
+
+SECTIONS = ((60, section),)

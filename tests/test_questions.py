@@ -1,0 +1,171 @@
+"""A question that stands in a folder of one's own is found wherever questions are: one declaration, many views."""
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rattle import signatures
+from rattle.errors import InputError
+from rattle.question import PARTS, Argument, question, questions
+
+FOLDER = Path(__file__).parent / "data" / "questions"
+TRAVEL = 0.1  # of the slider of slider_crank: twice its crank of 50 mm [m]
+PROGRAM = """
+import inspect, json, sys
+from pathlib import Path
+from click.testing import CliRunner
+import rattle as rt
+from rattle.cli.main import main
+from rattle.signatures import stub
+from rattle.studio.jobs import job
+from rattle.studio.shelf import Shelf
+from rattle.studio.tabs import forms
+
+folder = Path(sys.argv[1])
+m = rt.example("slider_crank")
+answer = m.travel(points=361)
+run = lambda *words: CliRunner().invoke(main, list(words)).output
+source = {"text": m.to_toml(), "file": ""}
+m.report(folder / "report.html", t_end=0.01)
+e = m.ensemble(8, ["final(farthest)"], {"crank_length": 1e-3}, analysis="travel")
+record = {
+    "farthest": answer["farthest"],
+    "printed": str(answer),
+    "card": answer._repr_html_(),
+    "signature": str(inspect.signature(rt.Mechanism.travel)),
+    "stub": "def travel(" in stub(),
+    "listed": run("--help"),
+    "help": run("travel", "--help"),
+    "command": run("travel", "slider_crank", "--points", "91", "--least", "50 mm"),
+    "json": json.loads(run("travel", "slider_crank", "--json")),
+    "picture": run("travel", "slider_crank", "-o", str(folder / "travel.svg")),
+    "refused": run("travel", "slider_crank", "--points", "1"),
+    "unit": run("travel", "slider_crank", "--least", "3 kg"),
+    "form": next(tab for tab in forms() if tab["name"] == "travel"),
+    "tab": job("travel")(Shelf(), source, points="61")["told"],
+    "report": (folder / "report.html").read_text(),
+    "samples": list(e["final(farthest)"]),
+    "sweep": list(m.sweep({"crank_length": [0.04, 0.05]}, ["final(farthest)"], analysis="travel")["final(farthest)"]),
+    "cranks": [e.sample(k).parameters["crank_length"] for k in range(8)],
+}
+print(json.dumps(record))
+"""
+
+
+@pytest.fixture(scope="module")
+def everywhere(tmp_path_factory):
+    """What all places say of the question `travel`, in a process that knows its folder."""
+    folder = tmp_path_factory.mktemp("travel")
+    env = os.environ | {"RATTLE_QUESTIONS": str(FOLDER)}
+    done = subprocess.run([sys.executable, "-c", PROGRAM, str(folder)], env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1]) | {"folder": folder}
+
+
+def test_it_is_a_method_with_its_signature(everywhere):
+    assert everywhere["farthest"] == pytest.approx(TRAVEL, rel=1e-4)
+    assert everywhere["signature"] == "(m: 'Mechanism', points: 'int' = 181, least: 'float' = 0.0) -> 'Answer'"
+    assert everywhere["stub"]
+
+
+def test_it_is_a_command_with_options_json_and_picture(everywhere):
+    assert "travel" in everywhere["listed"]
+    assert "How far the mass centre" in everywhere["listed"]
+    for words in ("--points", "--least", "evenly spaced in time", "--json", "--set", "-o, --output", "rattle travel"):
+        assert words in everywhere["help"]
+    assert "slider.x" in everywhere["command"]
+    assert "slider.y" not in everywhere["command"]
+    assert everywhere["json"]["numbers"]["farthest"] == {"value": pytest.approx(TRAVEL, rel=1e-4), "unit": "m"}
+    assert (everywhere["folder"] / "travel.svg").read_text().count("<path") > 10
+
+
+def test_wrong_values_are_refused_in_words(everywhere):
+    assert "--points" in everywhere["refused"]
+    assert "1 is below 2" in everywhere["refused"]
+    assert "--least" in everywhere["unit"]
+    assert "a mass" in everywhere["unit"]
+
+
+def test_it_has_a_tab_with_a_form_in_the_studio(everywhere):
+    assert everywhere["form"]["title"] == "Travel"
+    assert [(field["key"], field["value"]) for field in everywhere["form"]["fields"]] == [
+        ("points", "181"), ("least", "0.0"),
+    ]  # fmt: skip
+    assert everywhere["tab"] == "the farthest travels 100 mm"
+
+
+def test_it_has_a_section_in_the_report_and_a_card_in_a_notebook(everywhere):
+    assert "<h2>Travel</h2>" in everywhere["report"]
+    assert "the farthest travels 100" in everywhere["report"]
+    assert "<table>" in everywhere["card"]
+    assert "<svg" in everywhere["card"]
+
+
+def test_ensembles_and_sweeps_may_ask_it(everywhere):
+    assert everywhere["samples"] == pytest.approx([2.0 * crank for crank in everywhere["cranks"]], rel=1e-4)
+    assert everywhere["sweep"] == pytest.approx([0.08, 0.1], rel=1e-4)
+
+
+def test_the_table_of_analyses_has_a_row_for_it():
+    from making.questions import rows
+
+    env = os.environ | {"RATTLE_QUESTIONS": str(FOLDER), "PYTHONPATH": str(Path(__file__).parents[1] / "docs")}
+    program = "from making.questions import rows; print([row for row in rows() if 'travel' in row[1]])"
+    done = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, check=True)
+    want = ("how much room a mechanism needs", "travel", "`rattle travel slider_crank --points 91`", "`m.travel()`")
+    assert ast.literal_eval(done.stdout) == [want]
+    assert not any("travel" in row[1] for row in rows())
+
+
+@pytest.mark.nojit
+def test_signatures_for_editors_are_those_of_the_declarations():
+    def classes(text):
+        tree = ast.parse(text)
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                said = ast.get_docstring(node)
+                node.body = [] if said is None else [ast.Expr(ast.Constant(said))]
+        return [ast.dump(node) for node in tree.body if isinstance(node, ast.ClassDef)]
+
+    kept = signatures.STUB.read_text(encoding="utf-8")
+    assert classes(kept) == classes(signatures.stub()), "run `make signatures`"
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize("name", questions())
+def test_every_question_says_what_it_asks_and_its_parts_are_known(name):
+    asked = questions()[name]
+    assert asked.asks.endswith(".")
+    assert len(asked.asks) < 110
+    assert asked.answer.__doc__
+    parts = {path.stem for path in Path(asked.answer.__code__.co_filename).parent.glob("*.py")}
+    assert not asked.command or "command" in parts or asked.answers_in_blocks
+    assert asked.own_tab is None or "tab" in parts
+    assert {part for part in PARTS if asked.has(part)} == parts & PARTS.keys()
+
+
+@pytest.mark.nojit
+def test_a_name_that_is_taken_and_an_argument_that_is_not_there_are_refused():
+    def modes(m, points=3):
+        """Another one."""
+
+    with pytest.raises(InputError, match=r"'modes' is declared twice.*rename one"):
+        question(asks="Another one.")(modes)
+    modes.__name__ = "other"
+    with pytest.raises(InputError, match=r"no argument pionts; it has points"):
+        question(asks="Another one.", arguments={"pionts": Argument("How many.")})(modes)
+    assert "other" not in questions()
+
+
+@pytest.mark.nojit
+def test_a_folder_that_is_not_there_is_named():
+    env = os.environ | {"RATTLE_QUESTIONS": "/nowhere/at/all"}
+    done = subprocess.run([sys.executable, "-m", "rattle", "--help"], env=env, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "RATTLE_QUESTIONS: there is no folder /nowhere/at/all" in done.stderr
+    assert "Traceback" not in done.stderr
