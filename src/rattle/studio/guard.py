@@ -52,7 +52,7 @@ class Secrets:
 
     def knows(self, token: str) -> bool:
         """True for a token that has not been used."""
-        return any(_same(token, one) for one in self._tokens)
+        return any(_same(token, issued) for issued in self._tokens)
 
     def spend(self, token: str) -> None:
         """From now on this token is worth nothing."""

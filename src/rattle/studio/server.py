@@ -82,7 +82,7 @@ class Server:
 
 
 class Patience(H11Protocol):
-    """HTTP as uvicorn speaks it, which waits without end for the first request and for the rest of one."""
+    """HTTP as uvicorn speaks it, without its endless wait for a first request and for the rest of one."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """A connection was opened; the loop calls this."""

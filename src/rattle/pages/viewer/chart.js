@@ -98,7 +98,7 @@ export class Chart {
     const { picking } = this;
     this.picking = null;
     if (x !== null && picking && Math.abs(picking.to - picking.from) > 6) {
-      this.scope.choose([Math.min(picking.from, picking.to), Math.max(picking.from, picking.to)].map((one) => this.valueAt(one)));
+      this.scope.choose([Math.min(picking.from, picking.to), Math.max(picking.from, picking.to)].map((pixel) => this.valueAt(pixel)));
     }
     this.host.invalidate();
   }
@@ -112,7 +112,8 @@ export class Chart {
   }
 
   // Which curves it shows: [{name, label, x, y, peak, bursts, colour, dash, over, swatch}], the first on top but for those that
-  // lie over all; x increasing, peak and bursts {x, y}: single values that lie between.  across, up: labels of the axes; values times `factor` are in `unit`, in which they are shown.
+  // lie over all; x increases, peak and bursts {x, y} are single values that lie between.
+  // across, up: labels of the axes; values times `factor` are in `unit`, in which they are shown.
   setLines(lines, { across, up, factor = 1, unit = "" }) {
     Object.assign(this, { lines, across, up, factor, unit, fresh: null });
     for (const line of lines) line.text = steady(factor * largest(line)); // a small curve keeps its digits beside a large one
@@ -225,7 +226,7 @@ export class Chart {
     c.beginPath();
     c.rect(LEFT, 0, this.room, this.height - BOTTOM + 1);
     c.clip();
-    for (const line of [...seen.filter((one) => !one.over).reverse(), ...seen.filter((one) => one.over)]) this.stroke(c, theme, line, from, to);
+    for (const line of [...seen.filter((line) => !line.over).reverse(), ...seen.filter((line) => line.over)]) this.stroke(c, theme, line, from, to);
     c.restore();
     for (const line of seen) if (!line.dash && within(line.peak, from, to)) this.summit(c, line);
   }
@@ -325,7 +326,7 @@ export class Chart {
     c.fillRect(x - 0.5, TOP, 1, tall);
     for (const line of this.seen) this.dot(c, theme, line, x, valueOf(line, at));
     const row = (line, value) => `${line.name}${line.label ? `, ${line.label}` : ""} = ${line.text(this.factor * value).trim()} ${this.unit}`.trim();
-    const near = (one) => one && Math.abs(this.X(one.x) - x) < NEAR;
+    const near = (single) => single && Math.abs(this.X(single.x) - x) < NEAR;
     const named = this.seen.filter((line) => line.name);
     say(this.tip, [this.host.readout(at, this.scope.span), ...named.map((line) => row(line, valueOf(line, at))),
       ...named.filter((line) => !line.dash && near(line.peak)).map((line) => `largest ${row(line, line.peak.y)}, within the steps`),
