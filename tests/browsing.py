@@ -1,12 +1,14 @@
 """One browser for all tests of pages and of the studio; pictures of what they show are kept, to be looked at."""
 
 import shutil
+import time
 from pathlib import Path
 
 import pytest
 
 PICTURES = Path(__file__).parent.parent / "build" / "screenshots"
 
+PATIENCE = 60.0  # with what a page computes, on a machine that has other work too [s]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 WITHIN = (
     "file:",
@@ -39,8 +41,11 @@ def frames(page, count=3):
 
 
 def becomes(page, condition, argument=None):
-    """Wait until a condition in JavaScript holds."""
-    page.wait_for_function(condition, arg=argument)
+    """Wait until a condition in JavaScript holds; also on a page whose policy forbids scripts to make code of texts."""
+    end = time.monotonic() + PATIENCE
+    while not page.evaluate(condition, argument):
+        assert time.monotonic() < end, f"never: {condition}"
+        page.wait_for_timeout(20)
 
 
 def shows(locator, state="visible"):

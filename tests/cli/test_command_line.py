@@ -359,7 +359,7 @@ def interrupted(*_, **__):
 
 
 def test_ctrl_c_at_a_question_ends_with_the_status_of_shells(monkeypatch):
-    pytest.importorskip("panel")
+    pytest.importorskip("uvicorn")
     monkeypatch.setattr("click.termui.visible_prompt_func", interrupted)
     monkeypatch.setattr("rattle.studio.serve.serve", lambda *_: pytest.fail("it listens"))
     with pytest.raises(SystemExit) as end:

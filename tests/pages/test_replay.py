@@ -129,9 +129,9 @@ def test_a_click_on_a_curve_leads_to_its_time(page_of):
     plot.click(position={"x": 58 + 0.5 * (box["width"] - 70), "y": box["height"] / 2})
     becomes(page, "(t) => Math.abs(rattle.time - t) < 0.01 * t", r.t[-1] / 2)
     page.mouse.wheel(0, -400)
-    becomes(page, "rattle.viewer.curves.own !== null")
+    becomes(page, "rattle.viewer.curves.scope.own !== null")
     page.mouse.dblclick(box["x"] + 200, box["y"] + 40)
-    becomes(page, "rattle.viewer.curves.own === null")
+    becomes(page, "rattle.viewer.curves.scope.own === null")
 
 
 def test_the_pin_is_drawn_where_it_is(page_of):

@@ -10,7 +10,6 @@ import rattle as rt
 from browsing import becomes, frames
 from circling import circling
 from linkages import SCISSOR
-from rattle.answers.blocks import of_result
 from rattle.pages.notebook import kernel_scene
 from rattle.pages.page import page
 from rattle.pages.replay import replay, write_page
@@ -95,18 +94,6 @@ def test_a_notebook_reaches_the_peak_of_the_table(shown, tmp_path):
     assert sent["between"].keys() == scene["runs"][0]["between"].keys()
 
 
-def test_figures_of_the_studio_reach_the_peak_of_the_table():
-    pytest.importorskip("panel")
-    from rattle.studio.sheets import sheet
-
-    r = rattling(5e-4).simulate()
-    block = of_result("forces", r, [PIN])
-    (pane,) = sheet({"told": "", "blocks": [block]}, False, lambda _: None)
-    (mark,) = [one for one in pane.object.renderers if one.name == f"largest {PIN}"]
-    (drawn,) = mark.data_source.data["y"] if hasattr(mark, "data_source") else [mark.glyph.y]
-    assert drawn in (pytest.approx(r.peak(PIN)[0]), pytest.approx(r.peak(PIN)[0] / 1e3))  # N, kN
-
-
 @pytest.mark.parametrize("interval", [1e-6, 5e-4])
 def test_plots_reach_the_peak_of_the_table(interval):
     r = rattling(interval).simulate()
@@ -148,7 +135,7 @@ def test_a_single_value_that_stands_out_is_seen_at_every_zoom(tmp_path, open_pag
     tab.evaluate("rattle.choose(['O.normal'])")
     for span in (0.2, 0.05, 0.01, 1e-3, 1e-4):
         low = min(max(0.0, r.t[at] - 0.4 * span), r.t[-1] - span)
-        tab.evaluate("([low, high]) => rattle.viewer.curves.window([low, high])", [low, low + span])
+        tab.evaluate("([low, high]) => rattle.viewer.curves.scope.choose([low, high])", [low, low + span])
         frames(tab)
         assert tab.evaluate(INK, [r.t[at], 4000.0]), f"not seen in a window of {span} s"
 

@@ -11,7 +11,7 @@ pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 
 def test_beyond_this_computer_it_warns_and_asks(monkeypatch):
-    pytest.importorskip("panel")
+    pytest.importorskip("uvicorn")
     served = []
     monkeypatch.setitem(sys.modules, "rattle.studio.serve", type("Serve", (), {"serve": lambda *a: served.append(a)}))
     done = CliRunner().invoke(main, ["studio", "--address", "0.0.0.0"], input="n\n")
@@ -25,18 +25,17 @@ def test_beyond_this_computer_it_warns_and_asks(monkeypatch):
     assert (done.output, served) == ("", [("fourbar", "127.0.0.1", 8123, True)])  # here nothing is asked
 
 
-@pytest.mark.parametrize("missing", ["panel", "bokeh"])
+@pytest.mark.parametrize("missing", ["uvicorn", "starlette", "websockets"])
 def test_without_its_packages_it_says_how_to_install_them(monkeypatch, missing):
-    if missing == "bokeh":  # panel, which comes first, would be missing too
-        pytest.importorskip("panel")
+    pytest.importorskip("uvicorn")  # which comes first, and would be missing too
     monkeypatch.setitem(sys.modules, missing, None)
     done = CliRunner().invoke(main, ["studio"])
     assert done.exit_code == 2
-    assert f"rattle studio needs {missing}; install it with: pip install panel bokeh" in done.output
+    assert f"rattle studio needs {missing}; install it with: pip install uvicorn starlette websockets" in done.output
 
 
 def test_a_file_that_is_not_there_or_no_model_is_named(tmp_path, monkeypatch):
-    pytest.importorskip("panel")
+    pytest.importorskip("uvicorn")
     monkeypatch.chdir(tmp_path)
     for name in ("nowhere.toml", "notes.txt"):
         done = CliRunner().invoke(main, ["studio", name, "--no-browser"])

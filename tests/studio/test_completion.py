@@ -13,14 +13,14 @@ from browsing import becomes, shows
 from rattle.description.schema import schema
 from rattle.loading import examples
 from rattle.pages.viewer_text import joined
+from rattle.studio.completion import entries
 
-ROOT = """() => {
-  for (const one of document.querySelectorAll("*")) if (one.shadowRoot?.querySelector(".desk")) return one.shadowRoot;
-}"""
-OFFERED = f"""() => {{
-  const list = ({ROOT})().querySelector(".suggest");
+SCRIPTS = Path(rt.__file__).parent / "studio" / "page"
+
+OFFERED = """() => {
+  const list = document.querySelector(".suggest");
   return list.hidden ? null : [...list.querySelectorAll("li b")].map((one) => one.textContent);
-}}"""
+}"""
 DOUBLE = """
 [bodies.link]
 bar = ["C", "D"]
@@ -42,11 +42,7 @@ angle = "t"
 @pytest.fixture
 def pieces(open_page):
     """A page with the reader of texts and what may stand where."""
-    pytest.importorskip("panel")
-    from rattle.studio.completion import entries
-    from rattle.studio.page import HERE
-
-    files = {one.name: one.read_text(encoding="utf-8") for one in HERE.glob("*.js")}
+    files = {file.name: file.read_text(encoding="utf-8") for file in SCRIPTS.glob("*.js")}
     page = open_page("about:blank")
     page.evaluate(
         """async ([text, entries, told]) => {
@@ -127,9 +123,6 @@ def test_texts_that_are_cut_or_mixed_are_read_to_their_end(pieces):
 
 
 def test_the_small_schema_says_what_the_schema_says():
-    pytest.importorskip("panel")
-    from rattle.studio.completion import entries
-
     told = entries()
     parts = told["parts"]
 
@@ -158,10 +151,10 @@ def editor(open_page, studio):
         page = open_page("about:blank", **options)
         page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
         page.goto(studio.new_address())
-        page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+        becomes(page, "window.rattle && window.rattle.names.length > 5")
         page.get_by_role("tab", name="Text").click()
         page.locator("textarea.area").fill(text)
-        page.wait_for_function(f"() => ({ROOT})().querySelector('.editor').dataset.ready === 'true'", timeout=60000)
+        becomes(page, "() => document.querySelector('.editor').dataset.ready === 'true'")
         return page
 
     yield opened
@@ -174,11 +167,11 @@ def text_of(page):
 
 def caret_after(page, words):
     page.evaluate(
-        f"""(words) => {{
-          const area = ({ROOT})().querySelector("textarea.area"), at = area.value.indexOf(words) + words.length;
+        """(words) => {
+          const area = document.querySelector("textarea.area"), at = area.value.indexOf(words) + words.length;
           area.focus();
           area.setSelectionRange(at, at);
-        }}""",
+        }""",
         words,
     )
 
@@ -218,7 +211,7 @@ def test_what_is_chosen_is_written_and_undone_at_once(editor):
     becomes(page, f"() => ({OFFERED})()?.join() === 'inertia'")
     page.keyboard.press("Escape")
     becomes(page, f"() => ({OFFERED})() === null")
-    assert page.evaluate(f"() => ({ROOT})().activeElement.matches('textarea.area')")  # Escape closed the list alone
+    assert page.evaluate("() => document.activeElement.matches('textarea.area')")  # Escape closed the list alone
     page.keyboard.press("Control+Space")
     page.keyboard.press("Tab")
     before = PENDULUM.replace("mass = 1\n", "mass = 1\ninertia = ")
@@ -234,7 +227,7 @@ def test_what_is_chosen_is_written_and_undone_at_once(editor):
     assert text_of(page) == before.replace("inertia = ", "inertia = 2")
     page.get_by_label("l, value with unit").fill("1.5 m")
     page.get_by_label("l, value with unit").press("Enter")
-    becomes(page, f"() => ({ROOT})().querySelector('textarea.area').value.includes('\"1.5 m\"')")
+    becomes(page, "() => document.querySelector('textarea.area').value.includes('\"1.5 m\"')")
     page.keyboard.press("Control+z")  # the knob
     assert text_of(page) == before.replace("inertia = ", "inertia = 2")
     page.keyboard.press("Control+z")  # the digit
@@ -258,12 +251,12 @@ def test_the_list_is_in_sight_wherever_the_caret_is(editor, wanted):
     page = editor("# a line\n" * 200 + PENDULUM, viewport={"width": 844, "height": 390}, is_mobile=True, has_touch=True)
     caret_after(page, wanted)
     page.get_by_role("button", name="what fits here?").tap()
-    inside = f"""() => {{
-      const box = (name) => ({ROOT})().querySelector(name).getBoundingClientRect();
+    inside = """() => {
+      const box = (name) => document.querySelector(name).getBoundingClientRect();
       const list = box(".suggest"), sheet = box(".sheet");
       return list.height > 50 && list.top >= sheet.top - 1 && list.bottom <= sheet.bottom + 1
         && list.right <= sheet.right;
-    }}"""
+    }"""
     becomes(page, inside)
 
 
@@ -321,11 +314,11 @@ def test_a_section_is_gone_to_from_the_list_of_sections(editor):
     places.select_option(heads[-1])
     becomes(
         page,
-        f"""() => {{
-          const root = ({ROOT})(), sheet = root.querySelector(".sheet").getBoundingClientRect();
+        """() => {
+          const root = document, sheet = root.querySelector(".sheet").getBoundingClientRect();
           const line = [...root.querySelectorAll(".paint > div")].findLast((one) => one.textContent.startsWith("["));
           return Math.abs(line.getBoundingClientRect().top - sheet.top) < 20;
-        }}""",
+        }""",
     )
     page.keyboard.type("# here\n")
     assert text_of(page).index("# here\n") == 9 * 60 + PENDULUM.rindex("\n[") + 1
@@ -348,14 +341,14 @@ def test_long_lines_are_wrapped_and_colours_lie_under_the_letters(editor, width)
     page = editor(long, viewport={"width": width, "height": 844})
     shows(page.locator(".problem").first)
     sizes = page.evaluate(
-        f"""() => {{
-          const root = ({ROOT})(), area = root.querySelector("textarea.area"), sheet = root.querySelector(".sheet");
+        """() => {
+          const root = document, area = root.querySelector("textarea.area"), sheet = root.querySelector(".sheet");
           const painted = root.querySelector(".paint").offsetHeight, wide = [sheet.scrollWidth, sheet.clientWidth];
           area.style.height = "1px";
           const written = area.scrollHeight;
           area.style.height = "";
           return [painted, written, ...wide];
-        }}"""
+        }"""
     )
     assert sizes[0] == sizes[1]  # every line breaks where its colours do
     assert sizes[2] == sizes[3]  # nothing is beside what is seen

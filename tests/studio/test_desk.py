@@ -1,9 +1,6 @@
 """One session without its page: text, knobs, files, and what is computed when."""
 
 import pytest
-
-pytest.importorskip("panel")
-
 from studio_models import PENDULUM
 
 from rattle.studio.bench import Outcome

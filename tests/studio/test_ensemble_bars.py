@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-pytest.importorskip("panel")
 from rattle.questions.ensemble import tab as ensemble
 from rattle.questions.ensemble.first_order import FirstOrder
 from rattle.questions.ensemble.statistics import Bounded

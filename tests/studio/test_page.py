@@ -15,33 +15,9 @@ from studio_models import PENDULUM, start_studio
 import rattle as rt
 from browsing import becomes, frames, keep_picture, shows
 
-ROOT = """() => {
-  for (const one of document.querySelectorAll("*")) if (one.shadowRoot?.querySelector(".desk")) return one.shadowRoot;
-}"""
-
-
-@pytest.fixture
-def visit(open_page, studio):
-    """A function that opens a page of the studio and waits until it shows a motion; the model is the file's again."""
-    (studio.folder / "m.toml").write_text(PENDULUM)
-    asked = []
-
-    def opened(served=studio, first_time=False, **options):
-        page = open_page("about:blank", **options)
-        page.on("request", lambda one: asked.append(one.url))
-        if not first_time:
-            page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
-        page.goto(served.new_address())
-        page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
-        return page
-
-    yield opened
-    ours = (f"http://127.0.0.1:{studio.port}/", "data:", "blob:", "about:")
-    assert [one for one in asked if not one.startswith(ours)] == []
-
 
 def parameter(page, value, name="l"):
-    page.wait_for_function(f"Math.abs(window.rattle.parameters.{name} - {value}) < 1e-9", timeout=60000)
+    becomes(page, f"Math.abs(window.rattle.parameters.{name} - {value}) < 1e-9")
 
 
 def text_of(page):
@@ -50,12 +26,12 @@ def text_of(page):
 
 def becomes_text(page, text):
     """Wait until the model text holds this."""
-    becomes(page, f"(text) => ({ROOT})().querySelector('textarea.area').value.includes(text)", text)
+    becomes(page, "(text) => document.querySelector('textarea.area').value.includes(text)", text)
 
 
 def is_text(page, text):
     """Wait until the model text is this."""
-    becomes(page, f"(text) => ({ROOT})().querySelector('textarea.area').value === text", text)
+    becomes(page, "(text) => document.querySelector('textarea.area').value === text", text)
 
 
 def test_the_page_shows_the_motion_that_simulate_computes(visit):
@@ -76,11 +52,9 @@ def test_a_knob_that_is_dragged_turns_the_motion_and_the_text(visit):
     slider.focus()
     for _ in range(5):
         page.keyboard.press("ArrowRight")
-    page.wait_for_function("window.rattle.parameters.l !== 1", timeout=60000)
+    becomes(page, "window.rattle.parameters.l !== 1")
     page.get_by_role("tab", name="Text").click()
-    page.wait_for_function(
-        f"""() => !({ROOT})().querySelector("textarea").value.includes('"1 m", min')""", timeout=60000
-    )
+    becomes(page, """() => !document.querySelector("textarea").value.includes('"1 m", min')""")
     written = text_of(page)
     value = rt.loads(written).parameters["l"]
     assert value > 1.0
@@ -117,15 +91,15 @@ def test_a_bad_text_shows_its_line_and_the_old_motion_stays(visit):
     page.locator(".problem", has_text=f"line {row + 1}").click()
     becomes(
         page,
-        f"""() => {{
-          const area = ({ROOT})().querySelector("textarea.area");
+        """() => {
+          const area = document.querySelector("textarea.area");
           return area.value.slice(area.selectionStart, area.selectionEnd) === "colour";
-        }}""",
+        }""",
     )
     shows(page.locator(".status").get_by_text("before the change"))
     assert page.evaluate("window.rattle.curve('rod.angle').t.length") > 10
     page.locator("textarea.area").fill(PENDULUM)
-    page.wait_for_function(f"() => ({ROOT})().querySelectorAll('.problem').length === 0")
+    becomes(page, "() => document.querySelectorAll('.problem').length === 0")
 
 
 def test_a_run_shows_how_far_it_is_and_is_stopped(visit):
@@ -140,7 +114,7 @@ def test_a_run_shows_how_far_it_is_and_is_stopped(visit):
     assert page.evaluate("window.rattle.curve('rod.angle').t.length") > 10  # the old motion
     end.fill("1 s")
     end.press("Enter")
-    page.wait_for_function(f"() => ({ROOT})().querySelector('.badge').hidden", timeout=60000)
+    becomes(page, "() => document.querySelector('.badge').hidden")
 
 
 def test_saving_asks_before_a_file_is_overwritten(visit, studio):
@@ -229,25 +203,25 @@ def test_two_hundred_quick_moves_and_a_closed_page_leave_nothing_behind(visit, s
     pid = studio.process.pid
     ends_at(0, studio)  # those of other tests end with their pages
     page = visit()
-    page.wait_for_function("window.rattle.viewer.scene.live", timeout=60000)
-    move = f"""async (last) => {{
-      const slider = ({ROOT})().querySelector("#knob-l");
-      for (let k = 0; k < 200; k++) {{
+    becomes(page, "Boolean(window.rattle.viewer.scene.live)")
+    move = """async (last) => {
+      const slider = document.querySelector("#knob-l");
+      for (let k = 0; k < 200; k++) {
         slider.value = 20 + (k % 2 ? k : 200 - k);
-        slider.dispatchEvent(new Event("input", {{ bubbles: true }}));
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
         if (k % 10 === 0) await new Promise((done) => setTimeout(done, 25));
-      }}
+      }
       slider.value = last;
-      slider.dispatchEvent(new Event("input", {{ bubbles: true }}));
-    }}"""
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    }"""
     page.evaluate(move, 320)
     parameter(page, 1.64)
-    page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=60000)
+    becomes(page, "() => document.querySelector('.work').hidden")
     threads, used = len(list(Path(f"/proc/{pid}/task").iterdir())), memory(pid)
     page.evaluate(move, 300)
     parameter(page, 1.55)
     becomes_text(page, 'value = "1.55 m"')  # the last one counts
-    page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=60000)
+    becomes(page, "() => document.querySelector('.work').hidden")
     assert len(list(Path(f"/proc/{pid}/task").iterdir())) <= threads + FEW
     assert memory(pid) < used + 15
     assert pages_computed(studio) == 1
@@ -266,14 +240,14 @@ def test_nothing_is_cut_off_and_the_trust_is_always_there(visit, size, scheme):
     page = visit(viewport={"width": width, "height": height}, color_scheme=scheme)
     for tab in ("Motion", "Forces", "Text"):
         page.get_by_role("tab", name=tab).click()
-        page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=60000)
+        becomes(page, "() => document.querySelector('.work').hidden")
         frames(page)
         keep_picture(page, f"studio-{size}-{scheme}-{tab}")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         box = page.locator(".status").bounding_box()
         assert box["y"] + box["height"] <= height + 1
         shows(page.locator("button.trust"))
-    ground = page.evaluate(f"() => getComputedStyle(({ROOT})().querySelector('.desk')).backgroundColor")
+    ground = page.evaluate("() => getComputedStyle(document.querySelector('.desk')).backgroundColor")
     assert (sum(map(int, ground[4:-1].split(","))) < 200) == (scheme == "dark")
 
 
@@ -309,7 +283,7 @@ def test_on_a_phone_all_is_as_wide_as_the_screen_and_readable(visit, held):
     )  # nothing is in the way of a finger even then
     for tab in ("Forces", "Text", "Motion"):
         page.get_by_role("tab", name=tab).tap()
-        page.wait_for_function(f"() => ({ROOT})().querySelector('.work').hidden", timeout=60000)
+        becomes(page, "() => document.querySelector('.work').hidden")
         frames(page)
         keep_picture(page, f"studio-{held}-{tab}")
         assert page.evaluate("[innerWidth, document.documentElement.scrollWidth, visualViewport.scale]") == [
@@ -328,7 +302,7 @@ def test_on_a_phone_all_is_as_wide_as_the_screen_and_readable(visit, held):
     assert knobs[1] >= main[3] if held == "upright" else knobs[0] >= main[2]
     assert (knobs[2], main[0]) == (width, 0)
     page.locator("#knob-l").tap(position={"x": 60, "y": 10})
-    page.wait_for_function("window.rattle.parameters.l < 0.9", timeout=60000)
+    becomes(page, "window.rattle.parameters.l < 0.9")
     page.get_by_role("button", name="Save as").tap()
     page.get_by_label("File name").fill("")
     page.get_by_role("button", name="Close", exact=True).tap()
@@ -348,26 +322,11 @@ def test_first_hints_cover_nothing_and_are_shown_until_they_were_read(visit):
     page.get_by_role("button", name="Got it").click()
     shows(hints, "detached")
     page.reload()
-    page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+    becomes(page, "window.rattle && window.rattle.names.length > 5")
     assert hints.count() == 0
     page.keyboard.press("?")
     page.get_by_role("button", name="Show the first hints again").click()
     shows(hints)
-
-
-# where the foot of the highest bar of a histogram is on the page; null until it is drawn
-HIGHEST_BAR = """() => {
-  const within = (view) => [view, ...(view.child_views ?? []).flatMap(within)];
-  for (const view of [...Bokeh.index.roots].flatMap(within)) {
-    const drawn = (view.model.renderers ?? []).find((one) => one.data_source?.data.sample);
-    if (!drawn || !view.frame?.bbox?.width) continue;
-    const { left, right, count } = drawn.data_source.data, counts = Array.from(count);
-    const k = counts.indexOf(Math.max(...counts)), { x_scale, y_scale } = view.frame;
-    const { x, y } = view.el.getBoundingClientRect();
-    return [x + x_scale.compute(0.5 * (left[k] + right[k])), y + y_scale.compute(0.3 * counts[k])];
-  }
-  return null;
-}"""
 
 
 def test_a_bar_of_an_ensemble_is_replayed(visit):
@@ -375,11 +334,10 @@ def test_a_bar_of_an_ensemble_is_replayed(visit):
     page.get_by_role("tab", name="Ensemble").click()
     page.get_by_label("mechanisms").fill("16")
     page.get_by_label("mechanisms").press("Enter")
-    page.wait_for_function(
-        f"() => /^16 mechanisms/.test(({ROOT})().querySelector('.panel.ensemble .words').textContent)", timeout=60000
-    )
-    becomes(page, HIGHEST_BAR)
-    page.mouse.click(*page.evaluate(HIGHEST_BAR))
+    becomes(page, "() => /^16 mechanisms/.test(document.querySelector('.panel.ensemble .words').textContent)")
+    counts = [int(bar.get_attribute("aria-label").split()[0]) for bar in page.locator(".histogram .bin").all()]
+    assert sum(counts) == 16
+    page.locator(".histogram .bin").nth(counts.index(max(counts))).click()
     shows(page.locator(".sample", has_text="of the ensemble"))
     becomes(page, "window.rattle.parameters.l !== 1")
     page.get_by_role("button", name="Back to the model").click()
@@ -421,7 +379,8 @@ def test_a_browser_is_led_to_the_page_by_a_file_that_only_its_user_reads(tmp_pat
         context = browser.new_context()
         page = context.new_page()
         page.goto(file.as_uri())
-        page.wait_for_function("window.rattle && window.rattle.names.length > 5", timeout=60000)
+        page.wait_for_url(lambda place: place.startswith("http") and place.endswith("/"))
+        becomes(page, "window.rattle && window.rattle.names.length > 5")
         context.close()
         assert served.ask(urlsplit(served.address).path + "?" + urlsplit(served.address).query).status == 303
     finally:
@@ -455,3 +414,15 @@ def test_another_port_of_this_computer_never_gets_the_cookie(visit):
         listener.shutdown()
     assert len(heard) >= 2
     assert set(heard) == {None}
+
+
+def test_a_studio_that_was_ended_is_missed_and_the_text_stays(visit, tmp_path):
+    (tmp_path / "m.toml").write_text(PENDULUM)
+    served = start_studio(tmp_path, "m.toml", "--no-browser")
+    page = visit(served)
+    served.process.terminate()
+    assert served.process.wait(10) == 0
+    shows(page.get_by_role("heading", name="The studio does not answer"))
+    page.get_by_role("button", name="Stay here").click()
+    page.get_by_role("tab", name="Text").click()
+    assert text_of(page) == PENDULUM

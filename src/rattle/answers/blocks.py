@@ -6,7 +6,7 @@
     bars      title, y, labels, values
     svg       svg, caption
 
-A content is {"told": one line, "blocks": [...]}: what a tab of the studio shows.
+A content is {"told": one line, "blocks": [...]}: what a tab of the studio shows, by `studio/page/sheet.js`.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ def studio(file: str | None, port: int, no_browser: bool, address: str, yes: boo
         click.secho(OPEN.format(address=address), fg="yellow", err=True)
         if not yes:
             click.confirm("Listen there?", abort=True, err=True)
-    for module in ("panel", "bokeh"):
+    for module in ("uvicorn", "starlette", "websockets"):
         from rattle.results.archive import package
 
         package(module, "rattle studio")

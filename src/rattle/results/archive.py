@@ -36,13 +36,14 @@ LARGEST = 1e300  # whole number in a record: Python reads larger ones than it ca
 NETCDF = b"\x89HDF\r\n\x1a\n"
 ZIP = b"PK\x03\x04"
 HINT = "pip install h5netcdf h5py xarray pandas"
-STUDIO = "pip install panel bokeh"
+STUDIO = "pip install uvicorn starlette websockets"
 HINTS = {
     "pyarrow": "pip install pyarrow",
     "distributed": "pip install distributed",
     "anywidget": "pip install anywidget",
-    "panel": STUDIO,
-    "bokeh": STUDIO,
+    "uvicorn": STUDIO,
+    "starlette": STUDIO,
+    "websockets": STUDIO,
 }  # where other packages are needed
 
 

@@ -1,104 +1,115 @@
-"""The page of one session: a Panel component around the desk, and the sheets of its tabs."""
+"""The page of the studio, and the web socket of every page that is open: messages as JSON in both directions."""
 
 from __future__ import annotations
 
+import asyncio
+import base64
+import json
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from pathlib import Path
+from importlib import resources
 from typing import Any
 
-import panel as pn
-import param
-from bokeh.core.validation import silence
-from bokeh.core.validation.warnings import EMPTY_LAYOUT
-from panel.custom import Child, JSComponent
+import numpy as np
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from rattle.pages.viewer_text import joined, viewer_text
+from rattle.pages.scene import plain
+from rattle.pages.viewer_text import viewer_text
 from rattle.studio.desk import Desk, Message
-from rattle.studio.sheets import sheet
-from rattle.studio.tabs import TABS, forms
+from rattle.studio.tabs import forms
 
-silence(EMPTY_LAYOUT, True)  # a tab is empty until it is opened
 
-HERE = Path(__file__).parent / "page"
-HEAD = """{% block postamble %}
-    <meta name="viewport" content="width=device-width, initial-scale=1">
-{% endblock %}
-"""  # into the page of Panel: without it a phone lays the page out for 980 px and shrinks it
+def _declared() -> str:
+    head = "// The tabs that are computed, and what can be asked of each.\n"
+    return f"{head}export const DECLARED = {json.dumps(forms())};\n"
+
+
+FOLDER = resources.files("rattle.studio") / "page"
+FIRST = "studio.html"
+MADE: dict[str, Callable[[], str]] = {"viewer.js": viewer_text, "declared.js": _declared}
+TYPES = {"html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
+FILES = {file.name for file in FOLDER.iterdir() if file.name.rpartition(".")[2] in TYPES} | {*MADE}
+PATHS = frozenset({"/", "/ws"} | {f"/{name}" for name in FILES - {FIRST}})
 aside = ThreadPoolExecutor(8, "studio")  # reads texts and files for all sessions: no page waits for another
 
 
+def application(make_desk: Callable[..., Desk]) -> Starlette:
+    """What answers at `PATHS`.  make_desk: makes the desk of one session, see `Desk`."""
+
+    async def socket(connection: WebSocket) -> None:
+        await Session(connection, make_desk).serve()
+
+    return Starlette(routes=[WebSocketRoute("/ws", socket), Route("/", _file), Route("/{name}", _file)])
+
+
+async def _file(request: Request) -> Response:
+    name = request.path_params.get("name", FIRST)
+    return Response(_text_of(name), media_type=TYPES[name.rpartition(".")[2]])
+
+
 @cache
-def page_text() -> str:
-    """The scripts of the page as one ES module."""
-    files = {one.name: one.read_text(encoding="utf-8") for one in HERE.glob("*.js")}
-    return joined(files, "main.js")
+def _text_of(name: str) -> str:
+    return MADE[name]() if name in MADE else (FOLDER / name).read_text(encoding="utf-8")
 
 
-class Studio(JSComponent):
-    """The whole page; what tabs show is inside of it as children.
+class Session:
+    """One page that is open: its desk, and the messages to it in their order."""
 
-    style: its style sheet.  viewer: the viewer as the text of an ES module.  tabs: what the page knows of each tab.
-    """
+    def __init__(self, connection: WebSocket, make_desk: Callable[..., Desk]) -> None:
+        self.connection = connection
+        self.loop = asyncio.get_running_loop()
+        self.outbox: asyncio.Queue[Message] = asyncio.Queue()
+        self.desk = make_desk(send=self.outbox.put_nowait, later=self._later, post=self._post)
 
-    style = param.String()
-    viewer = param.String()
-    tabs = param.List()
+    async def serve(self) -> None:
+        """Hear and answer until the page is closed."""
+        await self.connection.accept()
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                sending = tasks.create_task(self._send_all())
+                await self._hear_all()
+                sending.cancel()
+        except* WebSocketDisconnect:  # while something was sent
+            pass
+        finally:
+            self.desk.end()
 
-    vars().update({tab: Child() for tab in TABS})
+    async def _hear_all(self) -> None:
+        while (message := await self.connection.receive())["type"] == "websocket.receive":
+            self.desk.hear(_parsed(message.get("text") or ""))
 
-    _esm = page_text()
-
-    def __init__(self, make_desk: Callable[..., Desk], **params: Any) -> None:
-        sheets = {tab: pn.Column(sizing_mode="stretch_width", margin=0) for tab in TABS}
-        super().__init__(
-            style=(HERE / "studio.css").read_text(encoding="utf-8"), viewer=viewer_text(), tabs=forms(),
-            sizing_mode="stretch_both", margin=0, **sheets, **params,
-        )  # fmt: skip
-        self._document = pn.state.curdoc
-        self._document.template = HEAD
-        self._sheets = sheets
-        self._content: dict[str, Message] = {}
-        self._dark = self._narrow = False
-        self.desk = make_desk(send=self._tell, later=self._later, post=self._post)
-        pn.state.on_session_destroyed(lambda context: self.desk.end())
-
-    # ------------------------------------------------------------ from the page
-    def _handle_msg(self, data: Any) -> None:
-        """A message of the page; Panel calls this."""
-        if isinstance(data, dict) and data.get("do") == "look":
-            self._dark, self._narrow = bool(data.get("dark")), bool(data.get("narrow"))
-            for tab, content in self._content.items():
-                self._show(tab, content)
-            return
-        self.desk.hear(data)
-
-    # ------------------------------------------------------------ to the page
-    def _tell(self, message: Message) -> None:
-        if message.get("kind") == "tab" and message.get("state") == "done" and message["tab"] in TABS:
-            tab, content = message["tab"], message["value"]
-            if "blocks" in content:  # of what is no report
-                self._content[tab] = content
-                self._show(tab, content)
-            message = {**message, "value": {key: one for key, one in content.items() if key != "blocks"}}
-        elif message.get("kind") == "text" and message.get("fresh"):
-            self._content.clear()
-            for column in self._sheets.values():
-                column.objects = []
-        self._send_msg(message)
-
-    def _show(self, tab: str, content: Message) -> None:
-        self._sheets[tab].objects = sheet(
-            content, self._dark, lambda picked: self.desk.hear({"do": "pick", **picked}), self._narrow
-        )
+    async def _send_all(self) -> None:
+        while True:
+            await self.connection.send_text(as_json(await self.outbox.get()))
 
     # ------------------------------------------------------------ threads
     def _post(self, call: Callable[[], None]) -> None:
         """Have a function called in the thread of the page; callable from any thread."""
-        if not self.desk.bench.ended:
-            self._document.add_next_tick_callback(call)
+        if not self.desk.bench.ended and not self.loop.is_closed():
+            self.loop.call_soon_threadsafe(call)
 
     def _later(self, function: Callable[[], Any], then: Callable[[Any], None]) -> None:
         """Have a function called aside, and then the other with what it returned."""
         aside.submit(function).add_done_callback(lambda done: self._post(lambda: then(done.result())))
+
+
+def as_json(message: Message) -> str:
+    """A message to the page; arrays are packed, numbers that are not finite are null elsewhere."""
+    return json.dumps(plain(message), ensure_ascii=False, separators=(",", ":"), allow_nan=False, default=_packed)
+
+
+def _packed(array: np.ndarray) -> dict[str, str]:
+    return {"f8": base64.b64encode(array.astype("<f8").tobytes()).decode()}
+
+
+def _parsed(text: str) -> Any:
+    """What a message of the page says; None if it is no JSON, which the desk answers."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return None

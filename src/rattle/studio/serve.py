@@ -15,7 +15,7 @@ from rattle.loading import examples
 from rattle.studio.bench import prepare
 from rattle.studio.desk import Desk, example_text
 from rattle.studio.folder import Folder
-from rattle.studio.page import Studio, aside
+from rattle.studio.page import PATHS, application, aside
 from rattle.studio.server import Server
 from rattle.user_paths import expanded
 
@@ -31,8 +31,6 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
     The folder of the studio is where it was started; that of the file if the file is elsewhere.
     Raises ModelError if the file cannot be read, Refused if it is no model file, OSError if nothing can listen there.
     """
-    import panel as pn
-
     root = Path.cwd().resolve()
     text, name = "", ""
     if file is None or (file in examples() and not Path(file).exists()):
@@ -51,17 +49,17 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
         desks.add(desk)
         return desk
 
-    pn.config.sizing_mode = "stretch_width"
-    server = Server(lambda: Studio(make_desk), address, port)
+    def tell_address() -> None:
+        click.echo(f"rattle studio: {server.new_address()}")
+
+    server = Server(application(make_desk), PATHS, address, port)
     server.heed()
     threading.Thread(target=prepare, daemon=True).start()
-    click.echo(f"rattle studio: {server.new_address()}")
-    server.at_enter(lambda: click.echo(f"rattle studio: {server.new_address()}"))
+    tell_address()
     sys.setswitchinterval(SWITCH)
     try:
-        server.run(open_browser)
+        server.run(open_browser, tell_address)
     finally:
         for desk in list(desks):
             desk.end()
-        server.close()
         aside.shutdown(wait=False, cancel_futures=True)

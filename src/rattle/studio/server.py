@@ -12,60 +12,49 @@ import sys
 import tempfile
 import threading
 import webbrowser
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Collection
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import cast
 
-from bokeh.server.server import BaseServer
-from bokeh.server.tornado import BokehTornado
-from panel.io.application import build_applications
-from tornado.httpserver import HTTPServer
-from tornado.httputil import HTTPHeaders, HTTPServerRequest
-from tornado.ioloop import IOLoop
-from tornado.netutil import bind_sockets
-from tornado.web import OutputTransform
+import h11
+import uvicorn
+from starlette.types import ASGIApp
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from rattle.studio.guard import LOOPBACK, Guard, Secrets
 
 LARGEST_MESSAGE = 20_000_000  # from the page, over its web socket [bytes]; a model text has at most 8 MB
-LARGEST_BODY = 100_000  # of a request; none has a body [bytes]
-IDLE = 30.0  # a connection that asks for nothing, or never ends to ask, is closed after this time [s]
-LIFETIME = 4000  # a session without a page ends after this time [ms]
-LOOK = 1000  # how often sessions without a page are looked for [ms]
+LARGEST_HEADER = 32_000  # of a request [bytes]
+IDLE = 30  # a connection that asks for nothing, or never ends to ask, is closed after this time [s]
+GRACE = 3  # for whatever still works when the studio is told to end [s]
 REDIRECT = """<!doctype html><meta charset="utf-8"><title>rattle studio</title>
 <meta name="referrer" content="no-referrer">
 <meta http-equiv="refresh" content="0;url={0}"><a href="{0}">Open the studio</a>
 """
-GRACE = 3.0  # for whatever still works when the studio is told to end [s]
 
 
 class Server:
     """A studio that is served: `new_address` is what the user opens.
 
-    make_page: makes the page of one session, a Panel object; called once for every page that is opened.
+    application: answers what may be asked, see `Guard`.  paths: all of its paths.
     """
 
-    def __init__(self, make_page: Callable[[], Any], address: str = "127.0.0.1", port: int = 0) -> None:
-        sockets = bind_sockets(port, address, family=socket.AF_INET if ":" not in address else socket.AF_INET6)
-        self.port: int = sockets[0].getsockname()[1]
+    def __init__(self, application: ASGIApp, paths: Collection[str], address: str = "127.0.0.1", port: int = 0) -> None:
+        self.socket = _listening(address, port)
+        self.port: int = self.socket.getsockname()[1]
         self.keys = Secrets()
         self.host = f"[{address}]" if ":" in address else address
         names = {*LOOPBACK, self.host} if self.host not in ("0.0.0.0", "[::]") else {*LOOPBACK, *own_addresses()}
-        here = sorted(f"{name}:{self.port}" for name in names)
-        self.application = BokehTornado(
-            build_applications({"/": make_page}, title={"/": "rattle studio"}, location=False),
-            extra_websocket_origins=here, use_index=False, redirect_root=False,
-            websocket_max_message_size_bytes=LARGEST_MESSAGE, unused_session_lifetime_milliseconds=LIFETIME,
-            check_unused_sessions_milliseconds=LOOK, include_headers=[], include_cookies=[], prefix=self.keys.place,
+        guard = Guard(application, paths, self.keys, names, self.port)
+        self.uvicorn = uvicorn.Server(
+            uvicorn.Config(
+                guard, http=Patience, ws="websockets-sansio", ws_max_size=LARGEST_MESSAGE, loop="asyncio",
+                ws_per_message_deflate=False, h11_max_incomplete_event_size=LARGEST_HEADER, timeout_keep_alive=IDLE,
+                timeout_graceful_shutdown=GRACE, headers=list(guard.headers().items()), server_header=False,
+                proxy_headers=False, lifespan="off", log_config=None, log_level="error", access_log=False,
+            )
         )  # fmt: skip
-        guard = Guard(self.application, self.keys, names, self.port)
-        self.application.add_transform(partial(_WithHeaders, guard.headers()))
-        self.http = HTTPServer(guard, max_body_size=LARGEST_BODY, max_header_size=32_000, idle_connection_timeout=IDLE)
-        self.http.add_sockets(sockets)
-        self.loop = IOLoop.current()
-        self.bokeh = BaseServer(self.loop, self.application, self.http)
-        self.bokeh.start()
 
     def new_address(self) -> str:
         """What to open in a browser, with a token that is good for one use."""
@@ -74,43 +63,42 @@ class Server:
 
     def heed(self) -> None:
         """From now on Ctrl-C and SIGTERM end `run`, also before it has begun."""
-        loop = asyncio.get_event_loop()
-        for one in (signal.SIGINT, signal.SIGTERM):
-            try:
-                loop.add_signal_handler(one, self.loop.stop)
-            except NotImplementedError:  # Windows
-                signal.signal(one, lambda *_: self.loop.add_callback_from_signal(self.loop.stop))
+        for told in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(told, lambda *_: setattr(self.uvicorn, "should_exit", True))
 
-    def at_enter(self, call: Callable[[], None]) -> None:
-        """Have a function called whenever the user presses Enter in the terminal."""
-        loop, stdin = asyncio.get_event_loop(), sys.stdin
+    def run(self, open_browser: bool, at_enter: Callable[[], None]) -> None:
+        """Serve until Ctrl-C or SIGTERM.
 
-        def heard() -> None:
-            if stdin.isatty() and os.getpgrp() != os.tcgetpgrp(stdin.fileno()):
-                return  # in the background: what is typed is meant for another program
-            if os.read(stdin.fileno(), 1000):
-                call()
-            else:  # closed
-                loop.remove_reader(stdin)
+        at_enter: called whenever the user presses Enter in the terminal.
+        """
+        with Redirect(self.new_address()) if open_browser else nullcontext() as file:
+            if file is not None:
+                threading.Thread(target=webbrowser.open, args=(file.as_uri(),), daemon=True).start()
+            asyncio.run(self._serve(at_enter))
 
-        try:
-            loop.add_reader(stdin, heard)
-        except (NotImplementedError, OSError, ValueError) as error:  # Windows; no terminal, pipe or the like
-            logging.getLogger("rattle").debug(f"Enter is not heard: {error}")
+    async def _serve(self, at_enter: Callable[[], None]) -> None:
+        _listen_to_terminal(at_enter)
+        await self.uvicorn.serve([self.socket])
 
-    def run(self, open_browser: bool) -> None:
-        """Serve until Ctrl-C or SIGTERM."""
-        if not open_browser:
-            self.loop.start()
+
+class Patience(H11Protocol):
+    """HTTP as uvicorn speaks it, without its endless wait for a first request and for the rest of one."""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """A connection was opened; the loop calls this."""
+        super().connection_made(cast(asyncio.Transport, transport))
+        self.timeout_keep_alive_task = self.loop.call_later(self.timeout_keep_alive, self.timeout_keep_alive_handler)
+
+    def data_received(self, data: bytes) -> None:
+        """A piece of a request has come; the loop calls this."""
+        waits, self.timeout_keep_alive_task = self.timeout_keep_alive_task, None
+        super().data_received(data)
+        if waits is None or self.timeout_keep_alive_task is not None:
             return
-        with Redirect(self.new_address()) as file:
-            threading.Thread(target=webbrowser.open, args=(file.as_uri(),), daemon=True).start()
-            self.loop.start()
-
-    def close(self) -> None:
-        """Stop listening, and close what is open."""
-        self.bokeh.stop(wait=False)
-        self.loop.run_sync(self.http.close_all_connections, timeout=GRACE)
+        if self.conn.their_state is h11.IDLE:  # not a whole request yet
+            self.timeout_keep_alive_task = waits
+        else:
+            waits.cancel()
 
 
 class Redirect:
@@ -130,29 +118,37 @@ class Redirect:
         self.folder.cleanup()
 
 
-class _WithHeaders(OutputTransform):
-    """Adds the headers of the guard to every answer of the application."""
+def _listening(address: str, port: int) -> socket.socket:
+    """A socket that is bound to an address of this computer.  Raises OSError if nothing can listen there."""
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    place = socket.getaddrinfo(address, port, family, socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0][4]
+    return socket.create_server(place, family=family)
 
-    def __init__(self, added: dict[str, str], request: HTTPServerRequest) -> None:
-        self.added = added
 
-    def transform_first_chunk(
-        self, status_code: int, headers: HTTPHeaders, chunk: bytes, finishing: bool
-    ) -> tuple[int, HTTPHeaders, bytes]:
-        """Tornado calls this before it sends the first part of an answer."""
-        for name, value in self.added.items():
-            headers[name] = value
-        if headers.get("Content-Type", "").startswith("text/html"):
-            headers["Cache-Control"] = "no-store"
-        return status_code, headers, chunk
+def _listen_to_terminal(call: Callable[[], None]) -> None:
+    """Have a function called whenever the user presses Enter in the terminal."""
+    loop, stdin = asyncio.get_running_loop(), sys.stdin
+
+    def heard() -> None:
+        if stdin.isatty() and os.getpgrp() != os.tcgetpgrp(stdin.fileno()):
+            return  # in the background: what is typed is meant for another program
+        if os.read(stdin.fileno(), 1000):
+            call()
+        else:  # closed
+            loop.remove_reader(stdin)
+
+    try:
+        loop.add_reader(stdin, heard)
+    except (NotImplementedError, OSError, ValueError) as error:  # Windows; no terminal, pipe or the like
+        logging.getLogger("rattle").debug(f"Enter is not heard: {error}")
 
 
 def own_addresses() -> set[str]:
     """Names and addresses of this computer in its network, for a studio that listens on all of them."""
     name = socket.gethostname()
-    found = {name}
+    addresses = {name}
     try:
-        found |= {str(one[4][0]) for one in socket.getaddrinfo(name, None, socket.AF_INET)}
+        addresses |= {str(entry[4][0]) for entry in socket.getaddrinfo(name, None, socket.AF_INET)}
     except OSError as error:
         logging.getLogger("rattle").debug(f"no addresses of {name}: {error}")
-    return found
+    return addresses

@@ -1,5 +1,6 @@
 // Curves over time: one panel for each unit, all with the same window of time.
 
+import { Scope } from "./chart.js";
 import { Panel } from "./panel.js";
 import { handyUnit } from "./units.js";
 
@@ -10,28 +11,19 @@ export class Curves {
     this.host = host;
     this.panels = [];
     this.chosen = [];
-    this.own = null; // the window of time that a user chose
-    this.version = 0;
+    this.scope = new Scope(() => host.invalidate()); // the window of time
   }
-
-  get shown() { return this.own ?? this.whole; }
-  get whole() {
-    const { start, end } = this.motion;
-    return end > start ? [start, end] : [start - 0.5, start + 0.5];
-  }
-  get span() { return this.shown[1] - this.shown[0]; }
 
   // others: [{motion, label}], their curves of the same names are dashed.
   setMotion(motion, others) {
     this.motion = motion;
     this.others = others;
-    if (this.own && !(this.own[0] < this.whole[1] && this.own[1] > this.whole[0])) this.own = null;
+    this.scope.cover(motion.start, motion.end);
     this.setNames(this.chosen.filter((name) => motion.has(name)));
   }
 
   setNames(names) {
     this.chosen = [...new Set(names)];
-    this.version += 1;
     const units = new Map();
     for (const name of this.chosen) {
       const unit = this.panelOf(name);
@@ -41,7 +33,7 @@ export class Curves {
     this.panels = [...units.keys()].map((unit) => this.panels.find((one) => one.key === unit) ?? new Panel(unit, this));
     for (const panel of this.panels) {
       const own = units.get(panel.key);
-      panel.setLines(own, own.flatMap((name, k) => [
+      panel.setNames(own, own.flatMap((name, k) => [
         { name, motion: this.motion, colour: k },
         ...this.others.filter((one) => one.motion.has(name)).map((one, n) =>
           ({ name, motion: one.motion, colour: k, label: one.label, dash: n ? [2, 3] : [6, 4] })),
@@ -57,22 +49,8 @@ export class Curves {
     return unit === "m" ? `${unit} ${handyUnit(unit, this.motion.largest(name), this.host.scene.units).unit}` : unit;
   }
 
-  window(range) {
-    this.own = range;
-    this.host.invalidate();
-  }
-
-  // Zoom about a time, then move by a time [s].
-  zoom(t, factor, by) {
-    const [low, high] = this.whole, [from, to] = this.shown;
-    const span = Math.max((high - low) * 1e-5, Math.min(high - low, (to - from) / factor)), share = (t - from) / (to - from);
-    const start = Math.max(low, Math.min(high - span, t - share * span + by));
-    this.own = span > (high - low) * 0.999 ? null : [start, start + span];
-    this.host.invalidate();
-  }
-
   draw(time, theme) {
-    for (const panel of this.panels) panel.draw(time, theme);
+    for (const panel of this.panels) panel.drawAt(time, theme);
   }
 
   destroy() {

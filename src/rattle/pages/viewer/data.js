@@ -5,7 +5,8 @@ import { derivedRules } from "./derived.js";
 const TICKS = 2 ** 32 - 1; // parts of a run in which the instants of single values are counted
 const GROUND = { x: 0, y: 0, angle: 0, cos: 1, sin: 0 };
 
-function bytesOf(text) {
+// The bytes that a text in base64 stands for.
+export function bytesOf(text) {
   const raw = atob(text);
   const bytes = new Uint8Array(raw.length);
   for (let k = 0; k < raw.length; k++) bytes[k] = raw.charCodeAt(k);
@@ -126,12 +127,6 @@ export class Motion {
   value(name, time, row = this.row(time)) {
     const y = this.curve(name);
     return row.f === 0 ? y[row.k] : y[row.k] + row.f * (y[row.k + 1] - y[row.k]);
-  }
-
-  // A curve at a time, linear between all of its values.
-  at(name, time) {
-    const { t, y } = this.line(name), k = before(t, time), next = Math.min(t.length - 1, k + 1);
-    return next === k || !(time > t[k]) ? y[k] : y[k] + ((time - t[k]) / (t[next] - t[k])) * (y[next] - y[k]);
   }
 
   // Largest magnitude of a curve, within the steps where it is known, without what is not a number.

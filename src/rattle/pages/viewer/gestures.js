@@ -3,7 +3,7 @@
 const FAR = 5; // pixels from which on a press is a drag
 
 // on: {tap(x, y), double(), start(x, y, pointer), drag(x, y, dx, dy), end(x, y), pinch(x, y, factor, dx, dy), wheel(x, y,
-// factor, event) -> taken, hover(x, y), leave()}; all optional.  Returns a function that ends it.
+// factor, event) -> taken, hover(x, y), leave(pointer)}; all optional.  Returns a function that ends it.
 export function gestures(element, on) {
   const down = new Map(); // pointers by id: {x, y}
   let moved = false, last = -Infinity; // when the last tap was: a page is young at its first one
@@ -53,7 +53,7 @@ export function gestures(element, on) {
     const at = place(event), factor = Math.exp(-Math.max(-80, Math.min(80, event.deltaY)) / (event.deltaMode ? 12 : 320));
     if (on.wheel?.(at.x, at.y, factor, event)) event.preventDefault();
   };
-  const leave = () => on.leave?.();
+  const leave = (event) => on.leave?.(event.pointerType);
   const every = [["pointerdown", press], ["pointermove", move], ["pointerup", release], ["pointercancel", release], ["pointerleave", leave]];
   for (const [name, listen] of every) element.addEventListener(name, listen);
   element.addEventListener("wheel", wheel, { passive: false });

@@ -1,5 +1,6 @@
 // The page of the studio: it shows what the studio tells and tells what the user does; every decision is the studio's.
 
+import { DECLARED } from "./declared.js";
 import { Dialogs, hints } from "./dialogs.js";
 import { h } from "./dom.js";
 import { Editor } from "./editor.js";
@@ -9,17 +10,18 @@ import { Knobs } from "./knobs.js";
 import { listen } from "./keys.js";
 import { Show } from "./motion.js";
 import { Report } from "./report.js";
+import { Sheet } from "./sheet.js";
 import { Status, stateOf } from "./status.js";
 import { Strip, TABS, TabHead, fieldsOf, know } from "./tabs.js";
+import { Wire } from "./wire.js";
 
 const BEAT = 5000; // between two questions whether the studio is there [ms]
-const NARROW = "(max-width: 600px)"; // where there is no room for names beside curves
 const EMPTY = { knobs: [], contacts: [], wear: [], oil: [], tolerances: [] }; // what is known of a model that was not read yet
 
 class Page {
-  constructor(model) {
-    this.model = model;
-    know(model.tabs);
+  constructor(wire) {
+    this.wire = wire;
+    know(DECLARED);
     this.history = new History();
     this.shown = "motion";
     this.puts = 0; // how often something was put into the text at once: a step back each
@@ -27,7 +29,7 @@ class Page {
     this.tell = (message) => {
       this.editor.flush();
       if (["setting", "contact", "method"].includes(message.do)) this.show.otherwise = true;
-      model.send_msg(message);
+      wire.send(message);
     };
     this.dialogs = new Dialogs((message) => this.tell(message));
     this.editor = new Editor((text, atOnce) => this.typed(text, atOnce), (words) => this.say(words));
@@ -38,7 +40,7 @@ class Page {
     this.strip = new Strip((name) => this.choose(name));
     this.status = new Status((message) => this.tell(message));
     this.report = new Report();
-    this.show = new Show(model, (run) => this.computed(run));
+    this.show = new Show((run) => this.computed(run));
     this.header = new Header({
       gallery: () => this.tell({ do: "files", gallery: true }), open: () => this.tell({ do: "files" }),
       save: () => this.tell({ do: "save" }), saveAs: () => this.tell({ do: "save-as" }), python: () => this.tell({ do: "python" }),
@@ -48,29 +50,28 @@ class Page {
   }
 
   build() {
-    this.heads = new Map(this.model.tabs.map(({ name }) => [name, new TabHead(name, (message) => this.tell(message))]));
+    this.heads = new Map(DECLARED.map(({ name }) => [name, new TabHead(name, (message) => this.tell(message))]));
+    this.sheets = new Map(DECLARED.filter(({ name }) => name !== "report").map(({ name }) => [name, new Sheet((message) => this.tell(message))]));
     this.panels = new Map(TABS.map(([name, title]) => [name, h("section", { class: `panel ${name}`, role: "tabpanel", id: `panel-${name}`, "aria-label": title, hidden: true }, this.content(name))]));
     this.main = h("main", {}, this.strip.el, [...this.panels.values()]);
     this.toast = h("div", { class: "toast", role: "status", hidden: true });
-    this.el = h("div", { class: "desk" }, h("style", {}, this.model.style), this.header.el, this.knobs.el, this.main, this.status.el, this.toast, this.dialogs.el);
-    this.theme = new Theme(this.el, (dark, choice) => { this.show.dark(dark, choice); this.look(); });
+    this.el = h("div", { class: "desk" }, this.header.el, this.knobs.el, this.main, this.status.el, this.toast, this.dialogs.el);
+    this.theme = new Theme(this.el, (dark) => {
+      this.show.dark(dark);
+      for (const sheet of this.sheets.values()) sheet.turn(dark);
+    });
     this.theme.button = this.header.theme;
-    this.narrow = matchMedia(NARROW);
-    this.narrow.addEventListener("change", () => this.look());
     this.theme.apply();
     this.dialogs.onhints = () => hints(this.strip.el);
     hints(this.strip.el);
     this.choose("motion");
     listen(this);
-    this.model.on("msg:custom", (message) => this.hear(message.kind ? message : message.data));
     this.heard = performance.now();
+    this.wire.listen((message) => this.hear(message), () => { this.heard = -Infinity; });
     setInterval(() => this.listen(), BEAT);
     addEventListener("beforeunload", (event) => { if (this.unsaved) event.preventDefault(); });
-    this.model.send_msg({ do: "hello" });
+    this.wire.send({ do: "hello" });
   }
-
-  // How figures have to look.
-  look() { this.model.send_msg({ do: "look", dark: this.theme.dark, narrow: this.narrow.matches }); }
 
   // Ask the studio whether it is there; a page that has slept asks again before it complains.
   listen() {
@@ -81,7 +82,7 @@ class Page {
       this.dialogs.ask("The studio does not answer", "It was ended, or this computer has slept. What is not saved is in Text, from where it can be copied; after that, open the studio again.",
         [["Open again", () => location.reload()], ["Stay here", null]]);
     }
-    this.model.send_msg({ do: "alive" });
+    this.wire.send({ do: "alive" });
   }
 
   on_alive() { this.gone = false; }
@@ -90,15 +91,15 @@ class Page {
     if (name === "motion") return this.show.el;
     if (name === "text") return this.editor.el;
     if (name === "report") return [this.heads.get(name).el, this.report.el];
-    return [this.heads.get(name).el, h("div", { class: "sheet-of" }, this.model.get_child(name))];
+    return [this.heads.get(name).el, this.sheets.get(name).el];
   }
 
   choose(name) {
     this.shown = this.el.dataset.shown = name;
     this.strip.select(name);
     for (const [one, panel] of this.panels) panel.hidden = one !== name;
-    if (name === "text" && !this.editor.suggest.entries) this.model.send_msg({ do: "entries" });
-    this.model.send_msg({ do: "show", tab: name, options: this.heads.get(name)?.read() ?? {} });
+    if (name === "text" && !this.editor.suggest.entries) this.wire.send({ do: "entries" });
+    this.wire.send({ do: "show", tab: name, options: this.heads.get(name)?.read() ?? {} });
     dispatchEvent(new Event("resize"));
   }
 
@@ -106,7 +107,7 @@ class Page {
     this.history.record(text, atOnce ? `put ${++this.puts}` : "typing");
     this.header.steps(this.history);
     this.show.otherwise = true;
-    this.model.send_msg({ do: "text", text });
+    this.wire.send({ do: "text", text });
   }
 
   step(way) {
@@ -116,7 +117,7 @@ class Page {
     if (text === null) return;
     this.editor.show(text, "change");
     this.show.otherwise = true;
-    this.model.send_msg({ do: "text", text });
+    this.wire.send({ do: "text", text });
   }
 
   say(words) {
@@ -134,7 +135,7 @@ class Page {
   }
 
   on_text(message) {
-    if (message.fresh) { this.history.start(message.text); this.show.clear(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } }
+    if (message.fresh) { this.history.start(message.text); this.show.clear(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } for (const sheet of this.sheets.values()) sheet.show([]); }
     else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
     else this.history.record(message.text, "knob");
     this.header.steps(this.history);
@@ -176,6 +177,7 @@ class Page {
     if (tab === "trust") { this.trusted(message); return; }
     this.heads.get(tab)?.show(message);
     if (tab === "report" && state === "done") this.report.show(message.value.page, this.facts.title);
+    else if (state === "done") this.sheets.get(tab)?.show(message.value.blocks);
     this.strip.mark(tab, state === "waiting" || state === "running" ? "busy" : state === "old" || state === "failed" ? state : "");
   }
 
@@ -184,7 +186,8 @@ class Page {
     if (message.state === "done") {
       this.facts.output = message.value.output;
       this.facts.force = message.value.force;
-      this.show.take(message.value).then(() => this.offer());
+      this.show.take(message.value);
+      this.offer();
       this.vouch(message.value);
     } else if (message.state === "failed") {
       this.show.failed(message.words);
@@ -251,7 +254,4 @@ class Page {
   on_sample(message) { this.choose("motion"); this.show.sample(message); }
 }
 
-export function render({ model }) {
-  const page = new Page(model);
-  return page.el;
-}
+document.body.append(new Page(new Wire()).el);

@@ -2,17 +2,16 @@
 // motion comes from the studio, and the old one stays until the new one is there, marked as old.
 
 import { h, replace } from "./dom.js";
+import { mount } from "./viewer.js";
 
 export class Show {
   // told: called with a run that the page has computed.
-  constructor(model, told) {
+  constructor(told) {
     this.told = told;
     this.place = h("div", { class: "viewer" });
     this.badge = h("div", { class: "badge", role: "status", hidden: true });
     this.back = h("div", { class: "sample", hidden: true });
     this.el = h("div", { class: "motion-of" }, this.back, this.badge, this.place);
-    const address = URL.createObjectURL(new Blob([model.viewer], { type: "text/javascript" }));
-    this.ready = import(address).finally(() => URL.revokeObjectURL(address));
     this.app = null;
     this.live = null; // the scene that the page computes by itself, with its base
     this.values = {};
@@ -23,8 +22,7 @@ export class Show {
   get names() { return this.app?.names ?? []; }
 
   // A motion has come from the studio.
-  async take(value) {
-    const { mount } = await this.ready;
+  take(value) {
     this.latest = value;
     this.otherwise = false;
     this.badge.hidden = true;
@@ -36,15 +34,14 @@ export class Show {
     }
     this.live = null;
     this.back.hidden = true;
-    this.put(mount, value.scene);
+    this.put(value.scene);
   }
 
   // The scene of a model that the page can compute, or none.
-  async compute(message) {
-    const { mount } = await this.ready;
+  compute(message) {
     if (message.scene && this.latest?.base === message.base) {
       this.live = message;
-      this.put(mount, message.scene, true);
+      this.put(message.scene, true);
       this.app.on("run", (run) => { if (this.live) this.told(run); });
       this.turn(this.values);
     }
@@ -56,7 +53,7 @@ export class Show {
     return Object.entries(parameters).every(([name, value]) => names.has(name) || !(name in shown) || same(value, shown[name]));
   }
 
-  put(mount, scene, live = false) {
+  put(scene, live = false) {
     const shape = JSON.stringify([live, scene.title, Object.keys(scene.geometry.bodies), Object.keys(scene.geometry.joints), scene.runs[0]?.names]);
     if (this.app && shape === this.shape && !live) this.app.setRun(scene.runs[0]);
     else {
@@ -110,14 +107,13 @@ export class Show {
     this.badge.textContent = "old: computing the new motion";
   }
 
-  async sample(message) {
-    const { mount } = await this.ready;
-    this.put(mount, message.scene);
+  sample(message) {
+    this.put(message.scene);
     this.back.hidden = false;
     const back = () => {
       this.back.hidden = true;
       if (this.live) this.compute(this.live);
-      else this.put(mount, this.latest.scene);
+      else this.put(this.latest.scene);
     };
     replace(this.back, h("span", { title: message.more }, message.words), h("button", { onclick: back }, "Back to the model"));
   }
