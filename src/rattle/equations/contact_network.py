@@ -32,8 +32,8 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
     """Pattern of the rows of joints (nr, 2: bodies A, B) and contacts, and arrays for the values."""
     nr, nc = len(row_body), len(contact)
     bodies = [(int(a), int(b)) for a, b in row_body]
-    for one in contact:
-        bodies += [(int(one[at.A_BODY]), int(one[at.B_BODY]))] * 2
+    for entry in contact:
+        bodies += [(int(entry[at.A_BODY]), int(entry[at.B_BODY]))] * 2
     blocks: Sequence[range] = [
         *(range(row, row + 1) for row in range(nr)),
         *(range(nr + 2 * n, nr + 2 * n + 2) for n in range(nc)),

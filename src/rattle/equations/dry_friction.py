@@ -330,11 +330,11 @@ def complete_dry_friction(m):
     """Find tau of all joints for the present accelerations and multipliers, and add what these do not yet contain."""
     memory, response, reaction = m.dry_memory, m.dry_response, m.dry_reaction
     acceleration, multiplier = m.acceleration, m.multiplier
-    found = find_forces(m)
+    solved = find_forces(m)
     for n in range(memory.shape[0]):
-        tau = memory[n, at.DRY_FORCE] if found else math.nan
+        tau = memory[n, at.DRY_FORCE] if solved else math.nan
         more = tau - memory[n, at.DRY_ADDED]
-        memory[n, at.DRY_LOCKS] = 0.0 if found else 1.0
+        memory[n, at.DRY_LOCKS] = 0.0 if solved else 1.0
         memory[n, at.DRY_FORCE], memory[n, at.DRY_ADDED] = tau, tau
         for i in range(1, acceleration.shape[0]):
             for k in range(3):

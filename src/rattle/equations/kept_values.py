@@ -24,7 +24,7 @@ EASY = 1e4  # by how much more coordinates without mass move than the inverse ro
 ROUNDS = 40  # of Newton's method
 AS_GIVEN, MOVED, NOT_CLOSED, NOT_FINITE = range(4)  # what became of positions and rates
 # rows of `kept_places`, (3 nb,) each, and of `kept_sides`, (nr,) each
-MADE, EXACT, START, STILL, THERE, CHANGE, MORE, ROOT, TURNED = range(9)
+ATTEMPT, EXACT, START, STILL, THERE, CHANGE, MORE, ROOT, TURNED = range(9)
 WANTED, ROUNDING, SIDE, REST, ORDERED = range(5)
 
 
@@ -76,10 +76,10 @@ def shortest(m, rows, side, x):
                 tall[j, i] = wide[i, j]
         for i in range(rows, ordered.shape[0]):
             ordered[i] = 0.0
-        known = triangulate(tall, rank, second, pivot_tall, 0.0)
-        into_basis(tall, pivot_tall, known, ordered)
-        solve_upper(tall, pivot_tall, known, ordered)
-        for j in range(known):
+        width = triangulate(tall, rank, second, pivot_tall, 0.0)
+        into_basis(tall, pivot_tall, width, ordered)
+        solve_upper(tall, pivot_tall, width, ordered)
+        for j in range(width):
             turned[second[j]] = ordered[j]
     out_of_basis(wide, pivot, rank, turned)
     for k in range(n):
@@ -87,7 +87,7 @@ def shortest(m, rows, side, x):
 
 
 @compiled
-def least_change(m, given, size):
+def least_change(m, prescribed, size):
     """Change with Phi_q change = `WANTED` (nr,) into `CHANGE`; coordinates that are given, not nan, change least.
 
     Phi_q in `kept_rows`; `ROUNDING` (nr,): of `WANTED`; combinations of rows that are not larger do not change given
@@ -103,11 +103,11 @@ def least_change(m, given, size):
         sides[SIDE],
         sides[REST],
     )
-    nr, n = rows.shape[0], given.shape[0]
+    nr, n = rows.shape[0], prescribed.shape[0]
     others = 0
     for k in range(n):
         change[k] = 0.0
-        if given[k] != given[k]:
+        if prescribed[k] != prescribed[k]:
             scale = 1.0 / size if k % 3 == 2 else 1.0
             for r in range(nr):
                 span[others, r] = rows[r, k] * scale
@@ -127,7 +127,7 @@ def least_change(m, given, size):
             side[i] = asked if abs(asked) > rounding else 0.0
             for k in range(n):
                 value = 0.0
-                if given[k] == given[k]:
+                if prescribed[k] == prescribed[k]:
                     for r in range(nr):
                         value += line[r] * rows[r, k]
                 wide[i, k] = value
@@ -135,7 +135,7 @@ def least_change(m, given, size):
     for r in range(nr):
         value = wanted[r]
         for k in range(n):
-            if given[k] == given[k]:
+            if prescribed[k] == prescribed[k]:
                 value -= rows[r, k] * change[k]
                 wide[r, k] = 0.0
             else:
@@ -144,7 +144,7 @@ def least_change(m, given, size):
     if others > 0:
         shortest(m, nr, rest, more)
         for k in range(n):
-            if given[k] != given[k]:
+            if prescribed[k] != prescribed[k]:
                 change[k] = more[k]
 
 
@@ -178,25 +178,25 @@ def take_roots(m):
 
 
 @compiled
-def distance(m, q, given):
+def distance(m, q, prescribed):
     """Squared distance of positions q from those given, weighted by mass."""
     weight, total = m.weight, 0.0
     for k in range(q.shape[0]):
-        if given[k] == given[k]:
-            off = q[k] - given[k]
+        if prescribed[k] == prescribed[k]:
+            off = q[k] - prescribed[k]
             total += off * off / weight[k // 3 + 1, k % 3]
     return total
 
 
 @native("i", "h", "f", "v", "v", "f")
-def keep_given(m, t, q, given, size):
+def keep_given(m, t, q, prescribed, size):
     """Closed positions near q (3 nb,) that keep the given values as far as joints allow, in place; q if none are found.
 
-    given: (3 nb,), nan if not given; size: of the mechanism [m].  Returns what became of q.
+    prescribed: (3 nb,), nan if not given; size: of the mechanism [m].  Returns what became of q.
     """
     places, sides, full = m.kept_places, m.kept_sides, m.kept_rows
-    made, exact, start, still, there, change = (
-        places[MADE],
+    attempt, exact, start, still, there, change = (
+        places[ATTEMPT],
         places[EXACT],
         places[START],
         places[STILL],
@@ -206,27 +206,27 @@ def keep_given(m, t, q, given, size):
     wanted, noise = sides[WANTED], sides[ROUNDING]
     off, n = 0.0, q.shape[0]
     for k in range(n):
-        made[k] = q[k]
+        attempt[k] = q[k]
         still[k] = 0.0
-        if given[k] == given[k]:
-            off = max(off, abs(q[k] - given[k]))
+        if prescribed[k] == prescribed[k]:
+            off = max(off, abs(q[k] - prescribed[k]))
     if off <= 1e-14 * max(1.0, size):
         return AS_GIVEN
     take_roots(m)
     for _ in range(ROUNDS):
-        open_by(m, t, made, still)
+        open_by(m, t, attempt, still)
         if not take_rows(m):
             return NOT_FINITE
         for k in range(n):
-            there[k] = given[k] - made[k] if given[k] == given[k] else 0.0
+            there[k] = prescribed[k] - attempt[k] if prescribed[k] == prescribed[k] else 0.0
         for r in range(full.shape[0]):
             value, terms = -m.rows[r, at.RES], 0.0
             for k in range(n):
                 value -= full[r, k] * there[k]
-                terms += abs(full[r, k]) * abs(made[k])
+                terms += abs(full[r, k]) * abs(attempt[k])
             wanted[r] = value
             noise[r] = NOISE * (terms + size)
-        least_change(m, given, size)
+        least_change(m, prescribed, size)
         most = 0.0
         for k in range(n):
             change[k] += there[k]
@@ -235,35 +235,35 @@ def keep_given(m, t, q, given, size):
             return NOT_FINITE
         share = min(1.0, 0.5 / max(most, 1e-300))
         for k in range(n):
-            made[k] += share * change[k]
+            attempt[k] += share * change[k]
         if share * most < 1e-14:
             break
     for k in range(n):
-        exact[k] = made[k]
-    gap, _iterations = close_position(m, t, made, start, 1e-12 * size, 30)
+        exact[k] = attempt[k]
+    gap, _iterations = close_position(m, t, attempt, start, 1e-12 * size, 30)
     if not gap <= 1e-9 * size:
         return NOT_CLOSED
     if open_by(m, t, exact, still) <= 1e-14 * max(1.0, size):
         for k in range(n):
-            made[k] = exact[k]
-    if not distance(m, made, given) < distance(m, q, given):
+            attempt[k] = exact[k]
+    if not distance(m, attempt, prescribed) < distance(m, q, prescribed):
         return AS_GIVEN
     for k in range(n):
-        q[k] = made[k]
+        q[k] = attempt[k]
     return MOVED
 
 
 @native("i", "h", "f", "v", "v", "v", "f")
-def keep_given_rates(m, t, q, v, given, size):
+def keep_given_rates(m, t, q, v, prescribed, size):
     """Rates near v (3 nb,) that satisfy the constraints and keep given ones as far as possible, in place.
 
-    q: (3 nb,) closed positions; given: (3 nb,), nan if not given.  Returns what became of v.
+    q: (3 nb,) closed positions; prescribed: (3 nb,), nan if not given.  Returns what became of v.
     """
     sides, change, full = m.kept_sides, m.kept_places[CHANGE], m.kept_rows
     wanted, noise, n = sides[WANTED], sides[ROUNDING], q.shape[0]
     for k in range(n):
-        if given[k] == given[k]:
-            v[k] = given[k]
+        if prescribed[k] == prescribed[k]:
+            v[k] = prescribed[k]
     open_by(m, t, q, v)  # Phi_q and nu follow from the positions
     if not take_rows(m):
         return NOT_FINITE
@@ -280,14 +280,14 @@ def keep_given_rates(m, t, q, v, given, size):
             closed = closed and abs(value) <= noise[r]
         if closed:
             break
-        least_change(m, given, size)
+        least_change(m, prescribed, size)
         for k in range(n):
             v[k] += change[k]
     return MOVED
 
 
 @native("ii", "h", "f", "v", "v", "f", "n", "m", "i", "m")
-def hold_pins(m, t, q, given, size, pins, offsets, keep, scratch):
+def hold_pins(m, t, q, prescribed, size, pins, offsets, keep, scratch):
     """Closed positions near q (3 nb,), in place, with the bushes of joints moved to where their pins lie.
 
     pins (k, 3): body A of a joint, where its point on A stands in `values`, and the row of `offsets` (n, 4): this point
@@ -310,7 +310,7 @@ def hold_pins(m, t, q, given, size, pins, offsets, keep, scratch):
         total += iterations
         if not gap <= 1e-9 * size:
             return NOT_CLOSED, total
-        if keep > 0 and keep_given(m, t, q, given, size) == NOT_FINITE:
+        if keep > 0 and keep_given(m, t, q, prescribed, size) == NOT_FINITE:
             return NOT_FINITE, total
         most = 0.0
         for k in range(q.shape[0]):

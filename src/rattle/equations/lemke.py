@@ -139,8 +139,8 @@ def follow(m, count, attempt):
             sense = 1.0 if growth > 0.0 else -1.0
         nearest, ends, next_who = math.inf, -1, -1
         for k in range(count):
-            one, other = margins(m, k)
-            for what in (one, other):
+            normal_margin, friction_margin = margins(m, k)
+            for what in (normal_margin, friction_margin):
                 falls = -sense * margin(m, k, what, theta, 1)
                 if falls > 0.0 and not (k == who and what == entered):
                     ahead = max(margin(m, k, what, theta, 0), 0.0) / falls
@@ -163,17 +163,17 @@ def follow(m, count, attempt):
 def follow_kernel(m, count):
     """Modes of a solution into `candidate`; returns SOLVED, JAMMED (the path ends in a ray) or UNDECIDED."""
     held, side, path = m.held, m.side, m.path
-    found = UNDECIDED
+    best = UNDECIDED
     held[at.RIDGE] = RAISED
     for attempt in range(ATTEMPTS):
         outcome = follow(m, count, attempt)
         for r in range(2 * count):
             side[B, r] = path[KEPT_B, r]
-        found = max(found, outcome)
-        if found == SOLVED:
+        best = max(best, outcome)
+        if best == SOLVED:
             break
     held[at.RIDGE] = 0.0
-    return found
+    return best
 
 
 KERNEL = follow_kernel

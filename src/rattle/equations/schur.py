@@ -80,10 +80,10 @@ def _analysed(row_bodies: tuple[tuple[int, int], ...], blocks: tuple[range, ...]
             for other, other_column in members[: n + 1]:
                 low, high = sorted((int(place[row]), int(place[other])))
                 pairs.append((low if low == high else entry[low][high], row, column, other, other_column, body))
-    found = Pattern(place, first, below, np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))
-    for array in found:
+    pattern = Pattern(place, first, below, np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))
+    for array in pattern:
         array.flags.writeable = False
-    return found
+    return pattern
 
 
 def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> list[int]:
@@ -109,10 +109,10 @@ def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[rang
             continue
         done[n] = True
         order.append(n)
-        for one in near[n]:
-            near[one] |= near[n]
-            near[one] -= {one, n}
-            heapq.heappush(queue, (len(near[one]), one))
+        for neighbour in near[n]:
+            near[neighbour] |= near[n]
+            near[neighbour] -= {neighbour, n}
+            heapq.heappush(queue, (len(near[neighbour]), neighbour))
     return order
 
 

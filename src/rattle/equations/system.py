@@ -89,7 +89,7 @@ class System:
         joints, bodies = self.model.joints.values(), self.model.bodies.values()
         held = [end.at for joint in joints for end in (joint.a, joint.b) if end.body == "ground"]
         groups = [held, *([*body.points.values(), (0.0, 0.0)] for body in bodies)]
-        return largest(0.0, *(one.distance for one in joints), *map(_spread, filter(None, groups))) or self.size
+        return largest(0.0, *(joint.distance for joint in joints), *map(_spread, filter(None, groups))) or self.size
 
     @property
     def element_states(self) -> int:
@@ -221,7 +221,7 @@ class System:
 
     def _put_own_states(self, image: Image) -> None:
         """Enter the start of the states of the model."""
-        own = [one.start for one in self.model.states.values()]
+        own = [state.start for state in self.model.states.values()]
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own
 
@@ -230,8 +230,8 @@ class System:
         facts = self.__dict__.setdefault("_facts", {})
         if key not in facts:
             facts[key] = find()
-        found: Fact = facts[key]
-        return found
+        fact: Fact = facts[key]
+        return fact
 
     def _renumbered(self, key: str) -> Image:
         """The image of another system of this form with the numbers of this one."""
@@ -245,12 +245,12 @@ class System:
 
     def with_numbers(self, model: Model, changed: Mapping[str, np.ndarray], size: float) -> System:
         """The system of a model of the same form; changed: arrays with other numbers, of the same shapes."""
-        made = object.__new__(System)
-        made.__dict__.update({key: self.__dict__[key] for key in self.__dataclass_fields__})
-        made.__dict__.update(model=model, arrays={**self.arrays, **changed}, size=size)
-        made.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
-        made.__dict__["_like"] = self, changed
-        return made
+        system = object.__new__(System)
+        system.__dict__.update({key: self.__dict__[key] for key in self.__dataclass_fields__})
+        system.__dict__.update(model=model, arrays={**self.arrays, **changed}, size=size)
+        system.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
+        system.__dict__["_like"] = self, changed
+        return system
 
 
 def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
@@ -258,30 +258,30 @@ def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
 
     A fictitious mass is SHARE of the least mass of the model, a fictitious inertia SHARE of the least inertia.
     """
-    found = [(i, k) for i in range(1, len(mass)) for k in range(3) if mass[i, k] == 0.0]
+    massless = [(i, k) for i in range(1, len(mass)) for k in range(3) if mass[i, k] == 0.0]
     whole = mass.copy()
-    if found:
-        masses = [one.mass for one in model.bodies.values() if one.mass > 0.0]
-        inertias = [one.inertia for one in model.bodies.values() if one.inertia > 0.0]
+    if massless:
+        masses = [body.mass for body in model.bodies.values() if body.mass > 0.0]
+        inertias = [body.inertia for body in model.bodies.values() if body.inertia > 0.0]
         light = least(*masses) if masses else 1.0
         length = length_of(model)
         turning = least(*inertias) if inertias else light * (length * length)
         whole = whole.astype(object)  # any of these may be recorded
-        for i, k in found:
+        for i, k in massless:
             whole[i, k] = SHARE * (turning if k == 2 else light)
     weight = np.zeros_like(whole)
     weight[1:] = 1.0 / whole[1:]
-    return _table(found, 2), array_of(weight)
+    return _table(massless, 2), array_of(weight)
 
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
     """The kind whose constraint rows this joint has, and the values of its fields; None if only contacts act on it."""
     if joint.is_loose:
         return None, ()
-    contact, known = joint.contact, registry.kinds("joint")
+    contact, joint_kinds = joint.contact, registry.kinds("joint")
     if contact is not None and joint.clearance > 0.0 and registry.kinds("contact")[contact.model].leaf.link:
-        return known[joint.leaf.massless], (joint.clearance,)
-    return known[joint.kind], joint.numbers
+        return joint_kinds[joint.leaf.massless], (joint.clearance,)
+    return joint_kinds[joint.kind], joint.numbers
 
 
 def is_link(joint: Joint) -> bool:
@@ -399,15 +399,15 @@ def _joints(
     row_body: list[Any] = []
     watch: list[int] = []
     watched: list[str] = []
-    for name, one in model.joints.items():
-        found, fields = joint_rows(one)
-        a, b = number[one.a.body], number[one.b.body]
-        joint.append((found.tag if found else -1, a, b, len(values), len(rows)))
-        if is_link(one):
+    for name, joint_model in model.joints.items():
+        kind, fields = joint_rows(joint_model)
+        a, b = number[joint_model.a.body], number[joint_model.b.body]
+        joint.append((kind.tag if kind else -1, a, b, len(values), len(rows)))
+        if is_link(joint_model):
             watch.append(len(rows))
             watched.append(name)
-        values += packed([*one.a.at, *one.b.at, *fields])
-        for unit in found.leaf.rows if found else ():
+        values += packed([*joint_model.a.at, *joint_model.b.at, *fields])
+        for unit in kind.leaf.rows if kind else ():
             rows.append(Row(name, unit, False))
             row_body.append((a, b))
     return joint, rows, row_body, watch, watched
@@ -418,16 +418,16 @@ def _loads(
 ) -> tuple[list[Any], list[tuple[int, int]]]:
     load = []
     live: list[tuple[int, int]] = []
-    for name, one in model.loads.items():
-        tag = registry.kinds("load")[one.kind].tag
+    for name, load_model in model.loads.items():
+        tag = registry.kinds("load")[load_model.kind].tag
         start, before = len(values), len(live)
-        for n, value in enumerate(packed(one.values)):
+        for n, value in enumerate(packed(load_model.values)):
             if isinstance(value, float | int):
                 values.append(value)
             else:
                 live.append((programs.add(value, f"loads.{name} (value {n + 1})"), len(values)))
                 values.append(0.0)
-        load.append((tag, number[one.a.body], number[one.b.body], start, int(len(live) > before)))
+        load.append((tag, number[load_model.a.body], number[load_model.b.body], start, int(len(live) > before)))
     return load, live
 
 
@@ -459,7 +459,7 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 def _lengths_of(model: Model) -> list[float]:
     """Distances [m] of points from the mass centre of their body, or from the origin, and those that joints keep."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
-    return [abs(x) + abs(y) for x, y in points] + [one.distance for one in model.joints.values()]
+    return [abs(x) + abs(y) for x, y in points] + [joint.distance for joint in model.joints.values()]
 
 
 def length_of(model: Model) -> float:

@@ -99,10 +99,10 @@ def _plain(value: Any) -> Any:
 
 
 def _digest(text: str, t: Array, curves: Sequence[Array]) -> str:
-    found = hashlib.sha256(text.encode("utf-8", "surrogatepass"))
+    digest = hashlib.sha256(text.encode("utf-8", "surrogatepass"))
     for curve in (t, *curves):
-        found.update(np.ascontiguousarray(curve, "<f8").tobytes())
-    return found.hexdigest()
+        digest.update(np.ascontiguousarray(curve, "<f8").tobytes())
+    return digest.hexdigest()
 
 
 def _netcdf(text: str, digest: str, t: Array, curves: Mapping[str, Array], units: Mapping[str, str]) -> bytes:
@@ -113,8 +113,8 @@ def _netcdf(text: str, digest: str, t: Array, curves: Mapping[str, Array], units
         file.attrs["rattle_format"] = FORMAT
         file.dimensions["t"] = len(t) or None
         for name, curve in {"t": t, **curves}.items():
-            made = file.create_variable(name, ("t",), np.dtype("<f8"), data=curve if len(t) else None)
-            made.attrs["units"] = "s" if name == "t" else units[name]
+            variable = file.create_variable(name, ("t",), np.dtype("<f8"), data=curve if len(t) else None)
+            variable.attrs["units"] = "s" if name == "t" else units[name]
         record = file.create_variable(RECORD, (), h5py.string_dtype())
         record[...] = text
         record.attrs[DIGEST] = digest
@@ -188,14 +188,14 @@ def require_whole(file: Path) -> bool:
         if not trailer.startswith(TRAILER):
             return False
         opened.seek(0)
-        found, left = hashlib.sha256(), size - length
+        digest, left = hashlib.sha256(), size - length
         while left > 0:
             part = opened.read(min(left, 1 << 20))
-            found.update(part)
+            digest.update(part)
             left -= len(part)
             if not part:
                 break
-    if trailer[len(TRAILER) :].strip() != found.hexdigest().encode():
+    if trailer[len(TRAILER) :].strip() != digest.hexdigest().encode():
         raise InputError(f"{file} is damaged: its bytes do not match its checksum; compute it again")
     return True
 
@@ -217,16 +217,16 @@ def _read_netcdf(file: Path, own: bool) -> Found:
             link = opened.get(name, getlink=True)
             if link is None:
                 raise KeyError(name)
-            one = opened[name] if type(link) is h5py.HardLink else None
-            if not isinstance(one, h5py.Dataset) or one.is_virtual or one.external:
+            dataset = opened[name] if type(link) is h5py.HardLink else None
+            if not isinstance(dataset, h5py.Dataset) or dataset.is_virtual or dataset.external:
                 raise Damaged("has links to other files, which no result has")
-            if own and one.id.get_create_plist().get_nfilters():
+            if own and dataset.id.get_create_plist().get_nfilters():
                 raise Damaged(f"holds '{name}' packed, as no result does: a small file could fill the memory")
-            place = h5py.h5o.get_info(one.id).addr
+            place = h5py.h5o.get_info(dataset.id).addr
             if place in places:
                 raise Damaged(f"holds '{name}' under another name too: a small file could fill the memory")
             places.add(place)
-            return one
+            return dataset
 
         record = variable(RECORD)
         if record.shape != () or h5py.check_string_dtype(record.dtype) is None:
@@ -238,11 +238,14 @@ def _read_netcdf(file: Path, own: bool) -> Found:
         columns = list(parsed["names"])
         _fits(len(columns) + 1, n, size, packed=1 if own else PACKED)
         curves = [variable(name) for name in columns]
-        if any(one.shape != (n,) or one.dtype.kind != "f" or one.dtype.itemsize != 8 for one in (t, *curves)):
+        if any(
+            dataset.shape != (n,) or dataset.dtype.kind != "f" or dataset.dtype.itemsize != 8
+            for dataset in (t, *curves)
+        ):
             raise InputError("no curves")
         if parsed["format"] == 1:
-            parsed["units"] = {name: str(one.attrs["units"]) for name, one in zip(columns, curves, strict=True)}
-        numbers = [np.asarray(one[()], dtype=np.float64) for one in (t, *curves)]
+            parsed["units"] = {name: str(dataset.attrs["units"]) for name, dataset in zip(columns, curves, strict=True)}
+        numbers = [np.asarray(dataset[()], dtype=np.float64) for dataset in (t, *curves)]
     return text, parsed, str(digest), numbers[0], numbers[1:]
 
 
@@ -309,17 +312,17 @@ def _require_plain(record: Any, count: int) -> None:
         raise InputError("units are texts")
     ahead: list[Any] = [record]
     while ahead:
-        one = ahead.pop()
-        if isinstance(one, dict | list):
-            ahead += [*one, *one.values()] if isinstance(one, dict) else one
-        elif isinstance(one, str) and not one.isprintable() and shown(one) != one:
+        item = ahead.pop()
+        if isinstance(item, dict | list):
+            ahead += [*item, *item.values()] if isinstance(item, dict) else item
+        elif isinstance(item, str) and not item.isprintable() and shown(item) != item:
             raise InputError("texts with control characters")
-        elif type(one) is int and abs(one) > LARGEST:
+        elif type(item) is int and abs(item) > LARGEST:
             raise InputError("a whole number that is too large to be computed with")
     for event in record["events"]:
         _, joint, kind, *numbers = event
         texts = isinstance(joint, str) and isinstance(kind, str)
-        if not texts or not all(type(one) in (int, float) for one in (event[0], *numbers)):
+        if not texts or not all(type(item) in (int, float) for item in (event[0], *numbers)):
             raise InputError("an event is a time, a joint, a kind and numbers")
     if where := misfit_of(record):
         raise Damaged(f"{NO_RESULT}: {where} in its record is not as a result has it")

@@ -60,38 +60,38 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
     or a massless link, N has the magnitude of the force; `<joint>.pressing` is the largest N of a
     link, whose N may also be negative.
     """
-    found: list[tuple[str, int, int]] = []
+    watched: list[tuple[str, int, int]] = []
     for n, name in enumerate(system.joints):
         c = at.PER_JOINT * n
         if name in system.model.drivers:
             effort = registry.kinds("driver")[system.model.drivers[name].kind].leaf.effort[0]
-            found += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
+            watched += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
             continue
         joint = system.model.joints[name]
         if joint.leaf.bodies:
-            found.append((f"{name}.torque", at.OF_SIZE, c + at.EFFORT))
+            watched.append((f"{name}.torque", at.OF_SIZE, c + at.EFFORT))
             continue
         kind = joint_rows(joint)[0]
-        found.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
+        watched.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
         sided = joint.one_sided
         if passes_moment(joint):
-            found.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
-        found += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in frictions(joint)]
+            watched.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
+        watched += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in frictions(joint)]
         if joint.stop is not None:
-            found.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
+            watched.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
         if joint.contact is None or (sided is not None and sided.records):
             if joint.is_loose:
-                found.append((f"{name}.{sided.records[0]}", at.OF_LARGER, c + at.JOINT_NORMAL))
+                watched.append((f"{name}.{sided.records[0]}", at.OF_LARGER, c + at.JOINT_NORMAL))
             continue
         if kind is None:
-            found.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
-            found.append((f"{name}.tangential", at.OF_SIZE, c + at.JOINT_TANGENT))
-            found.append((f"{name}.penetration", at.OF_VALUE, c + at.PENETRATION))
+            watched.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
+            watched.append((f"{name}.tangential", at.OF_SIZE, c + at.JOINT_TANGENT))
+            watched.append((f"{name}.penetration", at.OF_VALUE, c + at.PENETRATION))
             if joint.contact.film is not None:
-                found.append((f"{name}.offset", at.OF_VECTOR, c + at.EX))
+                watched.append((f"{name}.offset", at.OF_VECTOR, c + at.EX))
         elif kind.name != joint.kind:
-            found.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
-    return found
+            watched.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
+    return watched
 
 
 def frictions(joint: Joint) -> tuple[tuple[str, int], ...]:
@@ -153,12 +153,12 @@ def columns(
                 add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
             if joint.one_sided is not None and joint.one_sided.records:
                 forces = _two_forces(joint, raw, c)
-                for key, one in zip(joint.one_sided.records, forces, strict=True):
-                    add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, one)
+                for key, force in zip(joint.one_sided.records, forces, strict=True):
+                    add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, force)
             elif joint.contact is not None:
-                made = _of_contact(system, joint, kind, raw, c)
+                of_contact = _of_contact(system, joint, kind, raw, c)
                 for key, column in OF_CONTACT.items():
-                    add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, made.get(key))
+                    add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, of_contact.get(key))
                 if joint.contact.film is not None:
                     for key, (unit, values) in film_columns(system, joint, raw, c, turning).items():
                         add(f"{name}.{key}", unit, c + at.EX, values)
@@ -192,11 +192,11 @@ def reaction_columns(system: System, units: Mapping[str, str]) -> np.ndarray:
 
 def _two_forces(joint: Joint, raw: np.ndarray, c: int) -> tuple[np.ndarray, np.ndarray]:
     """The larger and the smaller force (n,) [N] of two strands; of a belt that cannot stretch, about its pretension."""
-    one, other = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
+    first, second = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
     if not joint.is_loose:
         half, pretension = 0.5 * raw[:, c + at.EFFORT], float(joint.fields["pretension"])
-        one, other = pretension + half, pretension - half
-    return np.maximum(one, other), np.minimum(one, other)
+        first, second = pretension + half, pretension - half
+    return np.maximum(first, second), np.minimum(first, second)
 
 
 def rates_of(system: System, joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -223,24 +223,24 @@ def _of_contact(
     system: System, joint: Joint, kind: registry.Kind | None, raw: np.ndarray, c: int
 ) -> dict[str, np.ndarray]:
     """Columns (n,) [SI] of a joint with clearance that its raw columns from c on do not hold as a result shows them."""
-    made: dict[str, np.ndarray] = {}
+    derived: dict[str, np.ndarray] = {}
     ex, ey = raw[:, c + at.EX], raw[:, c + at.EY]
     if kind is not None:  # otherwise only contacts act on it
         fx, fy = raw[:, c + at.FX], raw[:, c + at.FY]
         distance = np.hypot(ex, ey)
         link = kind.name != joint.kind
-        made["tangential"] = made["penetration"] = np.zeros_like(fx)
+        derived["tangential"] = derived["penetration"] = np.zeros_like(fx)
         if link:
             with np.errstate(invalid="ignore", divide="ignore"):
-                made["normal"] = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
-            made["penetration"] = distance - float(joint.clearance)
+                derived["normal"] = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
+            derived["penetration"] = distance - float(joint.clearance)
         else:
-            made["normal"] = np.hypot(fx, fy)
+            derived["normal"] = np.hypot(fx, fy)
             if joint.one_sided is not None and joint.one_sided.contacts == 1:  # its row is the slope of the gap
-                made["normal"] = np.copysign(made["normal"], raw[:, c + at.EFFORT])
+                derived["normal"] = np.copysign(derived["normal"], raw[:, c + at.EFFORT])
     if joint.line is not None:
-        made["ex"], made["ey"] = _play(system, joint, raw, ex, ey)
-    return made
+        derived["ex"], derived["ey"] = _play(system, joint, raw, ex, ey)
+    return derived
 
 
 def _play(
@@ -320,21 +320,21 @@ def numbers(fields: Mapping[str, Any]) -> dict[str, Any]:
     def known(value: Any) -> bool:
         return isinstance(value, float | int) and -math.inf < value < math.inf
 
-    found = {key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()}
+    lists = {key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()}
     return {
-        key: value for key, value in found.items() if all(map(known, value if isinstance(value, list) else [value]))
+        key: value for key, value in lists.items() if all(map(known, value if isinstance(value, list) else [value]))
     }
 
 
 def load_fields(load: Load) -> dict[str, Value | str]:
     """Values of a load [SI] by the name of their field; those of fields with two values are left out."""
-    found: dict[str, Value | str] = {}
+    fields: dict[str, Value | str] = {}
     left = iter(load.values)
-    for key, one in registry.kinds("load")[load.kind].fields.items():
-        taken = list(itertools.islice(left, WIDTHS.get(one.shape, 1)))
-        if one.shape not in WIDTHS and taken:
-            found[key] = taken[0]
-    return found
+    for key, field in registry.kinds("load")[load.kind].fields.items():
+        taken = list(itertools.islice(left, WIDTHS.get(field.shape, 1)))
+        if field.shape not in WIDTHS and taken:
+            fields[key] = taken[0]
+    return fields
 
 
 WIDTHS = {"connect": 4, "point": 2, "pair": 2, "body": 0}  # numbers of a load's field of this shape, if not one

@@ -53,9 +53,9 @@ class Curves(Protocol):
 
 def peak(result: Curves, name: str) -> tuple[float, float]:
     """Largest magnitude of a curve [SI] and its time [s], see `Result.peak`. Raises InputError without an output."""
-    known = result.peaks.get(name)
-    if known is not None:
-        return known.value, known.t
+    within_steps = result.peaks.get(name)
+    if within_steps is not None:
+        return within_steps.value, within_steps.t
     values = np.abs(result[name])
     if not len(values):
         raise InputError(f"no output, so {name!r} has no peak")
@@ -86,11 +86,11 @@ def readable(result: Curves, name: str) -> bool:
 
 def gap_beside(result: Curves, name: str) -> float | None:
     """The singular position [s] towards which a curve grows: its peak lies where values begin to be left out."""
-    known = result.peaks.get(name)
-    if known is None:
+    within_steps = result.peaks.get(name)
+    if within_steps is None:
         return None
     for instant, gap in zip(result.trust.singular, result.trust.gaps, strict=False):
-        if any(abs(known.t - edge) <= ON_EDGE * (gap[1] - gap[0]) for edge in gap):
+        if any(abs(within_steps.t - edge) <= ON_EDGE * (gap[1] - gap[0]) for edge in gap):
             return instant
     return None
 
@@ -149,9 +149,9 @@ def rigid_joints(result: Curves) -> tuple[str, ...]:
 
 def rms_of(result: Curves, name: str) -> float:
     """Root mean square of a curve over time, in its SI unit, see `Result.rms`."""
-    known = result.peaks.get(name)
-    if known is not None:
-        return known.rms
+    within_steps = result.peaks.get(name)
+    if within_steps is not None:
+        return within_steps.rms
     whole = result.with_breaks
     curve = SampledCurve(whole.t, whole[name]) if len(whole.t) else None
     return math.sqrt(curve.mean_square()) if curve is not None and curve.finite else rms(whole.t, whole[name])
@@ -209,12 +209,12 @@ def contacts(result: Curves) -> dict[str, ContactSummary]:
 
 def _touching(result: Curves) -> list[tuple[str, str]]:
     """Joints with a stop, or with clearance that is not closed, and the name of the force of their contacts."""
-    found = []
+    joints = []
     for name, form in result.geometry["joints"].items() if len(result.t) else ():
         loose = form.get("contact", "") not in ("", "ideal") and f"{name}.normal" in result
         if loose or (form.get("stop") and f"{name}.stop" in result):
-            found.append((name, f"{name}.normal" if loose else f"{name}.stop"))
-    return found
+            joints.append((name, f"{name}.normal" if loose else f"{name}.stop"))
+    return joints
 
 
 def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
@@ -233,7 +233,7 @@ def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
         share, flight = 1.0 - result.trust.pulled[joint], 0.0
     elif spans or not span:
         share = math.fsum(b - a for a, b in spans) / span if span else float(normal[0] > 0.0)
-        edges = [start, *(edge for one in spans for edge in one), end]
+        edges = [start, *(edge for pair in spans for edge in pair), end]
         flight = max(b - a for a, b in zip(edges[::2], edges[1::2], strict=True))
     else:
         share = float(np.trapezoid((normal > 0.0).astype(float), t) / span)
@@ -255,22 +255,22 @@ def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
 
 def _pressing(result: Curves, joint: str, force: str) -> float:
     """Largest magnitude of a contact force [SI]; of a massless link, which may pull, the largest while it presses."""
-    known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(force)
-    if known is not None:
-        return known.value
+    within_steps = result.peaks.get(f"{joint}.pressing") or result.peaks.get(force)
+    if within_steps is not None:
+        return within_steps.value
     values = result[force] if force.endswith(".normal") else np.abs(result[force])
     return float(np.nanmax(values))
 
 
 def pressing_spans(events: list[Event]) -> list[tuple[float, float]]:
     """Intervals (start, end) [s] in which any contact of one joint presses: the union of its closed contacts."""
-    found: list[tuple[float, float]] = []
+    union: list[tuple[float, float]] = []
     for a, b in sorted((event.t, event.t + event.duration) for event in events if event.kind == "contact"):
-        if found and a <= found[-1][1]:
-            found[-1] = (found[-1][0], max(b, found[-1][1]))
+        if union and a <= union[-1][1]:
+            union[-1] = (union[-1][0], max(b, union[-1][1]))
         else:
-            found.append((a, b))
-    return found
+            union.append((a, b))
+    return union
 
 
 def _longest_gap(t: np.ndarray, pressing: np.ndarray, span: float) -> float:
@@ -321,11 +321,11 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
                 if bears
                 else (joint, quantity(0.0, "N"), "-", quantity(0.0, "N"))
             )
-        if one := loose.get(joint):
-            row += (f"{100 * one.share:.0f} %", str(one.contacts), str(one.impacts))
+        if summary := loose.get(joint):
+            row += (f"{100 * summary.share:.0f} %", str(summary.contacts), str(summary.impacts))
             part = " dry" if f"{joint}.film_thickness" in result else ""  # what its oil loses stands in the oil's table
-            row += (quantity(one.energy_lost, "J") + part, quantity(one.power_lost, "W") + part)
-            row += (quantity(one.impulse, "N*s", 3), quantity(one.impulse_at, "s")) if one.impacts else ()
+            row += (quantity(summary.energy_lost, "J") + part, quantity(summary.power_lost, "W") + part)
+            row += (quantity(summary.impulse, "N*s", 3), quantity(summary.impulse_at, "s")) if summary.impacts else ()
         rows.append(row + ("-",) * (len(head) - len(row)))
     return head, rows
 
@@ -361,21 +361,25 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
     """What rigid contacts show, joint by joint: impulses, force of lasting contact, and that of elastic bushes."""
     lines = []
     for joint in rigid_joints(result):
-        one = contacts(result).get(joint)
-        if one is None:
+        summary = contacts(result).get(joint)
+        if summary is None:
             continue
-        said = (
-            [SENTENCES["impulse"].format(impulse=quantity(one.impulse, "N*s", 3), t=quantity(one.impulse_at, "s"))]
-            if one.impacts
+        phrases = (
+            [
+                SENTENCES["impulse"].format(
+                    impulse=quantity(summary.impulse, "N*s", 3), t=quantity(summary.impulse_at, "s")
+                )
+            ]
+            if summary.impacts
             else []
         )
-        if one.readable:
-            said.append(SENTENCES["lasting"].format(force=quantity(one.peak, "N")))
+        if summary.readable:
+            phrases.append(SENTENCES["lasting"].format(force=quantity(summary.peak, "N")))
         else:
-            said.append(SENTENCES["towers"])
+            phrases.append(SENTENCES["towers"])
         if joint in result.trust.elastic:
-            said.append(f"elastic bushes would show about {bracket(result, joint)} ({result.trust.bushes[joint]})")
-        lines.append(f"{joint}: {'; '.join(said)}")
+            phrases.append(f"elastic bushes would show about {bracket(result, joint)} ({result.trust.bushes[joint]})")
+        lines.append(f"{joint}: {'; '.join(phrases)}")
     return (*lines, *clutch_lines(result))
 
 

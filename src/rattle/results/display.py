@@ -127,9 +127,9 @@ def card(title: str, *parts: str, hint: str = "") -> str:
     return f'<div class="rattle-card">{STYLE}{top}{"".join(parts)}{end}</div>'
 
 
-def marks(said: Iterable[tuple[str, str]]) -> str:
+def marks(sentences: Iterable[tuple[str, str]]) -> str:
     """Sentences with a mark before each: "good", "bad" or "note"; no colour alone says which."""
-    items = [f'<li class="{kind}">{html.escape(printed(_sentence(text)))}</li>' for kind, text in said]
+    items = [f'<li class="{kind}">{html.escape(printed(_sentence(text)))}</li>' for kind, text in sentences]
     return f"<ul>{''.join(items)}</ul>" if items else ""
 
 
@@ -142,15 +142,15 @@ def _sentence(text: str) -> str:
 def joint_rows_of(model: Model) -> list[tuple[str, str, str, str, str]]:
     """Joints of a model: name, type, bodies, clearance and contact as texts."""
     return [
-        (name, one.kind, f"{one.a.body} - {one.b.body}", quantity(one.clearance, "m") if one.contact else "",
-         one.contact.title if one.contact else "")
-        for name, one in model.joints.items()
+        (name, joint.kind, f"{joint.a.body} - {joint.b.body}", quantity(joint.clearance, "m") if joint.contact else "",
+         joint.contact.title if joint.contact else "")
+        for name, joint in model.joints.items()
     ]  # fmt: skip
 
 
 def model_tables(model: Model, written: Mapping[str, tuple[float, str]]) -> str:
     """Joints and parameters of a model as tables of a notebook; written: units of parameters, see `in_written_unit`."""
-    named = [(name, in_written_unit(one, written[name])) for name, one in model.parameters.items()]
+    named = [(name, in_written_unit(parameter, written[name])) for name, parameter in model.parameters.items()]
     parts = grid(("joint", "type", "between", "clearance", "contact"), joint_rows_of(model))
     return parts + grid(("parameter", "value"), named) if named else parts
 

@@ -115,11 +115,11 @@ def misfit(value: Any, wanted: Any, where: str) -> str:
         right = isinstance(value, list | tuple) and len(value) == len(parts)
         return _first(zip(value, parts, strict=True), where) if right else where
     if kind in (list, tuple):
-        return _first(((one, parts[0]) for one in value), where) if isinstance(value, list | tuple) else where
+        return _first(((item, parts[0]) for item in value), where) if isinstance(value, list | tuple) else where
     if kind in (dict, Mapping):
         right = isinstance(value, dict) and all(isinstance(key, str) for key in value)
-        found = (misfit(one, parts[1], f"{where}.{key}") for key, one in value.items()) if right else iter([where])
-        return next(filter(None, found), "")
+        misfits = (misfit(item, parts[1], f"{where}.{key}") for key, item in value.items()) if right else iter([where])
+        return next(filter(None, misfits), "")
     if kind is ndarray:  # of intervals
         return misfit(value, list[Pair], where)
     fits = {float: (int, float), int: (int,), str: (str,), bool: (bool,), NoneType: (NoneType,)}[kind]
@@ -128,7 +128,7 @@ def misfit(value: Any, wanted: Any, where: str) -> str:
 
 def _first(pairs: Any, where: str) -> str:
     """The first misfit among values with their types."""
-    return next(filter(None, (misfit(one, wanted, f"{where}[{n}]") for n, (one, wanted) in enumerate(pairs))), "")
+    return next(filter(None, (misfit(item, wanted, f"{where}[{n}]") for n, (item, wanted) in enumerate(pairs))), "")
 
 
 def _table_misfit(value: Any, wanted: Any, where: str) -> str:
@@ -136,8 +136,8 @@ def _table_misfit(value: Any, wanted: Any, where: str) -> str:
         return where
     for key, hint in get_type_hints(wanted).items():
         if key in value:
-            if found := misfit(value[key], hint, f"{where}.{key}"):
-                return found
+            if place := misfit(value[key], hint, f"{where}.{key}"):
+                return place
         elif key in wanted.__required_keys__:
             return f"{where}.{key}"
     return ""
@@ -149,9 +149,9 @@ def misfit_of(record: Mapping[str, Any]) -> str:
     hints = get_type_hints(Trust)
     if not isinstance(trust, dict):
         return "trust"
-    found = next(filter(None, (misfit(trust[key], hints[key], f"trust.{key}") for key in trust if key in hints)), "")
+    place = next(filter(None, (misfit(trust[key], hints[key], f"trust.{key}") for key in trust if key in hints)), "")
     return (
-        found
+        place
         or misfit(geometry, Geometry, "geometry")
         or misfit(record.get("peaks", {}), dict[str, list[float]], "peaks")
         or misfit(provenance, Provenance, "provenance")

@@ -246,9 +246,9 @@ class Result:
         shown = {name: column_unit(self._units[name], units or SI) for name in self.names}
         time = column_unit("s", units or SI)
         index = pandas.Index(time.factor * self.t, name="t")
-        frame = pandas.DataFrame({name: one.factor * self[name] for name, one in shown.items()}, index=index)
+        frame = pandas.DataFrame({name: quantity.factor * self[name] for name, quantity in shown.items()}, index=index)
         frame.attrs["units"] = (
-            {"t": time.unit} | {name: one.unit for name, one in shown.items()} if units else dict(self._units)
+            {"t": time.unit} | {name: quantity.unit for name, quantity in shown.items()} if units else dict(self._units)
         )
         return frame
 
@@ -281,9 +281,10 @@ class Result:
         columns = self.names if names is None else tuple(names)
         time, shown = column_unit("s", units), [column_unit(self.unit(name), units) for name in columns]
         header = [f"t [{time.unit}]"] + [
-            f"{name} [{one.unit}]" if one.unit else name for name, one in zip(columns, shown, strict=True)
+            f"{name} [{quantity.unit}]" if quantity.unit else name
+            for name, quantity in zip(columns, shown, strict=True)
         ]
-        curves = (one.factor * self[name] for name, one in zip(columns, shown, strict=True))
+        curves = (quantity.factor * self[name] for name, quantity in zip(columns, shown, strict=True))
         table = np.column_stack([time.factor * self.t, *curves])
 
         def write(place: Path) -> None:

@@ -15,8 +15,8 @@ def result_card(r: Curves, title: str, stopped: str, example: str) -> str:
     title: what it is.  stopped: why it ended early, "" if it did not.  example: a curve to draw.
     """
     tables = [grid(head, rows) for head, rows in (joint_rows(r), film_rows(r)) if rows]
-    said = [marks([("bad", f"stopped: {stopped}")])] if stopped else []
-    said += [f"<p>{escape(line)}</p>" for line in contact_lines(r)]
-    said += [f"<p>{escape(printed(line))}</p>" for line in (r.trust.word, *r.trust.why)]
+    sentences = [marks([("bad", f"stopped: {stopped}")])] if stopped else []
+    sentences += [f"<p>{escape(line)}</p>" for line in contact_lines(r)]
+    sentences += [f"<p>{escape(printed(line))}</p>" for line in (r.trust.word, *r.trust.why)]
     first = next((f"{joint}.force" for joint in r.geometry["joints"] if f"{joint}.fx" in r), example)
-    return card(title, *tables, *said, hint=f'r.plot("{first}"), r.trust')
+    return card(title, *tables, *sentences, hint=f'r.plot("{first}"), r.trust')

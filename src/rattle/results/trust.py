@@ -79,8 +79,8 @@ class Trust:
         return f"<rattle.Trust: {self._accuracy()}; {self._reach()}>"
 
     def _repr_html_(self) -> str:
-        marked = [("good", one) for one in self.holds()] + [("bad", one) for one in self.doubts()]
-        return card("How far to trust it", marks([*marked, *(("note", one) for one in self.notes)]))
+        marked = [("good", sentence) for sentence in self.holds()] + [("bad", sentence) for sentence in self.doubts()]
+        return card("How far to trust it", marks([*marked, *(("note", sentence) for sentence in self.notes)]))
 
     def __str__(self) -> str:
         remarks = self.remarks()
@@ -149,41 +149,45 @@ class Trust:
 
     def _excepted(self) -> str:
         """What is not trusted within that time, in words."""
-        said = [_say("unread", joints=", ".join(self.unread))] if self.unread else []
+        exceptions = [_say("unread", joints=", ".join(self.unread))] if self.unread else []
         if self.singular:
             times = ", ".join(f"{t:.4g}" for t in self.singular[:3]) + (", ..." if len(self.singular) > 3 else "")
-            said.append(_say("singular", times=times))
-        return " and ".join(said)
+            exceptions.append(_say("singular", times=times))
+        return " and ".join(exceptions)
 
     def holds(self, size: float = 1.0) -> tuple[str, ...]:
         """What was checked and is well, in sentences; size: of the mechanism [m], which a drift is compared with."""
-        said = [] if self._loosely_solved(size) else [f"the equations were solved well: {self._accuracy()}"]
+        sentences = [] if self._loosely_solved(size) else [f"the equations were solved well: {self._accuracy()}"]
         if not self._excepted() and self._reaches_the_end() and not self.stopped:
-            said.append(self._reach())
+            sentences.append(self._reach())
         if self.pulled and not any(self.pulled.values()):
-            said.append(self._links())
+            sentences.append(self._links())
         if self._touching() and not self.coarse():
-            said.append(self._touching())
-        return tuple(said)
+            sentences.append(self._touching())
+        return tuple(sentences)
 
     def doubts(self, size: float = 1.0) -> tuple[str, ...]:
         """What cannot be vouched for, in sentences; empty if there is nothing.  size: as in `holds`.
 
         The notes of the run, which may be harmless, are in `notes`.
         """
-        said = [f"the run ended early, at t = {self.t_end:.4g} s"] if self.stopped else []
+        sentences = [f"the run ended early, at t = {self.t_end:.4g} s"] if self.stopped else []
         if self._loosely_solved(size):
-            said.append(f"the equations were solved loosely, a smaller tolerance or step helps: {self._accuracy()}")
+            sentences.append(
+                f"the equations were solved loosely, a smaller tolerance or step helps: {self._accuracy()}"
+            )
         if self.stopped or not self._reaches_the_end():
-            said.append(self._reach())
+            sentences.append(self._reach())
         if any(self.pulled.values()):
-            said.append(self._links())
-        said += self.coarse()
+            sentences.append(self._links())
+        sentences += self.coarse()
         if self._excepted():
-            said.append(f"not to be trusted: {self._excepted()}")
+            sentences.append(f"not to be trusted: {self._excepted()}")
         if self.nonunique:
-            said.append(f"the reactions of {', '.join(self.nonunique)} are not unique, as constraints are redundant")
-        return tuple(said)
+            sentences.append(
+                f"the reactions of {', '.join(self.nonunique)} are not unique, as constraints are redundant"
+            )
+        return tuple(sentences)
 
     def _loosely_solved(self, size: float) -> bool:
         off = max(self.drift / size, self.drift_angle, self.energy_share or 0.0)
@@ -194,7 +198,7 @@ class Trust:
 
     def remarks(self) -> str:
         """Links that would have to pull, contacts, and all else that must be said, in one line; "" if nothing."""
-        return "; ".join(one for one in (self._pulling(), *self._remarks()) if one)
+        return "; ".join(sentence for sentence in (self._pulling(), *self._remarks()) if sentence)
 
     def _accuracy(self) -> str:
         where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
@@ -250,7 +254,7 @@ class Trust:
         return _say("shortest", counts=" and ".join(counts), steps=_steps(self.fewest_steps)) + coarse
 
     def _pulling(self) -> str:
-        return "; ".join(one for one in (self._links(), self._touching()) if one)
+        return "; ".join(sentence for sentence in (self._links(), self._touching()) if sentence)
 
     def _links(self) -> str:
         pulling = sorted((j for j, share in self.pulled.items() if share > 0), key=lambda j: -self.pulled[j])
@@ -258,10 +262,12 @@ class Trust:
             return ""
         if not pulling:
             return f"{' and '.join(self.pulled)} would never have to pull: the pin stays on its bush all the time"
-        said = [f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])]
+        clauses = [
+            f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])
+        ]
         more = [f"{len(pulling) - 3} more pins"] if len(pulling) > 3 else []
         pin = "the pin" if len(pulling) == 1 else "these pins"
-        return f"{', and '.join(said + more)}: {pin} would lift off; this model does not hold there"
+        return f"{', and '.join(clauses + more)}: {pin} would lift off; this model does not hold there"
 
     def _how_much(self, joint: str) -> str:
         share, first = 100 * self.pulled[joint], self.first_pull.get(joint)

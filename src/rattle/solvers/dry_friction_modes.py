@@ -229,7 +229,7 @@ def decide(m, t, y, who, told):
     if breaks:
         memory[who, at.DRY_MODE] = sense
     loose = who if breaks or who == KEEP else -1
-    found = settle(m, t, y, loose) or try_all(m, t, y, loose)
+    settled = settle(m, t, y, loose) or try_all(m, t, y, loose)
     bring_to_rest(m, y)  # those that stick: near a dead centre the others would have to lose all rates
     solve_at(m, t, y)
     for n in range(memory.shape[0]):
@@ -240,16 +240,16 @@ def decide(m, t, y, who, told):
         memory[n, at.DRY_REST], memory[n, at.DRY_OVER] = 0.0, 0.0
         if told == 1:
             tell(m, t, n)
-    return found
+    return settled
 
 
 @compiled
 def modes_changed(m):
     """True if the last `decide` has changed a mode."""
-    memory, found = m.dry_memory, False
+    memory, changed = m.dry_memory, False
     for n in range(memory.shape[0]):
-        found = found or memory[n, at.DRY_MODE] != memory[n, at.DRY_BEFORE]
-    return found
+        changed = changed or memory[n, at.DRY_MODE] != memory[n, at.DRY_BEFORE]
+    return changed
 
 
 @compiled
@@ -270,11 +270,11 @@ def tell(m, t, n):
 @compiled
 def any_over(m):
     """True if a mode could not last at an instant since the last call."""
-    memory, found = m.dry_memory, False
+    memory, over = m.dry_memory, False
     for n in range(memory.shape[0]):
-        found = found or memory[n, at.DRY_OVER] == 1.0
+        over = over or memory[n, at.DRY_OVER] == 1.0
         memory[n, at.DRY_OVER] = 0.0
-    return found
+    return over
 
 
 @compiled
@@ -322,10 +322,10 @@ def first_change_of_modes(m, t, h, until):
                 if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
                     break
                 look(m, t, h, middle)
-                found = False
+                changed = False
                 for n in range(count):
-                    found = found or past(m, n)
-                if found:
+                    changed = changed or past(m, n)
+                if changed:
                     high = middle
                 else:
                     low = middle

@@ -86,27 +86,27 @@ def choose_sides(m, t, ahead):
 @native("i", "h")
 def crossed(m):
     """True if a switching function has had the other sign since the last call."""
-    switch, code, found = m.switch, m.code, False
+    switch, code, any_crossed = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, at.OWN_CODE]
-        found = found or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
+        any_crossed = any_crossed or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
         code[row, CROSSED] = 0
     if m.dry.shape[0] > 0:
-        found = any_over(m) or found
-    return found
+        any_crossed = any_over(m) or any_crossed
+    return any_crossed
 
 
 @native("i", "h")
 def release(m):
     """Release the switches whose switching functions have had the other sign; True if there are any."""
-    switch, code, found = m.switch, m.code, False
+    switch, code, any_released = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, at.OWN_CODE]
         if code[row, CROSSED] == 1 and code[row, SIDE] != 0:
             code[row, SIDE] = 0
-            found = True
+            any_released = True
         code[row, CROSSED] = 0
-    return found
+    return any_released
 
 
 @compiled

@@ -67,8 +67,8 @@ def trial_step(size, slope, longest):
 
     size, slope: sums of squares of the state and of its derivative over the tolerances.
     """
-    known = min(size, slope) > 1e-10
-    return min(select(known, SHARE * math.sqrt(size / max(slope, TINY)), BLIND), longest)
+    resolved = min(size, slope) > 1e-10
+    return min(select(resolved, SHARE * math.sqrt(size / max(slope, TINY)), BLIND), longest)
 
 
 @compiled
@@ -78,6 +78,6 @@ def first_length(h, slope, bend, count, power, longest):
     bend: sum of squares of the change of the derivative in it, over the tolerances; count: of their components.
     """
     fastest = max(math.sqrt(slope), math.sqrt(bend) / h) / math.sqrt(count)
-    known = min(max(fastest, SLOWEST), 1.0 / TINY)
-    length = select(fastest == known, root_of(SHARE / known, power), max(1e-3 * h, BLIND))
+    within = min(max(fastest, SLOWEST), 1.0 / TINY)
+    length = select(fastest == within, root_of(SHARE / within, power), max(1e-3 * h, BLIND))
     return min(min(100.0 * h, length), longest)

@@ -64,11 +64,11 @@ def returned(law: str, restitution: float) -> float:
 
 
 def _leaf(law: str) -> Any:
-    known = kinds("normal")
-    if law not in known:
-        near = difflib.get_close_matches(law, known, 1)
+    laws = kinds("normal")
+    if law not in laws:
+        near = difflib.get_close_matches(law, laws, 1)
         raise InputError(f"unknown normal law '{law}'" + (f"; did you mean '{near[0]}'?" if near else ""))
-    return known[law].leaf
+    return laws[law].leaf
 
 
 class Damped(ABC):

@@ -51,7 +51,7 @@ class UsersKernel(KernelFunction):
         """The kernel with this law in it, for machine code."""
 
     @abstractmethod
-    def flat(self, *given: float) -> Sequence[float]:
+    def flat(self, *flattened: float) -> Sequence[float]:
         """What the law returns as plain Python; arguments and result are numbers one after the other."""
 
     @property
@@ -105,7 +105,7 @@ def place_of(law: Any, words: str) -> str:
 
 def outside(law: Any) -> Any:
     """Numbers, texts and arrays that a function uses from outside, and those of the functions that it calls."""
-    found: dict[Any, Any] = {}
+    used: dict[Any, Any] = {}
     ahead, seen = [getattr(law, "py_func", law)], set()
     while ahead:
         function = ahead.pop()
@@ -122,15 +122,19 @@ def outside(law: Any) -> Any:
             if isfunction(value):
                 ahead.append(value)
             elif ismodule(value):
-                inside = {one: getattr(value, one) for one in code.co_names if hasattr(value, one)}
-                found |= {(id(code), name, one): repr(x) for one, x in inside.items() if isinstance(x, int | float)}
+                inside = {
+                    attribute: getattr(value, attribute) for attribute in code.co_names if hasattr(value, attribute)
+                }
+                used |= {
+                    (id(code), name, attribute): repr(x)
+                    for attribute, x in inside.items()
+                    if isinstance(x, int | float)
+                }
             elif isinstance(value, np.ndarray):
-                found[id(code), name] = (value.shape, value.dtype.str, value.tobytes())
+                used[id(code), name] = (value.shape, value.dtype.str, value.tobytes())
             else:
-                found[id(code), name] = (
-                    repr(value) if isinstance(value, int | float | str | tuple | list) else id(value)
-                )
-    return found
+                used[id(code), name] = repr(value) if isinstance(value, int | float | str | tuple | list) else id(value)
+    return used
 
 
 def _content(cell: Any) -> list[Any]:

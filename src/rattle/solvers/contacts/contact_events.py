@@ -26,7 +26,7 @@ from rattle.solvers.dense_output import interpolate
 
 PARTS = 16  # samples in a step of what is left of the mode of a clutch
 DIPS = 4  # parabolas through a least value between them
-GAUSS, WEIGHTS = (np.array(one) for one in np.polynomial.legendre.leggauss(8))
+GAUSS, WEIGHTS = (np.array(column) for column in np.polynomial.legendre.leggauss(8))
 PEAK_PARTS = 8  # samples of a force in a step
 FLAT = 0.1  # share by which the force between two samples may be larger than at them
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -271,18 +271,18 @@ def highest_force(m, n, until):
     if high <= m.contact_memory[n, at.PEAK] * (1.0 - FLAT):
         return high
     low, top = until * max(best - 1, 0) / PEAK_PARTS, until * min(best + 1, PEAK_PARTS) / PEAK_PARTS
-    one, two = top - GOLDEN * (top - low), low + GOLDEN * (top - low)
-    first, second = normal_at(m, one, n), normal_at(m, two, n)
+    left, right = top - GOLDEN * (top - low), low + GOLDEN * (top - low)
+    first, second = normal_at(m, left, n), normal_at(m, right, n)
     while top - low > PEAK_WIDTH:
         high = max(high, first, second)
         if first > second:
-            top, two, second = two, one, first
-            one = top - GOLDEN * (top - low)
-            first = normal_at(m, one, n)
+            top, right, second = right, left, first
+            left = top - GOLDEN * (top - low)
+            first = normal_at(m, left, n)
         else:
-            low, one, first = one, two, second
-            two = low + GOLDEN * (top - low)
-            second = normal_at(m, two, n)
+            low, left, first = left, right, second
+            right = low + GOLDEN * (top - low)
+            second = normal_at(m, right, n)
     return max(high, first, second)
 
 

@@ -246,11 +246,11 @@ def go_beyond(m, count, apart, pulling):
     for r in range(2 * count):
         m.side[B, r] -= (more if pulling > 0.0 else -more) * m.delassus[r, 2 * k + 1]
     m.slide[k] = 0
-    found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
-    if found < 0:  # too many combinations to be tried
-        found = 1 if solve_contacts(m, count) and linear(m, count) > 0 else 2
-    m.held[at.OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
-    return OK if found == 1 else (NOT_UNIQUE if found > 1 else NO_SOLUTION)
+    solutions = call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
+    if solutions < 0:  # too many combinations to be tried
+        solutions = 1 if solve_contacts(m, count) and linear(m, count) > 0 else 2
+    m.held[at.OUTCOME] = SOLVED if solutions > 0 else IMPOSSIBLE
+    return OK if solutions == 1 else (NOT_UNIQUE if solutions > 1 else NO_SOLUTION)
 
 
 @compiled
@@ -262,15 +262,15 @@ def end_creep(m, count):
     friction ends it at once, with no more than CREEP^2 of the energy.
     """
     kinematics, mode, active, slide = m.contact_kinematics, m.mode, m.active, m.slide
-    largest, found = 0.0, False
+    largest, ended = 0.0, False
     for k in range(count):
         largest = max(largest, abs(kinematics[active[k], at.SLIP]))
     for k in range(count):
         n = active[k]
         if mode[n] != OFF and slide[k] != 0 and abs(kinematics[n, at.SLIP]) <= CREEP * largest:
             mode[n] = STICK
-            found = True
-    return found
+            ended = True
+    return ended
 
 
 @compiled

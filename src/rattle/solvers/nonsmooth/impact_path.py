@@ -218,16 +218,16 @@ def follow_phase(m, count, expands, zero):
 def gives_energy(m, count):
     """True if the impulses of an impact, f in `side`, would create energy; rates before it must be up to date."""
     side, g, kinematics, active = m.side, m.delassus, m.contact_kinematics, m.active
-    given, size = 0.0, 0.0
+    energy, size = 0.0, 0.0
     for r in range(2 * count):
         n = active[r // 2]
         before = kinematics[n, at.DGAP] if r % 2 == 0 else -kinematics[n, at.SLIP]
         after = before
         for s in range(2 * count):
             after += g[r, s] * side[F, s]
-        given += 0.5 * side[F, r] * (before + after)
+        energy += 0.5 * side[F, r] * (before + after)
         size += abs(side[F, r]) * (abs(before) + abs(after))
-    return given > 1e-14 * size
+    return energy > 1e-14 * size
 
 
 @kernel("problem")

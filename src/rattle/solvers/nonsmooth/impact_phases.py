@@ -305,7 +305,7 @@ def expand_kernel(m, count):
     as_full_matrix(m, count)
     for r in range(2 * count):
         bounce[PRESSED, r], bounce[RATES, r] = side[F, r], side[A, r]
-    found = True
+    expands = True
     if energetic:
         if not find_shares(m, count):
             low, high = 0.0, 1.0
@@ -323,7 +323,7 @@ def expand_kernel(m, count):
     else:
         for k in range(count):
             bounce[SHARE, 2 * k] = bounce[E, 2 * active[k]]
-        found = expansion(m, count, 1.0)
+        expands = expansion(m, count, 1.0)
     for k in range(count):
         n, t = 2 * k, 2 * k + 1
         side[F, n] += bounce[PRESSED, n]
@@ -333,4 +333,4 @@ def expand_kernel(m, count):
             candidate[k] = STICK
         elif candidate[k] != OFF and side[A, t] > 0.0:
             candidate[k] = BACKWARD
-    return 1 if found else 0
+    return 1 if expands else 0

@@ -311,7 +311,7 @@ def low_bounce(m, t, y, count):
     """Mark contacts that rise after the impact, but too low to follow; True if there is a new one."""
     kinematics, memory, active, side = m.contact_kinematics, m.contact_memory, m.active, m.side
     values, contact, recent, bounce = m.values, m.contact, m.recent, m.bounce
-    found, lifted, end = False, False, t
+    any_low, lifted, end = False, False, t
     motion_without(m, t, y)
     for r in range(2 * count):
         side[OTHER, r] = side[F, r]
@@ -329,7 +329,7 @@ def low_bounce(m, t, y, count):
             continue
         pull = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
         if pull < 0.0 and speed * speed < -2.0 * pull * least:
-            found = True
+            any_low = True
             if side[F, 2 * k] > 0.0 and came > 0.0:
                 e = values[contact[n, at.NORMAL_P] + at.RESTITUTION]
                 if law_of(m, n) != NEWTON:
@@ -341,7 +341,7 @@ def low_bounce(m, t, y, count):
                 end = max(end, t - 2.0 * speed / pull)
                 memory[n, at.BOUNCES_END] = end
     if not lifted:
-        return found
+        return any_low
     m.tally[at.SERIES] += 1
     for k in range(count):
         n = active[k]
@@ -352,7 +352,7 @@ def low_bounce(m, t, y, count):
         n = active[k]
         if memory[n, at.BOUNCES_END] != 0.0 or (side[F, 2 * k] > 0.0 and not rises(m, k, n)):
             memory[n, at.BOUNCES_END] = end
-    return found
+    return any_low
 
 
 @compiled

@@ -127,13 +127,13 @@ def pass_jam(m, t, late):
             side[B, 2 * k], side[B, 2 * k + 1], slide[k] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP], 0
             candidate[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
         if attempt == 0:
-            found = solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)
+            passes = solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)
         else:
             solve_modes(m, count, 0)
-            found = holds(m, count) and ends_slip(m, count)
-        if found:
+            passes = holds(m, count) and ends_slip(m, count)
+        if passes:
             break
-    if not found:
+    if not passes:
         return LOCKED
     v = y[nq : 2 * nq]
     for c in range(nq):

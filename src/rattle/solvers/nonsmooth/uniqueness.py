@@ -214,8 +214,8 @@ def try_kernel(m, number):
     count, most = number // 2, 1 + number % 2
     if combinations(m, count) > MOST_COMBINED:
         return -1
-    found = try_combinations(m, count, most, 1.0) if count <= MOST_TRIED else 0
-    return try_combinations(m, count, most, LOOSE) if found == 0 else found
+    solutions = try_combinations(m, count, most, 1.0) if count <= MOST_TRIED else 0
+    return try_combinations(m, count, most, LOOSE) if solutions == 0 else solutions
 
 
 @kernel("problem")

@@ -117,9 +117,9 @@ def climb(m, t, h, n, low, top, high, height):
 
     Successive parabolas: the lowest of three points is replaced by the maximum of the parabola through them.
     """
-    known = m.peaks[n, BEST]
+    highest = m.peaks[n, BEST]
     fb = probe(m, t, h, top, n)
-    if not fb + height > known:
+    if not fb + height > highest:
         return 1
     b, wide = top, 0.3 * max(top - low, high - top)
     a, c = max(low, b - wide), min(high, b + wide)

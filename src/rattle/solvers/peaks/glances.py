@@ -106,13 +106,13 @@ def second_difference(looks, k, c):
 @compiled
 def may_dip(looks, i, count, c, slack):
     """True if column c may be below -slack between samples i and i + 1, but is not negative at either of them."""
-    one = min(max(i, 1), count - 2)
-    two = min(max(i + 1, 1 if i > 0 else 2), count - 2)
+    nearest = min(max(i, 1), count - 2)
+    next_one = min(max(i + 1, 1 if i > 0 else 2), count - 2)
     wide, left, right = looks[i + 1, at.LOOK_SHARE] - looks[i, at.LOOK_SHARE], max(looks[i, c], 0.0), looks[i + 1, c]
     if right < 0.0:
         return False
-    bend, other = second_difference(looks, one, c), second_difference(looks, two, c)
-    largest = max(max(abs(looks[one - 1, c]), abs(looks[one, c])), max(abs(right), abs(looks[two + 1, c])))
+    bend, other = second_difference(looks, nearest, c), second_difference(looks, next_one, c)
+    largest = max(max(abs(looks[nearest - 1, c]), abs(looks[nearest, c])), max(abs(right), abs(looks[next_one + 1, c])))
     unlike = abs(bend - other) * wide * wide
     if unlike > RESOLVED * largest and unlike > slack:
         return True
@@ -170,8 +170,8 @@ def doubts(m, error):
             continue
         for kind in range(KINDS):
             if matters(m, n, kind):
-                one, two = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, n, kind))
-                first, last = min(first, one), min(last, two)
+                begin, finish = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, n, kind))
+                first, last = min(first, begin), min(last, finish)
     return first, last
 
 

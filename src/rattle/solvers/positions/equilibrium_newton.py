@@ -86,12 +86,12 @@ def largest_of(x, n):
 
 
 @compiled
-def is_known(q, known, count, near, scale):
+def is_known(q, positions, count, near, scale):
     """True if q is within `near` (scaled [m]) of one of the first `count` positions, angles compared modulo a turn."""
     for n in range(count):
         apart = 0.0
         for k in range(q.shape[0]):
-            value = q[k] - known[n, k]
+            value = q[k] - positions[n, k]
             if k % 3 == 2:
                 value -= 2.0 * math.pi * math.floor(value / (2.0 * math.pi) + 0.5)
             apart = max(apart, abs(value) / scale[k])
@@ -200,12 +200,12 @@ def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
 
 @compiled
 def find(
-    m, t, q, scale, size, step, downhill, rounds, known, count, near,
+    m, t, q, scale, size, step, downhill, rounds, positions, count, near,
     links, arm, wide, norm, order, pivot, null, line, small, state, order_h, pivot_h, most,
 ):  # fmt: skip
     """From a start q to an equilibrium, in place; to a stable one if `downhill`.
 
-    rounds: Newton steps after which the call returns GOING, to be called again.  known (k, 3 nb) [m, rad]: positions
+    rounds: Newton steps after which the call returns GOING, to be called again.  positions (k, 3 nb) [m, rad]: those
     that need not be found again, the first `count` of them, within `near`.  most: number of positions to try.
     state[PHASE] is 0 at the start.
     """
@@ -217,7 +217,7 @@ def find(
             return FOUND
         if not state[G_SIZE] < math.inf:
             return LOST
-        if is_known(q, known, count, near, scale):
+        if is_known(q, positions, count, near, scale):
             return KNOWN
         reduced_stiffness(m, t, q, step, dof, 2, null, line, small)
         far = newton_step(dof, downhill, order_h, pivot_h, line, small, null, state, size)

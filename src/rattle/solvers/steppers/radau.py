@@ -76,10 +76,10 @@ def through(m, first, k, theta):
     """The polynomial through 0 and the increments of number k of y in rows first to first + 2, at the share theta."""
     z = m.newton
     end = z[first + 2, k]
-    one = (z[first, k] / C[0] - end) / (1.0 - C[0])
-    two = (z[first + 1, k] / C[1] - end) / (1.0 - C[1])
-    bend = (two - one) / (C[1] - C[0])
-    return theta * (end + (1.0 - theta) * (one + (theta - C[0]) * bend))
+    first_slope = (z[first, k] / C[0] - end) / (1.0 - C[0])
+    second_slope = (z[first + 1, k] / C[1] - end) / (1.0 - C[1])
+    bend = (second_slope - first_slope) / (C[1] - C[0])
+    return theta * (end + (1.0 - theta) * (first_slope + (theta - C[0]) * bend))
 
 
 @compiled
@@ -88,16 +88,16 @@ def guess(m, t, h):
     z, iteration = m.newton, m.iteration
     before = iteration[at.KEPT_H]
     again, onwards = t == iteration[at.KEPT_T], t == iteration[at.KEPT_T] + before
-    known = (again or onwards) and before > 0.0 and h <= CONTINUED * before
+    continues = (again or onwards) and before > 0.0 and h <= CONTINUED * before
     past = 1.0 if onwards else 0.0
     for c in range(numbers_acting(m)):
         k = acting(m, c)
-        origin = through(m, KEPT, k, past) if known else 0.0
+        origin = through(m, KEPT, k, past) if continues else 0.0
         for i in range(3):
-            z[i, k] = through(m, KEPT, k, past + C[i] * h / before) - origin if known else 0.0
+            z[i, k] = through(m, KEPT, k, past + C[i] * h / before) - origin if continues else 0.0
         for i in range(3):
             z[W + i, k] = TI[i, 0] * z[0, k] + TI[i, 1] * z[1, k] + TI[i, 2] * z[2, k]
-    return 1 if known else 0
+    return 1 if continues else 0
 
 
 @compiled
@@ -331,10 +331,10 @@ def prepare_dense(m, t, h):
     unresolved_start(m, h)
     for n in range(dense.shape[1]):
         end = z[KEPT + 2, n]
-        one = (z[KEPT, n] / C[0] - end) / (1.0 - C[0])
-        two = (z[KEPT + 1, n] / C[1] - end) / (1.0 - C[1])
-        bend, first = (two - one) / (C[1] - C[0]), z[FIRST, n]
-        dense[1, n] = one - C[0] * bend + first
+        first_slope = (z[KEPT, n] / C[0] - end) / (1.0 - C[0])
+        second_slope = (z[KEPT + 1, n] / C[1] - end) / (1.0 - C[1])
+        bend, first = (second_slope - first_slope) / (C[1] - C[0]), z[FIRST, n]
+        dense[1, n] = first_slope - C[0] * bend + first
         dense[2, n] = bend - first
         dense[3, n] = -2.5 * first
         for row in range(4, 7):
