@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.errors import InputError, TraceError
+from rattle.jit.choices import TINY
 from rattle.jit.functions import compiled
 from rattle.language.recorded import Recorded, bare, log
 
@@ -53,7 +54,7 @@ FILE = Path(__file__).with_suffix(".npz")
 def edge_place(a, b, e, s, q):
     """tau [-] of a state and d tau/d alpha, from e [of the clearance], its parts a, b along and across v, s and Q."""
     if e < CENTRE:
-        e = max(e, 1e-300)
+        e = max(e, TINY)
         return a / e, b / e
     most = math.atan2(s, -e)
     whole = math.log(most / (math.pi - most))

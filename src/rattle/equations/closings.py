@@ -29,6 +29,8 @@ from rattle.jit.functions import compiled
 TINY = 1e-12  # share of the mechanism's size that spans nothing
 PARALLEL = 2e-12  # sine of the angle between two slides that are one
 MOST_NODES = 3000  # parts of loops that are solved for one of them: a value at the end of ten four-bars decides late
+PARTS = 1e14  # of 1, to which changes are rounded before they are compared
+WHOLE = 1e18  # numbers so large are whole numbers
 
 
 # ---------------------------------------------------------------- angles that are known, what loops span
@@ -397,7 +399,7 @@ def from_heap(m):
 @compiled
 def rounded(x, parts):
     """A number that is rounded to parts of 1, for those that are equal but for rounding."""
-    return round(x * parts) / parts if abs(x) < 1e18 / parts else x
+    return round(x * parts) / parts if abs(x) < WHOLE / parts else x
 
 
 @compiled
@@ -426,7 +428,7 @@ def branch(m, node, loop, open_loops):
                 away += off
                 if unknown < bodies.shape[1] and bodies[of.EXACT, unknown] == bodies[of.EXACT, unknown]:
                     change += off
-        nodes[child, of.CHANGE] = rounded(nodes[node, of.CHANGE] + change + short, 1e14)
+        nodes[child, of.CHANGE] = rounded(nodes[node, of.CHANGE] + change + short, PARTS)
         nodes[child, of.OPEN] = open_loops - 1
         nodes[child, of.AWAY] = nodes[node, of.AWAY] + away
         onto_heap(m, child)

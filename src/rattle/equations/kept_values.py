@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.closure import close_position, open_by
+from rattle.equations.closure import CLOSED, ITERATIONS, SHUT, close_position, open_by
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.functions import compiled, native
 from rattle.jit.small_matrices import into_basis, out_of_basis, solve_lower, solve_upper, triangulate
 
@@ -26,6 +27,12 @@ AS_GIVEN, MOVED, NOT_CLOSED, NOT_FINITE = range(4)  # what became of positions a
 # rows of `kept_places`, (3 nb,) each, and of `kept_sides`, (nr,) each
 ATTEMPT, EXACT, START, STILL, THERE, CHANGE, MORE, ROOT, TURNED = range(9)
 WANTED, ROUNDING, SIDE, REST, ORDERED = range(5)
+SAME = 1e-14  # change or residual [sizes, rad] that is rounding
+CLOSED_LAST = 1e-12  # sizes of the mechanism to which joints are closed once given values are kept
+MOST_LAST = 30  # iterations of that
+MOST_CHANGE = 0.5  # rotation [rad], or displacement [sizes], of one step
+MOST_PINS = 6  # times that pins are moved anew: their places depend on the angles of their bushes
+NOISE_OF_RATES = 8.0  # times NOISE, of the terms of a rate
 
 
 @compiled
@@ -210,7 +217,7 @@ def keep_given(m, t, q, prescribed, size):
         still[k] = 0.0
         if prescribed[k] == prescribed[k]:
             off = max(off, abs(q[k] - prescribed[k]))
-    if off <= 1e-14 * max(1.0, size):
+    if off <= SAME * max(1.0, size):
         return AS_GIVEN
     take_roots(m)
     for _ in range(ROUNDS):
@@ -233,17 +240,17 @@ def keep_given(m, t, q, prescribed, size):
             most = max(most, abs(change[k]) if k % 3 == 2 else abs(change[k]) / size)
         if not most < math.inf:
             return NOT_FINITE
-        share = min(1.0, 0.5 / max(most, 1e-300))
+        share = min(1.0, MOST_CHANGE / max(most, TINY))
         for k in range(n):
             attempt[k] += share * change[k]
-        if share * most < 1e-14:
+        if share * most < SAME:
             break
     for k in range(n):
         exact[k] = attempt[k]
-    gap, _iterations = close_position(m, t, attempt, start, 1e-12 * size, 30)
-    if not gap <= 1e-9 * size:
+    gap, _iterations = close_position(m, t, attempt, start, CLOSED_LAST * size, MOST_LAST)
+    if not gap <= SHUT * size:
         return NOT_CLOSED
-    if open_by(m, t, exact, still) <= 1e-14 * max(1.0, size):
+    if open_by(m, t, exact, still) <= SAME * max(1.0, size):
         for k in range(n):
             attempt[k] = exact[k]
     if not distance(m, attempt, prescribed) < distance(m, q, prescribed):
@@ -276,7 +283,7 @@ def keep_given_rates(m, t, q, v, prescribed, size):
                 value -= full[r, k] * v[k]
                 terms += abs(full[r, k]) * abs(v[k])
             wanted[r] = value
-            noise[r] = 8.0 * NOISE * terms
+            noise[r] = NOISE_OF_RATES * NOISE * terms
             closed = closed and abs(value) <= noise[r]
         if closed:
             break
@@ -297,7 +304,7 @@ def hold_pins(m, t, q, prescribed, size, pins, offsets, keep, scratch):
     values, before, total, rounds = m.values, scratch[1], 0, 1
     for n in range(pins.shape[0]):
         if offsets[pins[n, 2], 2] != 0.0 or offsets[pins[n, 2], 3] != 0.0:
-            rounds = 6
+            rounds = MOST_PINS
     for _ in range(rounds):
         for n in range(pins.shape[0]):
             angle = q[3 * pins[n, 0] - 1] if pins[n, 0] > 0 else 0.0
@@ -306,15 +313,15 @@ def hold_pins(m, t, q, prescribed, size, pins, offsets, keep, scratch):
             values[p + 1] = held[1] + (c * held[3] - s * held[2])
         for k in range(q.shape[0]):
             before[k] = q[k]
-        gap, iterations = close_position(m, t, q, scratch[0], 1e-13 * size, 60)
+        gap, iterations = close_position(m, t, q, scratch[0], CLOSED * size, ITERATIONS)
         total += iterations
-        if not gap <= 1e-9 * size:
+        if not gap <= SHUT * size:
             return NOT_CLOSED, total
         if keep > 0 and keep_given(m, t, q, prescribed, size) == NOT_FINITE:
             return NOT_FINITE, total
         most = 0.0
         for k in range(q.shape[0]):
             most = max(most, abs(q[k] - before[k]))
-        if most < 1e-14 * size:
+        if most < SAME * size:
             break
     return MOVED, total

@@ -45,6 +45,7 @@ GOLDEN = 0.6180339887498949  # its multiples modulo 1 are evenly spread and neve
 KEPT_B, UNEVEN, F_RATE, A_RATE = range(4)  # rows of `path`
 # quantities that must stay positive: a_n and N; -a_t, a_t of sliding; the friction reserve when sticking
 PARTING, PRESSING, FORWARDS, BACKWARDS, SHORT_OF_FORWARD, SHORT_OF_BACKWARD = range(6)
+TILT = 0.2  # of the largest b: how far d leads sideways
 
 
 @compiled
@@ -108,7 +109,7 @@ def begin(m, count, attempt):
         path[UNEVEN, 2 * k] = size * (0.75 + 0.5 * (spread - math.floor(spread)))
         spread += GOLDEN
         spread -= math.floor(spread) + 0.5
-        path[UNEVEN, 2 * k + 1] = 0.2 * size * spread / (1.0 + friction_of(m, m.active[k]))
+        path[UNEVEN, 2 * k + 1] = TILT * size * spread / (1.0 + friction_of(m, m.active[k]))
     return 2.0
 
 

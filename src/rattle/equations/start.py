@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations import start_columns as of
-from rattle.equations.closure import close_position, open_by
+from rattle.equations.closure import ITERATIONS, SHUT, close_position, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins, keep_given, keep_given_rates
 from rattle.equations.motion import drive, solve_motion
@@ -18,13 +18,12 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
 TOO_FAR, NOT_HELD = range(4, 6)  # what became of positions, besides those of `kept_values`
-ITERATIONS = 60  # of Newton's method
-SHUT = 1e-9  # sizes of the mechanism by which joints may stay open, and given places be missed
-ALONG = 1e-12  # the same, to which Newton's method goes where pins have offsets
+ALONG = 1e-12  # sizes of the mechanism to which Newton's method goes where pins have offsets
 FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
 BESIDE = 0.5  # change from a start near by [rad, mechanism sizes] up to which this one is on its branch, as recorded
 STEEP = 1e-6  # cosine of a line with an axis, from which on the place on that axis tells how far along the line
 NO_FORCE = 1e-12  # of the largest mass: a reaction [N] below it has no direction
+CLOSED_NEAR = 1e-3  # of SHUT, to which Newton's method goes beside a start
 
 
 @native("ii", "h", "f", "v", "v", "f", "m")
@@ -37,7 +36,7 @@ def close_near(m, t, q, prescribed, size, scratch):
     for k in range(q.shape[0]):
         start[k] = q[k]
     least = SHUT * size
-    gap, iterations = close_position(m, t, q, scratch[0], 1e-3 * least, ITERATIONS)
+    gap, iterations = close_position(m, t, q, scratch[0], CLOSED_NEAR * least, ITERATIONS)
     if not gap <= least:
         return NOT_CLOSED, iterations
     if keep_given(m, t, q, prescribed, size) == NOT_FINITE:

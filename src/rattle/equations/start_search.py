@@ -11,19 +11,17 @@ import math
 
 from rattle.equations import start_columns as of
 from rattle.equations.closings import begin_search, begin_turn, next_closing, rounded
-from rattle.equations.closure import close_position, merit_at
+from rattle.equations.closure import ITERATIONS, SHUT, close_position, merit_at
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, REST, ROOT, SIDE, keep_given, take_rows
 from rattle.equations.motion import drive
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.functions import compiled, native
 from rattle.jit.small_matrices import solve_square
 
-ITERATIONS_OF_NEWTON = 60
-SHUT = 1e-9  # sizes of the mechanism by which joints may stay open, and given places be missed
-ALONG = 1e-12  # the same, to which Newton's method goes
-KEPT = (
-    1e-18  # squared change of given values that counts as none [rad^2, sizes^2]: rounding of what came from elsewhere
-)
+ALONG = 1e-12  # sizes of the mechanism to which Newton's method goes
+# squared change of given values that counts as none [rad^2, sizes^2]: rounding of what came from elsewhere
+KEPT = 1e-18
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
 MOST_CLOSINGS = 64  # of all choices of given values that count as exact; LEAST of each
@@ -33,6 +31,13 @@ HARD = 8  # guesses from which it is tried hard to close, until one does
 STEEP = 1e-6  # cosine of a line with an axis, from which on the place on that axis tells how far along the line
 DOWN = -0.5 * math.pi  # where a rod points that nothing is known of [rad]
 FINE = 1e-9  # parts of angles away from where they are looked for that count [rad^2]
+DAMPING = 1e-2  # of the mean square of the rows, at the start of `least_open`
+LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e8  # less is none; with more no step is an improvement
+EASES, HARDENS = 5.0, 4.0  # factors of the damping after a step, and after one that fails
+LEVEL = 1e-14  # slope of |Phi|^2 [sizes] at which it is least
+HARDLY = 1e-9  # share by which a step must decrease |Phi|^2 for another one to be worth it
+MOST_TURN = 0.5  # rotation of a body in one step [rad]
+ROUNDS_DOWN = 80  # of `least_open`
 
 
 # ---------------------------------------------------------------- from the ground outwards
@@ -255,20 +260,20 @@ def least_open(m, t, q):
         most = max(most, m.weight[k // 3 + 1, k % 3])
     for k in range(n):
         root[k] = math.sqrt(m.weight[k // 3 + 1, k % 3] / most)
-    damping = 1e-2
+    damping = DAMPING
     drive(m, t)
     square = residuals_at(m, q, phi)
-    for _ in range(80):
+    for _ in range(ROUNDS_DOWN):
         if not take_rows(m):
             break
         steepest, trace = weigh_rows(m, phi)
-        if not steepest < math.inf or steepest < 1e-14:
+        if not steepest < math.inf or steepest < LEVEL:
             break
         damped_normal(m, damping * trace / n)
         for r in range(nr):
             right[r] = phi[r]
         solve_square(normal, nr, m.kept_order[0], m.kept_pivot_tall, right, 0.0, m.kept_sides[4], solved)
-        turn = 1e-300
+        turn = TINY
         for k in range(n):
             value = 0.0
             for r in range(nr):
@@ -276,21 +281,21 @@ def least_open(m, t, q):
             step[k] = -root[k] * value
             if k % 3 == 2:
                 turn = max(turn, abs(step[k]))
-        share = min(1.0, 0.5 / turn)
+        share = min(1.0, MOST_TURN / turn)
         for k in range(n):
             trial[k] = q[k] + share * step[k]
         now = merit_at(m, trial)
         if now < square:
-            small = now > (1.0 - 1e-9) * square
+            small = now > (1.0 - HARDLY) * square
             copy_numbers(trial, q)
             square = residuals_at(m, q, phi)
-            damping = max(damping / 5.0, 1e-12)
+            damping = max(damping / EASES, LEAST_DAMPING)
             if small:
                 break
         else:
-            damping *= 4.0
+            damping *= HARDENS
             merit_at(m, q)
-            if damping > 1e8:
+            if damping > MOST_DAMPING:
                 break
 
 
@@ -331,12 +336,12 @@ def close_hard(m, t, q):
     number = search[of.TRIED]
     search[of.TRIED] += 1
     copy_numbers(q, positions[of.BEFORE])
-    gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS_OF_NEWTON)
+    gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS)
     search[of.ITERATIONS] += iterations
     if not gap <= SHUT * size and m.start_form[of.SMALL] > 0 and search[of.CLOSINGS] == 0 and number < HARD:
         copy_numbers(positions[of.BEFORE], q)
         least_open(m, t, q)
-        gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS_OF_NEWTON)
+        gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS)
         search[of.ITERATIONS] += iterations
     return gap
 

@@ -29,6 +29,7 @@ SENTENCES = {  # of the contacts of a joint, also in pages
 }
 OFTEN = (("locks", "lock"), ("slips", "slip"), ("frees", "free"))  # words and events of clutches
 SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
+REAL = 1e-9  # imaginary part [output intervals] of a root that is rounding
 
 
 class Curves(Protocol):
@@ -176,7 +177,7 @@ def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     if wide == 0.0 or np.abs(polynomial(x) - near).max() > SMOOTH * wide:
         return best
     roots = polynomial.deriv().roots()
-    at = roots[(abs(roots.imag) < 1e-9) & (roots.real > x[2]) & (roots.real < x[4])].real
+    at = roots[(abs(roots.imag) < REAL) & (roots.real > x[2]) & (roots.real < x[4])].real
     if not len(at) or float(polynomial(at).max()) <= 0.0:
         return best
     top = at[int(np.argmax(polynomial(at)))]

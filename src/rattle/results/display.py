@@ -43,6 +43,7 @@ _STYLE = {
     "footer": "margin-top:.4em;opacity:.7",
 }  # colours of texts are those of the notebook, light or dark; a white ground only behind pictures
 STYLE = f"<style>{''.join(f'.rattle-card {part}{{{rule}}}' for part, rule in _STYLE.items())}</style>"
+NO_LENGTH = 1e-15  # a length below it is zero [m]
 
 
 def scale(unit: str, size: float) -> Shown:
@@ -70,7 +71,7 @@ def quantity(value: float, unit: str, digits: int = 4, usual: Shown | None = Non
 
     usual: the unit unless the user asks for another one.
     """
-    if unit == "m" and abs(value) < 1e-15:
+    if unit == "m" and abs(value) < NO_LENGTH:
         value = 0.0
     if unit == "rad" and abs(value) < ROUNDING:
         value = 0.0

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rattle.atomic_file import atomic
-from rattle.errors import InputError, WrongType
+from rattle.errors import ALIKE, InputError, WrongType
 from rattle.results import archive, contact_summary, film_summary
 from rattle.results.chosen_units import SI, column_unit
 from rattle.results.derived import rules, unit_of_rule, value_of
@@ -201,7 +201,7 @@ class Result:
 
     def _unknown(self, name: str) -> str:
         owner, _, _ = name.partition(".")
-        near = difflib.get_close_matches(name, self.names, n=3, cutoff=0.6)
+        near = difflib.get_close_matches(name, self.names, n=3, cutoff=ALIKE)
         near = near or [other for other in self.names if other.split(".")[0] == owner][:6]
         hint = (
             f"did you mean {' or '.join(repr(n) for n in near)}?"

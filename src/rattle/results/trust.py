@@ -41,6 +41,7 @@ SENTENCES = {  # of `word`, of locks and of contacts: pages say the same of the 
     "coarse": ": too few for its peak, tighten rtol",
     "nonunique": "reactions not unique (redundant constraints) at {joints}",
 }
+WORTH_SAYING = 1e-6  # share of the largest energy above which an energy error is told as a share too
 
 
 @answers_in_words
@@ -204,7 +205,7 @@ class Trust:
         where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
         energy = "" if math.isnan(self.energy_balance) else f", energy error {_short(abs(self.energy_balance))} J"
         off = self.energy_share or 0.0
-        share = f" ({_short(off)} of the largest energy)" if off > 1e-6 else ""
+        share = f" ({_short(off)} of the largest energy)" if off > WORTH_SAYING else ""
         angle = f" and {_short(self.drift_angle)} rad" if self.drift_angle > self.drift else ""
         return f"constraint error {_short(self.drift)} m{angle}{where}{energy}{share}"
 

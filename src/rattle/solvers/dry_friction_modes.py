@@ -22,7 +22,7 @@ from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.gap_search import NONE
-from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 
 PARTS = 16  # pieces of a step that are searched
 KEEP = -2
@@ -30,6 +30,9 @@ ROUNDED = 1e-9  # share of its terms below which the acceleration of a held coor
 SLIGHT = 1e-5  # share of all rates, or of what a step adds, that the error of an event may leave to joints at rest
 AT_ONCE = 1e-12  # share of the time within which two events are one
 MOST_TRIED = 8  # joints at rest up to which all combinations are tried
+OVER = 1e-11  # share of its limit by which a friction force may exceed it: more than its solution leaves
+AGAINST = 1e-12  # share of the effect of a friction force below which an acceleration against its slip is rounding
+AGAINST_LOOSE = 1e-6  # the same where joints have just been set free: their accelerations may be rounding
 
 
 @compiled
@@ -104,9 +107,9 @@ def violation(m, n, loose):
         return 0.0
     if mode == at.DRY_STICKS:
         most = limit(m, n)
-        beyond = abs(tau) - most * (1.0 + 1e-11)
+        beyond = abs(tau) - most * (1.0 + OVER)
         return beyond / (abs(tau) + most) if beyond > 0.0 else 0.0
-    doubt = (1e-12 if loose == -1 else 1e-6) * abs(mobility(m, n, n) * tau)
+    doubt = (AGAINST if loose == -1 else AGAINST_LOOSE) * abs(mobility(m, n, n) * tau)
     return 1.0 if sudden(m, n) * mode < -doubt else 0.0
 
 
@@ -317,9 +320,9 @@ def first_change_of_modes(m, t, h, until):
             over = over or m.dry_memory[n, at.DRY_SOUGHT] == 1.0
         if over:
             low, high, who = left, right, -1
-            for _ in range(60):
+            for _ in range(HALVINGS):
                 middle = 0.5 * (low + high)
-                if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
+                if middle <= low or middle >= high or (high - low) * h <= INSTANT * abs(t):
                     break
                 look(m, t, h, middle)
                 changed = False

@@ -106,6 +106,9 @@ ROUNDING_ACROSS = 1e-10  # error [the same] that is accepted while stages are pr
 MOST_TRIES = 20
 WHOLE, BEYOND = 0.9, 1.05  # share of a step up to an event from which on it stands; else it is repeated: up to where
 CLEAR, COMES_NEAR, PASSES, UNRESOLVED = range(4)  # a step beside singular positions
+FORGIVEN = 1e-8  # error with which such a step counts, over the tolerances, so that the next one may be longer
+FADING = 0.7  # share of the length of the last regular steps that a shorter one leaves as their measure
+SHRINKING = 0.9  # factor of the length of such a step from one attempt to the next
 
 
 @native("void", "h", "f")
@@ -190,7 +193,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
         allowed = max(allowed, LAID_ERROR)
     if (weak or tally[at.TAME] == 1) and error > 1.0 and error * rtol <= allowed:
         tally[at.LEAPS] += 1
-        error = 1e-8
+        error = FORGIVEN
     if not error <= 1.0:
         return step_anew(m, t, h, error, weak), error, changed
     if stepper[at.ADAPTIVE] == 1:
@@ -198,7 +201,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
             tally[at.TAME] = 0
         if not weak:
             tally[at.STREAK] = 0
-            m.clock[at.H_SOUND] = max(h, 0.7 * m.clock[at.H_SOUND])
+            m.clock[at.H_SOUND] = max(h, FADING * m.clock[at.H_SOUND])
         lengthen(m, h, error, last, h_max)
     return OK, error, changed
 
@@ -219,7 +222,7 @@ def step_anew(m, t, h, error, weak):
     shorten(m, h, error)
     if weak and tally[at.STREAK] < MOST_TRIES:
         tally[at.STREAK] += 1
-        clock[at.H] = LEAP * clock[at.H_SOUND] * 0.9 ** tally[at.STREAK]
+        clock[at.H] = LEAP * clock[at.H_SOUND] * SHRINKING ** tally[at.STREAK]
     return TRY_AGAIN
 
 

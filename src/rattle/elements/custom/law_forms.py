@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rattle.jit import layout as at
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field
 
 Made = Callable[..., Any]
@@ -50,7 +50,7 @@ def _along_line(law: Made, fields: Made) -> Made:
     def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
         length = math.sqrt(dx * dx + dy * dy)
-        inv = 1.0 / length if length > 1e-150 else 0.0  # coincident ends: no direction, no force
+        inv = 1.0 / length if length > COINCIDENT else 0.0  # coincident ends: no direction, no force
         nx, ny = dx * inv, dy * inv
         kept = force[b, at.X]
         force[b, at.X] = math.nan

@@ -30,6 +30,8 @@ from rattle.jit.functions import kernel
 from rattle.language.recorded import Recorded, array_of
 from rattle.registry import kind
 
+ROUNDED = 1e-12  # share by which L/D may exceed the end of the table by rounding
+
 
 @kernel("film")
 def finite(ex, ey, vx, vy, wa, wb, p, k, table, out):
@@ -89,7 +91,7 @@ class Finite(FilmLaw):
     def faults(cls, values: Mapping[str, Any], clearance: float) -> list[str]:
         """Thin films, and no longer than the table."""
         ratio, faults = ratio_of(values), super().faults(values, clearance)
-        if ratio > LONGEST * (1.0 + 1e-12):
+        if ratio > LONGEST * (1.0 + ROUNDED):
             faults.append(f"L/D is {ratio:.3g}; the table of the law 'finite' ends at {LONGEST:g}: use a shorter bush")
         return faults
 

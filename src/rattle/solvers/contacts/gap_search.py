@@ -31,16 +31,18 @@ import math
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_clearance
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.penetration import scale_of
+from rattle.solvers.contacts.penetration import OF_COORDINATES, OF_SCALE, scale_of
+from rattle.solvers.dense_output import HALVINGS, INSTANT, OF_STEP
 
 NONE = 2.0  # a share of the step that does not exist
 WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
 GAVE_UP = 3.0  # the same, of a search without result: the step is too long for its dense output to be trusted
 MOST_LOOKS = 1_000_000
 FEW_LOOKS = 20_000  # for contacts whose step may be repeated with a shorter length
-
-
 STILL_SHARE = 1e-12  # as that of the rows of contacts; test_a_start_in_contact_with_a_speed_of_rounding_is_no_impact
+SAME_TIME = 4e-16  # share of the time: an interval of two spacings of numbers is not halved
+SAME_SHARE = 1e-12  # share of a step that is not halved either
+ASIDE = 1e-3  # share of an interval by which the next place of a search for a zero stays away from its ends
 
 
 @compiled
@@ -55,7 +57,7 @@ def rounding(m, n):
             size += abs(y[3 * i - 1])
         elif i > 0:
             size += abs(y[3 * i - 3]) + abs(y[3 * i - 2]) + lever[n, end] * abs(y[3 * i - 1])
-    return 1e-12 * scale_of(m, n) + 1e-15 * size
+    return OF_SCALE * scale_of(m, n) + OF_COORDINATES * size
 
 
 @compiled
@@ -218,7 +220,7 @@ def first_below(m, h, n, side, left, gap, rate, right, end):
     t = m.clock[0]
     if gap <= rounding(m, n) and rate > 0.0:
         top = right
-        for _ in range(60):
+        for _ in range(HALVINGS):
             middle = 0.5 * (left + top)
             value, slope = gap_at(m, middle, n)
             if side * slope > 0.0:
@@ -228,11 +230,11 @@ def first_below(m, h, n, side, left, gap, rate, right, end):
     if gap <= 0.0:
         return left
     for turn in range(100):
-        if not (right - left) * h > 1e-16 * abs(t) + 1e-15 * h:
+        if not (right - left) * h > INSTANT * abs(t) + OF_STEP * h:
             break
         middle = 0.5 * (left + right)
         if turn % 3 < 2:
-            middle = left + min(max(gap / (gap - end), 1e-3), 0.999) * (right - left)
+            middle = left + min(max(gap / (gap - end), ASIDE), 1.0 - ASIDE) * (right - left)
         if middle <= left or middle >= right:
             break
         value = side * gap_at(m, middle, n)[0]
@@ -263,7 +265,7 @@ def search(m, h, n, side, until):
     end, end_rate = side * end, side * end_rate
     for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
         dt = (right - left) * h
-        tiny = dt <= 4e-16 * abs(t) or right - left <= 1e-12
+        tiny = dt <= SAME_TIME * abs(t) or right - left <= SAME_SHARE
         round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
         curve = bend + round_ * round_ * distance
         falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt

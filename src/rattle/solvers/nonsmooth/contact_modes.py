@@ -70,6 +70,8 @@ CREEPS = 30  # see regroup
 NOT_LINEARISED = MOST_LINEARISED + 1  # rounds: the first solution is taken, linearised at no forces
 SLIGHT = 1e-7  # share of its largest force below which a contact opens together with another one
 SLOWLY = 1e-4  # largest acceleration with which it then opens, as a share of the largest acceleration
+OPENING = 1e-9  # share of its terms below which the acceleration of a gap is rounding
+AHEAD_OF_PRESSED = 1e-2  # share of AHEAD, of the largest normal force, where little tangential force is required
 
 
 @compiled
@@ -149,10 +151,10 @@ def part(m, count, apart, attempt):
             contact_rows_of_one(m, count, n)
             opening = kinematics[n, at.GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
             size = turning(m, n) + largest_acceleration(m, n) + reach(m, 2 * count, n, acceleration, 0)
-            if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
+            if opening < -OPENING * size or (n != apart and opening > SLOWLY * size):
                 return False
             m.candidate[count] = OFF
-            if opening < 1e-9 * size and held_by_closed(m, count + 1, count):
+            if opening < OPENING * size and held_by_closed(m, count + 1, count):
                 return False
     return True
 
@@ -242,7 +244,7 @@ def go_beyond(m, count, apart, pulling):
     for j in range(count):
         largest = max(largest, m.contact_kinematics[m.active[j], at.NORMAL])
         k = j if m.active[j] == apart else k
-    more = max(AHEAD * abs(pulling), 1e-2 * AHEAD * largest)
+    more = max(AHEAD * abs(pulling), AHEAD_OF_PRESSED * AHEAD * largest)
     for r in range(2 * count):
         m.side[B, r] -= (more if pulling > 0.0 else -more) * m.delassus[r, 2 * k + 1]
     m.slide[k] = 0

@@ -21,11 +21,12 @@ from rattle.solvers.contacts.clutches import most_torque, rate_left, watched
 from rattle.solvers.contacts.contact_events import first_change as first_meeting
 from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.contacts.pawls import first_drop
-from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dense_output import INSTANT, OF_STEP, interpolate
 from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, DROP, HIT, LET_GO, MEETS, NOTHING, TURN
 from rattle.solvers.peaks.glances import KINDS, last_look, margin_of, matters, may_dip, slack_of, unseen, write_look
 from rattle.solvers.peaks.samples import LOOKS, gauge
 from rattle.solvers.peaks.stage_polynomial import told, zero_told
+from rattle.solvers.step_size import STANDSTILL
 
 # first sampling points of a step: evenly spaced ones, which peaks use too, and one that is not
 PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
@@ -36,6 +37,7 @@ GUIDED = 6  # attempts to locate a zero where the stages predict it
 NARROW = 1e-6  # share of a step that is not halved further
 JUMPED = 1e-3  # share of an indicator that is left where it jumps below zero, as N where a wall ends
 BEYOND = 1e-12  # share of the time by which an event is later that is a jump: on its other side whatever the rounding
+GROWN = 1e-9  # share of an interval down to which the place is sought from which on a slip has its sign
 
 
 @compiled
@@ -90,7 +92,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
     """
     # slip that has just reversed or begun starts from zero: its sign is that of later samples
     share = 0.5 * (high - low)
-    while f_low <= 0.0 and share > 1e-9 * (high - low) and share * h > 1e-15 * abs(t):
+    while f_low <= 0.0 and share > GROWN * (high - low) and share * h > STANDSTILL * abs(t):
         at_share(m, t, h, low + share)
         if indicator(m, n, what) > 0.0:
             low += share
@@ -105,7 +107,7 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
     far, f_far, looks, near, shift, tilt = low, f_low, m.glances, low, lift, 0.0
     last, whole = high, f_low
     for turn in range(100):
-        least = 1e-16 * abs(t) + 1e-15 * h
+        least = INSTANT * abs(t) + OF_STEP * h
         if not (high - low) * h > least:
             break
         if turn < GUIDED and column >= 0:

@@ -43,6 +43,7 @@ from rattle.solvers.nonsmooth.rubbing_impacts import rub
 # in expansion (second column)
 E, BEFORE, SO_FAR, NOW, WORK = range(5)
 ZERO = 1e-13  # share of the largest rate below which a rate is zero
+CREATED = 1e-14  # share of its terms below which the energy of an impact is rounding
 
 
 @compiled
@@ -227,7 +228,7 @@ def gives_energy(m, count):
             after += g[r, s] * side[F, s]
         energy += 0.5 * side[F, r] * (before + after)
         size += abs(side[F, r]) * (abs(before) + abs(after))
-    return energy > 1e-14 * size
+    return energy > CREATED * size
 
 
 @kernel("problem")

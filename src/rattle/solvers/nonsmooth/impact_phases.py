@@ -26,7 +26,7 @@ import math
 from rattle.equations.complementarity import BACKWARD, EXACT, FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.solvers.nonsmooth.impact_path import E, as_full_matrix
+from rattle.solvers.nonsmooth.impact_path import CREATED, E, as_full_matrix
 
 NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
 # rows of `bounce` after those of `impact_path` that stay: impulses and rates after compression, least impulse in
@@ -35,6 +35,12 @@ PRESSED, RATES, FLOOR, SHARE, KEPT = range(2, 7)
 LARGEST_SHARE = 4.0
 SWEEPS = 400  # of relaxation, before modes are read from it
 MOST_EXPANDED = 4  # contacts up to which all modes of expansion are tried where relaxation fails
+RELAXED = 1e-16  # share of the largest impulse: changes below it end the relaxation
+FITS = 1e-10  # share of the largest impulse or rate by which conditions may be violated by rounding
+FITS_AT_LAST = 1e-9  # the same where relaxation has not converged further
+RETURNED = 1e-9  # share by which a contact may return more than its bound, and that of the largest bound
+RETURNED_OF_LARGEST = 1e-13
+SAME_WORK = 1e-13  # share of its bound, and of its factor, within which the work of a contact is what it may be
 
 
 @compiled
@@ -76,7 +82,7 @@ def relax(m, count, sweeps):
                 if step != 0.0:
                     for s in range(2 * count):
                         side[A, s] += g[s, r] * step
-        if change <= 1e-16 * largest:
+        if change <= RELAXED * largest:
             return 0.0
         change /= largest
     return change
@@ -207,12 +213,12 @@ def expansion(m, count, scale):
     rates_of(m, count)
     for turn in range(4):
         relax(m, count, SWEEPS * (1 + 4 * turn))
-        if polish(m, count) and fits(m, count, 1e-10):
+        if polish(m, count) and fits(m, count, FITS):
             return True
         for r in range(2 * count):
             side[F, r] = bounce[KEPT, r]
         rates_of(m, count)
-    return fits(m, count, 1e-9) or (count <= MOST_EXPANDED and try_expansions(m, count))
+    return fits(m, count, FITS_AT_LAST) or (count <= MOST_EXPANDED and try_expansions(m, count))
 
 
 @compiled
@@ -234,7 +240,7 @@ def try_expansions(m, count):
         combinations *= 6
     for code in range(combinations):
         keep_modes(m, count, code)
-        if solve_kept(m, count) and fits(m, count, 1e-9):
+        if solve_kept(m, count) and fits(m, count, FITS_AT_LAST):
             return True
     return False
 
@@ -267,9 +273,9 @@ def takes_energy(m, count):
         lost -= 0.5 * total * (side[B, r] + side[A, r])
         size += abs(total) * (abs(side[B, r]) + abs(side[A, r]))
     for k in range(count):
-        if work_in_expansion(m, k) > most_work(m, k) * (1.0 + 1e-9) + 1e-13 * largest:
+        if work_in_expansion(m, k) > most_work(m, k) * (1.0 + RETURNED) + RETURNED_OF_LARGEST * largest:
             return False
-    return lost >= -1e-14 * size
+    return lost >= -CREATED * size
 
 
 @compiled
@@ -284,10 +290,10 @@ def find_shares(m, count):
         converged = True
         for k in range(count):
             may, does = most_work(m, k), work_in_expansion(m, k)
-            if may == 0.0 or does <= 0.0 or abs(does - may) <= 1e-13 * may:
+            if may == 0.0 or does <= 0.0 or abs(does - may) <= SAME_WORK * may:
                 continue
             better = min(bounce[SHARE, 2 * k] * math.sqrt(may / does), LARGEST_SHARE)
-            converged = converged and abs(better - bounce[SHARE, 2 * k]) <= 1e-13 * better
+            converged = converged and abs(better - bounce[SHARE, 2 * k]) <= SAME_WORK * better
             bounce[SHARE, 2 * k] = better
         if converged:
             return takes_energy(m, count)

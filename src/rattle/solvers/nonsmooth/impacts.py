@@ -68,6 +68,7 @@ from rattle.solvers.ports import add_port_work
 NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
 AHEAD = 1e-6  # share of the rates of its bodies, or rate [rad/s], up to which a clutch takes without an impact
 LOW = 1e-11  # bounces that rise less than this share of the scale of the gap are not followed
+LOW_OF_GAP = 4e-15  # the same, as a share of the typical size of the gap: its rounding
 
 
 @native("i", "h", "f", "v", "i")
@@ -323,7 +324,7 @@ def low_bounce(m, t, y, count):
         n = active[k]
         if contact[n, at.LEVEL] == 1:
             continue
-        least = max(LOW * scale_of(m, n), 4e-15 * m.lever[n, at.GAP_SIZE], rounding(m, n))
+        least = max(LOW * scale_of(m, n), LOW_OF_GAP * m.lever[n, at.GAP_SIZE], rounding(m, n))
         speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
         if memory[n, at.BOUNCES_END] != 0.0 or not rises(m, k, n):
             continue

@@ -41,6 +41,7 @@ LEAST = 1e-10  # and at least [m/s, rad/s]
 SAME = 1e-10  # change of rates by what the linear law leaves, as a share of them, that ends the iteration
 BEARABLE = 1e-4  # the same, which may remain after MOST rounds
 MOST = 40
+LEAST_OF_FILM = 1e-3  # of LEAST, for rates in a film
 
 
 @compiled
@@ -195,7 +196,7 @@ def differentiate(m, h):
         step = FORWARD * abs(u[r + 1]) + LEAST
         d[r + 1, 1] = min(-(tangent_at(m, n, u[r + 1] + step, -phi[r]) + phi[r + 1]) / step, 0.0)
         if m.contact[n, at.FILM_LAW] >= 0:
-            step = FORWARD * math.hypot(u[r + 2], u[r + 3]) + 1e-3 * LEAST
+            step = FORWARD * math.hypot(u[r + 2], u[r + 3]) + LEAST_OF_FILM * LEAST
             fx, fy = film_at(m, s, u[r + 2] + step, u[r + 3])
             d[r + 2, 2] = min((fx - phi[r + 2]) / step, 0.0)
             across = (fy - phi[r + 3]) / step

@@ -21,12 +21,15 @@ from rattle.equations.complementarity import (
     linear,
 )
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, kernel
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
 EDGE = 1e-5  # share of a limit within which a force is about to pass it: see test_rough_pins
 KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of `lemke`
+DEFINITE = 1e-9  # share of its diagonal above which a pivot is positive whatever the rounding
+APART = 1e-6  # share of the largest rate, or of both forces, by which two solutions differ: more than rounding
 
 
 @compiled
@@ -64,7 +67,7 @@ def surely_one(m, count):
                 system[r, 2 * k + 1], system[2 * k + 1, r] = 0.0, 0.0
             system[2 * k + 1, 2 * k + 1] = 1.0
     for c in range(size):
-        if not system[c, c] > 1e-9 * max(delassus[c, c], 1e-300):
+        if not system[c, c] > DEFINITE * max(delassus[c, c], TINY):
             return False
         for r in range(c + 1, size):
             share = system[r, c] / system[c, c]
@@ -103,7 +106,7 @@ def is_another(m, count):
     for k in range(count):
         candidate[k] = int(path[KEPT_MODES, k])
     linear(m, count)
-    return apart > 1e-6 * largest
+    return apart > APART * largest
 
 
 @compiled
@@ -161,7 +164,7 @@ def moves_otherwise(m, count):
     for r in range(2 * count):
         largest = max(largest, abs(side[B, r]))
         apart = max(apart, abs(side[A, r] - side[OTHER, r]))
-    return apart > 1e-6 * largest
+    return apart > APART * largest
 
 
 @compiled
@@ -169,7 +172,7 @@ def note_shared(m, count):
     """Note contacts whose force is not that of the first solution, although they move alike."""
     side, kept = m.side, m.path[KEPT_A]
     for k in range(count):
-        if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
+        if abs(side[F, 2 * k] - kept[2 * k]) > APART * abs(kept[2 * k] + side[F, 2 * k]):
             m.contact_memory[m.active[k], at.UNSURE] = 1.0
 
 

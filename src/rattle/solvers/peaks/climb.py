@@ -44,6 +44,11 @@ BLIND = 1e-8  # pivot, as a share of its diagonal, below which states on the con
 UNSURE = 0.1  # share of the height of a crest above its sample by which a polynomial may be wrong
 SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
 BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine evenly spaced samples
+AROUND = 0.3  # of the wider side of a crest: how far beside it its maximum is first enclosed
+NEXT_TO = 1e-6  # share of an interval within which a place is no new one
+REST = 1.001  # pieces: what is left of a step is not divided if it is hardly longer than one
+FIRST_PIECE = 0.125  # share of a step of the first piece of its dense output
+FACTORIAL = 40320.0  # 8!, of the remainder with nine samples
 
 
 @compiled
@@ -79,7 +84,7 @@ def crest(m, samples, low, top, high):
 @compiled
 def doubt_at(m, samples, x):
     """How much that polynomial differs at the share x from the one without the end of the step that is nearer to x."""
-    difference, product = 0.0, 1.0 / 40320.0
+    difference, product = 0.0, 1.0 / FACTORIAL
     for k in range(BARYCENTRIC.shape[0]):
         difference += BARYCENTRIC[k] * samples[SAMPLE + m.sample_order[LOOKS, k]]
         product *= abs(8.0 * x - k)
@@ -121,7 +126,7 @@ def climb(m, t, h, n, low, top, high, height):
     fb = probe(m, t, h, top, n)
     if not fb + height > highest:
         return 1
-    b, wide = top, 0.3 * max(top - low, high - top)
+    b, wide = top, AROUND * max(top - low, high - top)
     a, c = max(low, b - wide), min(high, b + wide)
     fa, fc = probe(m, t, h, a, n), probe(m, t, h, c, n)
     for tried in range(TRIES):
@@ -132,7 +137,7 @@ def climb(m, t, h, n, low, top, high, height):
         else:
             x = low if fa > fc else high
         x = min(max(x, low), high)
-        if min(abs(x - a), abs(x - b), abs(x - c)) <= 1e-6 * (high - low):
+        if min(abs(x - a), abs(x - b), abs(x - c)) <= NEXT_TO * (high - low):
             return tried + 3
         f = probe(m, t, h, x, n)
         if not f - best > FINE * abs(best) and tried > 0:
@@ -190,7 +195,7 @@ def sample_pieces(m, t, h, low, until, wide, sound):
     """
     peaks, solved, shares, order, count = m.peaks, 0, m.sample_shares, m.sample_order, m.sample_count[CUT]
     while low < until:
-        high = low + wide if low + 1.001 * wide < until else until
+        high = low + wide if low + REST * wide < until else until
         for k in range(1, count):
             probe(m, t, h, low + (high - low) * shares[CUT, k], 0)
             for n in range(peaks.shape[0]):
@@ -228,9 +233,9 @@ def end_step(m, t, h, until, layout, dense):
         return sample_pieces(m, t, h, 0.0, until, until, clear)
     told, few = layout == STAGES and stages_tell(m), layout == STAGES and not stages_tell(m)
     if told and dense and clear and not sound:  # stages are off the constraints by too much
-        return sample_pieces(m, t, h, 0.0, 1.0, 0.125, clear)
+        return sample_pieces(m, t, h, 0.0, 1.0, FIRST_PIECE, clear)
     if told and dense and sound and unresolved(m, h, STAGES):
-        return sample_pieces(m, t, h, 0.0, 1.0, 0.125, sound)
+        return sample_pieces(m, t, h, 0.0, 1.0, FIRST_PIECE, sound)
     add(m, t + h, h, layout, sound)
     if few and dense:
         dense = 1 if near_peak(peaks) else 0

@@ -35,6 +35,8 @@ YOUNG = 0.02  # a quantity that starts from zero may be negative by this share o
 BESIDE = 10.0  # times the deviation of the last stage from the end of the step: more than that of most other stages
 SLIGHT = 1e-3  # deviation of stages from the motion, as a share of the change over the step
 LEAST_ERROR = 1e-6  # of a step [tolerances]: one with a smaller error may be too long to resolve anything
+UNSEEN = 1e-13  # share of the rates [m/s or rad/s] that is rounding of a slip
+UNSEEN_AT_REST = 1e-3  # rate [rad/s] that this is a share of at least
 
 
 def table(contacts: int, shares: np.ndarray) -> np.ndarray:
@@ -129,11 +131,11 @@ def may_dip(looks, i, count, c, slack):
 def unseen(m, n, kind):
     """How far below zero this indicator of contact n may be by rounding alone: a slip [m/s], a rate or a torque."""
     if m.contact[n, at.LEVEL] == 0:
-        return 1e-13 * m.held[at.SIZE] if kind == 3 else 0.0
+        return UNSEEN * m.held[at.SIZE] if kind == 3 else 0.0
     if kind < 3:
         return torque_noise(m)
     a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
-    return 1e-13 * (abs(m.body[a, at.W]) + abs(m.body[b, at.W]) + 1e-3)
+    return UNSEEN * (abs(m.body[a, at.W]) + abs(m.body[b, at.W]) + UNSEEN_AT_REST)
 
 
 @compiled

@@ -33,6 +33,16 @@ SHARE = 0.1  # the same as a share of the distance to another branch
 TURN = 0.2  # largest predicted motion in one step [rad, or share of the size]
 DEAD = 1e-11  # a motor that moves the driver by less, as a share of the rest of its motion, is at a dead centre
 LEAPS = 12  # doublings of a step across a singular position
+EXACT = 1e-16  # gap, as a share of the mechanism's size, that no correction makes smaller
+LAST = 1e-10  # correction [sizes, rad] after which positions are as good as the factor computed there
+SETTLED = 1e-12  # correction [sizes, rad] after which none is needed
+ROUNDING = 1e-13  # gap [sizes] that is rounding where a correction has not made it smaller
+CLOSED = 1e-12  # gap [sizes] with which positions are closed
+MOST_ROUNDS = 12  # of Newton's method
+FARTHEST = 0.5  # corrections [sizes, rad] with which it is given up
+NARROWS = 0.8  # share of the roots on both sides below which a minimum of the root is recorded
+LEAST_STEP = 1e-15  # share of the way to the target below which no step is tried
+EASY = 0.1  # share of the largest correction below which the next step may be twice as long
 
 
 @compiled
@@ -84,17 +94,17 @@ def closed_at(m, t, node, size):
     place(m, q, v)
     constraints(m)
     gap = residual(m)
-    while rounds < 12:
+    while rounds < MOST_ROUNDS:
         if not gap < math.inf:
             return math.inf, 0.0, gap, rounds
         power[at.PIVOT_SHARE] = 1.0
         if factorise(m) > spare:
             power[at.PIVOT_SHARE] = 0.0
-        if gap <= 1e-16 * size or last <= 1e-10:
+        if gap <= EXACT * size or last <= LAST:
             break
         correct(m)
         last = largest(change, size)
-        if not last < 0.5 or not moved < 0.5:
+        if not last < FARTHEST or not moved < FARTHEST:
             return math.inf, 0.0, gap, rounds
         moved += last
         rounds += 1
@@ -104,9 +114,9 @@ def closed_at(m, t, node, size):
         constraints(m)
         before = gap
         gap = residual(m)
-        if last <= 1e-12 or (gap >= before and gap < 1e-13 * size):
+        if last <= SETTLED or (gap >= before and gap < ROUNDING * size):
             break  # the present factor is accurate enough
-    if not gap < 1e-12 * size:
+    if not gap < CLOSED * size:
         return math.inf, 0.0, gap, rounds
     if not rate_residual(m) < math.inf:
         return math.inf, 0.0, gap, rounds
@@ -262,7 +272,7 @@ def arrive(node, clock, tally, spots, t, root):
             node[Q_OLD + n, k] = node[Q + n, k]
             node[Q + n, k] = node[Q_NEW + n, k]
     low = clock[ROOT] <= clock[ROOT_BEFORE] and clock[ROOT] <= root
-    if low and clock[ROOT] < 0.8 * max(root, clock[ROOT_BEFORE]) and tally[FOUND] < spots.shape[0]:
+    if low and clock[ROOT] < NARROWS * max(root, clock[ROOT_BEFORE]) and tally[FOUND] < spots.shape[0]:
         spots[tally[FOUND], 0] = clock[T_BEFORE]
         spots[tally[FOUND], 1] = t
         tally[FOUND] += 1
@@ -281,7 +291,7 @@ def stride(m, target, node, clock, tally, spots, size):
     gap, rounds, far = 0.0, 0, 0.0
     while True:
         h = ahead if abs(ahead) <= clock[FREE] else math.copysign(clock[FREE], ahead)
-        if t + h == t or abs(h) < 1e-15 * abs(ahead):
+        if t + h == t or abs(h) < LEAST_STEP * abs(ahead):
             return False
         move = predicted(node, h, size)
         fine = move <= TURN
@@ -319,7 +329,7 @@ def stride(m, target, node, clock, tally, spots, size):
             break
         clock[FREE] = 0.5 * abs(h)
     clock[GAP] = max(clock[GAP], gap)
-    if correction < 0.1 * min(CORRECTION, SHARE * root):
+    if correction < EASY * min(CORRECTION, SHARE * root):
         clock[FREE] = max(clock[FREE], 2.0 * abs(h))
     arrive(node, clock, tally, spots, target if h == ahead else t + h, root)
     return True

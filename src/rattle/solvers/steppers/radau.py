@@ -48,6 +48,7 @@ from rattle.solvers.shifted_matrices import (
 )
 from rattle.solvers.sign_watch import watched_change
 from rattle.solvers.state_switches import crossed
+from rattle.solvers.step_size import SAFETY
 from rattle.solvers.stepper import OILED, AdaptiveStepper
 
 # first rows of `newton` after Z in 0 to 2: Z of the step before, W, then dW or e and the slope that u lacks
@@ -59,10 +60,14 @@ FINE = 1e-8  # error of the iteration, as a share of the increments, that counts
 ROUNDING = 2e-15
 STUCK, ROUGH = 0.01, 1e-6  # of the tolerances and increments: corrections that rounding of stiff forces may cause
 SLOW_RATE = 0.03  # ratio of two corrections above which the next step takes a new Jacobian
-HALF = (0.9 / 0.5) ** 4  # error that makes the next attempt half as long
+HALF = (SAFETY / 0.5) ** 4  # error that makes the next attempt half as long
 BEARABLE = 0.15  # ratio of two corrections that the next step may have; it is proportional to the step at most
 REMEMBERED, REGROWTH = 0.6, 1.2  # share of a step that failed which the next ones may reach, and how that grows
 CONTINUED = 3.0  # growth of the step up to which stages are continued
+LEAST_OF_ITERATION = 10.0  # roundings, over the tolerance: smallest error of the iteration that counts
+MOST_OF_ITERATION = 0.03  # largest one [tolerances], below the square root of rtol, which is less at fine tolerances
+CONTRACTS = 1e-3  # least ratio of corrections by which the length that the next step may have is told
+WIDE, WIDE_POWER = 0.1, 2.0 / 3.0  # tolerance of the error estimate, whose order is lower: WIDE rtol^WIDE_POWER
 
 
 @compiled
@@ -151,8 +156,8 @@ def correct_stages(m, h, rtol, atol):
 @native("ii", "h", "f", "f", "f", "f", "i")
 def iterate(m, t, h, rtol, atol, tame):
     """Solve for the stages of the step from t [s] of length h [s]: outcome, and 1 if monitored forces change signs."""
-    iteration, least = m.iteration, 10.0 * ROUNDING / rtol
-    enough = max(least, min(0.03, math.sqrt(rtol)))
+    iteration, least = m.iteration, LEAST_OF_ITERATION * ROUNDING / rtol
+    enough = max(least, min(MOST_OF_ITERATION, math.sqrt(rtol)))
     before, left, rate = 0.0, math.inf, 0.0
     changed = False
     guess(m, t, h)
@@ -239,12 +244,12 @@ def end_stages(m, t, h):
 def held_back(m, h, error):
     """The error of a step or a larger one, so that the next is not longer than the iteration is likely to bear."""
     iteration = m.iteration
-    bearable = BEARABLE / max(iteration[at.CONTRACTION], 1e-3)
+    bearable = BEARABLE / max(iteration[at.CONTRACTION], CONTRACTS)
     growth = 1.0 if iteration[at.FAILED] == 1.0 else max(1.0, min(bearable, iteration[at.BEARS] / h))
     if error <= 1.0:
         iteration[at.FAILED] = 0.0
         iteration[at.BEARS] *= REGROWTH
-    return max(error, (0.9 / growth) ** 4)
+    return max(error, (SAFETY / growth) ** 4)
 
 
 @kernel("stepper")
@@ -256,7 +261,7 @@ def step(m, t, h, rtol, atol, tame):
     y, f, stage, slopes = m.state, m.rate, m.stage, m.slopes
     for n in range(y.shape[0]):
         slopes[0, n] = f[n]
-    wide = 0.1 * rtol ** (2.0 / 3.0)
+    wide = WIDE * rtol**WIDE_POWER
     atol *= wide / rtol
     outcome, changed = solve_stages(m, t, h, wide, atol, tame)
     if outcome != CONVERGED:
