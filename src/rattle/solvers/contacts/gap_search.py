@@ -247,6 +247,38 @@ def first_below(m, h, n, side, left, gap, rate, right, end):
     return right
 
 
+@compiled
+def signed_gap(m, theta, n, side):
+    """`gap_at` times side."""
+    gap, rate = gap_at(m, theta, n)
+    return side * gap, side * rate
+
+
+@compiled
+def judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least):
+    """What the ends of an interval of length dt [s] prove of the gap of contact n, there with these rates.
+
+    True if it becomes less than `least` and falls all the time; True if it does not become less between the ends; a
+    bound for its curvature; the angle by which the normal turns.  tiny: the interval is not divided further.
+    """
+    round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
+    curve = bend + round_ * round_ * distance
+    falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt
+    free = falling or rising or tiny or min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
+    return end < least and (falling or tiny), free, curve, max(turning, round_) * dt
+
+
+@compiled
+def cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
+    """True if the cubic through both ends of an interval of length dt [s], and what it may be off, is not below least.
+
+    value: gap in the middle.
+    """
+    missed = abs(value - 0.5 * (gap + end) - 0.125 * dt * (rate - end_rate))
+    margin = 2.0 * missed + curve * (wide * dt) ** 2 / 384.0
+    return lowest(gap, rate * dt, end, end_rate * dt) - margin >= least
+
+
 @native("f", "h", "f", "i", "f", "f")
 def search(m, h, n, side, until):
     """Share of the step, up to `until`, at which side * gap of contact n first becomes negative; NONE if it does not.
@@ -261,28 +293,18 @@ def search(m, h, n, side, until):
     left, gap, rate, right = 0.0, side * memory[at.GAP_0], side * memory[at.DGAP_0], until
     least = min(gap, 0.0) - slight  # of all samples: between two a slow gap may fall by less than rounding
     begin, at_begin, rate_begin = left, gap, rate  # the last sample that was positive, or rising
-    end, end_rate = gap_at(m, right, n)
-    end, end_rate = side * end, side * end_rate
+    end, end_rate = signed_gap(m, right, n, side)
     for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
         dt = (right - left) * h
         tiny = dt <= SAME_TIME * abs(t) or right - left <= SAME_SHARE
-        round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
-        curve = bend + round_ * round_ * distance
-        falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt
-        if end < least and (falling or tiny):
+        below, free, curve, wide = judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least)
+        if below:
             return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)
-        free = falling or rising or tiny or min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
-        wide = max(turning, round_) * dt
         if end < least or not free:
             middle = 0.5 * (left + right)
-            value, slope = gap_at(m, middle, n)
-            value, slope = side * value, side * slope
-            free = False
-            if end >= least and value >= least and wide <= WHOLE_TURN:
-                missed = abs(value - 0.5 * (gap + end) - 0.125 * dt * (rate - end_rate))
-                margin = 2.0 * missed + curve * (wide * dt) ** 2 / 384.0
-                free = lowest(gap, rate * dt, end, end_rate * dt) - margin >= least
-            if not free:
+            value, slope = signed_gap(m, middle, n, side)
+            sampled = end >= least and value >= least and wide <= WHOLE_TURN
+            if not sampled or not cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
                 right, end, end_rate = middle, value, slope
                 continue
         if right >= until:
@@ -292,6 +314,5 @@ def search(m, h, n, side, until):
         if gap > 0.0 or rate > 0.0:
             begin, at_begin, rate_begin = left, gap, rate
         right = min(until, left + step)
-        end, end_rate = gap_at(m, right, n)
-        end, end_rate = side * end, side * end_rate
+        end, end_rate = signed_gap(m, right, n, side)
     return GAVE_UP

@@ -212,33 +212,16 @@ def sample_pieces(m, t, h, low, until, wide, sound):
     return solved
 
 
-@native("i", "h", "f", "f", "f", "i", "i")
-def end_step(m, t, h, until, layout, dense):
-    """Peaks and sums of the step from t [s] of length h [s] up to the share `until`; returns the states computed.
-
-    The samples of the step are those of `layout`, of CUT if it left none.  dense: 1 if the dense output is ready; with
-    -1 the function returns -1 if it is needed, and counts nothing.  If until < 1 an event ends the step: the state
-    after it is measured as START of the next.
-    """
-    peaks = m.peaks
-    if peaks.shape[0] == 0:
-        return 0
-    share, solved = m.power[at.PIVOT_SHARE], 0
-    sound, clear = share > WEAK, share > BLIND
-    if dense < 0:
-        if may_rise(m, h, layout):
-            return -1
-        dense = 0
-    if until < 1.0 or layout == CUT:
-        return sample_pieces(m, t, h, 0.0, until, until, clear)
-    told, few = layout == STAGES and stages_tell(m), layout == STAGES and not stages_tell(m)
-    if told and dense and clear and not sound:  # stages are off the constraints by too much
-        return sample_pieces(m, t, h, 0.0, 1.0, FIRST_PIECE, clear)
-    if told and dense and sound and unresolved(m, h, STAGES):
-        return sample_pieces(m, t, h, 0.0, 1.0, FIRST_PIECE, sound)
+@compiled
+def end_whole_step(m, t, h, layout, dense, sound, clear):
+    """`end_step` of a step that no event ends, with its own samples; sound, clear: its forces, by the pivots."""
+    solved, told = 0, layout == STAGES and stages_tell(m)
+    # where it is not sound, stages are off the constraints by too much
+    if told and dense and (unresolved(m, h, STAGES) if sound else clear):
+        return sample_pieces(m, t, h, 0.0, 1.0, FIRST_PIECE, True)
     add(m, t + h, h, layout, sound)
-    if few and dense:
-        dense = 1 if near_peak(peaks) else 0
+    if layout == STAGES and not told and dense:
+        dense = 1 if near_peak(m.peaks) else 0
         if dense:
             solved += probe_within(m, t, h)
     if layout == LOOKS:
@@ -247,3 +230,23 @@ def end_step(m, t, h, until, layout, dense):
         solved += climb_all(m, t, h, 0.0, 1.0, layout)
     pass_end_on(m)
     return solved
+
+
+@native("i", "h", "f", "f", "f", "i", "i")
+def end_step(m, t, h, until, layout, dense):
+    """Peaks and sums of the step from t [s] of length h [s] up to the share `until`; returns the states computed.
+
+    The samples of the step are those of `layout`, of CUT if it left none.  dense: 1 if the dense output is ready; with
+    -1 the function returns -1 if it is needed, and counts nothing.  If until < 1 an event ends the step: the state
+    after it is measured as START of the next.
+    """
+    if m.peaks.shape[0] == 0:
+        return 0
+    sound, clear = m.power[at.PIVOT_SHARE] > WEAK, m.power[at.PIVOT_SHARE] > BLIND
+    if dense < 0:
+        if may_rise(m, h, layout):
+            return -1
+        dense = 0
+    if until < 1.0 or layout == CUT:
+        return sample_pieces(m, t, h, 0.0, until, until, clear)
+    return end_whole_step(m, t, h, layout, dense, sound, clear)

@@ -76,27 +76,30 @@ def largest(x, size):
 
 
 @compiled
-def closed_at(m, t, node, size):
-    """Solve positions, rates and accelerations at t [s], starting from the new rows of `node`.
-
-    Returns the magnitude of the correction (inf if it failed), the root of the smallest pivot share, the remaining
-    gap [m or rad] and the number of Newton iterations.
-    """
-    q, v, a = node[Q_NEW], node[V_NEW], node[A_NEW]
-    change, power = m.change, m.power
-    drive(m, t)
-    spare = m.rows.shape[0] - q.shape[0]  # rows that may be redundant
+def redundant(m, q):
+    """Number of rows that may be redundant at positions q."""
+    spare = m.rows.shape[0] - q.shape[0]
     for i in range(1, m.weight.shape[0]):
         if m.weight[i, 0] == 0.0:  # a body without a row stays where it is
             spare += 3
-    moved, last, gap = 0.0, math.inf, math.inf
+    return spare
+
+
+@compiled
+def close_there(m, q, v, size):
+    """Newton's method for the positions q (3 nb,), in place, at the time of the drivers.
+
+    Returns the magnitude of the correction (inf if it failed), the remaining gap [m or rad] and the iterations.
+    """
+    change, power, spare = m.change, m.power, redundant(m, q)
+    moved, last = 0.0, math.inf
     rounds = 0
     place(m, q, v)
     constraints(m)
     gap = residual(m)
     while rounds < MOST_ROUNDS:
         if not gap < math.inf:
-            return math.inf, 0.0, gap, rounds
+            return math.inf, gap, rounds
         power[at.PIVOT_SHARE] = 1.0
         if factorise(m) > spare:
             power[at.PIVOT_SHARE] = 0.0
@@ -105,7 +108,7 @@ def closed_at(m, t, node, size):
         correct(m)
         last = largest(change, size)
         if not last < FARTHEST or not moved < FARTHEST:
-            return math.inf, 0.0, gap, rounds
+            return math.inf, gap, rounds
         moved += last
         rounds += 1
         for k in range(q.shape[0]):
@@ -116,9 +119,20 @@ def closed_at(m, t, node, size):
         gap = residual(m)
         if last <= SETTLED or (gap >= before and gap < ROUNDING * size):
             break  # the present factor is accurate enough
-    if not gap < CLOSED * size:
-        return math.inf, 0.0, gap, rounds
-    if not rate_residual(m) < math.inf:
+    return (moved if gap < CLOSED * size else math.inf), gap, rounds
+
+
+@compiled
+def closed_at(m, t, node, size):
+    """Solve positions, rates and accelerations at t [s], starting from the new rows of `node`.
+
+    Returns the magnitude of the correction (inf if it failed), the root of the smallest pivot share, the remaining
+    gap [m or rad] and the number of Newton iterations.
+    """
+    q, v, a, change = node[Q_NEW], node[V_NEW], node[A_NEW], m.change
+    drive(m, t)
+    moved, gap, rounds = close_there(m, q, v, size)
+    if not moved < math.inf or not rate_residual(m) < math.inf:
         return math.inf, 0.0, gap, rounds
     correct(m)
     for k in range(q.shape[0]):
@@ -130,7 +144,7 @@ def closed_at(m, t, node, size):
     correct(m)
     for k in range(q.shape[0]):
         a[k] += change[k]
-    return moved, math.sqrt(power[at.PIVOT_SHARE]), gap, rounds
+    return moved, math.sqrt(m.power[at.PIVOT_SHARE]), gap, rounds
 
 
 @compiled
@@ -265,6 +279,15 @@ def between(node, theta, h):
 
 
 @compiled
+def note_spot(spots, tally, before, after):
+    """Note that the root has a minimum between two times [s]."""
+    if tally[FOUND] < spots.shape[0]:
+        spots[tally[FOUND], 0] = before
+        spots[tally[FOUND], 1] = after
+        tally[FOUND] += 1
+
+
+@compiled
 def arrive(node, clock, tally, spots, t, root):
     """Make the new rows the node at t [s]; records where the root has passed a minimum."""
     for k in range(node.shape[1]):
@@ -272,10 +295,8 @@ def arrive(node, clock, tally, spots, t, root):
             node[Q_OLD + n, k] = node[Q + n, k]
             node[Q + n, k] = node[Q_NEW + n, k]
     low = clock[ROOT] <= clock[ROOT_BEFORE] and clock[ROOT] <= root
-    if low and clock[ROOT] < NARROWS * max(root, clock[ROOT_BEFORE]) and tally[FOUND] < spots.shape[0]:
-        spots[tally[FOUND], 0] = clock[T_BEFORE]
-        spots[tally[FOUND], 1] = t
-        tally[FOUND] += 1
+    if low and clock[ROOT] < NARROWS * max(root, clock[ROOT_BEFORE]):
+        note_spot(spots, tally, clock[T_BEFORE], t)
     clock[T_BEFORE] = clock[NOW]
     clock[ROOT_BEFORE] = clock[ROOT]
     clock[NOW] = t
@@ -284,48 +305,61 @@ def arrive(node, clock, tally, spots, t, root):
 
 
 @compiled
+def keeps_branch(correction, root):
+    """True if a correction is too small to lead to another branch; root: of the smallest pivot share."""
+    return correction <= min(CORRECTION, SHARE * root)
+
+
+@compiled
+def predict_and_close(m, t, h, node, tally, size):
+    """A step of length h [s] from the node at t [s]: correction (inf if none), root and gap, as `closed_at`."""
+    if not predicted(node, h, size) <= TURN:
+        return math.inf, 0.0, 0.0
+    correction, root, gap, rounds = closed_at(m, t + h, node, size)
+    tally[NEWTON] += rounds
+    return correction, root, gap
+
+
+@compiled
+def leap(m, t, h, node, size):
+    """A step across a singular position, of a multiple of h [s]: its length (0: none), correction, root and gap."""
+    far = h
+    for _ in range(LEAPS):
+        far *= 2.0
+        if predicted(node, far, size) > TURN:
+            break
+        correction, root, gap, _rounds = closed_at(m, t + far, node, size)
+        if keeps_branch(correction, root) and root >= WEAK_ROOT:
+            return far, correction, root, gap
+    return 0.0, math.inf, 0.0, 0.0
+
+
+@compiled
 def stride(m, target, node, clock, tally, spots, size):
     """One step from the node towards the time `target` [s], across it if it is singular; False if no step succeeds."""
     t = clock[NOW]
     ahead = target - t
-    gap, rounds, far = 0.0, 0, 0.0
     while True:
         h = ahead if abs(ahead) <= clock[FREE] else math.copysign(clock[FREE], ahead)
         if t + h == t or abs(h) < LEAST_STEP * abs(ahead):
             return False
-        move = predicted(node, h, size)
-        fine = move <= TURN
-        correction, root = math.inf, 0.0
-        if fine:
-            correction, root, gap, rounds = closed_at(m, t + h, node, size)
-            tally[NEWTON] += rounds
-            fine = correction <= min(CORRECTION, SHARE * root)
+        correction, root, gap = predict_and_close(m, t, h, node, tally, size)
+        fine = keeps_branch(correction, root)
         if fine and root >= WEAK_ROOT:
             break
-        crossed = False
         if clock[ROOT] >= WEAK_ROOT and correction < math.inf:
             if predicted(node, 2.0 * h, size) > TURN:  # too far away to step across
                 clock[FREE] = 0.5 * abs(h)
                 continue
-            far = h
-            for _ in range(LEAPS):
-                far *= 2.0
-                if predicted(node, far, size) > TURN:
-                    break
-                correction, root, gap, rounds = closed_at(m, t + far, node, size)
-                if correction <= min(CORRECTION, SHARE * root) and root >= WEAK_ROOT:
-                    crossed = True
-                    break
-            if not crossed and fine:  # no solution on the other side: go on into the singular position
+            far, correction, root, gap = leap(m, t, h, node, size)
+            if far != 0.0:
+                h = far
+                note_spot(spots, tally, t, t + far)
+                break
+            if fine:  # no solution on the other side: go on into the singular position
                 predicted(node, h, size)
-                correction, root, gap, rounds = closed_at(m, t + h, node, size)
-        if crossed:
-            h = far
-            if tally[FOUND] < spots.shape[0]:
-                spots[tally[FOUND], 0] = t
-                spots[tally[FOUND], 1] = t + far
-                tally[FOUND] += 1
-        if crossed or fine:
+                correction, root, gap, _rounds = closed_at(m, t + h, node, size)
+        if fine:
             break
         clock[FREE] = 0.5 * abs(h)
     clock[GAP] = max(clock[GAP], gap)
@@ -333,6 +367,25 @@ def stride(m, target, node, clock, tally, spots, size):
         clock[FREE] = max(clock[FREE], 2.0 * abs(h))
     arrive(node, clock, tally, spots, target if h == ahead else t + h, root)
     return True
+
+
+@compiled
+def stop_at(m, target, node, clock, stepped):
+    """Motion at the time `target` [s], which the node has reached or a step has crossed, to the new rows of `node`."""
+    if target == clock[NOW]:
+        for k in range(node.shape[1]):
+            for i in range(3):
+                node[Q_NEW + i, k] = node[Q + i, k]
+        if stepped:  # its rows and factor are in the workspace
+            return
+    else:
+        h = clock[NOW] - clock[T_BEFORE]
+        between(node, (target - clock[T_BEFORE]) / h, h)
+    drive(m, target)
+    place(m, node[Q_NEW], node[V_NEW])
+    constraints(m)
+    clock[GAP] = max(clock[GAP], residual(m))
+    factorise(m)
 
 
 @compiled
@@ -359,20 +412,7 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, o
             stepped = True
             if not stride(m, target, node, clock, tally, spots, size):
                 return STUCK
-        if target == clock[NOW]:
-            for k in range(node.shape[1]):
-                for i in range(3):
-                    node[Q_NEW + i, k] = node[Q + i, k]
-        else:  # a step has crossed it
-            h = clock[NOW] - clock[T_BEFORE]
-            between(node, (target - clock[T_BEFORE]) / h, h)
-            stepped = False
-        if not stepped:  # otherwise its rows and factor are in the workspace
-            drive(m, target)
-            place(m, node[Q_NEW], node[V_NEW])
-            constraints(m)
-            clock[GAP] = max(clock[GAP], residual(m))
-            factorise(m)
+        stop_at(m, target, node, clock, stepped)
         put(m, target, node[Q_NEW], node[V_NEW], node[A_NEW], forces, probe, line, raw[n])
         tally[COUNT] = n + 1
         if n == 0 and onward == 0.0 and times.shape[0] > 1:
