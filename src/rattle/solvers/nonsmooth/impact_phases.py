@@ -41,6 +41,7 @@ FITS_AT_LAST = 1e-9  # the same where relaxation has not converged further
 RETURNED = 1e-9  # share by which a contact may return more than its bound, and that of the largest bound
 RETURNED_OF_LARGEST = 1e-13
 SAME_WORK = 1e-13  # share of its bound, and of its factor, within which the work of a contact is what it may be
+HALVINGS_OF_SHARE = 40  # of the common share of work in expansion
 
 
 @compiled
@@ -300,6 +301,25 @@ def find_shares(m, count):
     return takes_energy(m, count)
 
 
+@compiled
+def expand_with_energy(m, count):
+    """Expansion in which contacts do the work they may, or the largest common share of it that creates no energy."""
+    side, bounce = m.side, m.bounce
+    if find_shares(m, count):
+        return
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS_OF_SHARE):
+        middle = 0.5 * (low + high)
+        if expansion(m, count, middle) and takes_energy(m, count):
+            low = middle
+        else:
+            high = middle
+    # no expansion at all: the state after compression is a solution
+    if not (expansion(m, count, low) and takes_energy(m, count)):
+        for r in range(2 * count):
+            side[F, r], side[A, r] = 0.0, bounce[RATES, r]
+
+
 @kernel("problem")
 def expand_kernel(m, count):
     """Impulses of both phases, from f and a of compression in `side` and the rates before it in its b.
@@ -307,25 +327,12 @@ def expand_kernel(m, count):
     Writes f and a of the whole impact, and modes to `candidate`; returns 0 if no expansion was found.
     """
     side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
-    energetic = law_of(m, active[0]) == ENERGETIC
     as_full_matrix(m, count)
     for r in range(2 * count):
         bounce[PRESSED, r], bounce[RATES, r] = side[F, r], side[A, r]
     expands = True
-    if energetic:
-        if not find_shares(m, count):
-            low, high = 0.0, 1.0
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                if expansion(m, count, middle) and takes_energy(m, count):
-                    low = middle
-                else:
-                    high = middle
-            if not (
-                expansion(m, count, low) and takes_energy(m, count)
-            ):  # no expansion at all: the state after compression is a solution
-                for r in range(2 * count):
-                    side[F, r], side[A, r] = 0.0, bounce[RATES, r]
+    if law_of(m, active[0]) == ENERGETIC:
+        expand_with_energy(m, count)
     else:
         for k in range(count):
             bounce[SHARE, 2 * k] = bounce[E, 2 * active[k]]

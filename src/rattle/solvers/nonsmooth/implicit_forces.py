@@ -280,13 +280,12 @@ def add_base(m):
 
 
 @compiled
-def soften(m, h, count):
-    """Responses of the active contacts and their G as these forces change them."""
-    response, reaction, delassus, x = m.velocity_response, m.multiplier_response, m.delassus, m.soft_force[WORK]
-    contact, active, w = m.contact, m.active, m.contact_jacobian
+def soften_responses(m, h, count):
+    """Responses of the active contacts as these forces change them."""
+    response, reaction, x = m.velocity_response, m.multiplier_response, m.soft_force[WORK]
     size = m.soft_matrix.shape[0]
     for c in range(2 * count):
-        if c % 2 == 1 and friction_of(m, active[c // 2]) == 0.0:
+        if c % 2 == 1 and friction_of(m, m.active[c // 2]) == 0.0:
             continue
         for i in range(size):
             x[i] = row_on(m, i, response, c)
@@ -297,6 +296,13 @@ def soften(m, h, count):
                 response[c, k] += share * m.soft_response[i, k]
             for row in range(reaction.shape[1]):
                 reaction[c, row] += share * m.soft_reaction[i, row]
+
+
+@compiled
+def soften(m, h, count):
+    """Responses of the active contacts and their G as these forces change them."""
+    contact, active, w, response = m.contact, m.active, m.contact_jacobian, m.velocity_response
+    soften_responses(m, h, count)
     for r in range(2 * count):
         n = active[r // 2]
         for c in range(2 * count):
@@ -307,7 +313,7 @@ def soften(m, h, count):
                     for q in range(3):
                         total += w[r, 3 * end + q] * response[c, 3 * i - 3 + q]
             smooth = (r % 2 == 1 and friction_of(m, n) == 0.0) or (c % 2 == 1 and friction_of(m, active[c // 2]) == 0.0)
-            delassus[r, c] = 0.0 if smooth else total
+            m.delassus[r, c] = 0.0 if smooth else total
 
 
 @native("f", "h", "f")

@@ -33,39 +33,29 @@ APART = 1e-6  # share of the largest rate, or of both forces, by which two solut
 
 
 @compiled
-def surely_one(m, count):
-    """True if friction is too weak for a second solution.
+def weaken(m, k, size):
+    """Subtract from `system` the bound for the friction of active contact k; False if there is none."""
+    system, delassus, n, t = m.system, m.delassus, 2 * k, 2 * k + 1
+    mu, slide = friction_of(m, m.active[k]), m.slide[k]
+    if mu > 0.0 and slide == 0:
+        weight = (delassus[n, n] * delassus[t, t]) ** 0.5
+        if not weight > 0.0:
+            return False
+        system[n, n] -= 0.5 * mu * weight
+        for r in range(size):
+            for s in range(size):
+                system[r, s] -= 0.5 * mu * delassus[t, r] * delassus[t, s] / weight
+    elif mu > 0.0:
+        for r in range(size):
+            system[r, n] += 0.5 * mu * slide * delassus[t, r]
+            system[n, r] += 0.5 * mu * slide * delassus[t, r]
+    return True
 
-    T = mu sigma N with sigma from -1 to 1.  For the difference of two solutions, e = (dN, dT - mu sigma dN) satisfies
-    e^T G (e + mu sigma (0, dN)) <= 0, since each contact's law is monotone in it.  So there is only one if G, less
-    a bound for the friction term, is positive definite.  If the direction of slip is known that term is exact;
-    otherwise it is at most mu (g dN^2 + (G_t e)^2 / g) / 2 at each contact, with any g > 0.
-    """
-    system, delassus, active, slide = m.system, m.delassus, m.active, m.slide
-    size = 2 * count
-    for r in range(size):
-        for s in range(size):
-            system[r, s] = delassus[r, s]
-    for k in range(count):
-        n, t = 2 * k, 2 * k + 1
-        mu = friction_of(m, active[k])
-        if mu > 0.0 and slide[k] == 0:
-            weight = (delassus[n, n] * delassus[t, t]) ** 0.5
-            if not weight > 0.0:
-                return False
-            system[n, n] -= 0.5 * mu * weight
-            for r in range(size):
-                for s in range(size):
-                    system[r, s] -= 0.5 * mu * delassus[t, r] * delassus[t, s] / weight
-        elif mu > 0.0:
-            for r in range(size):
-                system[r, n] += 0.5 * mu * slide[k] * delassus[t, r]
-                system[n, r] += 0.5 * mu * slide[k] * delassus[t, r]
-    for k in range(count):  # if the direction of slip is known, or without friction, dT - mu sigma dN = 0
-        if slide[k] != 0 or friction_of(m, active[k]) == 0.0:
-            for r in range(size):
-                system[r, 2 * k + 1], system[2 * k + 1, r] = 0.0, 0.0
-            system[2 * k + 1, 2 * k + 1] = 1.0
+
+@compiled
+def is_definite(m, size):
+    """True if `system` is positive definite; it is factored."""
+    system, delassus = m.system, m.delassus
     for c in range(size):
         if not system[c, c] > DEFINITE * max(delassus[c, c], TINY):
             return False
@@ -74,6 +64,30 @@ def surely_one(m, count):
             for s in range(c + 1, size):
                 system[r, s] -= share * system[c, s]
     return True
+
+
+@compiled
+def surely_one(m, count):
+    """True if friction is too weak for a second solution.
+
+    T = mu sigma N with sigma from -1 to 1.  For the difference of two solutions, e = (dN, dT - mu sigma dN) satisfies
+    e^T G (e + mu sigma (0, dN)) <= 0, since each contact's law is monotone in it.  So there is only one if G, less
+    a bound for the friction term, is positive definite.  If the direction of slip is known that term is exact;
+    otherwise it is at most mu (g dN^2 + (G_t e)^2 / g) / 2 at each contact, with any g > 0.
+    """
+    system, size = m.system, 2 * count
+    for r in range(size):
+        for s in range(size):
+            system[r, s] = m.delassus[r, s]
+    for k in range(count):
+        if not weaken(m, k, size):
+            return False
+    for k in range(count):  # if the direction of slip is known, or without friction, dT - mu sigma dN = 0
+        if m.slide[k] != 0 or friction_of(m, m.active[k]) == 0.0:
+            for r in range(size):
+                system[r, 2 * k + 1], system[2 * k + 1, r] = 0.0, 0.0
+            system[2 * k + 1, 2 * k + 1] = 1.0
+    return is_definite(m, size)
 
 
 @compiled

@@ -54,27 +54,31 @@ def last_look(m):
 
 
 @compiled
+def write_friction(m, n, line):
+    """Write the indicators of friction of closed contact n, whose normal force is written."""
+    kinematics, first, friction = m.contact_kinematics, 1 + KINDS * n, friction_of(m, n)
+    if friction > 0.0 and m.mode[n] == STICK:
+        line[first + 1] = friction * line[first] - kinematics[n, at.TANGENT]
+        line[first + 2] = friction * line[first] + kinematics[n, at.TANGENT]
+    elif friction > 0.0:
+        line[first + 3] = kinematics[n, at.SLIP] if m.mode[n] == FORWARD else -kinematics[n, at.SLIP]
+
+
+@compiled
 def write_look(m, line):
     """Write all indicators [N, m/s] at the present state to a row of samples, with the largest force [N]."""
-    contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
+    contact, mass, acceleration = m.contact, m.mass, m.acceleration
     largest = 0.0
     for n in range(contact.shape[0]):
-        first = 1 + KINDS * n
         for k in range(KINDS):
-            line[first + k] = 1.0
-        if contact[n, at.IMPACT] == 0 or contact[n, at.LEVEL] == 1 or mode[n] == OFF:
+            line[1 + KINDS * n + k] = 1.0
+        if contact[n, at.IMPACT] == 0 or contact[n, at.LEVEL] == 1 or m.mode[n] == OFF:
             if watched(m, n):
                 write_clutch(m, n, line)
             continue
-        friction, normal = friction_of(m, n), kinematics[n, at.NORMAL]
-        line[first] = normal
-        largest = max(largest, abs(normal))
-        if friction > 0.0 and mode[n] == STICK:
-            line[first + 1] = friction * normal - kinematics[n, at.TANGENT]
-            line[first + 2] = friction * normal + kinematics[n, at.TANGENT]
-        elif friction > 0.0:
-            line[first + 3] = kinematics[n, at.SLIP] if mode[n] == FORWARD else -kinematics[n, at.SLIP]
-    mass, acceleration = m.mass, m.acceleration
+        line[1 + KINDS * n] = m.contact_kinematics[n, at.NORMAL]
+        largest = max(largest, abs(m.contact_kinematics[n, at.NORMAL]))
+        write_friction(m, n, line)
     for i in range(1, mass.shape[0]):
         largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
     line[1 + KINDS * contact.shape[0]] = largest
