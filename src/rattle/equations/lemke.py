@@ -127,6 +127,24 @@ def both_parts(m, count):
 
 
 @compiled
+def nearest_end(m, count, theta, sense, who, entered):
+    """Where the path leaves its present piece: how far ahead, at which margin, of which contact (-1: nowhere).
+
+    The margin that was crossed last, `entered` of contact `who`, does not count.
+    """
+    nearest, ends, next_who = math.inf, -1, -1
+    for k in range(count):
+        normal_margin, friction_margin = margins(m, k)
+        for what in (normal_margin, friction_margin):
+            falls = -sense * margin(m, k, what, theta, 1)
+            if falls > 0.0 and not (k == who and what == entered):
+                ahead = max(margin(m, k, what, theta, 0), 0.0) / falls
+                if ahead < nearest:
+                    nearest, ends, next_who = ahead, what, k
+    return nearest, ends, next_who
+
+
+@compiled
 def follow(m, count, attempt):
     """Follow the path of one d; the modes at its end are in `candidate`.  Returns SOLVED, JAMMED or UNDECIDED."""
     candidate, path = m.candidate, m.path
@@ -138,15 +156,7 @@ def follow(m, count, attempt):
             if not abs(growth) > 0.0:
                 return UNDECIDED
             sense = 1.0 if growth > 0.0 else -1.0
-        nearest, ends, next_who = math.inf, -1, -1
-        for k in range(count):
-            normal_margin, friction_margin = margins(m, k)
-            for what in (normal_margin, friction_margin):
-                falls = -sense * margin(m, k, what, theta, 1)
-                if falls > 0.0 and not (k == who and what == entered):
-                    ahead = max(margin(m, k, what, theta, 0), 0.0) / falls
-                    if ahead < nearest:
-                        nearest, ends, next_who = ahead, what, k
+        nearest, ends, next_who = nearest_end(m, count, theta, sense, who, entered)
         if sense < 0.0 and nearest >= theta:
             return SOLVED
         if next_who < 0:
