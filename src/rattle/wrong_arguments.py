@@ -106,8 +106,11 @@ def fits(value: Any, wanted: Any) -> bool:
     if kind in (float, int):
         number = numbers.Real if kind is float else numbers.Integral
         return isinstance(value, number) and not isinstance(value, bool) and (kind is int or _has_a_float(value))
-    if not isinstance(kind, type):
-        return True
+    return _fits_class(value, kind, parts) if isinstance(kind, type) else True
+
+
+def _fits_class(value: Any, kind: type, parts: tuple[Any, ...]) -> bool:
+    """The same of a class, with the types of what it holds."""
     if issubclass(kind, str):
         return isinstance(value, str)
     if issubclass(kind, collections.abc.Iterable) and hasattr(value, "__array__"):

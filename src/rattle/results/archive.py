@@ -206,46 +206,44 @@ def _fits(count: int, n: int, size: int, packed: int = PACKED) -> None:
         raise Damaged(f"declares {count} curves of {n} instants, more than {size} bytes can hold")
 
 
+def _dataset(h5py: Any, opened: Any, name: str, own: bool, places: set[int]) -> Any:
+    """A data set of an open file, which has no other name in `places`."""
+    link = opened.get(name, getlink=True)
+    if link is None:
+        raise KeyError(name)
+    dataset = opened[name] if type(link) is h5py.HardLink else None
+    if not isinstance(dataset, h5py.Dataset) or dataset.is_virtual or dataset.external:
+        raise Damaged("has links to other files, which no result has")
+    if own and dataset.id.get_create_plist().get_nfilters():
+        raise Damaged(f"holds '{name}' packed, as no result does: a small file could fill the memory")
+    place = h5py.h5o.get_info(dataset.id).addr
+    if place in places:
+        raise Damaged(f"holds '{name}' under another name too: a small file could fill the memory")
+    places.add(place)
+    return dataset
+
+
 def _read_netcdf(file: Path, own: bool) -> Found:
     """own: rattle wrote the file, which packs nothing; other programs that copy a result may."""
     h5py = package("h5py", "load_result")
     size = file.stat().st_size
     places: set[int] = set()
     with h5py.File(file, "r", locking=False) as opened:
-
-        def variable(name: str) -> Any:
-            link = opened.get(name, getlink=True)
-            if link is None:
-                raise KeyError(name)
-            dataset = opened[name] if type(link) is h5py.HardLink else None
-            if not isinstance(dataset, h5py.Dataset) or dataset.is_virtual or dataset.external:
-                raise Damaged("has links to other files, which no result has")
-            if own and dataset.id.get_create_plist().get_nfilters():
-                raise Damaged(f"holds '{name}' packed, as no result does: a small file could fill the memory")
-            place = h5py.h5o.get_info(dataset.id).addr
-            if place in places:
-                raise Damaged(f"holds '{name}' under another name too: a small file could fill the memory")
-            places.add(place)
-            return dataset
-
-        record = variable(RECORD)
+        record = _dataset(h5py, opened, RECORD, own, places)
         if record.shape != () or h5py.check_string_dtype(record.dtype) is None:
             raise InputError("no text")
         text = record.asstr()[()]
         parsed, digest = json.loads(text), record.attrs.get(DIGEST, "")
-        t = variable("t")
+        t = _dataset(h5py, opened, "t", own, places)
         n = int(t.shape[0]) if t.ndim == 1 else -1
         columns = list(parsed["names"])
         _fits(len(columns) + 1, n, size, packed=1 if own else PACKED)
-        curves = [variable(name) for name in columns]
-        if any(
-            dataset.shape != (n,) or dataset.dtype.kind != "f" or dataset.dtype.itemsize != 8
-            for dataset in (t, *curves)
-        ):
+        curves = [_dataset(h5py, opened, name, own, places) for name in columns]
+        if any(curve.shape != (n,) or curve.dtype.kind != "f" or curve.dtype.itemsize != 8 for curve in (t, *curves)):
             raise InputError("no curves")
         if parsed["format"] == 1:
-            parsed["units"] = {name: str(dataset.attrs["units"]) for name, dataset in zip(columns, curves, strict=True)}
-        numbers = [np.asarray(dataset[()], dtype=np.float64) for dataset in (t, *curves)]
+            parsed["units"] = {name: str(curve.attrs["units"]) for name, curve in zip(columns, curves, strict=True)}
+        numbers = [np.asarray(curve[()], dtype=np.float64) for curve in (t, *curves)]
     return text, parsed, str(digest), numbers[0], numbers[1:]
 
 
@@ -291,10 +289,10 @@ def _require_not_later(record: Any) -> None:
         raise Damaged(f"has format {form}; this version of rattle reads up to {FORMAT}: install a newer one")
 
 
-def _require_plain(record: Any, count: int) -> None:
-    """Refuse a record that is not as `Result.save` writes it.  Raises InputError, TypeError, KeyError."""
+def _has_heads(record: Any, count: int) -> bool:
+    """True if the heads of a record are of their types, with `count` names of curves."""
     names = record["names"]
-    right = (
+    return (
         type(record["format"]) is int
         and record["format"] >= 1
         and isinstance(names, list)
@@ -302,14 +300,13 @@ def _require_plain(record: Any, count: int) -> None:
         and all(isinstance(name, str) and name.isprintable() and name[:1] not in "=+-@ " for name in names)
         and isinstance(record["success"], bool)
         and isinstance(record["message"], str)
-        and all(isinstance(record[key], dict) for key in ("geometry", "trust", "stats", "provenance"))
-        and isinstance(record["units"], dict)
+        and all(isinstance(record[key], dict) for key in ("geometry", "trust", "stats", "provenance", "units"))
         and isinstance(record["events"], list)
     )
-    if not right:
-        raise InputError("not as a result is written")
-    if not all(isinstance(record["units"][name], str) and record["units"][name].isprintable() for name in names):
-        raise InputError("units are texts")
+
+
+def _require_plain_values(record: Any) -> None:
+    """Refuse texts with control characters, and numbers too large, anywhere in a record."""
     ahead: list[Any] = [record]
     while ahead:
         item = ahead.pop()
@@ -319,6 +316,16 @@ def _require_plain(record: Any, count: int) -> None:
             raise InputError("texts with control characters")
         elif type(item) is int and abs(item) > LARGEST:
             raise InputError("a whole number that is too large to be computed with")
+
+
+def _require_plain(record: Any, count: int) -> None:
+    """Refuse a record that is not as `Result.save` writes it.  Raises InputError, TypeError, KeyError."""
+    if not _has_heads(record, count):
+        raise InputError("not as a result is written")
+    units = (record["units"][name] for name in record["names"])
+    if not all(isinstance(unit, str) and unit.isprintable() for unit in units):
+        raise InputError("units are texts")
+    _require_plain_values(record)
     for event in record["events"]:
         _, joint, kind, *numbers = event
         texts = isinstance(joint, str) and isinstance(kind, str)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -218,27 +218,37 @@ def _touching(result: Curves) -> list[tuple[str, str]]:
     return joints
 
 
+def _pressed(
+    result: Curves, joint: str, events: list[Event], normal: np.ndarray, span: float, end: float
+) -> tuple[float, float]:
+    """Share of the time of a run up to `end`, `span` long [s], in which a joint presses, and its longest flight [s]."""
+    t, spans = result.t, pressing_spans(events)
+    if joint in result.trust.pulled:  # a massless link presses whenever it does not pull
+        return 1.0 - result.trust.pulled[joint], 0.0
+    if not spans and span:
+        return float(np.trapezoid((normal > 0.0).astype(float), t) / span), _longest_gap(t, normal > 0.0, span)
+    share = math.fsum(b - a for a, b in spans) / span if span else float(normal[0] > 0.0)
+    edges = [float(t[0]), *(edge for pair in spans for edge in pair), end]
+    return share, max(b - a for a, b in zip(edges[::2], edges[1::2], strict=True))
+
+
+def _energy_lost(result: Curves, events: list[Event]) -> float:
+    """Energy [J] that events have taken; 0 if it is rounding."""
+    lost = math.fsum(event.energy_lost for event in events)
+    rounding = ROUNDING * float(result["energy.kinetic"].max()) if "energy.kinetic" in result else 0.0
+    return 0.0 if abs(lost) < rounding else lost
+
+
 def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
     t, normal = result.t, result[force] if force.endswith(".normal") else np.abs(result[force])
-    start, end = float(t[0]), max(float(t[-1]), result.trust.t_end)
-    span = end - start
+    end = max(float(t[-1]), result.trust.t_end)
+    span = end - float(t[0])
     events = [event for event in result.events if event.joint == joint]
     lasting = [event for event in events if event.kind == "contact"]
-    spans = pressing_spans(events)
     hits = [event for event in events if event.kind == "impact"]
     hardest = max(hits, key=lambda event: event.impulse, default=None)
-    lost = math.fsum(event.energy_lost for event in events)
-    if "energy.kinetic" in result and abs(lost) < ROUNDING * float(result["energy.kinetic"].max()):
-        lost = 0.0
-    if joint in result.trust.pulled:  # a massless link presses whenever it does not pull
-        share, flight = 1.0 - result.trust.pulled[joint], 0.0
-    elif spans or not span:
-        share = math.fsum(b - a for a, b in spans) / span if span else float(normal[0] > 0.0)
-        edges = [start, *(edge for pair in spans for edge in pair), end]
-        flight = max(b - a for a, b in zip(edges[::2], edges[1::2], strict=True))
-    else:
-        share = float(np.trapezoid((normal > 0.0).astype(float), t) / span)
-        flight = _longest_gap(t, normal > 0.0, span)
+    lost = _energy_lost(result, events)
+    share, flight = _pressed(result, joint, events, normal, span, end)
     return ContactSummary(
         share=share,
         contacts=len(lasting),
@@ -295,6 +305,17 @@ def rms(t: np.ndarray, values: np.ndarray) -> float:
     return math.sqrt(float(np.trapezoid(values**2, t)) / span) if span else abs(float(values[0]))
 
 
+def _force_cells(result: Curves, joint: str, readables: Sequence[str], rounding: float) -> tuple[str, ...]:
+    """Name of a joint, its peak force and time, and its RMS force; "-" where they say nothing."""
+    if joint not in readables:
+        gap = gap_beside(result, f"{joint}.force")
+        return joint, "-", "-" if gap is None else f"gap {quantity(gap, 's')}", "-"
+    (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
+    if not force > rounding:
+        return joint, quantity(0.0, "N"), "-", quantity(0.0, "N")
+    return joint, quantity(force, "N"), quantity(when, "s"), quantity(mean, "N")
+
+
 def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heading and one row per joint, with units: peak force and its time, RMS force; with play the contact summary.
 
@@ -312,16 +333,7 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     readables = [name for name in loaded if readable(result, f"{name}.force")]
     rounding = force_rounding(result)
     for joint in loaded:
-        gap = gap_beside(result, f"{joint}.force")
-        row: tuple[str, ...] = (joint, "-", "-" if gap is None else f"gap {quantity(gap, 's')}", "-")
-        if joint in readables:
-            (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
-            bears = force > rounding
-            row = (
-                (joint, quantity(force, "N"), quantity(when, "s"), quantity(mean, "N"))
-                if bears
-                else (joint, quantity(0.0, "N"), "-", quantity(0.0, "N"))
-            )
+        row = _force_cells(result, joint, readables, rounding)
         if summary := loose.get(joint):
             row += (f"{100 * summary.share:.0f} %", str(summary.contacts), str(summary.impacts))
             part = " dry" if f"{joint}.film_thickness" in result else ""  # what its oil loses stands in the oil's table

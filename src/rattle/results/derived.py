@@ -44,14 +44,20 @@ def rules(geometry: Mapping[str, Any], stored: Collection[str]) -> dict[str, Rul
             derived |= _between(joint, form["coordinate"], form, form.get("axis", 0.0), stored)
     for load, form in geometry.get("loads", {}).items():
         if form.get("coordinate"):
-            derived |= _between(load, form["coordinate"], form, 0.0, stored)
-            if form["coordinate"] == "angle" and f"{load}.angle" in derived:
-                derived[f"{load}.length"] = derived[f"{load}.angle"]
-            if f"{load}.force" in stored and f"{load}.rate" in derived:
-                derived[f"{load}.power"] = Rule("power", load, number=form["power"])
-                if form["coordinate"] == "angle":
-                    derived[f"{load}.torque"] = Rule("same", f"{load}.force")
+            derived |= _of_load(load, form, stored)
     return {name: rule for name, rule in derived.items() if name not in stored}
+
+
+def _of_load(load: str, form: Mapping[str, Any], stored: Collection[str]) -> dict[str, Rule]:
+    """Names of a load between two points or bodies."""
+    derived, turns = _between(load, form["coordinate"], form, 0.0, stored), form["coordinate"] == "angle"
+    if turns and f"{load}.angle" in derived:
+        derived[f"{load}.length"] = derived[f"{load}.angle"]
+    if f"{load}.force" in stored and f"{load}.rate" in derived:
+        derived[f"{load}.power"] = Rule("power", load, number=form["power"])
+        if turns:
+            derived[f"{load}.torque"] = Rule("same", f"{load}.force")
+    return derived
 
 
 def _between(

@@ -279,14 +279,33 @@ def _output(text: str, node: Node, vocabulary: Known, compared: bool = False) ->
     )  # fmt: skip
 
 
-def _reduction(node: Apply, vocabulary: Known) -> Reduction:
-    """One reduction with its names and dimensions checked."""
-    kind, inside = node.name, node.operands[0]
+def _require_curve(node: Apply) -> None:
+    """Refuse a reduction inside of another one."""
     for operand in node.operands:
         for part in walk(operand):
             if _reduces(part):
                 word = part.name if isinstance(part, Apply) else ""
-                raise ExpressionError(f"{word}(...) is one number already and cannot stand inside {kind}", part.column)
+                raise ExpressionError(
+                    f"{word}(...) is one number already and cannot stand inside {node.name}", part.column
+                )
+
+
+def _unit_of_reduced(kind: str, seen: Dimension | None, unit: str) -> tuple[Dimension | None, str]:
+    """Dimension and unit of a reduction of a curve with these."""
+    if kind == "share":
+        return DIMENSIONLESS, ""
+    if kind == "first":
+        return TIME, "s"
+    if kind == "integral":
+        seen = None if seen is None else seen.times(TIME)
+        return seen, "" if seen is None else unit_name(seen)
+    return seen, unit
+
+
+def _reduction(node: Apply, vocabulary: Known) -> Reduction:
+    """One reduction with its names and dimensions checked."""
+    kind, inside = node.name, node.operands[0]
+    _require_curve(node)
     if kind == "count":
         _require_events(inside, vocabulary)
         return Reduction(kind, inside, None, True, DIMENSIONLESS, "", node.column)
@@ -300,14 +319,7 @@ def _reduction(node: Apply, vocabulary: Known) -> Reduction:
         inside = _difference(inside)
     _require_known(inside, vocabulary)
     seen = _dimension(inside, vocabulary.dimension)
-    unit = unit_of(inside, lambda name: vocabulary.unit(name) or "", seen)
-    if kind == "share":
-        seen, unit = DIMENSIONLESS, ""
-    elif kind == "first":
-        seen, unit = TIME, "s"
-    elif kind == "integral":
-        seen = None if seen is None else seen.times(TIME)
-        unit = "" if seen is None else unit_name(seen)
+    seen, unit = _unit_of_reduced(kind, seen, unit_of(inside, lambda name: vocabulary.unit(name) or "", seen))
     number = node.operands[1] if kind in TWO else None
     if number is not None:
         _require_argument(kind, number, vocabulary)

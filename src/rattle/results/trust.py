@@ -131,13 +131,16 @@ class Trust:
             return _say("before_a_lock", t=until, lock=self._lock())
         if self.stopped and (until >= self.t_end or not self.horizon_curve):
             return _say("before_the_end", t=self.t_end)
+        return self._verdict_of_horizon(until)
+
+    def _verdict_of_horizon(self, until: float) -> str:
+        """How far curves, and beyond them the motion as a whole, are to be trusted; until: [s]."""
+        motion = self.horizon_motion
         if until >= self.t_end:
             return _say("whole")
-        motion = self.horizon_motion
-        if motion is not None and motion > 2.0 * until:
-            reach = _say("over_all") if motion >= self.t_end else _say("up_to", t=motion)
-            return _say("motion", reach=reach, t=until)
-        return _say("horizon", t=until)
+        if motion is None or not motion > 2.0 * until:
+            return _say("horizon", t=until)
+        return _say("motion", reach=_say("over_all") if motion >= self.t_end else _say("up_to", t=motion), t=until)
 
     @property
     def poor(self) -> bool:

@@ -11,7 +11,7 @@ import hashlib
 import logging
 from abc import abstractmethod
 from collections import namedtuple
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from inspect import isfunction, ismodule
 from typing import Any
 
@@ -113,28 +113,27 @@ def outside(law: Any) -> Any:
         if code is None or id(function) in seen:
             continue
         seen.add(id(function))
-        names = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
-        cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
-        names |= {name: content for name, cell in cells for content in _content(cell)}
-        names |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
-        for name, value in names.items():
-            value = getattr(value, "py_func", value)
+        for name, value in _names_around(function, code):
             if isfunction(value):
                 ahead.append(value)
             elif ismodule(value):
-                inside = {
-                    attribute: getattr(value, attribute) for attribute in code.co_names if hasattr(value, attribute)
-                }
-                used |= {
-                    (id(code), name, attribute): repr(x)
-                    for attribute, x in inside.items()
-                    if isinstance(x, int | float)
-                }
+                numbers = {key: getattr(value, key, None) for key in code.co_names}
+                used |= {(id(code), name, key): repr(x) for key, x in numbers.items() if isinstance(x, int | float)}
             elif isinstance(value, np.ndarray):
                 used[id(code), name] = (value.shape, value.dtype.str, value.tobytes())
             else:
                 used[id(code), name] = repr(value) if isinstance(value, int | float | str | tuple | list) else id(value)
     return used
+
+
+def _names_around(function: Any, code: Any) -> Iterator[tuple[str, Any]]:
+    """Names that a function takes from its module, from around it and as defaults, and what they are."""
+    names = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
+    cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
+    names |= {name: content for name, cell in cells for content in _content(cell)}
+    names |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
+    for name, value in names.items():
+        yield name, getattr(value, "py_func", value)
 
 
 def _content(cell: Any) -> list[Any]:

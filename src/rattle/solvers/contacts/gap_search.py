@@ -279,6 +279,12 @@ def cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
     return lowest(gap, rate * dt, end, end_rate * dt) - margin >= least
 
 
+@compiled
+def is_tiny(share, h, t):
+    """True if a share of the step from t [s] of length h [s] is not divided further."""
+    return share * h <= SAME_TIME * abs(t) or share <= SAME_SHARE
+
+
 @native("f", "h", "f", "i", "f", "f")
 def search(m, h, n, side, until):
     """Share of the step, up to `until`, at which side * gap of contact n first becomes negative; NONE if it does not.
@@ -296,7 +302,7 @@ def search(m, h, n, side, until):
     end, end_rate = signed_gap(m, right, n, side)
     for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
         dt = (right - left) * h
-        tiny = dt <= SAME_TIME * abs(t) or right - left <= SAME_SHARE
+        tiny = is_tiny(right - left, h, t)
         below, free, curve, wide = judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least)
         if below:
             return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)

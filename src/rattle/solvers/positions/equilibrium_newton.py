@@ -210,6 +210,24 @@ def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
 
 
 @compiled
+def balanced(state, force):
+    """FOUND if reduced forces of this size [N] are those of an equilibrium, LOST otherwise."""
+    return FOUND if force <= BALANCED * state[FORCE_SIZE] else LOST
+
+
+@compiled
+def outcome_before(state, far, size):
+    """GOING if a step of length `far` [m] is worth it; otherwise what the search has come to."""
+    if not far < math.inf:
+        return LOST
+    if far < NO_STEP * size:  # if H vanishes the step is zero too
+        return balanced(state, state[G_SIZE])
+    if state[G_SIZE] <= BALANCED_WELL * state[FORCE_SIZE] and far < SHORT_STEP * size:
+        return FOUND
+    return GOING
+
+
+@compiled
 def find(
     m, t, q, scale, size, step, downhill, rounds, positions, count, near,
     links, arm, wide, norm, order, pivot, null, line, small, state, order_h, pivot_h, most,
@@ -233,22 +251,18 @@ def find(
         reduced_stiffness(m, t, q, step, dof, 2, null, line, small)
         far = newton_step(dof, downhill, order_h, pivot_h, line, small, null, state, size)
         before = state[G_SIZE]
-        if not far < math.inf:
-            return LOST
-        rest = before <= BALANCED * state[FORCE_SIZE]
-        if far < NO_STEP * size:  # if H vanishes the step is zero too
-            return FOUND if rest else LOST
-        if before <= BALANCED_WELL * state[FORCE_SIZE] and far < SHORT_STEP * size:
-            return FOUND
+        outcome = outcome_before(state, far, size)
+        if outcome != GOING:
+            return outcome
         if not advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
-            return FOUND if rest else LOST
+            return balanced(state, before)
         state[ITERATION] += 1.0
         slow = state[G_SIZE] <= BALANCED_SLOWLY * state[FORCE_SIZE] and state[G_SIZE] > SLOW * before
         state[SMALL] = state[SMALL] + 1.0 if slow else 0.0
         if state[SMALL] == 2.0:
             return FOUND
         if state[ITERATION] >= ROUNDS:
-            return FOUND if state[G_SIZE] <= BALANCED * state[FORCE_SIZE] else LOST
+            return balanced(state, state[G_SIZE])
     return GOING
 
 
