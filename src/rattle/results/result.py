@@ -10,6 +10,7 @@ import difflib
 import functools
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, overload
 
@@ -21,7 +22,7 @@ from rattle.errors import ALIKE, InputError, WrongType
 from rattle.results import archive, contact_summary, film_summary
 from rattle.results.chosen_units import SI, column_unit
 from rattle.results.derived import rules, unit_of_rule, value_of
-from rattle.results.display import Picture
+from rattle.results.display import Picture, card, grid, marks, printed
 from rattle.results.event import Breaks, Event, Peak
 from rattle.results.trust import Trust
 from rattle.wrong_arguments import answer_in_words, answers_in_words
@@ -97,10 +98,14 @@ class Result:
         return f"<rattle.Result: {span}, {len(self.names)} names{'' if self.success else ', FAILED'}>"
 
     def _repr_html_(self) -> str:
-        from rattle.results.shown import result_card
-
         title = f"{self.provenance.get('model') or 'mechanism'}: {repr(self)[1:-1].partition(': ')[2]}"
-        return result_card(self, title, "" if self.success else self.message, self.names[0])
+        summaries = (contact_summary.joint_rows(self), film_summary.film_rows(self))
+        tables = [grid(head, rows) for head, rows in summaries if rows]
+        sentences = [] if self.success else [marks([("bad", f"stopped: {self.message}")])]
+        sentences += [f"<p>{escape(line)}</p>" for line in contact_summary.contact_lines(self)]
+        sentences += [f"<p>{escape(printed(line))}</p>" for line in (self.trust.word, *self.trust.why)]
+        forces = (f"{joint}.force" for joint in self.geometry["joints"] if f"{joint}.fx" in self)
+        return card(title, *tables, *sentences, hint=f'r.plot("{next(forces, self.names[0])}"), r.trust')
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)

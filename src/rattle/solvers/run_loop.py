@@ -18,11 +18,11 @@ from rattle.solvers import step_loop
 from rattle.solvers.breaks import after_break, before_break
 from rattle.solvers.contacts.wear_sum import add_wear, keep_speeds
 from rattle.solvers.dry_friction_modes import decide
-from rattle.solvers.energy_floor import set_floor
 from rattle.solvers.nonsmooth import event_driven, jams, moreau_jean
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import choose_sides
+from rattle.solvers.step_audit import set_floor
 
 GLANCE = 1e-6  # share of a run to look ahead for the side of a switching function that is zero
 JAM_APART = 1e-9  # share of a run within which a second jam is at the same place: passing it again does not help

@@ -28,7 +28,7 @@ from rattle.equations.schur import PIVOT, WEAK, factorise
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.peaks.climb import end_step, probe, sample_pieces
+from rattle.solvers.peaks.peak_search import end_step, probe, sample_pieces
 from rattle.solvers.peaks.samples import BEST, SAMPLE, SQUARES, START, WHEN, probe_of
 from rattle.solvers.step_audit import openness
 

@@ -56,8 +56,8 @@ from rattle.solvers.nonsmooth.event_driven import (
 from rattle.solvers.nonsmooth.event_handling import handle_event
 from rattle.solvers.nonsmooth.event_search import any_closed
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks.climb import end_step
-from rattle.solvers.peaks.glances import last_look
+from rattle.solvers.peaks.contact_samples import last_look
+from rattle.solvers.peaks.peak_search import end_step
 from rattle.solvers.peaks.samples import LOOKS, START, end_of, gauge, stage_layout
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project

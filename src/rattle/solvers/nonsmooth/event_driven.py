@@ -33,7 +33,7 @@ from rattle.solvers.nonsmooth.contact_modes import HIT, MEETS, NOTHING
 from rattle.solvers.nonsmooth.contact_projection import noise, project_on_contacts
 from rattle.solvers.nonsmooth.event_handling import handle_event, modes_with_friction, remember
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
-from rattle.solvers.peaks.glances import doubts, keep_forces, last_look, pass_look_on
+from rattle.solvers.peaks.contact_samples import doubts, keep_forces, last_look, pass_look_on
 from rattle.solvers.peaks.samples import START, gauge, stages_tell
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once

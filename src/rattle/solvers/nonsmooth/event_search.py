@@ -2,8 +2,8 @@
 
 Hits of open contacts, and starts and ends of compliant ones, are found by `gap_search`; changes of closed ones are
 detected at sampling points on the dense output, then located.  The sampling points are few and not evenly spaced, so
-that no period of a load fits them all; where a force or slip may have been below zero between two of them (`glances`)
-the interval is halved.
+that no period of a load fits them all; where a force or slip may have been below zero between two of them
+(`contact_samples`) the interval is halved.
 If the stages of a step show that a contact condition is violated, its zero is located at once, starting from the zero
 of the polynomial through them; with the sample taken there they show whether anything may have happened before.
 """
@@ -23,7 +23,16 @@ from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.contacts.pawls import first_drop
 from rattle.solvers.dense_output import INSTANT, OF_STEP, interpolate
 from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, DROP, HIT, LET_GO, MEETS, NOTHING, TURN
-from rattle.solvers.peaks.glances import KINDS, last_look, margin_of, matters, may_dip, slack_of, unseen, write_look
+from rattle.solvers.peaks.contact_samples import (
+    KINDS,
+    last_look,
+    margin_of,
+    matters,
+    may_dip,
+    slack_of,
+    unseen,
+    write_look,
+)
 from rattle.solvers.peaks.samples import LOOKS, gauge
 from rattle.solvers.peaks.stage_polynomial import told, zero_told
 from rattle.solvers.step_size import STANDSTILL

@@ -18,7 +18,7 @@ from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.output_row import write_joints
-from rattle.solvers.peaks.glances import write_look
+from rattle.solvers.peaks.contact_samples import write_look
 from rattle.solvers.peaks.stage_polynomial import best_nodes, shape_arrays
 from rattle.solvers.tableau import Tableau
 

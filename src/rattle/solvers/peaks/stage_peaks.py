@@ -10,7 +10,7 @@ from __future__ import annotations
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.peaks.climb import climb, crest_all, end_step, probe
+from rattle.solvers.peaks.peak_search import climb, crest_all, end_step, probe
 from rattle.solvers.peaks.samples import (
     BEST,
     LOOKS,
@@ -131,7 +131,7 @@ def new_peaks(m, until):
 def end_by_stages(m, t, h, until):
     """Peaks and sums of the step from t [s] of length h [s] up to the share `until`, where an event ends it if < 1.
 
-    As `climb.end_step`, if the stages show all forces; needs the dense output.  Returns the states computed.
+    As `peak_search.end_step`, if the stages show all forces; needs the dense output.  Returns the states computed.
     """
     peaks, solved = m.peaks, 0
     if peaks.shape[0] == 0:
