@@ -74,8 +74,8 @@ class JointKind:
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
 
     @staticmethod
-    def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-        """What is wrong with keys that were `given`, or missing (key ""), besides what each field says by itself."""
+    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+        """What is wrong with keys that were `written`, or missing (key ""), besides what each field says by itself."""
         return ()
 
     @staticmethod

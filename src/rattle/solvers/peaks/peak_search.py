@@ -44,6 +44,11 @@ BLIND = 1e-8  # pivot, as a share of its diagonal, below which states on the con
 UNSURE = 0.1  # share of the height of a crest above its sample by which a polynomial may be wrong
 SHORTEST = 1.0 / 1024.0  # share of a step that is not halved again
 BARYCENTRIC = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])  # of nine evenly spaced samples
+AROUND = 0.3  # of the wider side of a crest: how far beside it its maximum is first enclosed
+NEXT_TO = 1e-6  # share of an interval within which a place is no new one
+REST = 1.001  # pieces: what is left of a step is not divided if it is hardly longer than one
+FIRST_PIECE = 0.125  # share of a step of the first piece of its dense output
+FACTORIAL = 40320.0  # 8!, of the remainder with nine samples
 
 
 @compiled
@@ -79,7 +84,7 @@ def crest(m, samples, low, top, high):
 @compiled
 def doubt_at(m, samples, x):
     """How much that polynomial differs at the share x from the one without the end of the step that is nearer to x."""
-    difference, product = 0.0, 1.0 / 40320.0
+    difference, product = 0.0, 1.0 / FACTORIAL
     for k in range(BARYCENTRIC.shape[0]):
         difference += BARYCENTRIC[k] * samples[SAMPLE + m.sample_order[LOOKS, k]]
         product *= abs(8.0 * x - k)
@@ -117,11 +122,11 @@ def climb(m, t, h, n, low, top, high, height):
 
     Successive parabolas: the lowest of three points is replaced by the maximum of the parabola through them.
     """
-    known = m.peaks[n, BEST]
+    highest = m.peaks[n, BEST]
     fb = probe(m, t, h, top, n)
-    if not fb + height > known:
+    if not fb + height > highest:
         return 1
-    b, wide = top, 0.3 * max(top - low, high - top)
+    b, wide = top, AROUND * max(top - low, high - top)
     a, c = max(low, b - wide), min(high, b + wide)
     fa, fc = probe(m, t, h, a, n), probe(m, t, h, c, n)
     for tried in range(TRIES):
@@ -132,7 +137,7 @@ def climb(m, t, h, n, low, top, high, height):
         else:
             x = low if fa > fc else high
         x = min(max(x, low), high)
-        if min(abs(x - a), abs(x - b), abs(x - c)) <= 1e-6 * (high - low):
+        if min(abs(x - a), abs(x - b), abs(x - c)) <= NEXT_TO * (high - low):
             return tried + 3
         f = probe(m, t, h, x, n)
         if not f - best > FINE * abs(best) and tried > 0:
@@ -190,7 +195,7 @@ def sample_pieces(m, t, h, low, until, wide, sound):
     """
     peaks, solved, shares, order, count = m.peaks, 0, m.sample_shares, m.sample_order, m.sample_count[CUT]
     while low < until:
-        high = low + wide if low + 1.001 * wide < until else until
+        high = low + wide if low + REST * wide < until else until
         for k in range(1, count):
             probe(m, t, h, low + (high - low) * shares[CUT, k], 0)
             for n in range(peaks.shape[0]):
@@ -207,33 +212,16 @@ def sample_pieces(m, t, h, low, until, wide, sound):
     return solved
 
 
-@native("i", "h", "f", "f", "f", "i", "i")
-def end_step(m, t, h, until, layout, dense):
-    """Peaks and sums of the step from t [s] of length h [s] up to the share `until`; returns the states computed.
-
-    The samples of the step are those of `layout`, of CUT if it left none.  dense: 1 if the dense output is ready; with
-    -1 the function returns -1 if it is needed, and counts nothing.  If until < 1 an event ends the step: the state
-    after it is measured as START of the next.
-    """
-    peaks = m.peaks
-    if peaks.shape[0] == 0:
-        return 0
-    share, solved = m.power[at.PIVOT_SHARE], 0
-    sound, clear = share > WEAK, share > BLIND
-    if dense < 0:
-        if may_rise(m, h, layout):
-            return -1
-        dense = 0
-    if until < 1.0 or layout == CUT:
-        return sample_pieces(m, t, h, 0.0, until, until, clear)
-    told, few = layout == STAGES and stages_tell(m), layout == STAGES and not stages_tell(m)
-    if told and dense and clear and not sound:  # stages are off the constraints by too much
-        return sample_pieces(m, t, h, 0.0, 1.0, 0.125, clear)
-    if told and dense and sound and unresolved(m, h, STAGES):
-        return sample_pieces(m, t, h, 0.0, 1.0, 0.125, sound)
+@compiled
+def end_whole_step(m, t, h, layout, dense, sound, clear):
+    """`end_step` of a step that no event ends, with its own samples; sound, clear: its forces, by the pivots."""
+    solved, told = 0, layout == STAGES and stages_tell(m)
+    # where it is not sound, stages are off the constraints by too much
+    if told and dense and (unresolved(m, h, STAGES) if sound else clear):
+        return sample_pieces(m, t, h, 0.0, 1.0, FIRST_PIECE, True)
     add(m, t + h, h, layout, sound)
-    if few and dense:
-        dense = 1 if near_peak(peaks) else 0
+    if layout == STAGES and not told and dense:
+        dense = 1 if near_peak(m.peaks) else 0
         if dense:
             solved += probe_within(m, t, h)
     if layout == LOOKS:
@@ -242,3 +230,23 @@ def end_step(m, t, h, until, layout, dense):
         solved += climb_all(m, t, h, 0.0, 1.0, layout)
     pass_end_on(m)
     return solved
+
+
+@native("i", "h", "f", "f", "f", "i", "i")
+def end_step(m, t, h, until, layout, dense):
+    """Peaks and sums of the step from t [s] of length h [s] up to the share `until`; returns the states computed.
+
+    The samples of the step are those of `layout`, of CUT if it left none.  dense: 1 if the dense output is ready; with
+    -1 the function returns -1 if it is needed, and counts nothing.  If until < 1 an event ends the step: the state
+    after it is measured as START of the next.
+    """
+    if m.peaks.shape[0] == 0:
+        return 0
+    sound, clear = m.power[at.PIVOT_SHARE] > WEAK, m.power[at.PIVOT_SHARE] > BLIND
+    if dense < 0:
+        if may_rise(m, h, layout):
+            return -1
+        dense = 0
+    if until < 1.0 or layout == CUT:
+        return sample_pieces(m, t, h, 0.0, until, until, clear)
+    return end_whole_step(m, t, h, layout, dense, sound, clear)

@@ -35,6 +35,8 @@ YOUNG = 0.02  # a quantity that starts from zero may be negative by this share o
 BESIDE = 10.0  # times the deviation of the last stage from the end of the step: more than that of most other stages
 SLIGHT = 1e-3  # deviation of stages from the motion, as a share of the change over the step
 LEAST_ERROR = 1e-6  # of a step [tolerances]: one with a smaller error may be too long to resolve anything
+UNSEEN = 1e-13  # share of the rates [m/s or rad/s] that is rounding of a slip
+UNSEEN_AT_REST = 1e-3  # rate [rad/s] that this is a share of at least
 
 
 def table(contacts: int, shares: np.ndarray) -> np.ndarray:
@@ -52,27 +54,31 @@ def last_look(m):
 
 
 @compiled
+def write_friction(m, n, line):
+    """Write the indicators of friction of closed contact n, whose normal force is written."""
+    kinematics, first, friction = m.contact_kinematics, 1 + KINDS * n, friction_of(m, n)
+    if friction > 0.0 and m.mode[n] == STICK:
+        line[first + 1] = friction * line[first] - kinematics[n, at.TANGENT]
+        line[first + 2] = friction * line[first] + kinematics[n, at.TANGENT]
+    elif friction > 0.0:
+        line[first + 3] = kinematics[n, at.SLIP] if m.mode[n] == FORWARD else -kinematics[n, at.SLIP]
+
+
+@compiled
 def write_look(m, line):
     """Write all indicators [N, m/s] at the present state to a row of samples, with the largest force [N]."""
-    contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
+    contact, mass, acceleration = m.contact, m.mass, m.acceleration
     largest = 0.0
     for n in range(contact.shape[0]):
-        first = 1 + KINDS * n
         for k in range(KINDS):
-            line[first + k] = 1.0
-        if contact[n, at.IMPACT] == 0 or contact[n, at.LEVEL] == 1 or mode[n] == OFF:
+            line[1 + KINDS * n + k] = 1.0
+        if contact[n, at.IMPACT] == 0 or contact[n, at.LEVEL] == 1 or m.mode[n] == OFF:
             if watched(m, n):
                 write_clutch(m, n, line)
             continue
-        friction, normal = friction_of(m, n), kinematics[n, at.NORMAL]
-        line[first] = normal
-        largest = max(largest, abs(normal))
-        if friction > 0.0 and mode[n] == STICK:
-            line[first + 1] = friction * normal - kinematics[n, at.TANGENT]
-            line[first + 2] = friction * normal + kinematics[n, at.TANGENT]
-        elif friction > 0.0:
-            line[first + 3] = kinematics[n, at.SLIP] if mode[n] == FORWARD else -kinematics[n, at.SLIP]
-    mass, acceleration = m.mass, m.acceleration
+        line[1 + KINDS * n] = m.contact_kinematics[n, at.NORMAL]
+        largest = max(largest, abs(m.contact_kinematics[n, at.NORMAL]))
+        write_friction(m, n, line)
     for i in range(1, mass.shape[0]):
         largest = max(largest, mass[i, 0] * max(abs(acceleration[i, 0]), abs(acceleration[i, 1])))
     line[1 + KINDS * contact.shape[0]] = largest
@@ -106,13 +112,13 @@ def second_difference(looks, k, c):
 @compiled
 def may_dip(looks, i, count, c, slack):
     """True if column c may be below -slack between samples i and i + 1, but is not negative at either of them."""
-    one = min(max(i, 1), count - 2)
-    two = min(max(i + 1, 1 if i > 0 else 2), count - 2)
+    nearest = min(max(i, 1), count - 2)
+    next_one = min(max(i + 1, 1 if i > 0 else 2), count - 2)
     wide, left, right = looks[i + 1, at.LOOK_SHARE] - looks[i, at.LOOK_SHARE], max(looks[i, c], 0.0), looks[i + 1, c]
     if right < 0.0:
         return False
-    bend, other = second_difference(looks, one, c), second_difference(looks, two, c)
-    largest = max(max(abs(looks[one - 1, c]), abs(looks[one, c])), max(abs(right), abs(looks[two + 1, c])))
+    bend, other = second_difference(looks, nearest, c), second_difference(looks, next_one, c)
+    largest = max(max(abs(looks[nearest - 1, c]), abs(looks[nearest, c])), max(abs(right), abs(looks[next_one + 1, c])))
     unlike = abs(bend - other) * wide * wide
     if unlike > RESOLVED * largest and unlike > slack:
         return True
@@ -129,11 +135,11 @@ def may_dip(looks, i, count, c, slack):
 def unseen(m, n, kind):
     """How far below zero this indicator of contact n may be by rounding alone: a slip [m/s], a rate or a torque."""
     if m.contact[n, at.LEVEL] == 0:
-        return 1e-13 * m.held[at.SIZE] if kind == 3 else 0.0
+        return UNSEEN * m.held[at.SIZE] if kind == 3 else 0.0
     if kind < 3:
         return torque_noise(m)
     a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
-    return 1e-13 * (abs(m.body[a, at.W]) + abs(m.body[b, at.W]) + 1e-3)
+    return UNSEEN * (abs(m.body[a, at.W]) + abs(m.body[b, at.W]) + UNSEEN_AT_REST)
 
 
 @compiled
@@ -170,8 +176,8 @@ def doubts(m, error):
             continue
         for kind in range(KINDS):
             if matters(m, n, kind):
-                one, two = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, n, kind))
-                first, last = min(first, one), min(last, two)
+                begin, finish = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, n, kind))
+                first, last = min(first, begin), min(last, finish)
     return first, last
 
 
