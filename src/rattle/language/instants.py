@@ -18,7 +18,8 @@ import numpy as np
 
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
-from rattle.language.bytecode import SIDE, SIGNAL, quotient
+from rattle.language.arithmetic import quotient
+from rattle.language.bytecode import SIDE, SIGNAL
 from rattle.language.intervals import enclose, switching_span
 from rattle.language.span import most
 

@@ -18,8 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.language import bytecode
-from rattle.language.bytecode import BENT, CONST, CURVE
+from rattle.language.bytecode import BENT, CONST, CURVE, JUMPS
 from rattle.language.expression import Apply, Name, Node, compile_program, replaced
 from rattle.language.local_jet import HEAD, function_jet
 from rattle.language.syntax import CALL, walk
@@ -56,20 +55,8 @@ def local_function(node: Node, variable: str, constants: Mapping[str, float], ta
         rows += [float(op), program.const[argument] if op == CONST else place]
     stack = size + len(own.numbers)
     block = (float(len(program.code)), float(stack), *rows, *own.numbers, *[0.0] * (3 * program.depth))
-    jumps = any(op in SWITCHING for op in program.code[:, 0].tolist())
+    jumps = any(op in JUMPS for op in program.code[:, 0].tolist())
     return LocalFunction(block, not program.uses_time, jumps)
-
-
-SWITCHING = frozenset(
-    (
-        bytecode.ABS,
-        bytecode.SIGN,
-        bytecode.STEP,
-        bytecode.FLOOR,
-        bytecode.BENT,
-        *range(bytecode.MOD, bytecode.CHOOSE + 1),
-    )
-)
 
 
 def packed(values: Iterable[Any]) -> list[Any]:

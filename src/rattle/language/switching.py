@@ -8,12 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle.language import bytecode as p
-from rattle.language.bytecode import SIGNAL, STATE
-
-SWITCHES = {
-    p.ABS, p.SIGN, p.STEP, p.MIN, p.MAX, p.LESS, p.AT_MOST, p.MORE, p.AT_LEAST, p.BELOW, p.BELOW_OR_AT, p.ABOVE,
-    p.ABOVE_OR_AT, p.FLOOR, p.MOD, p.BENT,
-}  # fmt: skip
+from rattle.language.bytecode import SIGNAL, STATE, SWITCHES
 
 
 @dataclass(frozen=True)

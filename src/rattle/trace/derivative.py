@@ -16,12 +16,14 @@ Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 3 (bot
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rattle.errors import TraceError
+from rattle.jit.functions import KernelFunction
+from rattle.language.operations import OPERATIONS
 from rattle.trace.graph import FLAGS, Graph, Symbol, select
+from rattle.trace.recorded_language import Copies
 
 Rule = Callable[[Any, Sequence[Any], Any], Any]  # (v, operands, result): slope by one operand, times v
 Case = frozenset[tuple[int, bool]]  # flags that are so: places and truth values
@@ -221,19 +223,9 @@ def _simple(cases: Sequence[Case]) -> When:
 
 
 # ---------------------------------------------------------------- slopes
-def _apply(op: str, *given: Any) -> Any:
-    graph = next(x.graph for x in given if isinstance(x, Symbol))
-    return graph.apply(op, *given)
-
-
 def _over(v: Any, x: Any, r: Symbol) -> Any:
     """v/x; 1/x is one operation for all directions."""
     return v * (1.0 / x) if isinstance(x, Symbol) else r.graph.apply("div", v, x)
-
-
-def _arc_slope(x: Any) -> Any:
-    """1/sqrt(1 - x^2)."""
-    return 1.0 / _apply("sqrt", (1.0 - x) * (1.0 + x))
 
 
 def _base(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
@@ -277,29 +269,28 @@ def _none(v: Any, x: Sequence[Any], r: Symbol) -> Any:
     return 0.0
 
 
+def _by_slope(slope: KernelFunction) -> tuple[Rule, ...]:
+    """The rule of a function of expressions: its slope at x, where its value is r."""
+    return (lambda v, x, r: v * COPIES.of(slope.python)(x[0], r),)
+
+
+def _by_partial(partial: KernelFunction) -> Rule:
+    """The same by one of two operands."""
+    return lambda v, x, r: v * COPIES.of(partial.python)(x[0], x[1], r)
+
+
+COPIES = Copies()
+RECORDED = [record for record in OPERATIONS.values() if record.recorded]
 RULES: dict[str, tuple[Rule, ...]] = {
+    **{record.recorded: _by_slope(record.slope) for record in RECORDED if record.slope is not None},
+    **{record.recorded: tuple(map(_by_partial, record.partials)) for record in RECORDED if record.partials},
     "add": (lambda v, x, r: v, lambda v, x, r: v),
     "sub": (lambda v, x, r: v, lambda v, x, r: -v),
     "mul": (lambda v, x, r: v * x[1], lambda v, x, r: v * x[0]),
     "div": (lambda v, x, r: _over(v, x[1], r), lambda v, x, r: -(_over(v, x[1], r) * r)),
     "neg": (lambda v, x, r: -v,),
     "abs": (_size,),
-    "sqrt": (lambda v, x, r: v * (0.5 / r),),
     "floor": (_none,),
-    "sin": (lambda v, x, r: v * _apply("cos", x[0]),),
-    "cos": (lambda v, x, r: -(v * _apply("sin", x[0])),),
-    "tan": (lambda v, x, r: v * (1.0 + r * r),),
-    "exp": (lambda v, x, r: v * r,),
-    "log": (lambda v, x, r: v * select(x[0] >= 0.0, 1.0 / x[0], math.nan),),
-    "asin": (lambda v, x, r: v * _arc_slope(x[0]),),
-    "acos": (lambda v, x, r: -(v * _arc_slope(x[0])),),
-    "atan": (lambda v, x, r: v * (1.0 / (1.0 + x[0] * x[0])),),
-    "tanh": (lambda v, x, r: v * ((1.0 - r) * (1.0 + r)),),
-    "atan2": (
-        lambda v, x, r: v * (x[1] / (x[0] * x[0] + x[1] * x[1])),
-        lambda v, x, r: -(v * (x[0] / (x[0] * x[0] + x[1] * x[1]))),
-    ),
-    "hypot": (lambda v, x, r: v * (x[0] / r), lambda v, x, r: v * (x[1] / r)),
     "pow": (_base, _exponent),
     "copysign": (_copied, _none),
-}  # fmt: skip
+}

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from rattle.errors import InputError, TraceError
+from rattle.language.operations import OPERATIONS
 from rattle.language.recorded import Recorded, symbol_of
 
 # exact operations: number of operands
@@ -28,11 +29,11 @@ EXACT = {
     "less": 2, "at_most": 2, "equal": 2, "both": 2, "either": 2, "not": 1, "select": 3,
     "power_of_two": 1, "exponent": 1, "mantissa": 1,
 }  # fmt: skip
-# functions, see `elementary`
+# functions, see `elementary`: those of expressions, and one of kernels
 FUNCTIONS = {
-    "sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "asin": 1, "acos": 1, "atan": 1, "tanh": 1,
-    "atan2": 2, "hypot": 2, "pow": 2, "copysign": 2,
-}  # fmt: skip
+    **{record.recorded: record.operands for record in OPERATIONS.values() if record.recorded not in ("", *EXACT)},
+    "copysign": 2,
+}
 FLAGS = frozenset(("less", "at_most", "equal", "both", "either", "not"))  # their results are true or false
 COMMUTE = frozenset(("add", "mul", "equal", "both", "either"))
 ROUND = 6755399441055744.0  # 1.5 * 2^52: added to |x| < 2^51 it leaves the nearest integer in the lowest bits
@@ -151,6 +152,13 @@ def select(condition: Any, yes: Any, no: Any) -> Any:
     if isinstance(condition, Symbol):
         return condition.graph.apply("select", condition, yes, no)
     return yes if condition else no
+
+
+def apply(op: str, *operands: Any) -> Any:
+    """An operation of the graph of its operands; of numbers alone an exact one is done."""
+    symbols = [x.symbol if isinstance(x, Recorded) else x for x in operands]
+    graph = next((x.graph for x in symbols if isinstance(x, Symbol)), None)
+    return graph.apply(op, *symbols) if graph is not None else fold(op, *symbols)
 
 
 def both(graph: Graph, flags: Iterable[Any]) -> Any:
