@@ -23,25 +23,28 @@ def quotient(x, y):
 
 
 @compiled
+def power_of_size(size, y):
+    """size ** y [SI] for a size that is not negative, and not nan."""
+    if size == 0.0:
+        return 0.0 if y > 0.0 else INF
+    exponent = y * math.log(size)
+    if exponent > LARGEST:
+        return INF
+    if exponent != exponent:
+        return 1.0
+    if exponent == -INF or abs(y) == INF or size == INF:
+        return 0.0
+    return math.pow(size, y)
+
+
+@compiled
 def power(x, y):
     """x ** y [SI]; nan for a negative x with an exponent that is not an integer."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if x != x or y != y:
         return NAN
-    size = abs(x)
-    if size == 0.0:
-        result = 0.0 if y > 0.0 else INF
-    else:
-        exponent = y * math.log(size)
-        if exponent > LARGEST:
-            result = INF
-        elif exponent != exponent:
-            result = 1.0
-        elif exponent == -INF or abs(y) == INF or size == INF:
-            result = 0.0
-        else:
-            result = math.pow(size, y)
+    result = power_of_size(abs(x), y)
     if x < 0.0 and abs(y) < INF:
         if y % 1.0 != 0.0:
             return NAN

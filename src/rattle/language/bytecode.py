@@ -123,6 +123,43 @@ def chosen(condition, yes, no):
     return value
 
 
+@compiled
+def run_one(code, row, x):
+    """Value of the operation of one operand in a row of a program."""
+    op, side = code[row, 0], code[row, SIDE]
+    if side == 0:
+        return unary(op, x)
+    if switching(op, x, 0.0) * side < 0.0:
+        code[row, CROSSED] = 1
+    return branch(op, side, x, 0.0)
+
+
+@compiled
+def run_two(code, row, x, y):
+    """Value of the operation of two operands in a row of a program."""
+    op, side = code[row, 0], code[row, SIDE]
+    if side == 0:
+        return binary(op, x, y)
+    if switching(op, x, y) * side < 0.0:
+        code[row, CROSSED] = 1
+    return branch(op, side, x, y)
+
+
+@compiled
+def run_choice(code, row, stack, top):
+    """Value of the choice in a row of a program, between the last two of the four numbers at `top` of the stack."""
+    op, side = code[row, 0], code[row, SIDE]
+    value = select(holds(op, stack[top], stack[top + 1]), stack[top + 2], stack[top + 3])
+    if side != 0:
+        s = stack[top] - stack[top + 1]
+        far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
+        if s != 0.0 or abs(stack[far]) < INF:
+            value = stack[far]
+        if s * side < 0.0:
+            code[row, CROSSED] = 1
+    return value
+
+
 @native("f", "n", "v", "i", "i", "f", "m", "v", "v")
 def evaluate(code, const, first, last, t, body, signals, stack):
     """Value [SI] of the program in rows first..last-1 of `code` (n, 4); marks the switches that were crossed in `code`.
@@ -154,38 +191,14 @@ def evaluate(code, const, first, last, t, body, signals, stack):
             if side != 0 and wave(knot_coordinate(const, k, x)) * side < 0.0:
                 code[row, CROSSED] = 1
         elif op < FIRST_OF_TWO:
-            x = float(stack[top])
-            side = code[row, SIDE]
-            if side == 0:
-                stack[top] = unary(op, x)
-            else:
-                stack[top] = branch(op, side, x, 0.0)
-                if switching(op, x, 0.0) * side < 0.0:
-                    code[row, CROSSED] = 1
+            stack[top] = run_one(code, row, float(stack[top]))
         elif op < LESS:
             top -= 1
-            x = float(stack[top])
-            y = float(stack[top + 1])
-            side = code[row, SIDE]
-            if side == 0:
-                stack[top] = binary(op, x, y)
-            else:
-                stack[top] = branch(op, side, x, y)
-                if switching(op, x, y) * side < 0.0:
-                    code[row, CROSSED] = 1
+            stack[top] = run_two(code, row, float(stack[top]), float(stack[top + 1]))
         elif op == CHOOSE:
             top -= 2
             stack[top] = chosen(stack[top], stack[top + 1], stack[top + 2])
         else:
             top -= 3
-            side = code[row, SIDE]
-            value = select(holds(op, stack[top], stack[top + 1]), stack[top + 2], stack[top + 3])
-            if side != 0:
-                s = stack[top] - stack[top + 1]
-                far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
-                if s != 0.0 or abs(stack[far]) < INF:
-                    value = stack[far]
-                if s * side < 0.0:
-                    code[row, CROSSED] = 1
-            stack[top] = value
+            stack[top] = run_choice(code, row, stack, top)
     return float(stack[0])

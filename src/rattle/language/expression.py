@@ -81,12 +81,12 @@ def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimen
     return stack[0]
 
 
-def _of_table(part: Apply, given: Dimension | None, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
+def _of_table(part: Apply, argument: Dimension | None, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
     """Dimension of the value of a table; that of its argument is known under the name `argument_of` it."""
     expected = lookup(argument_of(part.name))
-    if given is not None and expected is not None and given != expected:
+    if argument is not None and expected is not None and argument != expected:
         table = part.name.removesuffix(CALL)
-        raise ExpressionError(f"the table '{table}' is over {_word(expected)}, not {_word(given)}", part.column)
+        raise ExpressionError(f"the table '{table}' is over {_word(expected)}, not {_word(argument)}", part.column)
     return lookup(part.name)
 
 
@@ -314,11 +314,11 @@ class _Assembler:
             return
         x, block = self.const.pop(), curve.block
         del self.code[-1], self.columns[-1], self.folded[-1]
-        numbers = np.array([bare(one) for one in block])  # an array, as what it calls may be machine code
-        found = float(bytecode.read_table.python(numbers, 0, 0, bare(x), 0.0, 0.0)[0])
-        if math.isfinite(bare(x)) and not math.isfinite(found):
+        numbers = np.array([bare(number) for number in block])  # an array, as what it calls may be machine code
+        result = float(bytecode.read_table.python(numbers, 0, 0, bare(x), 0.0, 0.0)[0])
+        if math.isfinite(bare(x)) and not math.isfinite(result):
             raise ExpressionError(f"{x:g} {curve.said_outside(name)}", part.column)
-        self.constant(read(block, found, x), part.column)
+        self.constant(read(block, result, x), part.column)
 
     def operation(self, part: Apply) -> None:
         if part.name.endswith(CALL):
@@ -326,10 +326,10 @@ class _Assembler:
             return
         op, size = bytecode.CODE[part.name], len(part.operands)
         if all(self.folded[-size:]):
-            given, columns = self.const[-size:], self.columns[-size:]
+            operands, columns = self.const[-size:], self.columns[-size:]
             del self.code[-size:], self.const[-size:], self.columns[-size:], self.folded[-size:]
-            number = _fold(op, given)
-            blamed = [c for x, c in zip(given, columns, strict=True) if not math.isfinite(bare(x))]
+            number = _fold(op, operands)
+            blamed = [c for x, c in zip(operands, columns, strict=True) if not math.isfinite(bare(x))]
             self.constant(number, blamed[0] if blamed else part.column)
             return
         if op == bytecode.POW and self.folded[-1] and self.const[-1] == 2.0:
@@ -339,12 +339,12 @@ class _Assembler:
         self.folded[-size:] = [False]
 
 
-def _fold(op: int, given: list[float]) -> float:
+def _fold(op: int, operands: list[float]) -> float:
     """Value of one operation on constants, computed by the functions that the kernels use."""
-    if len(given) == 1:
-        return operate(op, float(bytecode.unary.python(op, *map(bare, given))), *given)
-    if len(given) == 2:
-        return operate(op, float(bytecode.binary.python(op, *map(bare, given))), *given)
+    if len(operands) == 1:
+        return operate(op, float(bytecode.unary.python(op, *map(bare, operands))), *operands)
+    if len(operands) == 2:
+        return operate(op, float(bytecode.binary.python(op, *map(bare, operands))), *operands)
     if op == bytecode.CHOOSE:
-        return given[1] if given[0] > 0.0 else given[2]
-    return given[2] if bytecode.holds.python(op, *given[:2]) else given[3]
+        return operands[1] if operands[0] > 0.0 else operands[2]
+    return operands[2] if bytecode.holds.python(op, *operands[:2]) else operands[3]

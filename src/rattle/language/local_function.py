@@ -36,8 +36,8 @@ class LocalFunction(NamedTuple):
         """Values, first and second derivatives at numbers x [SI]: (3, *shape of x)."""
         p = np.array([1.0, *map(float, self.block)])
         points = np.asarray(x, dtype=float)
-        found = np.array([function_jet.python(p, 0, one) for one in points.ravel().tolist()])
-        return np.moveaxis(found.reshape(*points.shape, 3), -1, 0)
+        values = np.array([function_jet.python(p, 0, point) for point in points.ravel().tolist()])
+        return np.moveaxis(values.reshape(*points.shape, 3), -1, 0)
 
 
 def local_function(node: Node, variable: str, constants: Mapping[str, float], tables: Tables) -> LocalFunction:
@@ -61,13 +61,13 @@ def local_function(node: Node, variable: str, constants: Mapping[str, float], ta
 
 def packed(values: Iterable[Any]) -> list[Any]:
     """Parameters of a kind as kernels read them: a function is the distance to its block, which comes at the end."""
-    made: list[Any] = []
+    numbers: list[Any] = []
     functions: list[tuple[int, Sequence[float]]] = []
     for value in values:
         if isinstance(value, LocalFunction):
-            functions.append((len(made), value.block))
-        made.append(0.0 if isinstance(value, LocalFunction) else value)
+            functions.append((len(numbers), value.block))
+        numbers.append(0.0 if isinstance(value, LocalFunction) else value)
     for place, block in functions:
-        made[place] = float(len(made) - place)
-        made += block
-    return made
+        numbers[place] = float(len(numbers) - place)
+        numbers += block
+    return numbers

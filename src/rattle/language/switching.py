@@ -42,25 +42,25 @@ class Signals:
     def used(self, spans: Iterable[tuple[int, int]]) -> set[int]:
         """Indices of the signals used by rows first..last-1 of any of the spans, directly or through other signals."""
         where = {k: (a, b) for a, b, k in self.rows}
-        found: set[int] = set()
+        used: set[int] = set()
         ahead = list(spans)
         while ahead:
             a, b = ahead.pop()
             part = self.code[a:b]
             for k in part[part[:, 0] == SIGNAL, 1].tolist():
-                if k not in found and k >= self.states:
-                    found.add(k)
+                if k not in used and k >= self.states:
+                    used.add(k)
                     ahead.append(where[k])
-        return found
+        return used
 
     def of_state(self) -> set[int]:
         """Indices of the signals that depend on the state."""
-        found = set(range(self.states))
+        live = set(range(self.states))
         for a, b, k in self.rows:  # in order: what a signal uses comes before it
             part = self.code[a:b]
-            if (part[:, 0] == STATE).any() or found & set(part[part[:, 0] == SIGNAL, 1].tolist()):
-                found.add(k)
-        return found
+            if (part[:, 0] == STATE).any() or live & set(part[part[:, 0] == SIGNAL, 1].tolist()):
+                live.add(k)
+        return live
 
 
 def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) -> list[Switch]:
@@ -73,7 +73,7 @@ def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) 
     named = zip(signals.rows, signals.names, strict=True)
     spans = [(a, b, name, k in driving) for (a, b, k), name in named if k in wanted]
     of_state = signals.of_state()
-    return [one for span in (*spans, *used) for one in _switches_of(signals.code, of_state, *span)]
+    return [switch for span in (*spans, *used) for switch in _switches_of(signals.code, of_state, *span)]
 
 
 def _switches_of(

@@ -159,14 +159,14 @@ def replaced(node: Node, parts: Mapping[str, Node]) -> Node:
 
 def walk(node: Node) -> list[Node]:
     """All nodes from left to right, operands before the operation that uses them."""
-    found, waiting = [], [node]
+    nodes, waiting = [], [node]
     while waiting:
         part = waiting.pop()
-        found.append(part)
+        nodes.append(part)
         if isinstance(part, Apply):
             waiting.extend(part.operands)
-    found.reverse()
-    return found
+    nodes.reverse()
+    return nodes
 
 
 @functools.cache
@@ -272,8 +272,8 @@ class _Parser:
             inner = self.expression(1)
             self.expect(")", f"the '(' in column {column + 1} is not closed")
             return inner
-        found = "the end" if kind == "end" else f"'{word}'"
-        raise ExpressionError(f"expected a number, a name or '(', found {found}", column)
+        there = "the end" if kind == "end" else f"'{word}'"
+        raise ExpressionError(f"expected a number, a name or '(', found {there}", column)
 
     def number(self, word: str, column: int) -> Node:
         value = float(word)
@@ -305,21 +305,8 @@ class _Parser:
     def call(self, word: str, column: int) -> Node:
         functions = {**self.grammar.functions, **sizes(), **dict.fromkeys(self.tables, 1)}
         if word not in functions:
-            other = {**OTHERWISE, **self.grammar.otherwise}
-            hint = f"; {other[word]}" if word in other else suggest(word[:40], functions)
-            names = ", ".join(name for name in functions if name not in LAWS)
-            raise ExpressionError(f"there is no function '{word[:40]}'{hint or '; known: ' + names}", column)
-        self.at += 1
-        arguments: list[Node] = []
-        while self.tokens[self.at][1] != ")" or arguments:
-            arguments.append(self.expression(1))
-            if self.tokens[self.at][1] != ",":
-                break
-            self.at += 1
-        if self.tokens[self.at][0] in ("name", "number"):
-            raise self.no_operator()
-        self.expect(")", f"the '(' of {word} is not closed")
-        wanted = functions[word]
+            raise self.no_function(word, functions, column)
+        arguments, wanted = self.arguments(word), functions[word]
         if len(arguments) != wanted and (wanted > 0 or len(arguments) < -wanted):
             count = f"{abs(wanted)}{' or more' * (wanted < 0)} argument{'s' * (abs(wanted) > 1 or wanted < 0)}"
             raise ExpressionError(f"{word} takes {count}, not {len(arguments)}", column)
@@ -333,6 +320,27 @@ class _Parser:
         for argument in arguments[first:]:
             node = self.apply(word, (node, argument), column)
         return node
+
+    def no_function(self, word: str, functions: Mapping[str, int], column: int) -> ExpressionError:
+        """The error for a function that there is not, with advice."""
+        other = {**OTHERWISE, **self.grammar.otherwise}
+        hint = f"; {other[word]}" if word in other else suggest(word[:40], functions)
+        listed = ", ".join(name for name in functions if name not in LAWS)
+        return ExpressionError(f"there is no function '{word[:40]}'{hint or '; known: ' + listed}", column)
+
+    def arguments(self, word: str) -> list[Node]:
+        """What stands in the parentheses of a function."""
+        self.at += 1
+        arguments: list[Node] = []
+        while self.tokens[self.at][1] != ")" or arguments:
+            arguments.append(self.expression(1))
+            if self.tokens[self.at][1] != ",":
+                break
+            self.at += 1
+        if self.tokens[self.at][0] in ("name", "number"):
+            raise self.no_operator()
+        self.expect(")", f"the '(' of {word} is not closed")
+        return arguments
 
     def composed(self, word: str, arguments: Sequence[Node], column: int) -> Node:
         """A function that stands for a formula of its arguments."""
