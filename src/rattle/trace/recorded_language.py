@@ -137,7 +137,7 @@ def _heading(s: Any, ds: Any, dds: Any) -> int:
 
 
 LANGUAGE: Mapping[Plain, Plain] = {
-    **{one.value.python: _or_plain(one.recorded, one.value.python) for one in code.RECORDS.values() if one.recorded},
+    **{x.value.python: _or_plain(x.recorded, x.value.python) for x in code.RECORDS.values() if x.recorded},
     arithmetic.whole.python: _or_plain("floor", arithmetic.whole.python),
     arithmetic.heading.python: _heading, code.chosen.python: _chosen, code.read_table.python: _read_table,
     jets.choose_jet.python: _choose_jet,

@@ -58,14 +58,14 @@ class Recorder:
     def assume(self, condition: Any, holds: bool) -> None:
         """Keep what reading the model has found to be true, or false, of its parameters."""
         if isinstance(condition, Symbol):
-            found = condition if holds else ~condition
-            self.assumed[found.place] = found
+            assumption = condition if holds else ~condition
+            self.assumed[assumption.place] = assumption
 
     def largest(self, values: Sequence[Any]) -> Any:
         """The largest of some symbols and numbers; nan if one of them is."""
         result: Any = 0.0
-        for one in values:
-            result = select(one <= result, result, one)
+        for value in values:
+            result = select(value <= result, result, value)
         return result
 
     def _assume(self, condition: Any) -> Any:
@@ -94,7 +94,7 @@ class Recorder:
         for name in ARRAYS:
             array = getattr(plain, name)
             if isinstance(array, tuple):  # a table of kernels
-                array = tuple(self.recorded(one) for one in array)
+                array = tuple(self.recorded(kernel) for kernel in array)
             elif name in recorded:
                 array = _symbols(recorded[name])
             elif array.dtype == np.float64 and name not in CONSTANT:
@@ -105,9 +105,9 @@ class Recorder:
 
 def _symbols(array: np.ndarray) -> np.ndarray:
     """Numbers of which some are recorded, as symbols and floats."""
-    made = np.empty(array.shape, dtype=object)
-    made.ravel()[:] = [symbol_of(x) for x in array.ravel()]
-    return made
+    symbols = np.empty(array.shape, dtype=object)
+    symbols.ravel()[:] = [symbol_of(x) for x in array.ravel()]
+    return symbols
 
 
 def operation(name: str, *operands: Any) -> Any:
@@ -144,8 +144,8 @@ class Recording:
         """What a calculation on symbols returns, and a flag: everything that it assumes is true."""
         guards = self._recorder.guards
         guards.clear()
-        made = calculation()
-        return made, both(self.graph, guards)
+        outcome = calculation()
+        return outcome, both(self.graph, guards)
 
     def run(self, function: KernelFunction, *arguments: Any) -> SimpleNamespace:
         """Run a kernel (m, *arguments) on symbols; returns the workspace that it leaves."""
