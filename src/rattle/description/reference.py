@@ -12,9 +12,9 @@ from rattle import registry
 from rattle.description.coordinates import POINT
 from rattle.description.reader import STATE_UNITS
 from rattle.description.schema import schema
+from rattle.language.composed import COMPOSED
 from rattle.language.materials import MATERIALS
-from rattle.language.motion_laws import MEANING as LAW_MEANING
-from rattle.language.syntax import FUNCTIONS
+from rattle.language.operations import FUNCTIONS, record_of
 from rattle.language.units import DIMENSIONLESS, UNITS, describe
 
 
@@ -24,21 +24,6 @@ class Topic(NamedTuple):
     name: str
     summary: str
     lines: tuple[str, ...]
-
-
-MEANING: Mapping[str, str] = {
-    "abs": "absolute value",
-    "sign": "-1, 0 or 1",
-    "step": "0 below zero, 1 from zero on",
-    "log": "natural logarithm",
-    "ln": "the same as log",
-    "floor": "largest whole number that is not above x",
-    "mod": "x - y*floor(x/y), between 0 and y: mod(-7.5, 2) = 0.5",
-    "atan2": "angle of the direction (x, y)",
-    "hypot": "sqrt(x**2 + y**2)",
-    "min": "smallest of two or more",
-    "max": "largest of two or more",
-}
 
 
 def topics() -> dict[str, Topic]:
@@ -148,12 +133,13 @@ def _names() -> Topic:
 
 
 def _functions() -> Topic:
-    lines = [
-        f"{name}({'y, x' if name == 'atan2' else 'x' if count == 1 else 'x, y' if count > 0 else 'x, y, ...'})"
-        + (f": {MEANING[name]}" if name in MEANING else "")
-        for name, count in FUNCTIONS.items()
-    ]
-    lines += [f"{name}(u): {meaning}" for name, meaning in LAW_MEANING.items()]
+    lines = []
+    for name, count in FUNCTIONS.items():
+        record = record_of(name)
+        arguments = record.arguments or ("x" if count == 1 else "x, y" if count > 0 else "x, y, ...")
+        meaning = f"the same as {record.name}" if name != record.name else record.meaning
+        lines.append(f"{name}({arguments}){f': {meaning}' * bool(meaning)}")
+    lines += [f"{name}({', '.join(record.variables)}): {record.meaning}" for name, record in COMPOSED.items()]
     lines += ["a if x < y else b: also with <= > >=, and with conditions joined by and, or, not", "+ - * / ** ( )"]
     return Topic("functions", "functions and operators of expressions; angles in rad", tuple(lines))
 

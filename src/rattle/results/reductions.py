@@ -26,7 +26,7 @@ For a < b it is g = b - a; for >= and <= the condition is g >= 0 and `Reduction.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rattle.description.toml_locations import caret_under
 from rattle.errors import LONGEST, InputError, ModelError, Problem, suggest
@@ -256,7 +256,7 @@ def _output(text: str, node: Node, vocabulary: Known, compared: bool = False) ->
             stack.append(Name(f"#{len(reductions)}", part.column))
             reductions.append(_reduction(part, vocabulary))
         else:
-            stack.append(Apply(part.name, operands, part.column))
+            stack.append(replace(part, operands=operands))
     outer = stack[0]
     _require_numbers(outer, vocabulary)
     places = {f"#{k}": reduction for k, reduction in enumerate(reductions)}
