@@ -244,8 +244,10 @@ def _elastic(
     site: Site,
 ) -> Any:  # fmt: skip
     if field.shape == "material":
-        default = field.default(read) if key not in table and callable(field.default) else field.default
-        given = table.get(key, default)
+        if key not in table and field.default is registry.REQUIRED:
+            reader.values.wrong(path, f"needs {key}: {field.meaning}")
+            return "steel"
+        given = table[key] if key in table else field.default(read)
         if isinstance(given, Mapping):
             here = (*path, key)
             reader.values.keys(given, ("E", "nu"), here)
