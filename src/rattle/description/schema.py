@@ -9,146 +9,61 @@ Source: JSON Schema, draft 2020-12.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 from rattle import registry
 from rattle.description import schema_pieces as of
 from rattle.description.read_contact import ALONG, contact_models, stop_models
 from rattle.description.read_friction import friction_models
-from rattle.description.read_parameters import DISTRIBUTIONS, LONGEST_LABEL, TABLE
 from rattle.description.read_parts import moved_joints
-from rattle.description.read_tables import KINDS
-from rattle.description.read_wear import COEFFICIENT, FIELDS, LAYER, SIDES, kind_wears
-from rattle.description.reader import SETTING_UNITS, STATE_UNITS
-from rattle.description.schema_pieces import NAME, Schema
-from rattle.description.wear_profile import DEPTHS
+from rattle.description.read_wear import kind_wears
+from rattle.description.schema_pieces import Schema
+from rattle.description.tables import MODEL, WEAR, Either, Form, Named, OfKinds, Part
 from rattle.registry import REQUIRED, Field, Kind
 
 
 def schema() -> Schema:
     """The schema of a model file as a JSON document (draft 2020-12)."""
+    whole = part(MODEL)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "rattle model",
         "description": "A planar mechanism. Numbers are SI; texts are quantities ('5 mm') or expressions.",
-        **of.table(
-            {
-                "format": {"const": 1, "description": "version of the format"},
-                "name": {"type": "string", "description": "title"},
-                "gravity": of.vector("m/s^2", "acceleration of gravity"),
-                "parameters": of.named(_parameter(), "values that expressions use"),
-                "tolerances": _tolerances(),
-                "tables": of.named(_table(), "functions of one number that expressions use: lift(x)"),
-                "signals": of.named(of.number("", "expression over parameters, t and state"), "recorded quantities"),
-                "states": of.named(_state(), "first-order states of the model's own, usable like signals"),
-                "ground": of.table({"points": of.points("points of the ground")}),
-                "bodies": of.named({"anyOf": [_bar(), _plate(), _body()]}, "rigid bodies"),
-                "joints": of.named({"anyOf": [_joint(kind) for kind in registry.kinds("joint").values()]}, "joints"),
-                "drivers": of.named({"anyOf": _drivers()}, "degrees of freedom that follow a function of time"),
-                "loads": of.named({"anyOf": [_load(kind) for kind in registry.kinds("load").values()]}, "loads"),
-                "initial": of.named({"anyOf": [_start(), _offset()]}, "start of bodies and of clearance joints"),
-                "simulate": _settings(),
-            },
-            needed=("format", "bodies"),
-        ),
+        **whole,
+        "required": [*whole["required"], "bodies"],
     }
 
 
 # ---------------------------------------------------------------- tables
-def _parameter() -> Schema:
-    number = of.number("", "value")
-    meanings = {"min": "least", "max": "most", "tol": "tolerance: half the width of its field"}
-    limits = {key: of.number("", meaning) for key, meaning in meanings.items()}
-    plain = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 1}
-    table = of.table(dict.fromkeys(TABLE, plain), TABLE[:1], "single values, with weights unless all are as likely")
-    said = f"distribution: {' | '.join(DISTRIBUTIONS)} on value +- tol, or {{ values = [...], weights = [...] }}"
-    dist = {"anyOf": [{"enum": list(DISTRIBUTIONS)}, table], "description": said}
-    words = {"label": "what sliders and reports call it", "description": "what a reader should know of it"}
-    texts: dict[str, Schema] = {key: {"type": "string", "description": text} for key, text in words.items()}
-    texts["label"] = {**texts["label"], "maxLength": LONGEST_LABEL}
-    return {"anyOf": [number, of.table({"value": number, **limits, "dist": dist, **texts}, ("value",))]}
+def part(entry: Part) -> Schema:
+    """What may be written in a part of the model file."""
+    if isinstance(entry, Field):
+        words = {"adaptive": steppers(True), "equal": steppers(False)} if "{adaptive}" in entry.meaning else {}
+        return of.field(replace(entry, meaning=entry.meaning.format(**words)) if words else entry)
+    if isinstance(entry, Named):
+        return of.named(part(entry.entry), entry.meaning)
+    if isinstance(entry, OfKinds):
+        return {"anyOf": [ENTRIES[entry.family](kind) for kind in registry.kinds(entry.family).values()]}
+    if isinstance(entry, Either):
+        either = {"anyOf": [part(form) for form in entry.forms]}
+        return either | ({"description": entry.meaning} if entry.meaning else {})
+    tables = [_form(entry, way) for way in entry.ways or ({},)]
+    return {"anyOf": tables} if entry.ways else tables[0]
 
 
-def _state() -> Schema:
-    rate = of.number("", "expression over parameters, t, the motion, signals and states, per second")
-    return of.table({"rate": rate, "start": of.number("", "value at the start, default 0")}, ("rate",))
+def _form(form: Form, way: Mapping[str, Part]) -> Schema:
+    """A table with the keys of a form and of one of its ways."""
+    keys = {**way, **form.fields} if form.ways_first else {**form.fields, **way}
+    needed = [key for key, entry in keys.items() if isinstance(entry, Field) and entry.default is REQUIRED]
+    return of.table({key: part(entry) for key, entry in keys.items()}, needed, form.meaning)
 
 
-def _table() -> Schema:
-    """A table: its points, or a file that holds them."""
-    numbers = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2}
-    units = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
-    said = "straight lines, cubics without overshoot, or cubics with continuous second derivative"
-    shape = {
-        "kind": {"enum": list(KINDS), "description": said, "default": KINDS[0]},
-        "period": of.number("", "of x, after which y repeats", "positive"),
-    }
-    points = {
-        "x": {**numbers, "description": "arguments, increasing"},
-        "y": {**numbers, "description": "values"},
-        "units": {**units, "description": "units of x and y where numbers have none"},
-    }
-    file = {"type": "string", "description": "file beside the model file: two columns, the header may hold units"}
-    return {"anyOf": [of.table({**points, **shape}, ("x", "y")), of.table({"file": file, **shape}, ("file",))]}
+def steppers(adaptive: bool) -> str:
+    """Names of the steppers that choose their steps, or of those whose steps are all equal: "rk4 and moreau"."""
+    return " and ".join(name for name, one in registry.kinds("stepper").items() if one.leaf.adaptive == adaptive)
 
 
-def _tolerances() -> Schema:
-    group = {"type": "array", "items": {"type": "string", "pattern": NAME}, "minItems": 2, "uniqueItems": True}
-    said = 'parameters that are made together, [["l2", "l3"]]: one draw moves all of a group'
-    groups = {"groups": {"type": "array", "items": group, "description": said}}
-    return of.table(groups, meaning="how the fields of parameters hang together")
-
-
-def _bar() -> Schema:
-    ends = {
-        "type": "array",
-        "items": {"type": "string"},
-        "minItems": 2,
-        "maxItems": 2,
-        "description": "names of the ends",
-    }
-    return of.table(
-        {
-            "bar": ends,
-            "length": of.number("m", "length", "positive"),
-            "points": of.points("more points, from the mass centre, x axis along the bar"),
-            "mass": of.number("kg", "mass", "not negative"),
-            "inertia": of.number("kg*m^2", "about the mass centre; default m l^2/12", "not negative"),
-        },
-        ("bar", "length", "mass"),
-        "a uniform bar",
-    )
-
-
-def _plate() -> Schema:
-    """A plate: with thickness and density, or with its mass."""
-    ring = {"type": "array", "items": of.vector("m", "corner"), "minItems": 3}
-    given: dict[str, Schema] = {
-        "polygon": {**ring, "description": "corners in order around, in any frame of the body"},
-        "holes": {"type": "array", "items": ring, "description": "corners of each hole, in the same frame"},
-        "points": of.points("points in the same frame"),
-    }
-    of_material = {
-        "thickness": of.number("m", "thickness", "positive"),
-        "density": of.number("kg/m^3", "density", "positive"),
-    }
-    said = "a plate: its polygon says mass centre and inertia"
-    weights: list[dict[str, Schema]] = [of_material, {"mass": of.number("kg", "mass", "positive")}]
-    return {"anyOf": [of.table({**given, **one}, ("polygon", *one), said) for one in weights]}
-
-
-def _body() -> Schema:
-    return of.table(
-        {
-            "points": of.points("points in any frame of the body"),
-            "center": of.vector("m", "mass centre in the same frame"),
-            "mass": of.number("kg", "mass", "not negative"),
-            "inertia": of.number("kg*m^2", "about the mass centre", "not negative"),
-        },
-        ("mass", "inertia"),
-        "a rigid body",
-    )
-
-
+# ---------------------------------------------------------------- kinds
 def _joint(kind: Kind) -> Schema:
     if kind.leaf.bodies:
         ends = {
@@ -161,7 +76,7 @@ def _joint(kind: Kind) -> Schema:
             "connect": of.connect(of.point("bush or guide side first")),
             "clearance": of.number("m", "radial clearance", "not negative"),
             "contact": _contact(),
-            **(_wear() if kind_wears(kind) else {}),
+            **({"wear": part(WEAR)} if kind_wears(kind) else {}),
         }
     properties = {
         "type": of.choice(kind),
@@ -173,27 +88,6 @@ def _joint(kind: Kind) -> Schema:
         **of.fields(kind),
     }
     return of.table(properties, ("type", "connect", *of.needed(kind)), kind.summary)
-
-
-def _wear() -> dict[str, Schema]:
-    """How pin and bush of a joint wear."""
-    hard = _table_of(COEFFICIENT, "Archard's coefficient over the hardness")
-    given: dict[str, Schema] = {}
-    for side in SIDES:
-        said = f"k of the {side}, volume lost per force and distance [m^2/N], or {{ coefficient, hardness }}"
-        given[side] = {"anyOf": [of.number("m^2/N", "k", "not negative"), hard], "description": said}
-    given |= {key: of.field(one) for key, one in FIELDS.items()}
-    given["jump"] = {"anyOf": [{"const": "auto"}, of.number("", "cycles", "positive")], "description": "size of jumps"}
-    given["layer"] = _table_of(LAYER, "thin layer { E, nu, thickness } from which the foundation follows")
-    given["profile"] = {"type": "string", "description": "file beside the model file with the depths that are worn"}
-    numbers = {"type": "array", "items": {"type": ["number", "string"]}}
-    given[DEPTHS] = of.table(dict.fromkeys(SIDES, numbers), meaning="the same, written out: a number for each bin [m]")
-    return {"wear": of.table(given, meaning="how pin and bush wear, for the study of wear")}
-
-
-def _table_of(fields: Mapping[str, Field], meaning: str) -> Schema:
-    needed = [key for key, one in fields.items() if one.default is REQUIRED]
-    return of.table({key: of.field(one) for key, one in fields.items()}, needed, meaning)
 
 
 def _dimensions(joint: Kind) -> dict[str, Schema]:
@@ -296,52 +190,24 @@ def _friction() -> Schema:
     return {"anyOf": [of.number("", "coefficient of friction", "not negative"), *tables]}
 
 
-def _drivers() -> list[Schema]:
-    made = []
-    for kind in registry.kinds("driver").values():
-        where: dict[str, Schema] = {
-            "joint": {
-                "type": "string",
-                "description": f"a {' or '.join(moved_joints(kind.name))} joint",
-                of.NAMES: "joints",
-            }
+def _driver(kind: Kind) -> Schema:
+    where: dict[str, Schema] = {
+        "joint": {
+            "type": "string",
+            "description": f"a {' or '.join(moved_joints(kind.name))} joint",
+            of.NAMES: "joints",
         }
-        if kind.leaf.drives == "body":
-            where = {
-                "body": {"type": "string", "description": 'a body, or a point of it: "body.point"', of.NAMES: "points"},
-                "coordinate": {"const": kind.name.removeprefix("body-")},
-            }
-        made.append(of.table({**where, **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary))
-    return made
+    }
+    if kind.leaf.drives == "body":
+        where = {
+            "body": {"type": "string", "description": 'a body, or a point of it: "body.point"', of.NAMES: "points"},
+            "coordinate": {"const": kind.name.removeprefix("body-")},
+        }
+    return of.table({**where, **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary)
 
 
 def _load(kind: Kind) -> Schema:
     return of.table({"type": of.choice(kind), **of.fields(kind)}, ("type", *of.needed(kind)), kind.summary)
 
 
-def _start() -> Schema:
-    return of.table(
-        {key: of.number(unit, "at the start") for key, unit in STATE_UNITS.items()}, meaning="start of a body"
-    )
-
-
-def _offset() -> Schema:
-    return of.table({"offset": of.vector("m", "pin centre minus bush centre")}, meaning="start of a clearance joint")
-
-
-def steppers(adaptive: bool) -> str:
-    """Names of the steppers that choose their steps, or of those whose steps are all equal: "rk4 and moreau"."""
-    return " and ".join(name for name, one in registry.kinds("stepper").items() if one.leaf.adaptive == adaptive)
-
-
-def _settings() -> Schema:
-    meanings = {
-        "t_end": "duration",
-        "rtol": f"relative error allowed per step of {steppers(True)}",
-        "atol": f"error per step that is always allowed to {steppers(True)}",
-        "step": f"length of all steps of {steppers(False)}, of the longest one of {steppers(True)}",
-        "output": "interval between outputs",
-    }
-    numbers = {key: of.number(unit, meanings[key], "positive") for key, unit in SETTING_UNITS.items()}
-    methods = "; ".join(f"{name}: {one.summary.removesuffix('.')}" for name, one in registry.kinds("stepper").items())
-    return of.table({**numbers, "method": {"enum": list(registry.kinds("stepper")), "description": methods}})
+ENTRIES = {"joint": _joint, "driver": _driver, "load": _load}
