@@ -72,12 +72,17 @@ class FieldReader:
     def form(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
         """All fields of a table [SI], in the order of its keys; unknown keys are refused.
 
-        Those of its ways are read where they are written; tables inside of it are left to their own readers.
+        Those of its ways are read where they are written; what is a table, or of a shape in OWN, is left to its own
+        reader.
         """
         self.values.keys(table, form.keys, path)
+        return self.read(form, table, path)
+
+    def read(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
+        """As `form`, of a table whose keys were looked at before."""
         read: dict[str, Any] = {}
         for key, field in form.keys.items():
-            if isinstance(field, Field) and (key in form.fields or key in table):
+            if isinstance(field, Field) and field.shape not in OWN and (key in form.fields or key in table):
                 read[key] = self.field(field, key, table, read, path)
         return read
 
@@ -101,14 +106,14 @@ def _flag(values: Values, field: Field, written: Any, path: Path) -> float:
 
 def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
     """Two names of points; None after a problem."""
-    two = texts(values, field, written, path)
+    two = _texts(values, field, written, path)
     if two is not None and not all(text.isidentifier() for text in two):
         values.wrong(path, f"expected {field.like}, got {said(written)}")
         return None
     return two
 
 
-def texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
+def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
     """Two texts; None after a problem."""
     if not isinstance(written, list | tuple) or len(written) != 2 or not all(isinstance(text, str) for text in written):
         values.wrong(path, f"expected {field.like}, got {said(written)}")
@@ -156,6 +161,7 @@ def _stepper(values: Values, field: Field, written: Any, path: Path) -> Any:
     return written
 
 
+OWN = ("constant", "file", "groups", "numbers", "quantity", "title", "version")  # shapes with readers of their own
 SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers
     "choice": _choice,
     "flag": _flag,
@@ -166,7 +172,7 @@ SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all sh
     "rings": _rings,
     "stepper": _stepper,
     "text": _text,
-    "texts": texts,
+    "texts": _texts,
 }
 
 

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from rattle import registry
 from rattle.description.coordinates import POINT
-from rattle.description.reader import STATE_UNITS
 from rattle.description.schema import schema
+from rattle.description.tables import STATE_UNITS
 from rattle.language.materials import MATERIALS
 from rattle.language.motion_laws import MEANING as LAW_MEANING
 from rattle.language.syntax import FUNCTIONS

@@ -83,6 +83,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "choice": lambda one: {"enum": [*one.choices, *([False, True] if one.flags else [])]},
     "connect": lambda one: connect({"type": "string", NAMES: "points"}),
     "constant": lambda one: {"const": one.choices[0]},
+    "file": lambda one: {"type": "string"},
     "flag": lambda one: {"type": "boolean"},
     "groups": _group,
     "joint": lambda one: {"type": "string", "pattern": NAME, "description": one.meaning, NAMES: "joints"},
@@ -99,6 +100,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
         {"type": "string", "description": one.meaning} | ({"maxLength": one.longest} if one.longest else {})
     ),
     "texts": lambda one: array({"type": "string"}, 2, 2),
+    "title": lambda one: {"type": "string"},
     "version": lambda one: {"const": 1},
 }
 

@@ -34,10 +34,11 @@ class Form:
     @property
     def keys(self) -> dict[str, Part]:
         """All keys, those of every way too."""
-        ways: dict[str, Part] = {}
-        for way in self.ways:
-            ways |= way
-        return {**ways, **self.fields} if self.ways_first else {**self.fields, **ways}
+        first = self.ways[0] if self.ways else {}
+        keys = {**first, **self.fields} if self.ways_first else {**self.fields, **first}
+        for way in self.ways[1:]:
+            keys |= way
+        return keys
 
 
 @dataclass(frozen=True)
@@ -118,9 +119,10 @@ DISTRIBUTION = Form(
     },
     "single values, with weights unless all are as likely",
 )
+VALUE = Field("", "value", shape="quantity", missing="expected { value = ... }")
 PARAMETER = Form(
     {
-        "value": Field("", "value", shape="quantity", missing="expected { value = ... }"),
+        "value": VALUE,
         "min": Field("", "least", None, shape="quantity"),
         "max": Field("", "most", None, shape="quantity"),
         "tol": Field("", "tolerance: half the width of its field", None, shape="quantity"),
@@ -157,19 +159,22 @@ TABLE = Form(
                 like='the units of x and y, as in ["deg", "mm"]',
             ),
         },
-        {"file": Field("", "file beside the model file: two columns, the header may hold units", shape="text")},
+        {"file": Field("", "file beside the model file: two columns, the header may hold units", shape="file")},
     ),
     ways_first=True,
 )  # fmt: skip
+RATE = Field(
+    "",
+    "expression over parameters, t, the motion, signals and states, per second",
+    shape="quantity",
+    missing="needs rate: how fast it changes, an expression over parameters, t, states and all",
+)
 STATE = Form(
     {
-        "rate": Field(
-            "", "expression over parameters, t, the motion, signals and states, per second", shape="quantity",
-            missing="needs rate: how fast it changes, an expression over parameters, t, states and all",
-        ),
+        "rate": RATE,
         "start": Field("", "value at the start, default 0", None, shape="quantity"),
     }
-)  # fmt: skip
+)
 
 # ---------------------------------------------------------------- joints and drivers, besides the fields of their kinds
 JOINT = ("type", "connect", "clearance", "contact", "stop", "friction", "wear")  # keys of any joint
@@ -215,7 +220,7 @@ WEAR = Form(
             "size of jumps",
         ),
         "layer": LAYER,
-        "profile": Field("", "file beside the model file with the depths that are worn", None, shape="text"),
+        "profile": Field("", "file beside the model file with the depths that are worn", None, shape="file"),
         DEPTHS: Form(
             {side: Field("", "", None, shape="numbers") for side in SIDES},
             "the same, written out: a number for each bin [m]",
@@ -225,13 +230,8 @@ WEAR = Form(
 )  # fmt: skip
 
 # ---------------------------------------------------------------- start and run
-START = Form(
-    {
-        key: Field(unit, "at the start", None)
-        for key, unit in {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}.items()
-    },
-    "start of a body",
-)
+STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+START = Form({key: Field(unit, "at the start", None) for key, unit in STATE_UNITS.items()}, "start of a body")
 OFFSET = Form({"offset": Field("m", "pin centre minus bush centre", None, shape="pair")}, "start of a clearance joint")
 SIMULATE = Form(  # of the meanings, {adaptive} are the steppers that choose their steps, {equal} the others
     {
@@ -248,9 +248,9 @@ SIMULATE = Form(  # of the meanings, {adaptive} are the steppers that choose the
 MODEL = Form(
     {
         "format": Field("", "version of the format", shape="version"),
-        "name": Field("", "title", None, shape="text"),
+        "name": Field("", "title", None, shape="title"),
         "gravity": Field("m/s^2", "acceleration of gravity", None, shape="pair"),
-        "parameters": Named(Either((Field("", "value", shape="quantity"), PARAMETER)), "values that expressions use"),
+        "parameters": Named(Either((VALUE, PARAMETER)), "values that expressions use"),
         "tolerances": TOLERANCES,
         "tables": Named(TABLE, "functions of one number that expressions use: lift(x)"),
         "signals": Named(Field("", "expression over parameters, t and state", shape="quantity"), "recorded quantities"),
