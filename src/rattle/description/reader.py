@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import fields
 from typing import Any
 
 from rattle import registry
@@ -198,7 +199,8 @@ def _settings(parts: Parts, document: Mapping[str, Any]) -> Settings:
     """The table [simulate]."""
     table = parts.values.table(document.get("simulate", {}), ("simulate",))
     read = parts.form(SIMULATE, table, ("simulate",))
-    return Settings(**{key: setting for key, setting in read.items() if setting is not None})
+    settings = (field.name for field in fields(Settings))
+    return Settings(**{key: read[key] for key in settings if read[key] is not None})
 
 
 def _drivers_follow_time(
