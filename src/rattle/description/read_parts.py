@@ -39,6 +39,7 @@ from rattle.language.expression import Name, Node, Number, names, parse, replace
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
+TABLES_OF_JOINT = ("contact", "stop", "friction", "wear")  # or what stands for them
 NOWHERE = Point("", "", (math.nan, math.nan))
 
 
@@ -184,16 +185,16 @@ class Parts(FieldReader):
         a, b = self.connect(given, path, alone=found.leaf.bodies, bodies=found.leaf.bodies)
         play = registry.play_of(found.name)
         tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-        values.keys(given, [*JOINT, *tables, *found.fields], path)
+        values.keys(given, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *tables, *found.fields], path)
         fields = self.fields(found, given, path)
         if len(values.problems) == before:  # of fields that are sound
             for key, fault in found.leaf.faults(given, fields):
                 values.wrong((*path, key) if key else path, fault)
         if len(values.problems) == before and (fault := found.leaf.fault(fields)):
             values.wrong(path, fault)
-        clearance, contact = 0.0, None
+        clearance, contact, of_joint = 0.0, None, self.read(JOINT, given, path)
         if "clearance" in given:
-            clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
+            clearance = of_joint["clearance"]
             contact = self._contact(given, found.name, clearance, path)
         elif (law := found.leaf.strand(fields)) is not None:
             if "contact" in given:

@@ -8,7 +8,7 @@ Source: JSON Schema, draft 2020-12.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from rattle import registry
@@ -18,7 +18,7 @@ from rattle.description.read_friction import friction_models
 from rattle.description.read_parts import moved_joints
 from rattle.description.read_wear import kind_wears
 from rattle.description.schema_pieces import Schema
-from rattle.description.tables import MODEL, WEAR, Either, Form, Named, OfKinds, Part
+from rattle.description.tables import CONTACT, JOINT, MODEL, OIL, WEAR, Either, Form, Named, OfKinds, Part
 from rattle.registry import REQUIRED, Field, Kind
 
 
@@ -43,10 +43,13 @@ def part(entry: Part) -> Schema:
     if isinstance(entry, Named):
         return of.named(part(entry.entry), entry.meaning)
     if isinstance(entry, OfKinds):
-        return {"anyOf": [ENTRIES[entry.family](kind) for kind in registry.kinds(entry.family).values()]}
+        kinds, own = registry.kinds(entry.family).values(), ENTRIES.get(entry.family)
+        return {"anyOf": [own(kind) if own else _kind(kind, entry.key) for kind in kinds]}
     if isinstance(entry, Either):
-        either = {"anyOf": [part(form) for form in entry.forms]}
-        return either | ({"description": entry.meaning} if entry.meaning else {})
+        forms = [*map(part, entry.forms)]
+        if isinstance(entry.forms[-1], OfKinds):
+            forms += forms.pop()["anyOf"]
+        return {"anyOf": forms} | ({"description": entry.meaning} if entry.meaning else {})
     tables = [_form(entry, way) for way in entry.ways or ({},)]
     return {"anyOf": tables} if entry.ways else tables[0]
 
@@ -65,38 +68,30 @@ def steppers(adaptive: bool) -> str:
 
 # ---------------------------------------------------------------- kinds
 def _joint(kind: Kind) -> Schema:
+    end = of.point("bush or guide side first")
+    ends = {"connect": of.connect(end), **_of(JOINT), "contact": _contact()}
     if kind.leaf.bodies:
-        ends = {
-            "connect": of.connect(
-                {"type": "string", "description": "a body", of.NAMES: "bodies"}, "bodies A and B, or ground"
-            )
-        }
-    else:
-        ends = {
-            "connect": of.connect(of.point("bush or guide side first")),
-            "clearance": of.number("m", "radial clearance", "not negative"),
-            "contact": _contact(),
-            **({"wear": part(WEAR)} if kind_wears(kind) else {}),
-        }
+        body = {"type": "string", "description": "a body", of.NAMES: "bodies"}
+        ends = {"connect": of.connect(body, "bodies A and B, or ground")}
+    elif kind_wears(kind):
+        ends["wear"] = part(WEAR)
+    play = registry.play_of(kind.name)
+    dimensions: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
     properties = {
         "type": of.choice(kind),
         **ends,
-        **_dimensions(kind),
+        **{key: of.table({name: of.field(one) for name, one in wanted.items()}, wanted)
+           for key, wanted in dimensions.items()},
         **_stop(kind),
         **_own_friction(kind),
         **_one_sided(kind),
         **of.fields(kind),
-    }
+    }  # fmt: skip
     return of.table(properties, ("type", "connect", *of.needed(kind)), kind.summary)
 
 
-def _dimensions(joint: Kind) -> dict[str, Schema]:
-    """Tables of lengths that a joint with play has."""
-    play = registry.play_of(joint.name)
-    tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-    return {
-        table: of.table({key: of.field(one) for key, one in wanted.items()}, wanted) for table, wanted in tables.items()
-    }
+def _of(form: Form) -> dict[str, Schema]:
+    return {key: part(entry) for key, entry in form.fields.items()}
 
 
 def _one_sided(joint: Kind) -> dict[str, Schema]:
@@ -121,15 +116,12 @@ def _own_friction(joint: Kind) -> dict[str, Schema]:
     """Friction of a joint without play, if it may have any."""
     if not joint.leaf.rubs:
         return {}
-    more = {key: of.field(one) for key, one in joint.leaf.rubs_with.items()}
-    needed = [key for key, one in joint.leaf.rubs_with.items() if one.default is REQUIRED]
-    tables = [
-        of.table(
-            {"model": {"const": name}, **{key: of.field(one) for key, one in fields.items()}, **more},
-            ("model", *needed),
-        )
-        for name, fields in friction_models().items()
-    ]
+    more: Mapping[str, Field] = joint.leaf.rubs_with
+    needed = [key for key, one in more.items() if one.default is REQUIRED]
+    tables = []
+    for name, fields in friction_models().items():
+        keys = {key: of.field(one) for key, one in {**fields, **more}.items()}
+        tables.append(of.table({"model": {"const": name}, **keys}, ("model", *needed)))
     number = [] if needed else [of.number("", "coefficient of friction", "not negative")]
     return {"friction": {"anyOf": [*number, *tables], "description": "friction without play, by its own reaction"}}
 
@@ -140,20 +132,15 @@ def _contact(
     meaning: str = "contact model of the clearance",
 ) -> Schema:
     """The contact model: its name, or a table with its fields, which may also hold fields of other models."""
-    known, laws, statics = registry.kinds("contact"), registry.kinds("normal"), registry.kinds("stiffness")
-    plain = {name: one for name, one in known.items() if models is None or name in models}
-    radius = {
-        "bush_radius": of.number("m", "radius of the bush; the pin radius is smaller by the clearance", "positive")
-    }
-    friction = {"friction": _friction()}
-    own = [key for key in statics if key != "power"]
-    every: dict[str, Schema] = {"geometry": {"enum": own, "description": "formula for the stiffness from materials"}}
+    laws, statics = registry.kinds("normal"), registry.kinds("stiffness")
+    plain = {name: one for name, one in registry.kinds("contact").items() if models is None or name in models}
+    oiled = [one for one in plain.values() if one.leaf.oiled]
+    own = _of(CONTACT)
+    every: dict[str, Schema] = {"geometry": own["geometry"]}
     for kind in (*statics.values(), *laws.values(), *plain.values()):
         every |= of.fields(kind)
-    oiled = [one for one in plain.values() if one.leaf.oiled]
     every |= {**_oil(), **every} if oiled else {}
-    every |= {**radius, **friction}
-    every = {key: value for key, value in every.items() if key not in without}
+    every = {key: value for key, value in (every | own).items() if key not in without}
     tables = []
     for kind in oiled:
         needed = ["model", "bush_radius", *_needed_by_all(registry.kinds("film").values())]
@@ -166,28 +153,15 @@ def _contact(
 
 def _oil() -> dict[str, Schema]:
     """Keys of the oil in a clearance, besides those of its model."""
-    films = registry.kinds("film")
-    found: dict[str, Schema] = {}
-    for kind in films.values():
-        found |= of.fields(kind)
-    each = {"type": ["number", "string"]}
-    both = {"type": "array", "items": each, "minItems": 2, "maxItems": 2}
-    return found | {
-        "film": {"enum": list(films), "default": "finite", "description": "law of the oil film"},
-        "dry": {"type": "object", "description": "the dry contact beside the film: the table of a compliant contact"},
-        "roughness": {"anyOf": [of.number("m", "of both surfaces"), both], "description": "root mean square [m]"},
-    }
+    keys: dict[str, Schema] = {}
+    for kind in registry.kinds("film").values():
+        keys |= of.fields(kind)
+    return keys | _of(OIL)
 
 
 def _needed_by_all(kinds: Collection[Kind]) -> list[str]:
     every = [of.needed(kind) for kind in kinds]
     return [key for key in every[0] if all(key in one for one in every)]
-
-
-def _friction() -> Schema:
-    laws = registry.kinds("friction").values()
-    tables = [of.table({"model": of.choice(kind), **of.fields(kind)}, ("model", *of.needed(kind))) for kind in laws]
-    return {"anyOf": [of.number("", "coefficient of friction", "not negative"), *tables]}
 
 
 def _driver(kind: Kind) -> Schema:
@@ -206,8 +180,10 @@ def _driver(kind: Kind) -> Schema:
     return of.table({**where, **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary)
 
 
-def _load(kind: Kind) -> Schema:
-    return of.table({"type": of.choice(kind), **of.fields(kind)}, ("type", *of.needed(kind)), kind.summary)
+def _kind(kind: Kind, key: str) -> Schema:
+    """A table with the fields of a kind, which is named under `key`."""
+    meaning = kind.summary if key == "type" else ""  # laws tell theirs with their name
+    return of.table({key: of.choice(kind), **of.fields(kind)}, (key, *of.needed(kind)), meaning)
 
 
-ENTRIES = {"joint": _joint, "driver": _driver, "load": _load}
+ENTRIES: Mapping[str, Callable[[Kind], Schema]] = {"joint": _joint, "driver": _driver}

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from rattle import registry
+from rattle.description.tables import MATERIAL, Part
 from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
@@ -62,8 +63,7 @@ def array(entry: Schema, fewest: int = 0, most: int = 0) -> Schema:
 
 
 def _material(one: Field) -> Schema:
-    of_own = table({"E": number("Pa", "modulus"), "nu": number("", "Poisson's ratio")}, ("E",))
-    return {"anyOf": [{"type": "string"}, of_own]}
+    return {"anyOf": [{"type": "string"}, fields_of(MATERIAL.fields)]}
 
 
 def _steppers(one: Field) -> Schema:
@@ -83,8 +83,11 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "choice": lambda one: {"enum": [*one.choices, *([False, True] if one.flags else [])]},
     "connect": lambda one: connect({"type": "string", NAMES: "points"}),
     "constant": lambda one: {"const": one.choices[0]},
+    "each": lambda one: array(PLAIN, 2, 2),
     "file": lambda one: {"type": "string"},
     "flag": lambda one: {"type": "boolean"},
+    "film": lambda one: {"enum": list(registry.kinds("film")), "default": one.default},
+    "geometry": lambda one: {"enum": [name for name in registry.kinds("stiffness") if name != "power"]},
     "groups": _group,
     "joint": lambda one: {"type": "string", "pattern": NAME, "description": one.meaning, NAMES: "joints"},
     "material": _material,
@@ -96,6 +99,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "ring": lambda one: RING,
     "rings": lambda one: array(RING),
     "stepper": _steppers,
+    "table": lambda one: {"type": "object"},
     "text": lambda one: (
         {"type": "string", "description": one.meaning} | ({"maxLength": one.longest} if one.longest else {})
     ),
@@ -120,6 +124,13 @@ def field(declared: Field) -> Schema:
     if not chosen and not (isinstance(default, float) and not math.isfinite(default)):
         made["default"] = default
     return made
+
+
+def fields_of(keys: Mapping[str, Part], meaning: str = "") -> Schema:
+    """A table with these fields."""
+    declared = {key: one for key, one in keys.items() if isinstance(one, Field)}
+    needed = [key for key, one in declared.items() if one.default is REQUIRED]
+    return table({key: field(one) for key, one in declared.items()}, needed, meaning)
 
 
 def fields(kind: Kind) -> dict[str, Schema]:

@@ -59,9 +59,10 @@ class Named:
 
 @dataclass(frozen=True)
 class OfKinds:
-    """An entry of one of the kinds of a family, with the fields of the kind."""
+    """An entry of one of the kinds of a family, with the fields of the kind, which is named under `key`."""
 
     family: str
+    key: str = "type"
 
 
 Part = Field | Form | Either | Named | OfKinds
@@ -176,8 +177,30 @@ STATE = Form(
     }
 )
 
-# ---------------------------------------------------------------- joints and drivers, besides the fields of their kinds
-JOINT = ("type", "connect", "clearance", "contact", "stop", "friction", "wear")  # keys of any joint
+# ---------------------------------------------------------------- joints and contacts, besides fields of their kinds
+JOINT = Form({"clearance": Field("m", "radial clearance", None, least="not negative")})
+CONTACT = Form(
+    {
+        "geometry": Field("", "formula for the stiffness from materials", None, shape="geometry"),
+        "bush_radius": Field(
+            "m", "radius of the bush; the pin radius is smaller by the clearance", None, least="positive"
+        ),
+        "friction": Either(
+            (Field("", "coefficient of friction", None, least="not negative"), OfKinds("friction", "model"))
+        ),
+    }
+)
+OIL = Form(
+    {
+        "film": Field("", "law of the oil film", "finite", shape="film"),
+        "dry": Field("", "the dry contact beside the film: the table of a compliant contact", None, shape="table"),
+        "roughness": Either(
+            (Field("m", "of both surfaces", None, least="not negative"), Field("", "", None, shape="each")),
+            "root mean square [m]",
+        ),
+    }
+)
+MATERIAL = Form({"E": Field("Pa", "modulus", least="positive"), "nu": Field("", "Poisson's ratio", 0.3)})
 COEFFICIENT = Form(
     {
         "coefficient": Field("", "of Archard's law, K_a", least="not negative"),
