@@ -53,13 +53,16 @@ class LocalName:
 
 @dataclass(frozen=True)
 class Field:
-    """One key that the user writes for a kind.
+    """One key that the user writes for a kind, or in a table of the model file.
 
     unit: SI unit of the number, "" for a plain number or angle.  meaning: a few words for help and documentation.
-    shape: number | pair | point ("body.point") | body | joint | choice | flag (true, false) | size (numbers).
+    shape: number | pair | point ("body.point") | body | joint | connect | choice | flag (true, false) | material; in
+    tables also those of `rattle.description.read_fields.SHAPES`.
     live: the value may be an expression in t, state and signals, evaluated at every instant.
     least: "positive" or "not negative" if the number is limited.
-    default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given.
+    default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given, None if
+    nothing stands for it.  missing: what is told where a key that must be given is not, if not its meaning.
+    like: what is expected, in words, where the shape does not say it.  fewest: entries of a list; longest: characters.
     choices: the words allowed for shape "choice"; flags: those that false and true stand for, if these are allowed.
     local: names that only its expression may use, if it is live.
     turns: of shape "connect": the two bodies must be able to turn against each other.
@@ -79,6 +82,10 @@ class Field:
     turns: bool = False
     function_of: str = ""
     of_unit: str = "rad"
+    missing: str = ""
+    like: str = ""
+    fewest: int = 0
+    longest: int = 0
 
     @property
     def may_use(self) -> str:

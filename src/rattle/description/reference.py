@@ -5,13 +5,13 @@ Descriptions come from the JSON Schema, numbers from the tables that the reader 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rattle import registry
 from rattle.description.coordinates import POINT
-from rattle.description.reader import STATE_UNITS
 from rattle.description.schema import schema
+from rattle.description.tables import MODEL, STATE_UNITS
 from rattle.language.composed import COMPOSED
 from rattle.language.materials import MATERIALS
 from rattle.language.operations import FUNCTIONS, record_of
@@ -32,9 +32,7 @@ def topics() -> dict[str, Topic]:
     return {one.name: one for one in made}
 
 
-TABLES = (
-    "gravity", "parameters", "tolerances", "tables", "signals", "states", "ground", "bodies", "initial", "simulate",
-)  # fmt: skip
+TABLES = tuple(key for key in MODEL.fields if key not in ("format", "name", "joints", "drivers", "loads"))
 
 
 def common(family: str, kind: str) -> list[str]:
@@ -82,15 +80,19 @@ def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any
 
 def _table(name: str) -> Callable[[], Topic]:
     def make() -> Topic:
-        one: Mapping[str, Any] = schema()["properties"][name]
-        entry = one.get("additionalProperties") or one
-        variants = entry.get("anyOf", [entry]) if isinstance(entry, Mapping) else [one]
-        lines = [_line(key, value) for variant in variants for key, value in variant.get("properties", {}).items()] or [
-            _line(name, entry)
-        ]
-        return Topic(name, one.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
+        table: Mapping[str, Any] = schema()["properties"][name]
+        entry = table.get("additionalProperties") or table
+        lines = [_line(key, value) for key, value in _keys(entry)] or [_line(name, entry)]
+        return Topic(name, table.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
 
     return make
+
+
+def _keys(entry: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The keys of a table, in all ways to write it."""
+    yield from entry.get("properties", {}).items()
+    for variant in entry.get("anyOf", ()):
+        yield from _keys(variant)
 
 
 def _wear() -> Topic:
