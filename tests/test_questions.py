@@ -15,6 +15,7 @@ from rattle.errors import InputError
 from rattle.question import PARTS, Argument, question, questions
 
 FOLDER = Path(__file__).parent / "data" / "questions"
+DOCS = Path(__file__).parents[1] / "docs"
 TRAVEL = 0.1  # of the slider of slider_crank: twice its crank of 50 mm [m]
 PROGRAM = """
 import inspect, json, sys
@@ -115,7 +116,10 @@ def test_ensembles_and_sweeps_may_ask_it(everywhere):
 def test_the_table_of_analyses_has_a_row_for_it():
     from making.questions import rows
 
-    env = os.environ | {"RATTLE_QUESTIONS": str(FOLDER), "PYTHONPATH": str(Path(__file__).parents[1] / "docs")}
+    env = os.environ | {
+        "RATTLE_QUESTIONS": str(FOLDER),
+        "PYTHONPATH": os.pathsep.join([str(DOCS), *filter(None, [os.environ.get("PYTHONPATH")])]),
+    }
     program = "from making.questions import rows; print([row for row in rows() if 'travel' in row[1]])"
     done = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, check=True)
     want = ("how much room a mechanism needs", "travel", "`rattle travel slider_crank --points 91`", "`m.travel()`")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from making.text import code, table
-from rattle.question import questions
+from making.tree import module_with
 
 HEAD = ("You want to know", "Analysis", "Command", "Python")
 
@@ -19,6 +19,6 @@ def rows() -> list[tuple[str, str, str, str]]:
     """A row for everything that somebody may want to know."""
     return [
         (wants, called, code(command), code(python))
-        for asked in questions().values()
+        for asked in module_with("question", "asked_of").questions().values()
         for (wants, called), (command, python) in zip(asked.wants, asked.examples, strict=True)
     ]
