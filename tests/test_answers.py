@@ -10,8 +10,8 @@ import rattle as rt
 from rattle.errors import ANSWERS, InputError, WrongType
 from rattle.language.tokens import ExpressionError
 from rattle.language.units import QuantityError
+from rattle.questions.ensemble.runs import UnknownSample
 from rattle.results.result import UnknownName
-from rattle.studies.ensemble.samples import UnknownSample
 
 pytestmark = pytest.mark.nojit
 

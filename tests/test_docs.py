@@ -10,7 +10,7 @@ import pytest
 import rattle as rt
 from rattle.description.reader import STATE_UNITS
 from rattle.language.syntax import FUNCTIONS
-from rattle.studies.ensemble.fields import fields_of
+from rattle.questions.ensemble.fields import fields_of
 
 ROOT = Path(__file__).parent.parent
 DOCS = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}

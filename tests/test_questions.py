@@ -1,6 +1,7 @@
 """A question that stands in a folder of one's own is found wherever questions are: one declaration, many views."""
 
 import ast
+import inspect
 import json
 import os
 import subprocess
@@ -147,6 +148,12 @@ def test_every_question_says_what_it_asks_and_its_parts_are_known(name):
     assert not asked.command or "command" in parts or asked.answers_in_blocks
     assert asked.own_tab is None or "tab" in parts
     assert {part for part in PARTS if asked.has(part)} == parts & PARTS.keys()
+    if "samples" in parts:
+        assert callable(asked.part("samples").ANALYSIS.run)
+    if "section" in parts:
+        assert all(callable(make) for _, make in asked.part("section").SECTIONS)
+    if "tab" in parts:
+        assert list(inspect.signature(asked.part("tab").tab).parameters)[:2] == ["shelf", "source"]
 
 
 @pytest.mark.nojit

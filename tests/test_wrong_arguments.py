@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.analyses.statics.modes import Modes
 from rattle.errors import ANSWERS
-from rattle.studies.ensemble.ensemble import Ensemble
-from rattle.studies.ensemble.sweep import Sweep
-from rattle.studies.film.bearing import Film
-from rattle.studies.many import Many
-from rattle.studies.power.power import Power
+from rattle.questions.ensemble.compute import Ensemble
+from rattle.questions.film.bearing import Film
+from rattle.questions.many.compute import Many
+from rattle.questions.modes.compute import Modes
+from rattle.questions.power.compute import Power
+from rattle.questions.sweep.compute import Sweep
 from rattle.wrong_arguments import fits
 
 pytestmark = pytest.mark.nojit

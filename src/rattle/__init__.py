@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from rattle.errors import AssemblyError, InputError, ModelError, SolverError
     from rattle.loading import example, examples, load, loads
     from rattle.mechanism import Mechanism
+    from rattle.questions.film.bearing import Film
     from rattle.results.event import Event
     from rattle.results.result import Result, load_result
     from rattle.results.trust import Trust
-    from rattle.studies.film.bearing import Film
 
 _HOME = {
     "Mechanism": "mechanism", "load": "loading", "loads": "loading", "example": "loading",
@@ -30,7 +30,7 @@ _HOME = {
     "InputError": "errors", "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
     "Result": "results.result", "Event": "results.event", "Trust": "results.trust", "load_result": "results.result",
     "load_law": "elements.custom.load_law", "normal_law": "elements.custom.contact_law",
-    "friction_law": "elements.custom.contact_law", "Film": "studies.film.bearing",
+    "friction_law": "elements.custom.contact_law", "Film": "questions.film.bearing",
 }  # fmt: skip
 
 __all__ = [

@@ -9,29 +9,29 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.analyses.accuracy.clearance_error import Accuracy
-from rattle.analyses.check import Check
-from rattle.analyses.statics.dead_band import DeadBand
-from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
-from rattle.analyses.statics.holding_range import HoldingRange
-from rattle.analyses.statics.modes import Modes
 from rattle.language.times import Seconds
+from rattle.questions.accuracy.compute import Accuracy
+from rattle.questions.bifurcation.compute import Bifurcation
+from rattle.questions.check.compute import Check
+from rattle.questions.compare.compute import Comparison
+from rattle.questions.dead_band.compute import DeadBand
+from rattle.questions.ensemble.compute import Ensemble
+from rattle.questions.ensemble.fields import Vary
+from rattle.questions.equilibrium.position import Equilibria, Equilibrium
+from rattle.questions.film.bearing import Film
+from rattle.questions.holds.holding_range import HoldingRange
+from rattle.questions.lyapunov.compute import Lyapunov
+from rattle.questions.many.compute import Many
+from rattle.questions.modes.compute import Modes
+from rattle.questions.optimise.optimum import Optimum
+from rattle.questions.poincare.compute import Section
+from rattle.questions.power.compute import Power
+from rattle.questions.sweep.compute import Sweep
+from rattle.questions.tolerance.largest import Largest
+from rattle.questions.tolerance.report import Tolerance
+from rattle.questions.tolerance.required_accuracy import Within
+from rattle.questions.wear.worn import Worn
 from rattle.results.result import Result
-from rattle.studies.bifurcation import Bifurcation
-from rattle.studies.compare import Comparison
-from rattle.studies.ensemble.ensemble import Ensemble
-from rattle.studies.ensemble.fields import Vary
-from rattle.studies.ensemble.largest import Largest
-from rattle.studies.ensemble.sweep import Sweep
-from rattle.studies.ensemble.tolerance import Tolerance
-from rattle.studies.ensemble.within import Within
-from rattle.studies.film.bearing import Film
-from rattle.studies.lyapunov import Lyapunov
-from rattle.studies.many import Many
-from rattle.studies.optimise.optimum import Optimum
-from rattle.studies.poincare import Section
-from rattle.studies.power.power import Power
-from rattle.studies.wear.worn import Worn
 
 class OfMechanism:
     def check(self) -> Check:
@@ -110,7 +110,7 @@ class OfMechanism:
     ) -> Section:
         """Poincare section: values [SI] once per turn of the driver, or each time a curve rises through a level.
 
-        For all details see `rattle.studies.poincare.section`.
+        For all details see `rattle.questions.poincare.compute.section`.
         period: time between two points [s] or an expression over parameters such as "2*pi/w".
         crossing, level: the curve and the level [SI] that it rises through.
         skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`."""
@@ -133,7 +133,7 @@ class OfMechanism:
     ) -> Bifurcation:
         """Bifurcation diagram: an output [SI] once per turn of the driver, over the values of a parameter.
 
-        For all details see `rattle.studies.bifurcation`.
+        For all details see `rattle.questions.bifurcation.compute`.
         parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
         points [s] or an expression such as "2*pi/w", for every value anew (default: a turn of the driver).
         skip, points: points left out, points kept, for each value.

@@ -72,9 +72,9 @@ def _special(target: Path) -> Path:
 
 def refuse_input(path: str | os.PathLike[str], *inputs: str | os.PathLike[str]) -> None:
     """Raise an OSError if the file to be written is one of the input files."""
-    for one in inputs:
+    for source in inputs:
         with suppress(FileNotFoundError):
-            if os.path.samefile(path, one):
+            if os.path.samefile(path, source):
                 raise FileExistsError(f"cannot write {path}: it is the input file; give another name")
 
 

@@ -9,6 +9,7 @@ from typing import Any
 MOST = 50  # problems reported together, at most; more would not be read, and cost time with a broken file of megabytes
 LONGEST = 80  # characters of a name that a message quotes
 CANDIDATES = 1000  # names that a misspelt one is compared with
+ALIKE = 0.6  # share of letters in common from which on a name is a suggestion
 
 
 def shown(text: str) -> str:
@@ -16,14 +17,14 @@ def shown(text: str) -> str:
     return "".join(c if c.isprintable() or c in "\n\t" else c.encode("unicode_escape").decode() for c in text)
 
 
-def suggest(word: str, known: Iterable[str]) -> str:
+def suggest(word: str, names: Iterable[str]) -> str:
     """ "; did you mean 'x'?" when a known name is close to `word`, otherwise all known names if at most 12."""
     import difflib
 
-    options = list(islice(known, CANDIDATES))
-    close = difflib.get_close_matches(word[:LONGEST], [one for one in options if len(one) <= 2 * LONGEST], 3, 0.6)
+    options = list(islice(names, CANDIDATES))
+    close = difflib.get_close_matches(word[:LONGEST], [name for name in options if len(name) <= 2 * LONGEST], 3, ALIKE)
     if close:
-        return "; did you mean " + " or ".join(f"'{_short(one)}'" for one in close) + "?"
+        return "; did you mean " + " or ".join(f"'{_short(name)}'" for name in close) + "?"
     return "; known: " + ", ".join(map(_short, options)) if 0 < len(options) <= 12 else ""
 
 
@@ -76,9 +77,9 @@ class ModelError(InputError):
         self.problems = problems
         self.file = file
         lines = []
-        for one in problems:
-            where = f"{file or 'model'}:{one.line}: " if one.line else (f"{file}: " if file else "")
-            lines.append(where + str(one) + (f"\n{one.caret}" if one.caret else ""))
+        for problem in problems:
+            where = f"{file or 'model'}:{problem.line}: " if problem.line else (f"{file}: " if file else "")
+            lines.append(where + str(problem) + (f"\n{problem.caret}" if problem.caret else ""))
         if len(problems) >= MOST:
             lines.append(f"these are the first {MOST} problems; there may be more")
         super().__init__("\n".join(lines))

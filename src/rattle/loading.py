@@ -30,7 +30,7 @@ def examples() -> dict[str, Path]:
 @answer_in_words
 def example(name: str) -> Mechanism:
     """A shipped example. Raises InputError for an unknown name."""
-    known = examples()
-    if name not in known:
-        raise InputError(f"no example '{name}'{suggest(str(name), known)}")
-    return load(known[name])
+    shipped = examples()
+    if name not in shipped:
+        raise InputError(f"no example '{name}'{suggest(str(name), shipped)}")
+    return load(shipped[name])

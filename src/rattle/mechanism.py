@@ -32,10 +32,10 @@ class Mechanism(OfMechanism, AnalysedModel):
 
     def __repr__(self) -> str:
         counts = []
-        for table, one in (("bodies", "body"), ("joints", "joint"), ("drivers", "driver"), ("loads", "load")):
+        for table, singular in (("bodies", "body"), ("joints", "joint"), ("drivers", "driver"), ("loads", "load")):
             n = len(self._document.get(table, {}))
             if n or table in ("bodies", "joints"):
-                counts.append(f"{n} {one if n == 1 else table}")
+                counts.append(f"{n} {singular if n == 1 else table}")
         name = self._document.get("name") or self._file
         return f"<rattle.Mechanism{f' {name!r}' if name else ''}: {', '.join(counts)}>"
 
@@ -46,7 +46,7 @@ class Mechanism(OfMechanism, AnalysedModel):
         try:
             tables = model_tables(self.model, {name: self.written_unit(name) for name in self.model.parameters})
         except ModelError as error:
-            problems = [(one.key, one.message) for one in error.problems]
+            problems = [(problem.key, problem.message) for problem in error.problems]
             return table(("where", "what is still wrong or missing"), problems, repr(self)[1:-1])
         return card(repr(self)[1:-1].partition(": ")[2], drawing(self), tables, hint="m.check(), m.simulate()")
 

@@ -26,8 +26,8 @@ from rattle.jit.functions import KernelFunction, jit_runs
 
 REQUIRED: Any = object()
 ELEMENTS = tuple(
-    f"rattle.elements.{one}"
-    for one in ("joints", "clearances", "one_sided", "stops", "clutches", "contact_laws", "film", "loads")
+    f"rattle.elements.{folder}"
+    for folder in ("joints", "clearances", "one_sided", "stops", "clutches", "contact_laws", "film", "loads")
 )
 PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
 _lock = threading.RLock()
@@ -53,13 +53,16 @@ class LocalName:
 
 @dataclass(frozen=True)
 class Field:
-    """One key that the user writes for a kind.
+    """One key that the user writes for a kind, or in a table of the model file.
 
     unit: SI unit of the number, "" for a plain number or angle.  meaning: a few words for help and documentation.
-    shape: number | pair | point ("body.point") | body | joint | choice | flag (true, false) | size (numbers).
+    shape: number | pair | point ("body.point") | body | joint | connect | choice | flag (true, false) | material; in
+    tables also those of `rattle.description.read_fields.SHAPES`.
     live: the value may be an expression in t, state and signals, evaluated at every instant.
     least: "positive" or "not negative" if the number is limited.
-    default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given.
+    default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given, None if
+    nothing stands for it.  missing: what is told where a key that must be given is not, if not its meaning.
+    like: what is expected, in words, where the shape does not say it.  fewest: entries of a list; longest: characters.
     choices: the words allowed for shape "choice"; flags: those that false and true stand for, if these are allowed.
     local: names that only its expression may use, if it is live.
     turns: of shape "connect": the two bodies must be able to turn against each other.
@@ -79,11 +82,15 @@ class Field:
     turns: bool = False
     function_of: str = ""
     of_unit: str = "rad"
+    missing: str = ""
+    like: str = ""
+    fewest: int = 0
+    longest: int = 0
 
     @property
     def may_use(self) -> str:
         """What an expression of it may use besides parameters, in words; "" if it is not live."""
-        own = "".join(f"{one.name} ({one.meaning} [{one.unit}]), " for one in self.local)
+        own = "".join(f"{variable.name} ({variable.meaning} [{variable.unit}]), " for variable in self.local)
         return f"{own}t, state and signals" if self.live else ""
 
 
@@ -107,15 +114,15 @@ class Kind:
     def source(self) -> str:
         """Source of the formula: the line "Source: ..." of the leaf's docstring, "" if there is none."""
         lines = (self.leaf.__doc__ or "").splitlines()
-        found = [line.strip()[7:].strip() for line in lines if line.strip().startswith("Source:")]
-        return found[0] if found else ""
+        sources = [line.strip()[7:].strip() for line in lines if line.strip().startswith("Source:")]
+        return sources[0] if sources else ""
 
 
 def fields_of(leaf: type) -> dict[str, Field]:
     """The fields of a leaf, inherited ones first; a field declared again keeps its position."""
     declared: dict[str, Any] = {}
-    for one in reversed(leaf.__mro__):
-        declared.update(vars(one))
+    for ancestor in reversed(leaf.__mro__):
+        declared.update(vars(ancestor))
     return {key: value for key, value in declared.items() if isinstance(value, Field)}
 
 
@@ -139,24 +146,24 @@ def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callab
 
 def kinds(family: str) -> Mapping[str, Kind]:
     """All kinds of one family by name; its packages are searched on first use."""
-    found = _complete.get(family)
-    if found is None:
+    entries = _complete.get(family)
+    if entries is None:
         if not _searched.issuperset(packages := PACKAGES.get(family, ELEMENTS)):
             discover(packages)
-        found = _families.setdefault(family, {})
+        entries = _families.setdefault(family, {})
         if _searched.issuperset(packages):  # not while a kind that is being imported asks
-            _complete[family] = found
-    return found
+            _complete[family] = entries
+    return entries
 
 
 def play_of(joint: str) -> Kind | None:
     """The kind of clearance of a kind of joint; None if it cannot have clearance."""
-    return next((one for one in kinds("clearance").values() if one.leaf.joint == joint), None)
+    return next((kind for kind in kinds("clearance").values() if kind.leaf.joint == joint), None)
 
 
 def one_sided_of(joint: str) -> Kind | None:
     """The contacts that stand for the rows of a kind of joint without clearance; None if it has no such."""
-    return next((one for one in kinds("one-sided").values() if one.leaf.joint == joint), None)
+    return next((kind for kind in kinds("one-sided").values() if kind.leaf.joint == joint), None)
 
 
 def stop_of(joint: str) -> Kind | None:
@@ -181,7 +188,7 @@ def names(family: str) -> tuple[str, ...]:
 
 def families() -> Iterator[str]:
     """Names of all families that have at least one kind."""
-    discover((*ELEMENTS, *(one for packages in PACKAGES.values() for one in packages)))
+    discover((*ELEMENTS, *(package for packages in PACKAGES.values() for package in packages)))
     return iter(sorted(_families))
 
 
@@ -195,8 +202,8 @@ def discover(packages: Sequence[str] = ELEMENTS) -> None:
                 continue
             _searching.add(package)
             try:
-                found = importlib.import_module(package)
-                for module in pkgutil.iter_modules(found.__path__):
+                searched = importlib.import_module(package)
+                for module in pkgutil.iter_modules(searched.__path__):
                     importlib.import_module(f"{package}.{module.name}")
                 _searched.add(package)
             finally:
@@ -209,8 +216,10 @@ def table(*names: str, machine: bool | None = None, used: Any = None) -> Any:
     machine: an int64 array of native addresses if True, a tuple of Python functions if False; None: as the JIT is on.
     used: indices in the table that may be called; the others are traps, which name the kernel.  None means all.
     """
-    found = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
+    kernels = [entry.kernel for family in names for entry in kinds(family).values() if entry.kernel]
     if not (jit_runs() if machine is None else machine):
-        return tuple(one.python for one in found)
-    wanted = set(range(len(found)) if used is None else used)
-    return np.array([one.address if n in wanted else one.trap for n, one in enumerate(found)], dtype=np.int64)
+        return tuple(kernel.python for kernel in kernels)
+    wanted = set(range(len(kernels)) if used is None else used)
+    return np.array(
+        [kernel.address if n in wanted else kernel.trap for n, kernel in enumerate(kernels)], dtype=np.int64
+    )

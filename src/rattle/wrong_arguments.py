@@ -30,9 +30,9 @@ LATER = {"np": "numpy", "os": "os", "Path": "pathlib:Path", "Axes": "matplotlib.
 
 def answers_in_words(cls: C) -> C:
     """Class decorator: every public method, inherited ones too, blames the argument that does not fit."""
-    for name, one in inspect.getmembers_static(cls, inspect.isfunction):
-        if not name.startswith("_") and one.__module__.startswith("rattle."):
-            setattr(cls, name, answer_in_words(one))
+    for name, method in inspect.getmembers_static(cls, inspect.isfunction):
+        if not name.startswith("_") and method.__module__.startswith("rattle."):
+            setattr(cls, name, answer_in_words(method))
     return cls
 
 
@@ -58,18 +58,18 @@ def _blame(method: Callable[..., Any], args: tuple[Any, ...], options: Mapping[s
     """Which argument does not fit the type that is declared for it, in words; "" if all do."""
     signature = inspect.signature(method)
     try:
-        given = signature.bind(*args, **options)
+        bound = signature.bind(*args, **options)
     except TypeError:
         return ""  # Python says which argument is missing or too many
-    for key, value in given.arguments.items():
+    for key, value in bound.arguments.items():
         parameter = signature.parameters[key]
         wanted = _evaluated(parameter.annotation, method)
         each = [value]
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             each = list(value if parameter.kind is parameter.VAR_POSITIONAL else value.values())
-        for one in each:
-            if not fits(one, wanted):
-                return f"{method.__name__}: {key}: expected {in_words(wanted)}, got {one!r:.60}"
+        for argument in each:
+            if not fits(argument, wanted):
+                return f"{method.__name__}: {key}: expected {in_words(wanted)}, got {argument!r:.60}"
     return ""
 
 
@@ -80,8 +80,8 @@ class _Names(dict[str, Any]):
         if hasattr(builtins, name):
             raise KeyError(name)  # Python looks there next
         module, _, attribute = LATER.get(name, "").partition(":")
-        found = sys.modules.get(module)
-        return Any if found is None else getattr(found, attribute) if attribute else found
+        imported = sys.modules.get(module)
+        return Any if imported is None else getattr(imported, attribute) if attribute else imported
 
 
 def _evaluated(annotation: Any, method: Callable[..., Any]) -> Any:
@@ -106,8 +106,11 @@ def fits(value: Any, wanted: Any) -> bool:
     if kind in (float, int):
         number = numbers.Real if kind is float else numbers.Integral
         return isinstance(value, number) and not isinstance(value, bool) and (kind is int or _has_a_float(value))
-    if not isinstance(kind, type):
-        return True
+    return _fits_class(value, kind, parts) if isinstance(kind, type) else True
+
+
+def _fits_class(value: Any, kind: type, parts: tuple[Any, ...]) -> bool:
+    """The same of a class, with the types of what it holds."""
     if issubclass(kind, str):
         return isinstance(value, str)
     if issubclass(kind, collections.abc.Iterable) and hasattr(value, "__array__"):
@@ -129,11 +132,11 @@ def _has_a_float(number: Any) -> bool:
 def _parts_fit(value: Any, kind: type, parts: tuple[Any, ...]) -> bool:
     """True unless something in a table or list is surely not of the type declared for it."""
     if issubclass(kind, collections.abc.Mapping) and len(parts) == 2:
-        return all(fits(key, parts[0]) and fits(one, parts[1]) for key, one in value.items())
+        return all(fits(key, parts[0]) and fits(item, parts[1]) for key, item in value.items())
     if isinstance(value, tuple) and kind is tuple and parts and parts[-1] is not Ellipsis:
         return len(value) == len(parts) and all(map(fits, value, parts))
     if isinstance(value, list | tuple | set) and parts:
-        return all(fits(one, parts[0]) for one in value)
+        return all(fits(item, parts[0]) for item in value)
     return True
 
 

@@ -8,10 +8,10 @@ import pytest
 from scipy.optimize import minimize
 
 import rattle as rt
-from rattle.analyses.statics import equilibria
-from rattle.analyses.statics.balance import StaticProblem
-from rattle.analyses.statics.equilibrium import Equilibria
 from rattle.jit import small_matrices
+from rattle.questions.equilibrium import compute as equilibria
+from rattle.questions.equilibrium.balance import StaticProblem
+from rattle.questions.equilibrium.position import Equilibria
 
 nojit = pytest.mark.nojit
 

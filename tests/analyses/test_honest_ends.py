@@ -9,7 +9,7 @@ from linkages import paper, slider_crank
 from rattle.analyses.dynamics import soundness
 from rattle.analyses.dynamics.horizon import tighter
 from rattle.analyses.dynamics.soundness import jump
-from rattle.studies.lyapunov import Lyapunov
+from rattle.questions.lyapunov.compute import Lyapunov
 
 TRIANGLE = """
 format = 1

@@ -284,7 +284,7 @@ def test_a_sweep_in_pieces_is_the_sweep_in_one(count, monkeypatch):
     m = rt.loads(parallelogram())  # leaps across its change points, also beyond the end of a piece
     t = np.linspace(0, 1.9, count)
     whole = m.kinematics(t)
-    monkeypatch.setattr("rattle.analyses.kinematics.sweep.PIECE", 1)  # two positions at a time
+    monkeypatch.setattr("rattle.questions.kinematics.sweep.PIECE", 1)  # two positions at a time
     pieces = m.kinematics(t)
     for name in whole.stored:
         np.testing.assert_array_equal(pieces[name], whole[name])

@@ -9,10 +9,10 @@ from scipy.linalg import eig, eigh
 
 import rattle as rt
 from linkages import paper
-from rattle.analyses.statics.equilibria import static_problem
-from rattle.analyses.statics.exact_stiffness import exact_stiffness
-from rattle.analyses.statics.modes import Modes, _damping
-from rattle.analyses.statics.small_motions import small_motions
+from rattle.questions.equilibrium.compute import static_problem
+from rattle.questions.equilibrium.exact_stiffness import exact_stiffness
+from rattle.questions.modes.compute import Modes, _damping
+from rattle.questions.modes.small_motions import small_motions
 
 nojit = pytest.mark.nojit
 

@@ -200,7 +200,7 @@ def test_a_mechanism_that_gets_stuck_ends_its_orbit_there():
 
 
 def test_chart_of_the_film_has_the_points_of_the_orbit():
-    from rattle.plots.film import load_points
+    from rattle.questions.film.pictures import load_points
 
     m = rt.example("slider_crank_oil")
     o = m.orbit("B", np.linspace(0.0, 0.012, 121))

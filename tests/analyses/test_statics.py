@@ -7,8 +7,8 @@ import pytest
 
 import rattle as rt
 from linkages import fourbar_text, paper, parallelogram
-from rattle.analyses.statics.balance import StaticProblem
-from rattle.analyses.statics.starts import opened
+from rattle.questions.equilibrium.balance import StaticProblem
+from rattle.questions.equilibrium.starts import opened
 
 nojit = pytest.mark.nojit
 

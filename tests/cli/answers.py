@@ -90,7 +90,7 @@ LINES = {
         'tolerance slider_crank --of "max(slider.ax)" --cost rod_length=2',
     ],
     "optimise": [
-        'optimise path_generator --ideal --analysis kinematics --starts 1 --vary a=.03:.05 --minimise "sd(coupler.P.y)"',
+        'optimise path_generator --ideal --analysis kinematics --vary a=.03:.05 --minimise "sd(coupler.P.y)"',
         'optimise path_generator --minimise "sd(coupler.P.y)" --vary a',
     ],
     "power": ["power slider_crank", "power slider_crank --json", "power fourbar --cycle -1"],

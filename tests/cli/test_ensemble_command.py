@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 import rattle as rt
 from rattle.cli.main import main
-from rattle.studies.ensemble import engines
+from rattle.questions.ensemble import engines
 
 pytestmark = pytest.mark.nojit
 OF = "at(rocker.angle, 0.01)"

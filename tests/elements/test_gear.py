@@ -6,12 +6,13 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib import path
 
 import rattle as rt
 from moving_bodies import FIRST, SECOND, A, B, H, Path, body_at, rng_for
 from rattle import registry
+from rattle.drawings.forms.gear import DEPTH, FEWEST, ROOT
 from rattle.jit import layout as at
-from rattle.plots.drawings.gear import DEPTH, TEETH
 from rattle.plots.sketch import draw_at
 
 nojit = pytest.mark.nojit
@@ -351,14 +352,16 @@ def ax():
 def test_pitch_circles_are_drawn_to_scale_each_once_and_their_spokes_turn(ax):
     r = planetary(2).simulate(0.03, t_eval=[0.0, 0.03], method="rk4", step=0.01)
     draw_at(ax, r, 1)
-    drawn = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) > 90]
-    assert len(drawn) == 4  # sun, two planets, the ring once for both
-    radii = [np.hypot(*(one[:96] - one[:96].mean(axis=0)).T) for one in drawn]
-    assert sorted(radius.mean() for radius in radii) == pytest.approx([0.02, 0.03, 0.03, 0.08], abs=1e-12)
-    assert max(np.ptp(radius) for radius in radii) < 1e-12
-    sun = min(drawn, key=lambda one: np.ptp(one[:96, 0]))
-    (x0, y0), (x1, y1) = sun[-2:]
-    assert math.atan2(y1 - y0, x1 - x0) == pytest.approx(math.remainder(r["sun.angle"][1], 2 * math.pi), abs=1e-9)
+    lines = [line.get_xydata() for line in ax.lines if line.get_zorder() == 2.0]
+    wheels = [one for one in lines if len(one) > 4 * FEWEST]
+    teeth = [one for one in wheels if len(one) != 98]  # the other is the rim of the ring
+    assert len(teeth) == 4  # sun, two planets, the ring once for both
+    depth = DEPTH * 2.0 * math.pi * 0.02 / FEWEST
+    tips = sorted(np.hypot(*(one[:-1] - one[:-1].mean(axis=0)).T).max() for one in teeth)
+    assert tips == pytest.approx([0.02 + depth, 0.03 + depth, 0.03 + depth, 0.08 + ROOT / DEPTH * depth])
+    spokes = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == 2]
+    (sun,) = [one for one in spokes if np.allclose(one[0], 0.0) and np.hypot(*one[1]) == pytest.approx(0.8 * 0.02)]
+    assert math.atan2(sun[1, 1], sun[1, 0]) == pytest.approx(math.remainder(r["sun.angle"][1], 2 * math.pi), abs=1e-9)
     assert ax.get_xlim()[1] > 0.08
 
 
@@ -367,21 +370,27 @@ def test_gears_that_do_not_fit_are_drawn_with_what_is_wrong():
     ax = pair("[0.02, 0.03]").plot().axes[0]
     said = " ".join(" ".join(text.get_text().split()) for text in (*ax.texts, *ax.figure.texts))
     assert "need a distance of the centres of 0.05 m" in said
-    circles = [line.get_xdata() for line in ax.lines if len(line.get_xdata()) > 90]
-    assert [float(np.ptp(x[:97])) for x in circles] == pytest.approx([0.04, 0.06])
+    wheels = [line.get_xdata() for line in ax.lines if line.get_zorder() == 2.0 and len(line.get_xdata()) > 4 * FEWEST]
+    pitch = 2.0 * math.pi * 0.02 / FEWEST
+    assert [float(np.ptp(x)) for x in wheels] == pytest.approx(
+        [0.04 + 2 * DEPTH * pitch, 0.06 + 2 * DEPTH * pitch], 0.01
+    )
 
 
 @nojit
-def test_rack_is_drawn_along_its_line_with_teeth_away_from_the_pinion(ax):
+def test_rack_is_drawn_along_its_line_with_teeth_in_the_gaps_of_its_pinion(ax):
     m = model(
         wheel("pinion", at="Q"), joint("rail", "rack", "ground.O", "pinion.C", "radius = 0.1"),
         ground="O = [0, 0]\nQ = [0.3, -0.1]",
     )  # fmt: skip
     draw_at(ax, m.equilibrium()[0].result, 0)
-    strokes = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) > 10]
-    (line,) = (one for one in strokes if np.nanmin(one[:, 1]) > -1e-12)
-    assert np.nanmin(line[:, 0]) < 0.2 < 0.4 < np.nanmax(line[:, 0])
-    assert np.nanmax(line[:, 1]) == pytest.approx(2 * DEPTH * 2 * math.pi * 0.1 / TEETH)
+    (line,) = [line.get_xydata() for line in ax.lines if line.get_zorder() == 1.8]
+    pinion = max((line.get_xydata() for line in ax.lines if line.get_zorder() == 2.0), key=len)
+    assert line[:, 0].min() < 0.2 < 0.4 < line[:, 0].max()
+    depth = DEPTH * 2 * math.pi * 0.1 / FEWEST
+    assert line[:, 1].min() == pytest.approx(-depth)  # towards the pinion, which is below
+    inside = path.Path(pinion).contains_points(line)
+    assert not inside.any()
 
 
 # ---------------------------------------------------------------- recorded models: the constant follows from the start

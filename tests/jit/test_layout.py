@@ -1,5 +1,8 @@
 """Columns of the arrays of a run: what the declaration says is what code uses."""
 
+import json
+import pickle
+
 import pytest
 
 import rattle as rt
@@ -10,9 +13,9 @@ pytestmark = pytest.mark.nojit
 
 
 @pytest.mark.parametrize("array", at.COLUMNS)
-def test_columns_are_declared_in_the_order_of_their_numbers(array):
+def test_columns_that_arrays_share_have_one_number_in_all_of_them(array):
     assert [getattr(at, name) for name in at.COLUMNS[array]] == list(range(at.width(array)))
-    assert all(one.meaning for one in at.COLUMNS[array].values())
+    assert all(column.meaning for column in at.COLUMNS[array].values())
 
 
 @pytest.mark.parametrize("array", at.COLUMNS)
@@ -25,6 +28,11 @@ def test_a_column_has_one_meaning():
     shared = {"KERNEL", "END_A", "END_B", "FIRST_P", "FIRST_CODE", "END_CODE", "OWN_CODE", "TARGET"}
     names = [name for columns in at.COLUMNS.values() for name in columns if name not in shared]
     assert len(names) == len(set(names))
+
+
+def test_a_column_that_leaves_the_process_is_a_number():
+    assert type(pickle.loads(pickle.dumps(at.COS))) is int
+    assert json.dumps({"column": at.COS}) == f'{{"column": {int(at.COS)}}}'
 
 
 def test_arrays_of_a_mechanism_have_the_width_that_is_declared():

@@ -10,11 +10,10 @@ import pytest
 import rattle as rt
 from any_motion import any_motion
 from circling import circling
-from rattle import registry
 from rattle.pages.replay import page_text
 from rattle.pages.scene import MOST_ROWS, plain, scene_json, scene_of
-from rattle.plots.drawings import drawings, parts
 from rattle.plots.scene import Scene
+from rattle.plots.sketch import stage_of
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 
@@ -67,15 +66,6 @@ def test_a_result_without_motion_is_refused(tmp_path):
     with pytest.raises(ValueError, match="curves only, no motion"):
         curves.animate(tmp_path / "x.html")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_every_form_is_drawn_in_pages_too(viewer_in_node):
-    drawn = viewer_in_node('import { FORMS } from "./viewer.mjs";\nconsole.log(JSON.stringify(Object.keys(FORMS)));')
-    assert set(drawn) == set(drawings())
-    named = {
-        getattr(one.leaf, "drawn_as", "") for family in ("joint", "load") for one in registry.kinds(family).values()
-    }
-    assert named - {""} <= set(drawn)
 
 
 LINES = """
@@ -167,8 +157,7 @@ const found = data.map((scene) => {
       places[`${body}.${point}`] = Array.from(motion.t, (t) => pointAt(motion.pose(t), body, at));
     }
   }
-  const drawn = stage.parts().flatMap((part) => part.drawing.prepare(stage, part));
-  return { places, parts: stage.parts().length, drawn: drawn.length, low: stage.low, high: stage.high };
+  return { places, parts: stage.parts().length, low: stage.low, high: stage.high };
 });
 console.log(JSON.stringify(found));
 """
@@ -179,7 +168,6 @@ def test_points_are_drawn_where_they_are_in_every_example(viewer_in_node):
     scenes = [plain(scene_of([("", r)])) for r in results]
     for r, scene, found in zip(results, scenes, viewer_in_node(PLACES, scenes), strict=True):
         assert found["parts"] == len(scene["kinds"]["joints"]) + len(scene["kinds"]["loads"])
-        assert found["drawn"] >= 1
         for point, path in found["places"].items():
             there = np.column_stack([r[f"{point}.x"], r[f"{point}.y"]])
             np.testing.assert_allclose(np.array(path), there, atol=1e-6 * (1 + np.abs(there).max()))
@@ -222,10 +210,13 @@ def test_last_turn_of_the_crank_is_found(viewer_in_node):
 
 
 TEETH = """
-import { Motion, pitchPoint, Stage } from "./viewer.mjs";
+import { Motion, Stage } from "./viewer.mjs";
 const motion = new Motion(data.runs[0], data.geometry), stage = new Stage(motion, data);
-const { mesh } = stage.geometry.joints;
-console.log(JSON.stringify(Array.from(motion.t, (t) => pitchPoint(stage, mesh, motion.pose(t)))));
+const { forces: { mesh } } = stage.drawing;
+console.log(JSON.stringify(Array.from(motion.t, (t) => {
+  stage.values.set(motion.pose(t), t, 0);
+  return mesh.map((place) => stage.values.get(place));
+})));
 """
 
 
@@ -254,9 +245,11 @@ joints.T2 = { type = "slot", connect = ["table.T2", "right.T2"], axis = 0 }
 simulate = { t_end = 0.1 }
 """
 SHAPE = """
-import { Motion, shapeOf, Stage } from "./viewer.mjs";
+import { Motion, placed, Stage } from "./viewer.mjs";
 const stage = new Stage(new Motion(data.runs[0], data.geometry), data);
-console.log(JSON.stringify(shapeOf(stage, "table").points));
+stage.values.set({ table: { x: 0, y: 0, angle: 0, cos: 1, sin: 0 } }, 0, 0);
+const { frame, rings } = stage.drawing.drawn.find((primitive) => primitive.body === "table");
+console.log(JSON.stringify(placed(stage.values, frame, rings[0])()));
 """
 
 
@@ -266,7 +259,7 @@ def test_a_body_is_drawn_up_to_the_pin_in_its_slot(viewer_in_node):
     shape = np.array(viewer_in_node(SHAPE, plain(scene_of([("", r)]))))
     pin = r["right.T2.x"] - r["table.T1.x"]  # the table keeps its angle
     assert shape[:, 0].max() > pin.max()
-    stage = Scene(r, np.arange(len(r.t)), 1.2)
-    held = np.array([point for part, how in parts(r.geometry) for _, point in how.holds(stage, part.form)])
-    assert held[:, 0].max() > pin.max()
-    assert len(held) == 2  # those of the table; the ground is no body
+    stage = stage_of(Scene(r, np.arange(len(r.t)), 1.2))
+    table = next(shape for shape in stage.shapes() if shape.style.get("body") == "table")
+    drawn = table.rings[0][0, :, 0] - r["table.x"][0]
+    assert drawn.max() > pin.max()

@@ -12,8 +12,8 @@ import rattle as rt
 from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.load_forces import load_forces
 from rattle.cli.main import main
+from rattle.drawings.forms.gear import MANY, MARKS
 from rattle.plots.curves import RED, new_axes
-from rattle.plots.drawings.gear import MOST, Wheel, outline
 from rattle.plots.labels import Label, drawn_points, place_labels
 
 pytestmark = pytest.mark.nojit
@@ -226,10 +226,17 @@ def test_of_lines_that_go_far_out_of_the_picture_names_avoid_what_is_in_it(far):
         assert x[within].max() > 0.95
 
 
-def test_a_wheel_beside_a_tiny_one_is_drawn_without_marks():
+def test_a_wheel_beside_a_tiny_one_is_drawn_with_few_marks():
     """A million times larger, it would have millions of them, closer than lines are wide."""
-    wheel = Wheel("driver", (0.0, 0.0), 1.0, False)
-    few, most, many = (outline(wheel, 2.0 * np.pi / count) for count in (16, MOST, 1e9))
-    assert len(few) < len(most)
-    assert len(many) == len(few) - 16 * 3  # a gap and two ends each
-    assert np.nanmax(np.hypot(*many.T)) == pytest.approx(1.0)
+    for ratio, most in ((2.0**0.5, round(2.0**0.5 * MARKS)), (1e6, MANY)):
+        text = "format = 1\nground.points = { O = [0, 0], Q = [1, 0] }\n"
+        for name, at in (("small", "O"), ("large", "Q")):
+            text += f"bodies.{name} = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 1 }}\n"
+            text += f'joints.{name}_pin = {{ type = "revolute", connect = ["ground.{at}", "{name}.C"] }}\n'
+        radii = 1.0 / (1.0 + ratio), ratio / (1.0 + ratio)
+        text += (
+            f'joints.mesh = {{ type = "gear", connect = ["small.C", "large.C"], radii = [{radii[0]}, {radii[1]}] }}\n'
+        )
+        ax = rt.loads(text).plot().axes[0]
+        marks = [line.get_xdata() for line in ax.lines if line.get_zorder() == 2.0]
+        assert max(np.isnan(x).sum() for x in marks) == most  # a gap after each

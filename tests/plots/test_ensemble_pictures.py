@@ -12,10 +12,10 @@ from scipy.stats import spearmanr
 import rattle as rt
 from rattle.plots.bulk import bulk_of
 from rattle.plots.curves import BLACK, BLUE, GREY, ORANGE, RED, SKY, new_axes
-from rattle.plots.shares import draw_shares
+from rattle.questions.ensemble.pieces import FAILED, OK, Piece
+from rattle.questions.ensemble.shares import draw_shares
+from rattle.questions.ensemble.store import Memory
 from rattle.results.result import UnknownName
-from rattle.studies.ensemble.pieces import FAILED, OK, Piece
-from rattle.studies.ensemble.store import Memory
 
 pytestmark = pytest.mark.nojit
 T = 0.3
@@ -71,8 +71,8 @@ def many():
 
 def sized(e, n):
     """An ensemble of n samples without outputs."""
-    from rattle.studies.ensemble.plans import Drawn
-    from rattle.studies.ensemble.sampling import points
+    from rattle.questions.ensemble.plans import Drawn
+    from rattle.questions.ensemble.sampling import points
 
     return replace(e, plan=Drawn(e.fields, points("sobol", 0, e.fields.draws, n)))
 

@@ -13,13 +13,13 @@ import rattle as rt
 from circling import circling
 from rattle.cli.main import main
 from rattle.plots.animation import animate, scene
-from rattle.plots.chaos import plot_section
 from rattle.plots.curves import handy_unit, plot
 from rattle.plots.orbit import plot_path
+from rattle.questions.compare.compute import newton
+from rattle.questions.poincare.compute import Section
+from rattle.questions.poincare.pictures import plot_section
 from rattle.results.display import quantity
 from rattle.results.result import Result
-from rattle.studies.compare import newton
-from rattle.studies.poincare import Section
 
 nojit = pytest.mark.nojit
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.plots.flows import graph_of, lay_out
+from rattle.questions.power.flows import graph_of, lay_out
 
 
 @pytest.fixture(scope="module")

@@ -2,17 +2,19 @@
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.path import Path
 
 import rattle as rt
 from circling import circling
 from rattle import registry
+from rattle.drawings.forms import drawings
+from rattle.drawings.played import Stage, grown, hull
+from rattle.drawings.sheet import Part, Sheet
 from rattle.plots.animation import scene
-from rattle.plots.drawings import Part, drawings
 from rattle.plots.scene import BODIES, Scene
-from rattle.plots.sketch import draw_mechanism, hull
-from rattle.plots.statics import magnified, plot_accuracy
+from rattle.plots.sketch import stage_of
+from rattle.questions.accuracy.pictures import magnified, plot_accuracy
 
 CYLINDER = """
 format = 1
@@ -54,24 +56,19 @@ barrel = { angle = "60 deg" }
 
 def test_a_cylinder_is_a_tube_that_holds_barrel_and_piston_all_the_time():
     r = rt.loads(CYLINDER).kinematics(np.linspace(0, 6, 13))
-    stage = Scene(r, np.arange(len(r.t)), 1.0)
-    ax = Figure().subplots()
-    updates = draw_mechanism(ax, stage)
-    tube, rod, piston = [patch for patch in ax.patches if isinstance(patch, Polygon) and len(patch.get_xy()) == 5]
-    bars = [line for line in ax.lines if line.get_linewidth() == 5]
-    assert len(bars) == 1  # the boom; barrel and rod are no bars beside each other
+    shapes = list(stage_of(Scene(r, np.arange(len(r.t)), 1.0)).shapes())
+    # barrel and rod are no bars beside each other
+    assert [shape.style["body"] for shape in shapes if "body" in shape.style] == ["boom"]
+    filled = {tuple(shape.style["fill"]): shape.rings[0] for shape in shapes if shape.style.get("fill")}
+    tube, rod, piston = (filled[colour] for colour in (("body barrel", 0.7), ("body rod", 0.35), ("body rod", 0.25)))
     for k in range(len(r.t)):
-        for move in updates:
-            move(k)
-        outline = tube.get_path()
+        outline = Path(tube[k])
         for point in ("barrel.E", "barrel.Q", "rod.S"):
             assert outline.contains_point((r[f"{point}.x"][k], r[f"{point}.y"][k]))
-        assert not tube.get_path().contains_point((r["rod.R.x"][k], r["rod.R.y"][k]))
-        ends = rod.get_xy()[:4].reshape(2, 2, 2).mean(axis=1)
-        assert np.hypot(*(ends[0] - ends[1])) == pytest.approx(0.0, abs=0.02)  # its height
-        centre = piston.get_xy()[:4].mean(axis=0)
+        assert not outline.contains_point((r["rod.R.x"][k], r["rod.R.y"][k]))
+        assert np.hypot(*(rod[k, 0] - rod[k, 3])) == pytest.approx(0.0, abs=0.02)  # its height
         # a centre of four corners: rounding only
-        assert centre == pytest.approx([r["rod.S.x"][k], r["rod.S.y"][k]], abs=1e-12)
+        assert piston[k].mean(axis=0) == pytest.approx([r["rod.S.x"][k], r["rod.S.y"][k]], abs=1e-12)
 
 
 @pytest.mark.nojit
@@ -95,38 +92,50 @@ def test_thirty_bodies_have_thirty_colours():
     assert len(set(BODIES)) == len(BODIES) == 30
 
 
+@pytest.mark.nojit
+def test_a_plate_is_larger_to_all_sides_and_has_round_corners():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    outline = grown(square, 0.1)
+    away = np.hypot(*(outline - np.clip(outline, 0.0, 1.0)).T)
+    assert away == pytest.approx(0.1)
+    assert np.ptp(grown(square[:2], 0.1), axis=0) == pytest.approx([1.2, 0.2])  # a bar
+    assert np.hypot(*(grown(square[:1], 0.1).T)) == pytest.approx(0.1)  # a point
+
+
 def strokes(**fields):
-    """Lines of a spring of 2 m that points upwards, in a mechanism of 1 m."""
-    ax = Figure().subplots()
-    form = {"bodies": ["ground", "ground"], "points": [[0.0, 0.0], [0.0, 2.0]], "fields": fields}
-    (move,) = drawings()["spring"].draw(ax, Scene(circling(3), np.array([0]), 1.0), Part("s", "load", form, False))
-    move(0)
-    (line,) = [one for one in ax.lines if one.get_linewidth() == pytest.approx(1.2)]
-    return np.array(line.get_data()).T
+    """Lines of a spring of 2 m that points upwards, in a mechanism of 1 m, each as long as all."""
+    form = {"type": "spring", "bodies": ["ground", "ground"], "points": [[0.0, 0.0], [0.0, 2.0]], "fields": fields}
+    geometry = {"bodies": {}, "ground": {"points": {}}, "joints": {}, "loads": {"s": form}, "driven": []}
+    sheet = Sheet(geometry)
+    drawings()["spring"].draw(sheet, Part(sheet, "s", "load", form, False))
+    stage = Stage(sheet.written(), geometry, Scene(circling(3), np.array([0]), 1.0), 1.0)
+    return [shape.rings[0][0] for shape in stage.shapes() if shape.style["draw"] == "path"]
 
 
 @pytest.mark.nojit
-def test_a_spring_is_a_zigzag_a_damper_a_pot_and_both_are_side_by_side():
-    spring, damper = strokes(stiffness=1.0, damping=0.0), strokes(stiffness=0.0, damping=1.0)
-    both = strokes(stiffness=1.0, damping=1.0)
-    turns = np.sign(spring[1:-1, 0])
-    assert (turns[turns != 0][1:] == -turns[turns != 0][:-1]).all()  # from side to side
-    assert not np.isnan(spring).any()
+def test_a_spring_is_coiled_a_damper_a_pot_and_both_are_side_by_side():
+    back, front, _, ends = strokes(stiffness=1.0, damping=0.0)
+    (damper,) = strokes(stiffness=0.0, damping=1.0)
+    for coils, sense in ((back, -1.0), (front, 1.0)):  # half turns to one side before, to the other behind
+        starts, tips = coils[::3], coils[1::3]
+        assert len(starts) == 9
+        assert (np.sign(starts[:, 0]) == sense * np.sign(starts[0, 0]) * sense).all()
+        assert (np.sign(tips[:, 0]) == -np.sign(starts[:, 0])).all()
     assert np.isnan(damper).any(axis=1).sum() == 3  # pot, plunger and both rods are apart
-    left, right = both[both[:, 0] < 0.0], both[both[:, 0] > 0.0]
-    assert len(left) >= 9
-    assert len(right) >= 6
-    for line in (spring, damper, both):
-        assert (line[0] == [0.0, 0.0]).all()
-        assert (line[-1] == [0.0, 2.0]).all()
+    both = np.vstack(strokes(stiffness=1.0, damping=1.0))
+    left, right = both[both[:, 0] < -1e-9], both[both[:, 0] > 1e-9]
+    assert min(len(left), len(right)) >= 6
+    for line in (ends, damper):
+        assert line[0] == pytest.approx([0.0, 0.0], abs=1e-15)
+        assert line[-1] == pytest.approx([0.0, 2.0])
 
 
 def test_a_mode_is_drawn_with_its_springs_and_joints():
     modes = rt.example("balanced_arm").modes()
     ax = modes.plot().axes[0]
     rest = modes.equilibrium.result
-    zigzag = [line for line in ax.lines if line.get_linewidth() == pytest.approx(1.2) and len(line.get_xdata()) > 10]
-    assert len(zigzag) == sum(form["type"] == "spring" for form in rest.geometry["loads"].values()) == 1
+    coils = [line for line in ax.lines if len(line.get_xdata()) == 27]  # nine in front, nine behind
+    assert len(coils) == 2 * sum(form["type"] == "spring" for form in rest.geometry["loads"].values()) == 2
     assert any(isinstance(patch, Polygon) for patch in ax.patches)  # the pivot on the ground
     names = [text.get_text() for text in ax.get_legend().get_texts()]
     assert names == ["equilibrium", "one end of the swing", "the other"]
@@ -201,9 +210,9 @@ block = { x = 0.2 }
 @pytest.mark.nojit
 def test_stops_are_marked_where_the_body_is_held():
     ax = rt.loads(STOPS).plot().axes[0]
-    thick = [np.array(line.get_data()).T for line in ax.lines if line.get_linewidth() == pytest.approx(3.0)]
+    thick = [np.array(line.get_data()).T for line in ax.lines if line.get_zorder() == 3.6]
     walls = sorted(float(one[0, 0]) for one in thick if np.ptp(one[:, 0]) < 1e-12 and one[:, 1].max() > 0.6)
-    boxes = [patch.get_xy() for patch in ax.patches if isinstance(patch, Polygon) and len(patch.get_xy()) == 5]
+    boxes = [patch.get_xy() for patch in ax.patches if isinstance(patch, Polygon) and patch.get_zorder() == 2.4]
     (block,) = [box for box in boxes if box[:, 1].mean() == pytest.approx(0.6, abs=0.02)]
     half = np.ptp(block[:, 0]) / 2
     assert walls == pytest.approx([-0.1 - half, 0.5 + half])  # the block touches them with its ends
@@ -216,8 +225,7 @@ def test_stops_are_marked_where_the_body_is_held():
 def test_an_actuator_reaches_from_point_to_point():
     m = rt.loads(STOPS)
     ax = m.plot().axes[0]
-    outlines = [np.array(line.get_data()).T for line in ax.lines if line.get_linewidth() == pytest.approx(1.4)]
-    (barrel,) = [one for one in outlines if len(one) == 5]
+    (barrel,) = [np.array(line.get_data()).T for line in ax.lines if line.get_zorder() == 3.4]
     foot, end = barrel[[0, 3]].mean(axis=0), barrel[[1, 2]].mean(axis=0)
     tip = np.array([0.5, np.sqrt(0.75)])
     assert foot == pytest.approx([0.2, 0.0])

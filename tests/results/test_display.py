@@ -190,8 +190,8 @@ def test_a_picture_drawn_into_given_axes_returns_them_and_no_second_figure(run, 
 def test_sections_and_bifurcations_draw_into_given_axes(run):
     from matplotlib.figure import Figure
 
-    from rattle.studies.bifurcation import Bifurcation
-    from rattle.studies.poincare import Section
+    from rattle.questions.bifurcation.compute import Bifurcation
+    from rattle.questions.poincare.compute import Section
 
     section = Section(run.t, {n: run[n] for n in ("O3.ex", "O3.ey")}, {"O3.ex": "m", "O3.ey": "m"}, "a rule")
     points = np.arange(6.0).reshape(2, 3)
@@ -207,8 +207,8 @@ def test_sections_and_bifurcations_draw_into_given_axes(run):
 def test_options_of_pictures_and_films_have_names():
     from inspect import Parameter, signature
 
-    from rattle.analyses.statics.modes import Modes
     from rattle.plots import animation, curves
+    from rattle.questions.modes.compute import Modes
 
     for method, function in ((rt.Result.plot, curves.plot), (rt.Result.animate, animation.animate)):
         ours, theirs = signature(method).parameters, signature(function).parameters

@@ -193,7 +193,8 @@ def test_looks_beyond_those_that_are_kept_leave_no_stretch_of_a_step_unseen(fine
 
     for name, other in (
         ("look", look), ("something_may_dip", dip), ("first_between", between), ("gauge", lambda *_: None),
-        ("move_looks", event_search.move_looks.python), ("make_room", event_search.make_room.python),
+        *((name, getattr(event_search, name).python)
+          for name in ("move_looks", "make_room", "look_at_place", "note_largest")),
     ):  # fmt: skip
         monkeypatch.setattr(event_search, name, other)
     m = SimpleNamespace(

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import rattle as rt
 from rattle.cli.main import main
-from rattle.studies.poincare import driver_period
+from rattle.questions.poincare.compute import driver_period
 
 DUFFING = """
 format = 1

@@ -8,7 +8,7 @@ import rattle as rt
 from rattle.cli.main import main
 from rattle.description.switch_contact import recontact
 from rattle.errors import ModelError
-from rattle.studies import compare
+from rattle.questions.compare import compute as compare
 
 STEEL = {"bush_radius": "20 mm", "bush_material": "steel", "pin_material": "steel"}
 FULL = {"model": "hunt-crossley", "restitution": 0.7, "friction": {"model": "lugre", "mu": 0.2}, **STEEL}

@@ -16,8 +16,8 @@ import pytest
 
 import rattle as rt
 from rattle.errors import MissingPackage, WorkerError
-from rattle.studies.ensemble import engines, work
-from rattle.studies.ensemble.local_workers import local_workers
+from rattle.questions.ensemble import engines, work
+from rattle.questions.ensemble.local_workers import local_workers
 from rattle.studies.runs.ctrl_c import noticed
 
 OF = ["quantile(rocker.angle, 0.9)", "at(rocker.omega, 0.05)"]

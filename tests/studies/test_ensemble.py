@@ -7,7 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle.errors import ModelError
-from rattle.studies.ensemble import statistics
+from rattle.questions.ensemble import statistics
 from rattle.studies.runs.task import task_of
 from springs import SPRING
 

@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 import rattle as rt
+from rattle.questions.ensemble.fields import Field, fields_of
 from rattle.results.result import UnknownName
-from rattle.studies.ensemble.fields import Field, fields_of
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]  # NumPy alone
 

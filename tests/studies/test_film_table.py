@@ -8,8 +8,8 @@ import pytest
 from oil_films import film, parts
 from rattle.elements.film_table import NODES, RATIOS, directions, eccentricities, nodes
 from rattle.elements.short_film import short_integrals, short_peak
-from rattle.studies.film.build_table import full_films, potential
-from rattle.studies.film.reynolds import Grid, cavitated_pressure, solve_film
+from rattle.questions.film.build_table import full_films, potential
+from rattle.questions.film.reynolds import Grid, cavitated_pressure, solve_film
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.studies.ensemble.fields import Field, Fields
-from rattle.studies.ensemble.first_order import first_order
-from rattle.studies.ensemble.sampling import points
+from rattle.questions.ensemble.fields import Field, Fields
+from rattle.questions.ensemble.first_order import first_order
+from rattle.questions.ensemble.sampling import points
 
 pytestmark = pytest.mark.nojit
 T = math.pi / 3

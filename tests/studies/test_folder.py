@@ -16,15 +16,15 @@ import pytest
 
 import rattle as rt
 from rattle.errors import MissingPackage
-from rattle.studies.ensemble import folder as folders
-from rattle.studies.ensemble import work
-from rattle.studies.ensemble.bands import band
-from rattle.studies.ensemble.fields import fields_of
-from rattle.studies.ensemble.folder import MANIFEST, Folder
-from rattle.studies.ensemble.pieces import FAILED, NOT_FINITE, OK, Piece
-from rattle.studies.ensemble.plans import Drawn
-from rattle.studies.ensemble.sampling import points
-from rattle.studies.ensemble.store import Memory
+from rattle.questions.ensemble import folder as folders
+from rattle.questions.ensemble import work
+from rattle.questions.ensemble.bands import band
+from rattle.questions.ensemble.fields import fields_of
+from rattle.questions.ensemble.folder import MANIFEST, Folder
+from rattle.questions.ensemble.pieces import FAILED, NOT_FINITE, OK, Piece
+from rattle.questions.ensemble.plans import Drawn
+from rattle.questions.ensemble.sampling import points
+from rattle.questions.ensemble.store import Memory
 from rattle.studies.runs.task import task_of
 from springs import SPRING
 
@@ -212,7 +212,7 @@ def test_other_folders_are_refused(tmp_path, monkeypatch):
         (tmp_path / "a" / MANIFEST).write_text(text)
         with pytest.raises(ValueError, match=r"manifest.json is damaged, or is not of rattle"):
             Folder(tmp_path / "a", task, plan)
-    monkeypatch.setattr("rattle.studies.ensemble.identity.__version__", "0.0.9")
+    monkeypatch.setattr("rattle.questions.ensemble.identity.__version__", "0.0.9")
     with pytest.raises(ValueError, match=re.escape(f"its version of rattle: {rt.__version__}, now 0.0.9")):
         Folder(tmp_path / "b", task, plan)
 
@@ -351,7 +351,7 @@ CHILD = """
 import sys
 import numpy as np
 import rattle as rt
-from rattle.studies.ensemble import work
+from rattle.questions.ensemble import work
 work.FIRST_PIECE, work.PIECE_TIME, work.LEAST_SHARE = {True: 4, False: 4}, 0.0, 4
 text, folder = sys.argv[1:]
 print("started", flush=True)

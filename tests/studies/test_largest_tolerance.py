@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 import rattle as rt
-from rattle.studies.ensemble.allocation import closed_form
-from rattle.studies.ensemble.edge import NARROW, NotReachedError, edge
+from rattle.questions.tolerance.allocation import closed_form
+from rattle.questions.tolerance.bracket import NARROW, NotReachedError, edge
 from springs import SPRING
 
 LINEAR = (

@@ -14,12 +14,12 @@ import linkages
 import rattle as rt
 from rattle.cli.main import main
 from rattle.errors import ModelError
+from rattle.questions.optimise.asked import question
+from rattle.questions.optimise.designs import Designs
+from rattle.questions.optimise.squares import squares
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, read
 from rattle.results.result import UnknownName
-from rattle.studies.optimise.designs import Designs
-from rattle.studies.optimise.question import question
-from rattle.studies.optimise.squares import squares
 
 T = math.pi / 10  # of the runs of SPRING [s]
 SPRING = """

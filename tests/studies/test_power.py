@@ -7,9 +7,9 @@ import pytest
 
 import rattle as rt
 from rattle.loading import examples
-from rattle.studies.power.cycle import parts
-from rattle.studies.power.power import Power
-from rattle.studies.power.steps import rows_at
+from rattle.questions.power.compute import Power
+from rattle.questions.power.cycle import parts
+from rattle.questions.power.steps import rows_at
 
 SPAN = 0.02  # [s]: some steps of every example
 

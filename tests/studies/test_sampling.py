@@ -10,7 +10,7 @@ import pytest
 from scipy import stats
 from scipy.stats import qmc
 
-from rattle.studies.ensemble.sampling import BELOW_ONE, BITS, DESIGNS, MOST_DRAWS, points
+from rattle.questions.ensemble.sampling import BELOW_ONE, BITS, DESIGNS, MOST_DRAWS, points
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]  # NumPy alone
 

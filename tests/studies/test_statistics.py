@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rattle.studies.ensemble import statistics
+from rattle.questions.ensemble import statistics
 from rattle.studies.runs.reasons import counted
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]  # NumPy alone

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from rattle.studies.ensemble.sobol import indices
+from rattle.questions.tolerance.sobol import indices
 from springs import SPRING
 
 X = "final(block.x)"

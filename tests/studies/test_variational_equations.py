@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import rattle as rt
 from rattle.errors import TraceError
-from rattle.studies import variational_equations
+from rattle.questions.lyapunov import variational_equations
 
 G = 9.81
 

@@ -12,10 +12,10 @@ import pytest
 
 import rattle as rt
 from rattle.description.schema import schema
-from rattle.plots.wear import factor_of
+from rattle.questions.wear.chebyshev import integrate
+from rattle.questions.wear.cycle import Cycles, first_places, merged
+from rattle.questions.wear.pictures import factor_of
 from rattle.solvers.contacts.wear_march import slide_under
-from rattle.studies.wear.chebyshev import integrate
-from rattle.studies.wear.cycle import Cycles, first_places, merged
 
 C, R, L, K = 5e-6, 0.01, 0.01, 1e12  # clearance, radius, length, foundation of the bed
 BED = R * L * K * C  # 500 N

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rattle.questions.ensemble import tab as ensemble
-from rattle.studies.ensemble.first_order import FirstOrder
-from rattle.studies.ensemble.statistics import Bounded
+from rattle.questions.ensemble.first_order import FirstOrder
+from rattle.questions.ensemble.statistics import Bounded
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 

@@ -25,7 +25,7 @@ from rattle.description.read_values import is_computable
 from rattle.description.reader import read
 from rattle.equations.system import System, compile_system, length_of
 from rattle.errors import ModelError, TraceError
-from rattle.language import bytecode
+from rattle.language.operations import OPERATIONS
 from rattle.language.recorded import Recorded
 from rattle.language.watched import Watch, Watched
 from rattle.trace.graph import Graph, both
@@ -41,9 +41,8 @@ TEXTS = {  # of exact operations
     "either": "{0} or {1}", "not": "not {0}", "select": "{1} if {0} else {2}",
 }  # fmt: skip
 CALLED: dict[str, Callable[..., Any]] = {
-    "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
-    "asin": math.asin, "acos": math.acos, "atan": math.atan, "tanh": math.tanh, "atan2": math.atan2,
-    "hypot": math.hypot, "copysign": math.copysign, "pow": bytecode.power.python, "floor": bytecode.whole.python,
+    **{record.recorded: record.value.python for record in OPERATIONS.values() if record.recorded},
+    "floor": OPERATIONS["floor"].value.python, "copysign": math.copysign,
 }  # fmt: skip
 FAILURES = (
     ArithmeticError,

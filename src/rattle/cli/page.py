@@ -52,7 +52,7 @@ def page(
               rattle page slider_crank_play --over "c=0.2 mm:0.6 mm:3" --t-end 6ms -o play.html
               rattle page fourbar --title "Task 3" --curves rocker.angle,O3.normal --no-trust -o task.html
     """
-    from rattle.cli.many_runs import axes_of
+    from rattle.cli.over import axes_of
     from rattle.pages.page import page as write
 
     if not output.lower().endswith((".html", ".htm")):

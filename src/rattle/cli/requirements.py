@@ -15,16 +15,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from rattle.cli.options import value
-
 if TYPE_CHECKING:
-    from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.mechanism import Mechanism
     from rattle.results.reductions import Output
     from rattle.results.result import Result
-    from rattle.studies.ensemble.ensemble import Ensemble
-    from rattle.studies.ensemble.statistics import Bounded
-    from rattle.studies.ensemble.sweep import Sweep
 
 MOST = 0.9973  # share of the mechanisms that a limit is for unless another one is asked for: three standard deviations
 EQUAL = 1e-9  # share of its size within which a number is the one required by ==: what a run resolves
@@ -152,92 +146,6 @@ def _with_elastic_bushes(result: Result, joints: Sequence[str]) -> Result:
             if name in changed.peaks:
                 changed.peaks[name] = changed.peaks[name]._replace(value=result.trust.elastic[joint][1])
     return changed
-
-
-def check_deviations(m: Mechanism, curves: Sequence[str], limit: str | None) -> None:
-    """Refuse a limit that is no deviation of every curve, before anything runs.  Raises InputError."""
-    from rattle.studies.ensemble.limits import limit_of
-    from rattle.studies.runs.task import task_of
-
-    for curve in curves if limit is not None else ():
-        band = task_of(m, (), [f"max({curve}.worst)"], analysis="accuracy").outputs[0]
-        if limit_of(value(str(limit)), band.unit, f"--limit, for {curve}") < 0.0:
-            raise click.UsageError(f"--limit is a deviation to either side, so not negative; got {limit}")
-
-
-def judge_deviation(answer: Accuracy, limit: str) -> Verdict:
-    """Whether an output with play stays within a deviation to either side."""
-    from rattle.results.display import quantity
-    from rattle.studies.ensemble.limits import limit_of
-
-    allowed = limit_of(value(limit), answer.unit, "--limit")
-    kept = bool(answer.largest <= allowed)
-    deviation = quantity(answer.largest, answer.unit)
-    said = f"limit {limit}: {'kept' if kept else 'EXCEEDED'}, {answer.of} deviates by {deviation}"
-    return Verdict(kept, said, {"limit": allowed, "kept": kept, "largest": answer.largest})
-
-
-def check_every(m: Mechanism, required: Sequence[str], varied: Sequence[str], **question: Any) -> None:
-    """Refuse requirements that cannot be asked of every combination, before anything runs."""
-    from rattle.studies.ensemble.limits import limit_of
-    from rattle.studies.runs.task import task_of
-
-    for text in required:
-        condition = Condition.read(text)
-        if condition.text != text.strip():
-            raise click.UsageError(
-                f"--require {text}: a share is one of an ensemble; of a sweep every combination counts"
-            )
-        output = task_of(m, varied, [condition.output], **question).outputs[0]
-        limit_of(value(condition.limit), output.unit, f"--require {text}", output.dimension)
-
-
-def judge_every(sweep: Sweep, required: Sequence[str]) -> list[Verdict]:
-    """Whether every combination of a sweep keeps what is required; one without a number does not."""
-    import numpy as np
-
-    from rattle.studies.ensemble.limits import limit_of
-
-    verdicts = []
-    for condition in map(Condition.read, required):
-        limit = limit_of(value(condition.limit), sweep.unit(condition.output))
-        keeps = ORDER[condition.comparison](sweep[condition.output], limit)
-        beyond = np.flatnonzero(~keeps)
-        kept = not len(beyond)
-        where = (
-            "in every combination"
-            if kept
-            else f"in {len(beyond)} of {len(sweep)}, first at {sweep.told(int(beyond[0]))}"
-        )
-        said = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'} {where}"
-        verdicts.append(Verdict(kept, said, {"condition": condition.text, "kept": kept, "not_kept": beyond.tolist()}))
-    return verdicts
-
-
-def judge_share(ensemble: Ensemble, required: Sequence[str]) -> list[Verdict]:
-    """Whether enough mechanisms of an ensemble keep what is required."""
-    verdicts = []
-    for condition in map(Condition.read, required):
-        above = condition.comparison in (">", ">=")
-        share = (ensemble.yield_above if above else ensemble.yield_below)(condition.output, value(condition.limit))
-        verdicts.append(of_share(f"keep {condition.text}", share, condition.share))
-    return verdicts
-
-
-def of_share(what: str, share: Bounded, required: float) -> Verdict:
-    """Whether enough mechanisms keep something; share: of the mechanisms, with its bounds."""
-    kept = bool(share[0] >= required)
-    part, low, high = (100 * number for number in share)
-    said = f"{part:.4g} % of the mechanisms {what} (95 %: {low:.4g} to {high:.4g} %); {said_required(required, kept)}"
-    return Verdict(kept, said, {"condition": what, "kept": kept, "required": required, "share": share._asdict()})
-
-
-def check_limits(m: Mechanism, required: Sequence[str], vary: Any, **question: Any) -> None:
-    """Refuse limits of requirements that are no values of their outputs, before anything runs."""
-    from rattle.studies.ensemble.ensemble import require_limit
-
-    for condition in map(Condition.read, required):
-        require_limit(m, condition.output, value(condition.limit), vary, **question)
 
 
 def asked_outputs(required: Sequence[str]) -> list[str]:

@@ -15,7 +15,8 @@ class Building:
     """Adds parts to a document like that of a model file; every method returns the mechanism itself.
 
     Numbers are SI: m, rad, kg, s, N, Pa; a text is a quantity ("5 mm") or an expression over parameters.
-    A name that is taken raises ModelError; everything else is checked when the model is first used.
+    A name that is taken raises ModelError; everything else is checked when the model is first used.  Further keys of a
+    table, see `rattle kinds`, are keywords too.
     """
 
     def __init__(self, name: str = "", gravity: Pair = (0.0, 0.0)) -> None:
@@ -62,15 +63,16 @@ class Building:
 
     def table(
         self, name: str, x: Sequence[float | str], y: Sequence[float | str], *, kind: str = "linear",
-        period: float | str | None = None,
+        period: float | str | None = None, **more: Any,
     ) -> Self:  # fmt: skip
         """A function y(x) through points with increasing x, which expressions use as `name(x)`; numbers in SI units.
 
         kind: "linear", "monotone" (without overshoot) or "spline" (with continuous second derivative).
         period: in x, after which y repeats.
         """
-        given = {"x": plain(x), "y": plain(y), "kind": kind, "period": plain(period)}
-        return self._enter("tables", name, given)
+        return self._enter(
+            "tables", name, {"x": plain(x), "y": plain(y), "kind": kind, "period": plain(period), **more}
+        )
 
     def signal(self, name: str, expression: str) -> Self:
         """A named quantity: an expression in parameters, the time t [s] and the state [SI]; results record it."""
@@ -78,13 +80,13 @@ class Building:
         self._forget()
         return self
 
-    def state(self, name: str, rate: float | str, start: float | str = 0.0) -> Self:
+    def state(self, name: str, rate: float | str, start: float | str = 0.0, **more: Any) -> Self:
         """A state of the model's own: its rate, an expression in parameters, t, the motion, signals and states [SI/s],
         and its value at the start [SI]; loads, signals and rates of states may use it, and results record it.
 
         `m.state("i", "(U - R*i - k*rotor.omega)/L")`
         """
-        return self._enter("states", name, {"rate": rate, "start": start})
+        return self._enter("states", name, {"rate": rate, "start": start, **more})
 
     def ground(self, **points: Pair) -> Self:
         """Points of the ground [m]: `m.ground(O=[0, 0], A=[1, 0])`."""
@@ -94,47 +96,40 @@ class Building:
 
     def bar(
         self, name: str, first: str, second: str, *, length: float | str, mass: float | str,
-        inertia: float | str | None = None, points: Mapping[str, Pair] | None = None,
+        inertia: float | str | None = None, points: Mapping[str, Pair] | None = None, **more: Any,
     ) -> Self:  # fmt: skip
         """A uniform bar between the points `first` and `second`, `length` [m] apart.
 
         mass [kg], 0 if joints determine its motion; inertia about the mass centre [kg*m^2], default m l^2/12; points:
         more points [m] in the frame of the bar, with the origin at the mass centre and the x axis along the bar.
         """
-        return self._enter(
-            "bodies",
-            name,
-            {"bar": [first, second], "length": length, "mass": mass, "inertia": inertia, "points": points},
-        )
+        keys = {"length": length, "mass": mass, "inertia": inertia, "points": points, **more}
+        return self._enter("bodies", name, {"bar": [first, second], **keys})
 
     def plate(
         self, name: str, polygon: Sequence[Pair], *, thickness: float | str | None = None,
         density: float | str | None = None, mass: float | str | None = None, holes: Sequence[Sequence[Pair]] = (),
-        points: Mapping[str, Pair] | None = None,
+        points: Mapping[str, Pair] | None = None, **more: Any,
     ) -> Self:  # fmt: skip
         """A plate with these corners [m] in order around: mass centre and inertia follow from its shape.
 
         thickness [m] and density [kg/m^3], or mass [kg].  holes: corners of each hole [m]; points: named points [m];
         all in one frame fixed to the body.
         """
-        given = {"polygon": plain(polygon), "holes": plain(holes) or None, "points": plain(points)}
-        return self._enter("bodies", name, {**given, "thickness": thickness, "density": density, "mass": mass})
+        keys = {"polygon": plain(polygon), "holes": plain(holes) or None, "points": plain(points), **more}
+        return self._enter("bodies", name, {**keys, "thickness": thickness, "density": density, "mass": mass})
 
     def body(
-        self,
-        name: str,
-        *,
-        mass: float | str,
-        inertia: float | str,
-        points: Mapping[str, Pair],
-        center: Pair = (0.0, 0.0),
-    ) -> Self:
+        self, name: str, *, mass: float | str, inertia: float | str, points: Mapping[str, Pair],
+        center: Pair = (0.0, 0.0), **more: Any,
+    ) -> Self:  # fmt: skip
         """A rigid body: mass [kg], inertia about the mass centre [kg*m^2]; 0 where joints determine its motion.
 
         points, center: named points and the mass centre [m], in any one frame fixed to the body.
         """
         named = {key: list(at) for key, at in points.items()}
-        return self._enter("bodies", name, {"points": named, "center": list(center), "mass": mass, "inertia": inertia})
+        keys = {"points": named, "center": list(center), "mass": mass, "inertia": inertia, **more}
+        return self._enter("bodies", name, keys)
 
     def joint(self, name: str, type: str, a: str, b: str, **fields: Any) -> Self:
         """A joint of any kind between "body.point" a (bush side) and b (pin side), fields in SI units or as quantities.
@@ -173,12 +168,12 @@ class Building:
         A value that changes in time may be given by its points, instants [s] and values [SI], with straight lines
         between them: `torque=(t, measured)`, `force=[(t, fx), 0]`.  They become a table, see `table`.
         """
-        given: dict[str, Any] = {"type": type}
+        entry: dict[str, Any] = {"type": type}
         for key, value in fields.items():
-            given[key], tables = through_points(f"{name}_{key}", value)
-            for table, entry in tables.items():
-                self._enter("tables", table, entry)
-        return self._enter("loads", name, given)
+            entry[key], tables = through_points(f"{name}_{key}", value)
+            for table, points in tables.items():
+                self._enter("tables", table, points)
+        return self._enter("loads", name, entry)
 
     def actuator(self, name: str, a: str, b: str, *, force: float | str) -> Self:
         """A force [N] along the line between the points a and b, which it pushes apart; an expression may be given."""

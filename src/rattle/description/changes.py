@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rattle import registry
+from rattle.description.tables import MODEL
 from rattle.errors import ModelError, Problem, suggest
 
 NAMED = ("bodies", "joints", "drivers", "loads")
-TABLES = (
-    "format", "name", "gravity", "parameters", "tolerances", "tables", "signals", "states", "ground", "bodies",
-    "joints", "drivers", "loads", "initial", "simulate",
-)  # fmt: skip
+TABLES = tuple(MODEL.fields)
 ENTRIES = ("parameters", "signals", "states", "tables", *NAMED)  # tables with names that the user has chosen
 SINGLE = ("format", "name", "gravity")  # values, not tables
 MADE_WHOLE = ("tolerances", "tables", "initial", "simulate")  # tables whose entries a change makes if they are missing

@@ -23,6 +23,7 @@ from rattle.language.recorded import Recorded
 Vector = tuple[float, float]
 Ring = Sequence[Vector]  # corners in order around, each once
 CLOSE = 1e-12  # share of the size of a figure below which a distance counts as none
+MOST_CORNERS = 1000  # of one plate, those of its holes included
 MOST_PAIRS = 2000  # of edges that a trace watches; with more corners it watches the sign of the area only
 
 

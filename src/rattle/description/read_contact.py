@@ -13,6 +13,7 @@ from rattle.description.model import Choice, Contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
 from rattle.description.read_values import Path, said
+from rattle.description.tables import MATERIAL
 from rattle.errors import suggest
 
 ALONG = ("friction", "tangential_restitution")  # keys of what happens along a wall
@@ -133,7 +134,7 @@ def _unused(
     reader: FieldReader, table: Mapping[str, Any], used: Collection[str], site: Site, path: Path
 ) -> tuple[str, ...]:
     """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
-    fields: dict[str, registry.Field | None] = {"friction": None, "bush_radius": None, "geometry": None}
+    fields: dict[str, registry.Field | None] = dict.fromkeys(("friction", "bush_radius", "geometry"))
     fields |= film_keys() | {"bush_radius": None}
     for family in ("stiffness", "normal", "contact"):
         for kind in registry.kinds(family).values():
@@ -244,13 +245,12 @@ def _elastic(
     site: Site,
 ) -> Any:  # fmt: skip
     if field.shape == "material":
-        default = field.default(read) if key not in table and callable(field.default) else field.default
-        given = table.get(key, default)
+        if key not in table and field.default is registry.REQUIRED:
+            reader.values.wrong(path, f"needs {key}: {field.meaning}")
+            return "steel"
+        given = table[key] if key in table else field.default(read)
         if isinstance(given, Mapping):
-            here = (*path, key)
-            reader.values.keys(given, ("E", "nu"), here)
-            modulus = reader.values.value(given.get("E", "missing"), "Pa", (*here, "E"), "positive")
-            return {"E": modulus, "nu": reader.values.value(given.get("nu", 0.3), "", (*here, "nu"))}
+            return reader.form(MATERIAL, given, (*path, key))
         if not isinstance(given, str):
             reader.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {said(given)}")
             return "steel"

@@ -1,4 +1,4 @@
-"""Reading the fields of a kind: what the user wrote, or the default."""
+"""Reading the fields of kinds and tables: what the user wrote, or the default."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from dataclasses import replace
 from typing import Any
 
 from rattle import registry
+from rattle.description.model import Vector
+from rattle.description.polygon import MOST_CORNERS, fault
 from rattle.description.read_values import Path, Values, said
+from rattle.description.tables import Form
 from rattle.errors import suggest
 from rattle.language.expression import ExpressionError, Name, Node, Number
 from rattle.language.local_function import LocalFunction, local_function
@@ -23,77 +26,173 @@ class FieldReader:
     def __init__(self, values: Values) -> None:
         self.values = values
 
-    def choose(self, given: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
+    def choose(self, table: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
         """The kind that an entry names under `key`; None after a problem."""
-        known = registry.kinds(family)
-        if key not in given:
-            self.values.wrong(path, f"needs a {key}: " + ", ".join(known))
+        kinds = registry.kinds(family)
+        if key not in table:
+            self.values.wrong(path, f"needs a {key}: " + ", ".join(kinds))
             return None
-        name = given[key]
-        if isinstance(name, str) and name in known:
-            return known[name]
-        self.values.wrong((*path, key), f"unknown {family} {said(name)}{suggest(str(name), known)}")
+        name = table[key]
+        if isinstance(name, str) and name in kinds:
+            return kinds[name]
+        self.values.wrong((*path, key), f"unknown {family} {said(name)}{suggest(str(name), kinds)}")
         return None
 
-    def field(self, one: Field, key: str, given: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
-        """One field of a kind [SI], as the user wrote it or its default; nan or None after a problem."""
+    def field(self, field: Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
+        """One field of a kind or table [SI], as the user wrote it or its default; nan or None after a problem."""
         here = (*path, key)
-        if key not in given:
-            if one.default is REQUIRED:
-                self.values.wrong(path, f"needs {key}: {one.meaning}" + (f" [{one.unit}]" if one.unit else ""))
-                return (math.nan, math.nan) if one.shape == "pair" else math.nan
-            default = one.default(read) if callable(one.default) else one.default
-            if one.function_of:
-                return read_function(self.values, default, one, here)
-            if one.shape == "flag":
+        if key not in table and field.default is REQUIRED:
+            unit = f" [{field.unit}]" if field.unit else ""
+            self.values.wrong(path, field.missing or f"needs {key}: {field.meaning}{unit}")
+            return (math.nan, math.nan) if field.shape == "pair" else math.nan
+        if key not in table:
+            default = field.default(read) if callable(field.default) else field.default
+            if field.function_of:
+                return read_function(self.values, default, field, here)
+            if field.shape == "flag":
                 return float(default)
-            return float(one.choices.index(default)) if one.shape == "choice" else default
-        if one.shape == "choice":
-            word = one.flags[given[key]] if one.flags and isinstance(given[key], bool) else given[key]
-            if word in one.choices:
-                return float(one.choices.index(word))
-            hint = suggest(str(given[key]), one.choices)
-            self.values.wrong(here, f"expected one of {', '.join(one.choices)}, got {said(given[key])}{hint}")
-            return math.nan
-        if one.function_of:
-            return read_function(self.values, given[key], one, here)
-        if one.shape == "flag":
-            if not isinstance(given[key], bool):
-                self.values.wrong(here, f"expected true or false, got {said(given[key])}")
-            return float(given[key] is True)
-        if one.shape == "pair":
-            return self.values.vector(given[key], one.unit, here, one.live, one.least)
-        return self.values.value(given[key], one.unit, here, one.least, one.live)
+            return float(field.choices.index(default)) if field.shape == "choice" else default
+        if field.function_of:
+            return read_function(self.values, table[key], field, here)
+        if field.shape in SHAPES:
+            return SHAPES[field.shape](self.values, field, table[key], here)
+        return self.values.value(table[key], field.unit, here, field.least, field.live)
 
     def fields(
-        self, kind: registry.Kind, given: Mapping[str, Any], path: Path, unit: Callable[[str], str] = str
+        self, kind: registry.Kind, table: Mapping[str, Any], path: Path, unit: Callable[[str], str] = str
     ) -> dict[str, float]:
         """All fields of a kind [SI], in the order of its declaration; unit: what a unit of a field is here."""
         read: dict[str, float] = {}
-        for key, one in kind.fields.items():
+        for key, field in kind.fields.items():
             read[key] = math.nan
             with self.values.at((*path, key)):
-                read[key] = self.field(replace(one, unit=unit(one.unit)), key, given, read, path)
+                read[key] = self.field(replace(field, unit=unit(field.unit)), key, table, read, path)
+        return read
+
+    def form(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
+        """All fields of a table [SI], in the order of its keys; unknown keys are refused.
+
+        Those of its ways are read where they are written; what is a table, or of a shape in OWN, is left to its own
+        reader.
+        """
+        self.values.keys(table, form.keys, path)
+        return self.read(form, table, path)
+
+    def read(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
+        """As `form`, of a table whose keys were looked at before."""
+        read: dict[str, Any] = {}
+        for key, field in form.keys.items():
+            if isinstance(field, Field) and field.shape not in OWN and (key in form.fields or key in table):
+                read[key] = self.field(field, key, table, read, path)
         return read
 
 
-def read_function(values: Values, given: Any, one: Field, path: Path) -> LocalFunction | float:
+# ---------------------------------------------------------------- shapes of fields
+def _choice(values: Values, field: Field, written: Any, path: Path) -> float:
+    """The number of a word among the choices; nan after a problem."""
+    word = field.flags[written] if field.flags and isinstance(written, bool) else written
+    if word in field.choices:
+        return float(field.choices.index(word))
+    hint = suggest(str(written), field.choices)
+    values.wrong(path, f"expected one of {', '.join(field.choices)}, got {said(written)}{hint}")
+    return math.nan
+
+
+def _flag(values: Values, field: Field, written: Any, path: Path) -> float:
+    if not isinstance(written, bool):
+        values.wrong(path, f"expected true or false, got {said(written)}")
+    return float(written is True)
+
+
+def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
+    """Two names of points; None after a problem."""
+    two = _texts(values, field, written, path)
+    if two is not None and not all(text.isidentifier() for text in two):
+        values.wrong(path, f"expected {field.like}, got {said(written)}")
+        return None
+    return two
+
+
+def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
+    """Two texts; None after a problem."""
+    if not isinstance(written, list | tuple) or len(written) != 2 or not all(isinstance(text, str) for text in written):
+        values.wrong(path, f"expected {field.like}, got {said(written)}")
+        return None
+    return written[0], written[1]
+
+
+def _text(values: Values, field: Field, written: Any, path: Path) -> str:
+    """A text for people, on one line; "" after a problem."""
+    if not isinstance(written, str):
+        values.wrong(path, f"{said(written)} is no text; write words in quotes")
+        return ""
+    text = " ".join(written.split())
+    if field.longest and len(text) > field.longest:
+        what = f"{len(text)} characters are too long for a {path[-1]}, {field.longest} at most"
+        values.wrong(path, what)
+    return text
+
+
+def _ring(values: Values, field: Field, written: Any, path: Path) -> list[Vector]:
+    """Corners [m] in order around; none after a problem."""
+    if not isinstance(written, list | tuple):
+        values.wrong(path, f"expected corners in order around, [[x, y], [x, y], [x, y]], got {said(written)}")
+        return []
+    before = len(values.problems)
+    corners = [values.vector(corner, "m", (*path, k)) for k, corner in enumerate(written[: MOST_CORNERS + 1])]
+    if len(values.problems) == before and len(corners) <= MOST_CORNERS and (wrong := fault(corners)):
+        values.wrong(path, wrong)
+    return corners if len(values.problems) == before else []
+
+
+def _rings(values: Values, field: Field, written: Any, path: Path) -> list[list[Vector]] | None:
+    """The corners of every hole [m]; None after a problem."""
+    if not isinstance(written, list | tuple) or not all(isinstance(ring, list | tuple) for ring in written):
+        values.wrong(path, f"expected a list of holes, each a list of corners [x, y], got {said(written)}")
+        return None
+    rings = [_ring(values, field, ring, (*path, k)) for k, ring in enumerate(written)]
+    return rings if all(rings) else None
+
+
+def _stepper(values: Values, field: Field, written: Any, path: Path) -> Any:
+    steppers = registry.names("stepper")
+    if written not in steppers:
+        values.wrong(path, f"unknown method {said(written)}{suggest(str(written), steppers)}")
+    return written
+
+
+OWN = ("constant", "file", "groups", "numbers", "quantity", "title", "version")  # shapes with readers of their own
+SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers
+    "choice": _choice,
+    "flag": _flag,
+    "names": _names,
+    "pair": lambda values, field, written, path: values.vector(written, field.unit, path, field.live, field.least),
+    "points": lambda values, field, written, path: values.points(written, path),
+    "ring": _ring,
+    "rings": _rings,
+    "stepper": _stepper,
+    "text": _text,
+    "texts": _texts,
+}
+
+
+def read_function(values: Values, written: Any, field: Field, path: Path) -> LocalFunction | float:
     """A field that is a function of a variable of its kind; nan after a problem."""
     node: Node | None = None
     quantity = None
-    with values.within({one.function_of: (Name(one.function_of, 0), dimension_of(one.of_unit))}):
-        if isinstance(given, str):
+    with values.within({field.function_of: (Name(field.function_of, 0), dimension_of(field.of_unit))}):
+        if isinstance(written, str):
             with suppress(QuantityError):
-                quantity = parse_quantity(given)
-        if isinstance(given, str) and quantity is None:
-            node = values.expression(given, path, one.unit, live=False)
+                quantity = parse_quantity(written)
+        if isinstance(written, str) and quantity is None:
+            node = values.expression(written, path, field.unit, live=False)
         else:
-            number = values.value(given, one.unit, path, one.least)
+            number = values.value(written, field.unit, path, field.least)
             node = None if math.isnan(number) else Number(number, 0)
     if node is None:
         return math.nan
     try:
-        return local_function(node, one.function_of, values.constants, values.tables)
+        return local_function(node, field.function_of, values.constants, values.tables)
     except ExpressionError as error:
         values.in_expression(error, path)
         return math.nan

@@ -11,9 +11,10 @@ from rattle import registry
 from rattle.description.model import Choice, Contact, OilFilm
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, said
+from rattle.description.tables import OIL
 from rattle.errors import suggest
 
-KEYS = ("film", "dry", "roughness", "bush_radius")  # of its table, besides fields of the model and of the film
+KEYS = (*OIL.fields, "bush_radius")  # of its table, besides fields of the model and of the film
 STEEL = {"model": "hertz", "geometry": "johnson", "bush_material": "steel", "friction": 0.1}  # if `dry` is left out
 ReadDry = Callable[[Mapping[str, Any], Path], Contact | None]
 Unused = Callable[[Collection[str]], tuple[str, ...]]

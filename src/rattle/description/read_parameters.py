@@ -9,36 +9,34 @@ from typing import Any
 
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable, within_limits
+from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, TooManyProblems, Values, expected, said
+from rattle.description.tables import DISTRIBUTION, PARAMETER, TOLERANCES, VALUE
+from rattle.description.tables import DISTRIBUTIONS as DISTRIBUTIONS  # ensembles take them from here
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
-
-DISTRIBUTIONS = ("uniform", "normal", "triangular")
-PARAMETER = ("value", "min", "max", "tol", "dist", "label", "description")  # keys of a parameter
-LONGEST_LABEL = 60  # characters: what fits beside or above a slider; a description may be longer
-TABLE = ("values", "weights")  # keys of a distribution of single values
 
 
 def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Parameter]:
     """Read the table [parameters], written in any order; values [SI] and dimensions are stored in `values`."""
     table = values.table(document.get("parameters", {}), ("parameters",))
     written: dict[str, tuple[Any, Path]] = {}
-    for name, given in table.items():
+    for name, entry in table.items():
         path: Path = ("parameters", name)
         values.name(name, path)
-        if not isinstance(given, Mapping):
-            written[name] = (given, path)
+        if not isinstance(entry, Mapping):
+            written[name] = (entry, path)
             continue
-        values.keys(given, PARAMETER, path)
-        if "value" in given:
-            written[name] = (given["value"], (*path, "value"))
+        values.keys(entry, PARAMETER.fields, path)
+        if "value" in entry:
+            written[name] = (entry["value"], (*path, "value"))
         else:
-            values.wrong(path, "expected { value = ... }")
+            values.wrong(path, VALUE.missing)
             values.broken.add(name)
     dependent: dict[str, Node] = {}
-    for name, (given, path) in written.items():
-        quantity = read_quantity(values, given, path)
+    for name, (number, path) in written.items():
+        quantity = read_quantity(values, number, path)
         if isinstance(quantity, tuple):
             values.set_constant(name, *quantity)
         elif quantity is not None:
@@ -46,21 +44,21 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
         else:
             values.broken.add(name)
     _dependent(values, dependent, written)
-    found: dict[str, Parameter] = {}
+    parameters: dict[str, Parameter] = {}
     for name in (name for name in table if name in values.constants):
         with values.at(("parameters", name)):
-            found[name] = _parameter(values, name, table[name])
-    return found
+            parameters[name] = _parameter(values, name, table[name])
+    return parameters
 
 
 def chosen_parameters(document: Mapping[str, Any]) -> list[str]:
     """Names of the parameters of a readable document that do not follow from others."""
-    values, found = Values(), []
-    for name, given in document.get("parameters", {}).items():
-        value = given["value"] if isinstance(given, Mapping) else given
+    values, chosen = Values(), []
+    for name, entry in document.get("parameters", {}).items():
+        value = entry["value"] if isinstance(entry, Mapping) else entry
         if isinstance(read_quantity(values, value, ("parameters", name)), tuple):
-            found.append(name)
-    return found
+            chosen.append(name)
+    return chosen
 
 
 def values_where(document: Mapping[str, Any], numbers: Mapping[str, float]) -> dict[str, float]:
@@ -86,29 +84,32 @@ def parameters_with(
     """
     table = dict(document["parameters"])
     for name, entries in changes.items():
-        given = table[name]
-        table[name] = {**(given if isinstance(given, Mapping) else {"value": given}), **entries}
+        entry = table[name]
+        table[name] = {**(entry if isinstance(entry, Mapping) else {"value": entry}), **entries}
     values = Values()
-    found: dict[str, Parameter] = {}
+    parameters: dict[str, Parameter] = {}
     with suppress(TooManyProblems):
-        found = read_parameters(values, {"parameters": table})
+        parameters = read_parameters(values, {"parameters": table})
     if values.problems:
-        wrong = [Problem((place, *one.path[1:]), one.message, one.at_key, one.column) for one in values.problems]
+        wrong = [
+            Problem((place, *problem.path[1:]), problem.message, problem.at_key, problem.column)
+            for problem in values.problems
+        ]
         raise ModelError(wrong)
-    return found
+    return parameters
 
 
-def read_quantity(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
+def read_quantity(values: Values, written: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
     """Value [SI] and dimension of a number or quantity, the tree of an expression, or None after a problem."""
-    if not isinstance(given, str):
-        number = values.value(given, "", path)
+    if not isinstance(written, str):
+        number = values.value(written, "", path)
         return None if math.isnan(number) else (number, None)
     try:
-        quantity = parse_quantity(given)
+        quantity = parse_quantity(written)
     except QuantityError as error:
         values.wrong(path, str(error))
         return None
-    return values.parse(given, path) if quantity is None else quantity
+    return values.parse(written, path) if quantity is None else quantity
 
 
 def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, tuple[Any, Path]]) -> None:
@@ -118,8 +119,8 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
     for cycle in cycles:
         values.wrong(written[cycle[0]][1], describe_cycle(cycle))
     for name in order:
-        given, path = written[name]
-        node, text = nodes[name], str(given)
+        formula, path = written[name]
+        node, text = nodes[name], str(formula)
         right = values.names_known(node, text, path, None, live=False)
         number = values.constant(node, path) if right and values.dimension_fits(node, text, path, None) else None
         if number is None:
@@ -128,133 +129,124 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
             values.set_constant(name, number, values.dimension(node))
 
 
-def _parameter(values: Values, name: str, given: Any) -> Parameter:
+def _parameter(values: Values, name: str, entry: Any) -> Parameter:
     """A parameter with its limits; its value is known by now."""
     seen = values.dimensions.get(name)
     unit = unit_name(seen) if seen is not None else ""
-    if not isinstance(given, Mapping):
+    if not isinstance(entry, Mapping):
         return Parameter(name, values.constants[name], unit)
     path: Path = ("parameters", name)
-    other = _unlike_its_limits(given, seen)
+    other = _unlike_its_limits(entry, seen)
     if other is not None:
         said_of = describe(seen) if seen is not None else "a plain number"
         values.wrong(
-            (*path, "value"), f"{said(given['value'])} is {said_of}; expected {describe(other)}, as min and max are"
+            (*path, "value"), f"{said(entry['value'])} is {said_of}; expected {describe(other)}, as min and max are"
         )
         return Parameter(name, values.constants[name], unit)
     limits: dict[str, float | None] = {
-        key: _limit(values, given[key], unit, seen, (*path, key)) for key in ("min", "max", "tol") if key in given
+        key: _limit(values, entry[key], unit, seen, (*path, key)) for key in ("min", "max", "tol") if key in entry
     }
     low, high, tol = (limits.get(key) for key in ("min", "max", "tol"))
-    if beyond := _beyond(values.constants[name], low, high, given):
-        values.wrong((*path, "value"), f"{said(given['value'])} is {beyond}")
+    if beyond := _beyond(values.constants[name], low, high, entry):
+        values.wrong((*path, "value"), f"{said(entry['value'])} is {beyond}")
     if tol is not None and tol < 0:
-        values.wrong((*path, "tol"), f"{said(given['tol'])} must not be negative")
-    dist = _distribution(values, given.get("dist", ""), unit, seen, (*path, "dist"))
-    unit = unit if seen is not None else _unit_of_limits(given)
-    label, description = (_words(values, given.get(key, ""), (*path, key)) for key in ("label", "description"))
-    if len(label) > LONGEST_LABEL:
-        values.wrong((*path, "label"), f"{len(label)} characters are too long for a label, {LONGEST_LABEL} at most")
+        values.wrong((*path, "tol"), f"{said(entry['tol'])} must not be negative")
+    dist = _distribution(values, entry.get("dist", ""), unit, seen, (*path, "dist"))
+    unit = unit if seen is not None else _unit_of_limits(entry)
+    texts = FieldReader(values).read(PARAMETER, entry, path)
+    label, description = texts["label"] or "", texts["description"] or ""
     return Parameter(name, values.constants[name], unit, low, high, tol, dist, label, description)
 
 
-def _words(values: Values, given: Any, path: Path) -> str:
-    """A text for people, on one line; "" after a problem."""
-    if not isinstance(given, str):
-        values.wrong(path, f"{said(given)} is no text; write words in quotes")
-        return ""
-    return " ".join(given.split())
-
-
-def _unit_of_limits(given: Mapping[str, Any]) -> str:
+def _unit_of_limits(entry: Mapping[str, Any]) -> str:
     """SI unit of the limits of a value that says none, as 2*a does not; "" if they say none either."""
-    return next((unit_name(seen) for seen in _dimensions_of_limits(given)), "")
+    return next((unit_name(seen) for seen in _dimensions_of_limits(entry)), "")
 
 
-def _dimensions_of_limits(given: Mapping[str, Any]) -> list[Dimension]:
+def _dimensions_of_limits(entry: Mapping[str, Any]) -> list[Dimension]:
     """The dimensions that limits say, each of which may be wrong."""
-    found: list[Dimension] = []
+    dimensions: list[Dimension] = []
     for key in ("min", "max", "tol"):
         with suppress(QuantityError):
-            quantity = parse_quantity(given[key]) if isinstance(given.get(key), str) else None
+            quantity = parse_quantity(entry[key]) if isinstance(entry.get(key), str) else None
             if quantity is not None and quantity[1] is not None:
-                found.append(quantity[1])
-    return found
+                dimensions.append(quantity[1])
+    return dimensions
 
 
-def _distribution(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> str | ValueTable:
+def _distribution(values: Values, written: Any, unit: str, seen: Dimension | None, path: Path) -> str | ValueTable:
     """The name of a distribution, or a table of values [SI] of the parameter's dimension; "" after a problem."""
-    if not isinstance(given, Mapping):
-        if given in ("", *DISTRIBUTIONS):
-            return str(given)
+    if not isinstance(written, Mapping):
+        if written in ("", *DISTRIBUTIONS):
+            return str(written)
         either = f"{', '.join(DISTRIBUTIONS)} or {{ values = [...], weights = [...] }}"
-        values.wrong(path, f"unknown distribution {said(given)}; expected {either}")
+        values.wrong(path, f"unknown distribution {said(written)}; expected {either}")
         return ""
-    values.keys(given, TABLE, path)
-    if "values" not in given:
+    values.keys(written, DISTRIBUTION.fields, path)
+    if "values" not in written:
         values.wrong(path, "expected { values = [...] }, the values that the parameter takes")
         return ""
     numbers = [
-        _limit(values, one, unit, seen, (*path, "values", n))
-        for n, one in enumerate(_list(values, given["values"], "values", (*path, "values")))
+        _limit(values, number, unit, seen, (*path, "values", n))
+        for n, number in enumerate(_list(values, written["values"], "values", (*path, "values")))
     ]
     weights = [1.0] * len(numbers)
-    if numbers and "weights" in given:
-        weights = _weights(values, given["weights"], len(numbers), (*path, "weights"))
-    known = tuple(one for one in numbers if one is not None)
-    return ValueTable(known, tuple(weights)) if len(known) == len(weights) > 0 else ""
+    if numbers and "weights" in written:
+        weights = _weights(values, written["weights"], len(numbers), (*path, "weights"))
+    sound = tuple(number for number in numbers if number is not None)
+    return ValueTable(sound, tuple(weights)) if len(sound) == len(weights) > 0 else ""
 
 
-def _weights(values: Values, given: Any, count: int, path: Path) -> list[float]:
+def _weights(values: Values, written: Any, count: int, path: Path) -> list[float]:
     """Weights [-] of `count` values; an empty list after a problem."""
     before = len(values.problems)
-    listed = _list(values, given, "weights", path)
-    found: list[float] = [values.value(one, "", (*path, n), "not negative") for n, one in enumerate(listed)]
+    listed = _list(values, written, "weights", path)
+    weights: list[float] = [values.value(weight, "", (*path, n), "not negative") for n, weight in enumerate(listed)]
     if len(values.problems) > before:
         return []
-    if len(found) != count:
-        values.wrong(path, f"{len(found)} weights for {count} values; expected one for each")
+    if len(weights) != count:
+        values.wrong(path, f"{len(weights)} weights for {count} values; expected one for each")
         return []
-    if not any(one > 0.0 for one in found):
+    if not any(weight > 0.0 for weight in weights):
         values.wrong(path, "all weights are zero; at least one must be positive")
         return []
-    return found
+    return weights
 
 
-def _list(values: Values, given: Any, what: str, path: Path) -> list[Any]:
+def _list(values: Values, written: Any, what: str, path: Path) -> list[Any]:
     """The items of a list; an empty one after a problem."""
-    if not isinstance(given, list | tuple):
-        values.wrong(path, f"expected a list of {what}, got {said(given)}")
+    if not isinstance(written, list | tuple):
+        values.wrong(path, f"expected a list of {what}, got {said(written)}")
         return []
-    if not given:
+    if not written:
         values.wrong(path, f"expected a list of {what}, got an empty one")
-    return list(given)
+    return list(written)
 
 
-def _unlike_its_limits(given: Mapping[str, Any], seen: Dimension | None) -> Dimension | None:
+def _unlike_its_limits(entry: Mapping[str, Any], seen: Dimension | None) -> Dimension | None:
     """The common dimension of two or more limits if the value has another one, else None."""
-    found = _dimensions_of_limits(given)
-    if seen is None or len(found) < 2 or len(set(found)) > 1 or found[0] == seen:
+    dimensions = _dimensions_of_limits(entry)
+    if seen is None or len(dimensions) < 2 or len(set(dimensions)) > 1 or dimensions[0] == seen:
         return None
-    return found[0]
+    return dimensions[0]
 
 
-def _beyond(value: float, low: float | None, high: float | None, given: Mapping[str, Any]) -> str:
+def _beyond(value: float, low: float | None, high: float | None, entry: Mapping[str, Any]) -> str:
     """What is said of a value [SI] that is not between its limits, "" if it is."""
     if within_limits(value, low, high):
         return ""
-    bare = f" (a number without a unit is SI: {_unit_of(given['min'])} here)" if _unit_missing(given) else ""
+    bare = f" (a number without a unit is SI: {_unit_of(entry['min'])} here)" if _unit_missing(entry) else ""
     if high is None:
-        return f"below min = {said(given['min'])}"
+        return f"below min = {said(entry['min'])}"
     if low is None:
-        return f"above max = {said(given['max'])}"
-    return f"not between min = {said(given['min'])} and max = {said(given['max'])}{bare}"
+        return f"above max = {said(entry['max'])}"
+    return f"not between min = {said(entry['min'])} and max = {said(entry['max'])}{bare}"
 
 
-def _unit_missing(given: Mapping[str, Any]) -> bool:
+def _unit_missing(entry: Mapping[str, Any]) -> bool:
     """True if the limits have units and the value is a number without one."""
-    limits = given.get("min"), given.get("max")
-    return not isinstance(given["value"], str) and all(isinstance(one, str) for one in limits)
+    limits = entry.get("min"), entry.get("max")
+    return not isinstance(entry["value"], str) and all(isinstance(limit, str) for limit in limits)
 
 
 def _unit_of(limit: str) -> str:
@@ -266,17 +258,17 @@ def _unit_of(limit: str) -> str:
     return (unit_name(quantity[1]) if quantity is not None and quantity[1] is not None else "") or "rad"
 
 
-def _limit(values: Values, given: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:
+def _limit(values: Values, written: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:
     """One of min, max, tol in SI units: a quantity of the parameter's dimension, or an expression."""
-    found = read_quantity(values, given, path)
-    if found is None:
+    quantity = read_quantity(values, written, path)
+    if quantity is None:
         return None
-    if not isinstance(found, tuple):
-        node = values.expression(given, path, unit if seen is not None else None, live=False)
+    if not isinstance(quantity, tuple):
+        node = values.expression(written, path, unit if seen is not None else None, live=False)
         return None if node is None else values.constant(node, path)
-    number, dimension = found
+    number, dimension = quantity
     if seen is not None and dimension is not None and dimension != seen:
-        values.wrong(path, f"{said(given)} is {describe(dimension)}; expected {expected(unit)}")
+        values.wrong(path, f"{said(written)} is {describe(dimension)}; expected {expected(unit)}")
         return None
     return number
 
@@ -285,34 +277,34 @@ def read_groups(values: Values, document: Mapping[str, Any]) -> tuple[tuple[str,
     """Read the table [tolerances]: groups of parameters that are made together."""
     path: Path = ("tolerances",)
     table = values.table(document.get("tolerances", {}), path)
-    values.keys(table, ("groups",), path)
-    given = table.get("groups", [])
-    if not isinstance(given, list | tuple):
-        values.wrong((*path, "groups"), f'expected groups of parameters such as [["l2", "l3"]], got {said(given)}')
+    values.keys(table, TOLERANCES.fields, path)
+    groups = table.get("groups", [])
+    if not isinstance(groups, list | tuple):
+        values.wrong((*path, "groups"), f'expected groups of parameters such as [["l2", "l3"]], got {said(groups)}')
         return ()
-    for n, one in enumerate(given):
-        if not isinstance(one, list | tuple) or not all(isinstance(name, str) for name in one):
+    for n, group in enumerate(groups):
+        if not isinstance(group, list | tuple) or not all(isinstance(name, str) for name in group):
             like = 'expected a group of parameters such as ["l2", "l3"]'
-            values.wrong((*path, "groups", n), f"{like}, got {said(one)}")
+            values.wrong((*path, "groups", n), f"{like}, got {said(group)}")
             return ()
     grouped: dict[str, int] = {}
-    for n, one in enumerate(given):
-        _check_group(values, one, n, grouped)
-    return tuple(tuple(one) for one in given)
+    for n, group in enumerate(groups):
+        _check_group(values, group, n, grouped)
+    return tuple(tuple(group) for group in groups)
 
 
-def _check_group(values: Values, given: Sequence[str], n: int, grouped: dict[str, int]) -> None:
+def _check_group(values: Values, group: Sequence[str], n: int, grouped: dict[str, int]) -> None:
     """Check group number n; the group of each name is entered in `grouped`."""
     path: Path = ("tolerances", "groups", n)
-    for k, name in enumerate(given):
+    for k, name in enumerate(group):
         if name not in values.constants and name not in values.broken:
             values.wrong((*path, k), f"no parameter {said(name)}{suggest(name, values.constants)}")
         elif name in grouped:
             where = "twice in this group" if grouped[name] == n else "in another group already"
             values.wrong((*path, k), f"'{name}' is {where}; join groups that are made together")
         grouped[name] = n
-    if len(given) < 2:
-        values.wrong(path, f"a group of {len(given)}; expected two or more parameters that are made together")
+    if len(group) < 2:
+        values.wrong(path, f"a group of {len(group)}; expected two or more parameters that are made together")
 
 
 def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str, Node], dict[str, str]]:
@@ -321,19 +313,19 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
     values.live.update(dict.fromkeys(table))
     nodes: dict[str, Node] = {}
     fixed: dict[str, Dimension | None] = {}
-    for name, given in table.items():
+    for name, written in table.items():
         path: Path = ("signals", name)
         values.name(name, path)
         if name in values.constants:
             values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
-        if isinstance(given, bool) or not isinstance(given, int | float | str):
-            values.wrong(path, f"expected an expression, got {said(given)}")
+        if isinstance(written, bool) or not isinstance(written, int | float | str):
+            values.wrong(path, f"expected an expression, got {said(written)}")
             continue
-        found = read_quantity(values, given, path)
-        if isinstance(found, tuple):
-            nodes[name], fixed[name] = Number(found[0], 0), found[1]
-        elif found is not None and values.names_known(found, str(given), path, None, live=True):
-            nodes[name] = found
+        quantity = read_quantity(values, written, path)
+        if isinstance(quantity, tuple):
+            nodes[name], fixed[name] = Number(quantity[0], 0), quantity[1]
+        elif quantity is not None and values.names_known(quantity, str(written), path, None, live=True):
+            nodes[name] = quantity
     order, cycles = in_order(nodes)
     for cycle in cycles:
         values.wrong(("signals", cycle[0]), describe_cycle(cycle))

@@ -33,14 +33,13 @@ from rattle.description.read_friction import joint_friction
 from rattle.description.read_plates import read_plate
 from rattle.description.read_values import Path, Values, is_computable, said
 from rattle.description.read_wear import read_wear
+from rattle.description.tables import BAR, BODY, JOINT
 from rattle.errors import suggest
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
-BODY = ("points", "center", "mass", "inertia")  # keys of a body
-BAR = ("bar", "length", "points", "mass", "inertia")
-JOINT = ("type", "connect", "clearance", "contact", "stop", "friction", "wear")  # and the fields of its kind
+TABLES_OF_JOINT = ("contact", "stop", "friction", "wear")  # or what stands for them
 NOWHERE = Point("", "", (math.nan, math.nan))
 
 
@@ -97,53 +96,38 @@ class Parts(FieldReader):
         self.driven: dict[str, str] = {}  # joint: its driver
 
     # ------------------------------------------------------------ bodies and points
-    def add_body(self, name: str, given: Mapping[str, Any]) -> None:
+    def add_body(self, name: str, table: Mapping[str, Any]) -> None:
         """Read a body in its general form, a bar, or a plate."""
         values, path = self.values, ("bodies", name)
-        if "polygon" in given:
-            self.bodies[name] = read_plate(values, name, given)
+        if "polygon" in table:
+            self.bodies[name] = read_plate(self, name, table)
             return
-        bar = "bar" in given
-        values.keys(given, BAR if bar else BODY, path)
-        mass = self._needed(given, "mass", "kg", path, "needs a mass in kg", "not negative")
-        points = values.points(given.get("points", {}), (*path, "points"))
-        inertia = math.nan
-        if "inertia" in given:
-            inertia = values.value(given["inertia"], "kg*m^2", (*path, "inertia"), "not negative")
+        bar = "bar" in table
+        read = self.form(BAR if bar else BODY, table, path)
+        mass, inertia, points = read["mass"], read["inertia"], read["points"] or {}
         if bar:
-            length = self._needed(given, "length", "m", path, "a bar needs a length in m")
-            points = {**self._ends(given["bar"], length, points, path), **points}
-            if "inertia" not in given:
+            length = read["length"]
+            points = {**self._ends(read["bar"], length, points, path), **points}
+            if inertia is None:
                 inertia = mass * length * length / 12
                 if not (is_computable(inertia) or mass == 0) and not math.isnan(inertia):
                     values.wrong(path, f"its inertia m l^2/12 = {inertia:g} kg*m^2 is out of range")
         else:
-            x, y = values.vector(given["center"], "m", (*path, "center")) if "center" in given else (0.0, 0.0)
+            x, y = read["center"] or (0.0, 0.0)
             points = {key: (px - x, py - y) for key, (px, py) in points.items()}
-            if "inertia" not in given:
-                values.wrong(path, "needs an inertia about its mass centre in kg*m^2 (only a bar has a default)")
         self.bodies[name] = Body(name, mass, inertia, points, bar)
 
-    def _needed(
-        self, given: Mapping[str, Any], key: str, unit: str, path: Path, otherwise: str, least: str = "positive"
-    ) -> Any:
-        if key in given:
-            return self.values.value(given[key], unit, (*path, key), least)
-        self.values.wrong(path, otherwise)
-        return math.nan
-
-    def _ends(self, ends: Any, length: float, points: Mapping[str, Vector], path: Path) -> dict[str, Vector]:
+    def _ends(
+        self, ends: tuple[str, str] | None, length: float, points: Mapping[str, Vector], path: Path
+    ) -> dict[str, Vector]:
         """The two end points of a bar [m]."""
-        here = (*path, "bar")
-        two = isinstance(ends, list | tuple) and len(ends) == 2
-        if not two or not all(isinstance(end, str) and end.isidentifier() for end in ends):
-            self.values.wrong(here, f'expected two end names like ["A", "B"], got {said(ends)}')
+        if ends is None:
             self.vague.add(str(path[-1]))
             return {}
         first, second = ends
         for end in {first: 0, second: 0}:
             if end in points or first == second:
-                self.values.wrong(here, f"the point name '{end}' is used twice")
+                self.values.wrong((*path, "bar"), f"the point name '{end}' is used twice")
                 self.vague.add(str(path[-1]))
         return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
 
@@ -201,16 +185,16 @@ class Parts(FieldReader):
         a, b = self.connect(given, path, alone=found.leaf.bodies, bodies=found.leaf.bodies)
         play = registry.play_of(found.name)
         tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-        values.keys(given, [*JOINT, *tables, *found.fields], path)
+        values.keys(given, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *tables, *found.fields], path)
         fields = self.fields(found, given, path)
         if len(values.problems) == before:  # of fields that are sound
             for key, fault in found.leaf.faults(given, fields):
                 values.wrong((*path, key) if key else path, fault)
         if len(values.problems) == before and (fault := found.leaf.fault(fields)):
             values.wrong(path, fault)
-        clearance, contact = 0.0, None
+        clearance, contact, of_joint = 0.0, None, self.read(JOINT, given, path)
         if "clearance" in given:
-            clearance = values.value(given["clearance"], "m", (*path, "clearance"), "not negative")
+            clearance = of_joint["clearance"]
             contact = self._contact(given, found.name, clearance, path)
         elif (law := found.leaf.strand(fields)) is not None:
             if "contact" in given:

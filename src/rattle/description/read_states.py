@@ -7,12 +7,12 @@ from contextlib import suppress
 from typing import Any
 
 from rattle.description.model import State
+from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_quantity
 from rattle.description.read_values import Path, Values, said
+from rattle.description.tables import RATE, STATE
 from rattle.language.expression import ExpressionError, Node, Number, parse
 from rattle.language.units import TIME, Dimension, QuantityError, describe, parse_quantity, unit_name
-
-STATE = ("rate", "start")  # keys of a state
 
 
 def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, float]:
@@ -23,52 +23,52 @@ def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, flo
     """
     table = values.table(document.get("states", {}), ("states",))
     starts: dict[str, float] = {}
-    for name, given in table.items():
+    for name, entry in table.items():
         path: Path = ("states", name)
         values.name(name, path)
         if name in values.constants:
             values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
         values.live[name] = None
-        if not isinstance(given, Mapping):
-            values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {said(given)}')
+        if not isinstance(entry, Mapping):
+            values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {said(entry)}')
             continue
-        values.keys(given, STATE, path)
-        starts[name], values.dimensions[name] = _start(values, given.get("start", 0.0), (*path, "start"))
+        FieldReader(values).form(STATE, entry, path)
+        starts[name], values.dimensions[name] = _start(values, entry.get("start", 0.0), (*path, "start"))
     rates = {name: _tree(table[name].get("rate")) for name in starts}
     signals = document.get("signals", {})
-    trees = {name: _tree(one) for name, one in signals.items()} if isinstance(signals, Mapping) else {}
+    trees = {name: _tree(written) for name, written in signals.items()} if isinstance(signals, Mapping) else {}
     _infer(values, {name: node for name, node in rates.items() if node is not None}, trees)
     return starts
 
 
-def _start(values: Values, given: Any, path: Path) -> tuple[float, Dimension | None]:
+def _start(values: Values, written: Any, path: Path) -> tuple[float, Dimension | None]:
     """Value at the start [SI] and its dimension: a number, a quantity or an expression over parameters."""
-    found = read_quantity(values, given, path)
-    if isinstance(found, tuple):
-        return found
-    if found is None:
+    quantity = read_quantity(values, written, path)
+    if isinstance(quantity, tuple):
+        return quantity
+    if quantity is None:
         return 0.0, None
-    node = values.expression(str(given), path, None, live=False)
+    node = values.expression(str(written), path, None, live=False)
     number = values.constant(node, path) if node is not None else None
     return (0.0, None) if node is None or number is None else (number, values.dimension(node))
 
 
-def _tree(given: Any) -> Node | None:
+def _tree(written: Any) -> Node | None:
     """The tree of an expression that may have faults; None if there is none."""
     with suppress(ExpressionError, QuantityError):
-        if isinstance(given, str) and parse_quantity(given) is None:
-            return parse(given)
+        if isinstance(written, str) and parse_quantity(written) is None:
+            return parse(written)
     return None
 
 
 def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node | None]) -> None:
     """Find the dimensions of states that do not say theirs, through signals as far as needed."""
-    known = values.dimensions
+    declared = values.dimensions
     guessed: dict[str, Dimension] = {}
-    signal_of = {name: node for name, node in signals.items() if node is not None and name not in known}
+    signal_of = {name: node for name, node in signals.items() if node is not None and name not in declared}
     for _ in range(len(rates) + len(signal_of)):
         before = len(guessed)
-        values.dimensions = {**known, **guessed}
+        values.dimensions = {**declared, **guessed}
         for name, node in (*rates.items(), *signal_of.items()):
             if values.dimensions.get(name) is None:
                 with suppress(ExpressionError):
@@ -77,11 +77,11 @@ def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node
                         guessed[name] = seen.times(TIME) if name in rates else seen
         if len(guessed) == before:
             break
-    values.dimensions = {**known, **guessed}
+    values.dimensions = {**declared, **guessed}
     for name, node in rates.items():
         if name in guessed and not _fits(values, node, guessed[name]):
             del guessed[name]
-    values.dimensions = {**known, **{name: guessed[name] for name in rates if name in guessed}}
+    values.dimensions = {**declared, **{name: guessed[name] for name in rates if name in guessed}}
     values.numbers.update(name for name in guessed if name in rates and not values.has_units(rates[name]))
 
 
@@ -96,14 +96,14 @@ def _fits(values: Values, node: Node, of_state: Dimension) -> bool:
 
 def read_states(values: Values, document: Mapping[str, Any], starts: Mapping[str, float]) -> dict[str, State]:
     """Read the rates of all states, which may use every live name."""
-    found = {}
+    states = {}
     for name, start in starts.items():
         path: Path = ("states", name, "rate")
-        given = document["states"][name]
-        if "rate" not in given:
-            values.wrong(path[:2], "needs rate: how fast it changes, an expression over parameters, t, states and all")
+        entry = document["states"][name]
+        if "rate" not in entry:
+            values.wrong(path[:2], RATE.missing)
             continue
-        node, seen = _rate(values, given["rate"], path)
+        node, seen = _rate(values, entry["rate"], path)
         if node is None:
             continue
         of_state = values.dimensions.get(name)
@@ -111,20 +111,20 @@ def read_states(values: Values, document: Mapping[str, Any], starts: Mapping[str
             fitting = describe(of_state.over(TIME))
             values.wrong(
                 path,
-                f"{said(given['rate'])} is {describe(seen)}; expected {fitting}: the state is {describe(of_state)}",
+                f"{said(entry['rate'])} is {describe(seen)}; expected {fitting}: the state is {describe(of_state)}",
             )
-        found[name] = State(name, node, start, unit_name(of_state) if of_state is not None else "")
-    return found
+        states[name] = State(name, node, start, unit_name(of_state) if of_state is not None else "")
+    return states
 
 
-def _rate(values: Values, given: Any, path: Path) -> tuple[Node | None, Dimension | None]:
+def _rate(values: Values, written: Any, path: Path) -> tuple[Node | None, Dimension | None]:
     """The tree of a rate and its dimension, None if unknown; no tree after a problem."""
-    quantity = read_quantity(values, given, path)
+    quantity = read_quantity(values, written, path)
     if isinstance(quantity, tuple):
         return Number(quantity[0], 0), quantity[1]
     if quantity is None:
         return None, None
-    text = str(given)
+    text = str(written)
     if not values.names_known(quantity, text, path, None, live=True) or not values.dimension_fits(
         quantity, text, path, None
     ):

@@ -10,16 +10,16 @@ from pathlib import Path as FilePath
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
+from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import LARGEST, Path, Values, said
-from rattle.errors import InputError, ModelError, Problem, suggest
+from rattle.description.tables import CURVES, TABLE
+from rattle.errors import InputError, ModelError, Problem
 from rattle.language.expression import argument_of
 from rattle.language.recorded import bare
 from rattle.language.syntax import CALLABLE, call_name
 from rattle.language.tables import Curve, curve
 from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity
 
-KEYS = ("x", "y", "units", "kind", "period", "file")
-KINDS = ("linear", "monotone", "spline")
 MOST_POINTS = 100_000
 LARGEST_FILE = 8_000_000  # bytes
 CLOSE = 1e-9  # share of the period, or of the range of y, that counts as equal
@@ -28,46 +28,46 @@ PLAIN_FILE = 'a file beside the model file, such as "lift.csv"'
 
 
 # ---------------------------------------------------------------- tables of a model
-def read_tables(values: Values, document: Mapping[str, Any], known: bool) -> None:
-    """Read the tables whose numbers are known before the parameters are (known), or the others.
+def read_tables(values: Values, document: Mapping[str, Any], early: bool) -> None:
+    """Read the tables whose numbers are known before the parameters are (early), or the others.
 
     They are entered in `values`, with the dimensions of their argument and of their value.
     """
     tables = values.table(document.get("tables", {}), ("tables",))
-    for name, given in tables.items():
-        if not isinstance(given, Mapping):
-            if known:
-                values.wrong(("tables", name), f"expected a table {{ x = [...], y = [...] }}, got {said(given)}")
+    for name, written in tables.items():
+        if not isinstance(written, Mapping):
+            if early:
+                values.wrong(("tables", name), f"expected a table {{ x = [...], y = [...] }}, got {said(written)}")
                 values.broken_tables.add(name)
-        elif known == _is_plain(given):
+        elif early == _is_plain(written):
             before = len(values.problems)
-            found = _read(values, name, given)
-            if found is None or len(values.problems) > before:
+            read = _read(values, name, written)
+            if read is None or len(values.problems) > before:
                 values.broken_tables.add(name)
             else:
-                values.enter_table(name, found[0])
-                values.dimensions[argument_of(call_name(name))], values.dimensions[call_name(name)] = found[1:]
-        elif known:
+                values.enter_table(name, read[0])
+                values.dimensions[argument_of(call_name(name))], values.dimensions[call_name(name)] = read[1:]
+        elif early:
             values.later_tables.add(name)
-    if not known:
+    if not early:
         values.later_tables.clear()
 
 
-def _is_plain(given: Mapping[str, Any]) -> bool:
+def _is_plain(entry: Mapping[str, Any]) -> bool:
     """True if no number of a table is an expression."""
-    written = [given.get("period"), *(one for key in ("x", "y") for one in _listed(given.get(key)))]
+    numbers = [entry.get("period"), *(number for key in ("x", "y") for number in _listed(entry.get(key)))]
     try:
-        return all(parse_quantity(one) is not None for one in written if isinstance(one, str))
+        return all(parse_quantity(number) is not None for number in numbers if isinstance(number, str))
     except QuantityError:
         return True
 
 
-def _listed(given: Any) -> Sequence[Any]:
-    return given if isinstance(given, list | tuple) else ()
+def _listed(written: Any) -> Sequence[Any]:
+    return written if isinstance(written, list | tuple) else ()
 
 
 def _read(
-    values: Values, name: str, given: Mapping[str, Any]
+    values: Values, name: str, written: Mapping[str, Any]
 ) -> tuple[Curve, Dimension | None, Dimension | None] | None:
     """A table with the dimensions of x and y; None after a problem."""
     path: Path = ("tables", name)
@@ -75,59 +75,50 @@ def _read(
         values.wrong(path, f"'{name}' is a function; choose another name", at_key=True)
     else:
         values.name(name, path)
-    values.keys(given, KEYS, path)
-    kind = given.get("kind", "linear")
-    if kind not in KINDS:
-        values.wrong(
-            (*path, "kind"), f"expected one of {', '.join(KINDS)}, got {said(kind)}{suggest(str(kind), KINDS)}"
-        )
-        return None
-    missing = [key for key in ("x", "y") if key not in given]
-    if missing and "file" not in given:
+    read = FieldReader(values).form(TABLE, written, path)
+    missing = [key for key in ("x", "y") if key not in written]
+    if missing and "file" not in written:
         values.wrong(path, f"needs {' and '.join(missing)}: lists of numbers, or file: {PLAIN_FILE}")
-    if missing:
+    units, kind = read.get("units", ("", "")), read["kind"]
+    if missing or units is None or math.isnan(kind):
         return None
-    units = given.get("units", ("", ""))
-    if not isinstance(units, list | tuple) or len(units) != 2 or not all(isinstance(one, str) for one in units):
-        values.wrong((*path, "units"), f'expected the units of x and y, as in ["deg", "mm"], got {said(units)}')
-        return None
-    before = len(values.problems)
-    x, of_x = _numbers(values, given["x"], units[0], (*path, "x"))
-    y, of_y = _numbers(values, given["y"], units[1], (*path, "y"))
+    kind, before = CURVES[int(kind)], len(values.problems)
+    x, of_x = _numbers(values, written["x"], units[0], (*path, "x"))
+    y, of_y = _numbers(values, written["y"], units[1], (*path, "y"))
     if len(values.problems) > before:
         return None
-    period = _period(values, given, units[0], of_x, path)
+    period = _period(values, written, units[0], of_x, path)
     if not _shape_is_sound(values, x, y, kind, period, path):
         return None
-    made = _made(values, x, y, kind, period, path)
-    return (made, of_x, of_y) if made is not None else None
+    through = _through(values, x, y, kind, period, path)
+    return (through, of_x, of_y) if through is not None else None
 
 
-def _numbers(values: Values, given: Any, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
+def _numbers(values: Values, written: Any, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
     """Numbers of a list [SI] and their common dimension; unit: of those that have none, "" for SI."""
-    if not isinstance(given, list | tuple):
-        values.wrong(path, f"expected a list of numbers, got {said(given)}")
+    if not isinstance(written, list | tuple):
+        values.wrong(path, f"expected a list of numbers, got {said(written)}")
         return [], None
-    if len(given) > MOST_POINTS:
-        values.wrong(path, f"{len(given)} numbers; a table has at most {MOST_POINTS} points")
+    if len(written) > MOST_POINTS:
+        values.wrong(path, f"{len(written)} numbers; a table has at most {MOST_POINTS} points")
         return [], None
     try:
         scale, common = _scale(unit)
     except QuantityError as error:
         values.wrong((*path[:2], "units"), str(error))
         return [], None
-    found = []
-    for n, one in enumerate(given):
-        number, dimension = values.any_number(one, (*path, n))
+    numbers = []
+    for n, entry in enumerate(written):
+        number, dimension = values.any_number(entry, (*path, n))
         if dimension is None and scale != 1.0:
             number = number * scale
         elif dimension is not None and common not in (None, dimension):
             values.wrong(
-                (*path, n), f"{said(one)} is {describe(dimension)}, others are {describe(common or dimension)}"
+                (*path, n), f"{said(entry)} is {describe(dimension)}, others are {describe(common or dimension)}"
             )
         common = dimension if common is None else common
-        found.append(number)
-    return found, common
+        numbers.append(number)
+    return numbers, common
 
 
 def _scale(unit: str) -> tuple[float, Dimension | None]:
@@ -140,20 +131,20 @@ def _scale(unit: str) -> tuple[float, Dimension | None]:
     return quantity[0], dimension_of(unit)
 
 
-def _period(values: Values, given: Mapping[str, Any], unit: str, of_x: Dimension | None, path: Path) -> float:
+def _period(values: Values, written: Mapping[str, Any], unit: str, of_x: Dimension | None, path: Path) -> float:
     """The period [SI], 0 if there is none, nan after a problem."""
-    if "period" not in given:
+    if "period" not in written:
         return 0.0
     here = (*path, "period")
-    number, dimension = values.any_number(given["period"], here)
+    number, dimension = values.any_number(written["period"], here)
     if dimension is None:
         number = number * _scale(unit)[0] if unit.strip() else number
     elif of_x is not None and dimension != of_x:
-        values.wrong(here, f"{said(given['period'])} is {describe(dimension)}; x is {describe(of_x)}")
+        values.wrong(here, f"{said(written['period'])} is {describe(dimension)}; x is {describe(of_x)}")
     if not math.isfinite(bare(number)):
         return math.nan
     if not number > 0.0:
-        values.wrong(here, f"{said(given['period'])} must be positive")
+        values.wrong(here, f"{said(written['period'])} must be positive")
         return math.nan
     return number
 
@@ -194,18 +185,18 @@ def _shape_is_sound(values: Values, x: list[float], y: list[float], kind: str, p
     return True
 
 
-def _made(values: Values, x: list[float], y: list[float], kind: str, period: float, path: Path) -> Curve | None:
+def _through(values: Values, x: list[float], y: list[float], kind: str, period: float, path: Path) -> Curve | None:
     """The curve through sound points; where there is a period it ends one period after its start."""
     if period:
         if x[-1] - x[0] < period * (1.0 - CLOSE):
             x, y = [*x, x[0] + period], [*y, y[0]]
         else:
             x, y = [*x[:-1], x[0] + period], [*y[:-1], y[0]]
-    found = curve(x, y, kind, period)
-    if not all(abs(bare(one)) <= LARGEST for segment in found.coefficients for one in segment):
+    through = curve(x, y, kind, period)
+    if not all(abs(bare(number)) <= LARGEST for segment in through.coefficients for number in segment):
         values.wrong(path, "its numbers are too large, or its points too close, for finite slopes")
         return None
-    return found
+    return through
 
 
 # ---------------------------------------------------------------- files

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import Any
 
 from rattle.description.model import Vector
@@ -26,6 +27,8 @@ from rattle.language.expression import (
     value,
     walk,
 )
+from rattle.language.operation import Units
+from rattle.language.operations import OPERATIONS
 from rattle.language.recorded import as_number, bare
 from rattle.language.syntax import CALL, KNOWN
 from rattle.language.tables import NO_TABLES, Curve, Tables, tables_of
@@ -53,7 +56,7 @@ LIMITS: Mapping[str, Callable[[float], bool]] = {"positive": lambda x: x > 0.0, 
 
 
 PLAIN = "#"  # stands for a function of a plain number in a formula
-OF_NUMBERS = frozenset(("sin", "cos", "tan", "asin", "acos", "atan", "tanh", "exp", "log", "floor"))
+OF_NUMBERS = frozenset(record.name for record in OPERATIONS.values() if record.units is Units.PLAIN)
 
 
 def _outside(node: Node) -> Node:
@@ -64,7 +67,7 @@ def _outside(node: Node) -> Node:
             operands = tuple(stack[-len(part.operands) :])
             del stack[-len(part.operands) :]
             plain = part.name in OF_NUMBERS
-            stack.append(Name(PLAIN, part.column) if plain else Apply(part.name, operands, part.column))
+            stack.append(Name(PLAIN, part.column) if plain else replace(part, operands=operands))
         else:
             stack.append(part)
     return stack[0]
@@ -275,7 +278,7 @@ class Values:
         any unit, whether it is written or not.  Arguments of functions are formulas of their own.
         """
         for part in walk(_outside(node)):
-            if isinstance(part, Number) and part.dimension is not None:
+            if isinstance(part, Number) and part.dimension is not None and not part.implied:
                 return True
             if isinstance(part, Number) or (isinstance(part, Apply) and not part.name.endswith(CALL)):
                 continue
@@ -295,9 +298,9 @@ class Values:
             argument = function.operands[0]
             inside = self.dimension(argument, "rad")
             if inside is not None and inside != DIMENSIONLESS and self.has_units(argument):
+                called = function.called or function.name
                 raise ExpressionError(
-                    f"cannot take {function.name} of {unit_name(inside)}; expected a plain number or angle",
-                    function.column,
+                    f"cannot take {called} of {unit_name(inside)}; expected a plain number or angle", function.column
                 )
         outer = _outside(node)
         known = {one for one in names(outer) if self.dimensions.get(one) is not None}

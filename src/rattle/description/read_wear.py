@@ -11,62 +11,36 @@ from rattle import registry
 from rattle.description.model import Contact, Wear
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Path, said
-from rattle.description.wear_profile import DEPTHS
+from rattle.description.tables import COEFFICIENT, DEPTHS, LAYER, SIDES, WEAR
 from rattle.language.recorded import as_number
-from rattle.registry import REQUIRED, Field
 
 RATE = "m^2/N"  # of k: 1 mm^3/(N*m) = 1e-9 m^2/N
-SIDES = ("bush", "pin")
-FIELDS = {
-    "foundation": Field(
-        "Pa/m", "K_w, pressure per penetration; default: fitted to the contact law at a hundredth of the clearance",
-        math.nan, least="positive",
-    ),
-    "bins": Field("", "of the circumference, in which depths are kept", 360.0, least="positive"),
-    "smooth": Field(
-        "", "D of h_i += D (h_{i-1} - 2 h_i + h_{i+1}) after every jump, 0 to 0.25", 0.0, least="not negative"
-    ),
-    "cycle": Field("s", "after which the motion repeats; default: one turn of the driver", math.nan, least="positive"),
-    "cycles": Field("", "how many", 1e4, least="positive"),
-    "wall": Field("m", "depth at which the bush or the pin is worn through", math.inf, least="positive"),
-}  # fmt: skip
-COEFFICIENT = {
-    "coefficient": Field("", "of Archard's law, K_a", REQUIRED, least="not negative"),
-    "hardness": Field("Pa", "H of the softer surface; k = K_a/H", REQUIRED, least="positive"),
-}
-LAYER = {
-    "E": Field("Pa", "modulus of the layer", REQUIRED, least="positive"),
-    "nu": Field("", "its Poisson's ratio", 0.3, least="not negative"),
-    "thickness": Field("m", "of the layer", REQUIRED, least="positive"),
-}
-KEYS = (*SIDES, "layer", "jump", "profile", DEPTHS, *FIELDS)
 FEWEST, MOST = 12, 20_000  # bins
 SUNK = 0.01  # penetration over clearance at which the foundation is fitted to the law of the contact
 
 
 def read_wear(
-    reader: FieldReader, given: Mapping[str, Any], joint: registry.Kind, clearance: float, contact: Contact | None,
+    reader: FieldReader, table: Mapping[str, Any], joint: registry.Kind, clearance: float, contact: Contact | None,
     path: Path,
 ) -> tuple[Wear | None, Contact | None]:  # fmt: skip
     """The wear of one joint, None if it has none or after a problem; and its contact, of which it uses the length.
 
-    clearance [m], 0 if there is none; given: the joint as it is written.
+    clearance [m], 0 if there is none; table: the joint as it is written.
     """
-    if "wear" not in given:
+    if "wear" not in table:
         return None, contact
     if contact is not None:
         contact = replace(contact, unused=tuple(key for key in contact.unused if key != "length"))
-    return _wear(reader, given["wear"], joint, clearance, contact, given.get("contact"), path), contact
+    return _wear(reader, table["wear"], joint, clearance, contact, table.get("contact"), path), contact
 
 
 def _wear(
-    reader: FieldReader, written: Any, joint: registry.Kind, clearance: float, contact: Contact | None, given: Any,
-    path: Path,
+    reader: FieldReader, written: Any, joint: registry.Kind, clearance: float, contact: Contact | None,
+    of_contact: Any, path: Path,
 ) -> Wear | None:  # fmt: skip
-    """The wear as it is written; given: the contact as it is written."""
+    """The wear as it is written; of_contact: the contact as it is written."""
     values = reader.values
-    play = registry.play_of(joint.name)
-    if play is None or play.name not in registry.kinds("worn"):
+    if not kind_wears(joint):
         values.wrong(
             path, f"a {joint.name} joint does not wear here; only pins in bushes do: leave it out", at_key=True
         )
@@ -75,13 +49,39 @@ def _wear(
         values.wrong(path, "needs a clearance of the joint: a pin that fills its bush has no contact that moves")
         return None
     before, table = len(values.problems), values.table(written, path)
-    values.keys(table, KEYS, path)
-    read = {key: reader.field(one, key, table, {}, path) for key, one in FIELDS.items()}
+    read = reader.form(WEAR, table, path)
     rates = [_rate(reader, table.get(side, 0.0), (*path, side)) for side in SIDES]
     jump = math.nan
     if table.get("jump", "auto") != "auto":
         jump = values.value(table["jump"], "", (*path, "jump"), "positive")
-    bins = read["bins"]
+    layer = _require_possible(reader, table, read, path)
+    if len(values.problems) > before or contact is None:
+        return None
+    bed = layer if layer == layer else read["foundation"]
+    sizes = _sizes(reader, contact, of_contact, (*path[:-1], "contact"))
+    if sizes is None:
+        return None
+    radius, length = sizes
+    assumed = ""
+    if bed != bed and contact.static is not None:
+        bed, assumed = _fitted(contact, clearance, radius, length)
+    bins = int(read["bins"])
+    profile = _profile(reader, table, bins, path)
+    if len(values.problems) > before:
+        return None
+    kind = registry.kinds("contact").get(contact.model)
+    if profile is not None and kind is not None and (kind.leaf.contacts or kind.leaf.link):
+        round_ = f"contact '{contact.title}' takes the bush as round; a compliant one without oil knows its profile"
+        values.remarks.append(f"{'.'.join(map(str, path))}: {round_}")
+    return Wear(
+        rates[0], rates[1], bed, radius, length, bins, read["smooth"], read["cycle"], read["cycles"], jump,
+        read["wall"], profile, assumed,
+    )  # fmt: skip
+
+
+def _require_possible(reader: FieldReader, table: Mapping[str, Any], read: Mapping[str, float], path: Path) -> float:
+    """Refuse numbers that cannot be worked with; returns K_w [Pa/m] of the layer, nan if there is none."""
+    values, bins = reader.values, read["bins"]
     if bins == bins and not (FEWEST <= bins <= MOST and bins == round(bins)):
         values.wrong((*path, "bins"), f"expected a whole number from {FEWEST} to {MOST}, got {bins:g}")
     if read["smooth"] > 0.25:
@@ -89,70 +89,47 @@ def _wear(
     layer = _layer(reader, table["layer"], (*path, "layer")) if "layer" in table else math.nan
     if "layer" in table and "foundation" in table:
         values.wrong((*path, "layer"), "give a foundation or the layer from which it follows, not both", at_key=True)
-    if len(values.problems) > before or contact is None:
-        return None
-    bed = layer if layer == layer else read["foundation"]
-    sizes = _sizes(reader, contact, given, (*path[:-1], "contact"))
-    if sizes is None:
-        return None
-    radius, length = sizes
-    assumed = ""
-    if bed != bed and contact.static is not None:
-        bed, assumed = _fitted(contact, clearance, radius, length)
-    profile = _profile(reader, table, int(bins), path)
-    if len(values.problems) > before:
-        return None
-    known = registry.kinds("contact").get(contact.model)
-    if profile is not None and known is not None and (known.leaf.contacts or known.leaf.link):
-        said_ = f"contact '{contact.title}' takes the bush as round; a compliant one without oil knows its profile"
-        values.remarks.append(f"{'.'.join(map(str, path))}: {said_}")
-    return Wear(
-        rates[0], rates[1], bed, radius, length, int(bins), read["smooth"], read["cycle"], read["cycles"], jump,
-        read["wall"], profile, assumed,
-    )  # fmt: skip
+    return layer
 
 
-def _rate(reader: FieldReader, given: Any, path: Path) -> float:
+def _rate(reader: FieldReader, written: Any, path: Path) -> float:
     """k [m^2/N], from a number or from Archard's coefficient and the hardness; nan after a problem."""
-    if not isinstance(given, Mapping):
-        return as_number(reader.values.value(given, RATE, path, "not negative"))
-    reader.values.keys(given, COEFFICIENT, path)
-    found = {key: reader.field(one, key, given, {}, path) for key, one in COEFFICIENT.items()}
-    return as_number(found["coefficient"] / found["hardness"])
+    if not isinstance(written, Mapping):
+        return as_number(reader.values.value(written, RATE, path, "not negative"))
+    read = reader.form(COEFFICIENT, written, path)
+    return as_number(read["coefficient"] / read["hardness"])
 
 
-def _layer(reader: FieldReader, given: Any, path: Path) -> float:
+def _layer(reader: FieldReader, written: Any, path: Path) -> float:
     """K_w [Pa/m] of a thin layer bonded to a rigid body; nan after a problem.
 
     Source: Johnson, Contact Mechanics (1985), section 5.8.
     """
-    table = reader.values.table(given, path)
-    reader.values.keys(table, LAYER, path)
-    found = {key: reader.field(one, key, table, {}, path) for key, one in LAYER.items()}
-    nu = found["nu"]
+    read = reader.form(LAYER, reader.values.table(written, path), path)
+    nu = read["nu"]
     if nu >= 0.5:
         reader.values.wrong((*path, "nu"), f"{nu:g} is not below 0.5: such a layer cannot be compressed")
         return math.nan
-    return as_number((1.0 - nu) * found["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * found["thickness"]))
+    return as_number((1.0 - nu) * read["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * read["thickness"]))
 
 
-def _sizes(reader: FieldReader, contact: Contact, given: Any, path: Path) -> tuple[float, float] | None:
+def _sizes(reader: FieldReader, contact: Contact, written: Any, path: Path) -> tuple[float, float] | None:
     """Radius of the bush and length of the contact [m]; None after a problem.
 
     Contacts without a law, in which nothing can wear as they are, need neither.
     """
-    radius, found = contact.bush_radius, contact.static.values.get("length") if contact.static else None
-    table = given if isinstance(given, Mapping) else {}
+    radius, length = contact.bush_radius, contact.static.values.get("length") if contact.static else None
+    table = written if isinstance(written, Mapping) else {}
     if contact.film is not None:
-        found = contact.film.law.values["length"]
-    elif found is None and "length" in table:
-        found = reader.values.value(table["length"], "m", (*path, "length"), "positive")
+        length = contact.film.law.values["length"]
+    elif length is None and "length" in table:
+        length = reader.values.value(table["length"], "m", (*path, "length"), "positive")
     if contact.normal is None:
-        return radius, math.nan if found is None else float(found)
-    missing = [key for key, one in (("bush_radius", radius), ("length", found)) if not one]
+        return radius, math.nan if length is None else float(length)
+    missing = [key for key, size in (("bush_radius", radius), ("length", length)) if not size]
     for key in missing:
         reader.values.wrong(path, f"needs {key} in m: the area that wears depends on it")
-    return None if missing or found is None else (radius, float(found))
+    return None if missing or length is None else (radius, float(length))
 
 
 def _fitted(contact: Contact, clearance: float, radius: float, length: float) -> tuple[float, str]:
@@ -166,9 +143,9 @@ def _fitted(contact: Contact, clearance: float, radius: float, length: float) ->
     assert law.kernel is not None, "every law of a stiffness has a kernel"
     assert bed is not None, "so has the foundation"
     force = law.kernel.python(depth, [*law.leaf.pack(static.values), 0.0], 0)
-    found = float(force / bed.python(depth, [radius * length, clearance], 0))
-    words = f"foundation of {found:.3g} Pa/m: the round pin sinks in by {depth:.3g} m under {force:.3g} N"
-    return found, f"{words}, as by '{static.kind}'"
+    fitted = float(force / bed.python(depth, [radius * length, clearance], 0))
+    words = f"foundation of {fitted:.3g} Pa/m: the round pin sinks in by {depth:.3g} m under {force:.3g} N"
+    return fitted, f"{words}, as by '{static.kind}'"
 
 
 def _profile(
@@ -180,20 +157,20 @@ def _profile(
         return None
     if DEPTHS not in table:
         return None
-    here, given = (*path, DEPTHS), reader.values.table(table[DEPTHS], (*path, DEPTHS))
-    reader.values.keys(given, SIDES, here)
-    found = []
+    here, depths = (*path, DEPTHS), reader.values.table(table[DEPTHS], (*path, DEPTHS))
+    reader.values.keys(depths, SIDES, here)
+    sides = []
     for side in SIDES:
-        numbers = given.get(side, [0.0] * bins)
+        numbers = depths.get(side, [0.0] * bins)
         if not isinstance(numbers, list | tuple) or len(numbers) != bins:
             count = f"{len(numbers)} numbers" if isinstance(numbers, list | tuple) else said(numbers)
             what = (*path, "profile") if "profile" in table else (*here, side)
             reader.values.wrong(what, f"{side}: expected a depth in m for each of the {bins} bins, got {count}")
             return None
-        found.append(
-            tuple(reader.values.value(one, "m", (*here, side, n), "not negative") for n, one in enumerate(numbers))
+        sides.append(
+            tuple(reader.values.value(depth, "m", (*here, side, n), "not negative") for n, depth in enumerate(numbers))
         )
-    return found[0], found[1]
+    return sides[0], sides[1]
 
 
 def kind_wears(joint: registry.Kind) -> bool:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import fields
 from typing import Any
 
 from rattle import registry
-from rattle.description.changes import NAMED, TABLES
+from rattle.description.changes import NAMED
 from rattle.description.coordinates import declare, definitions, forces, ordered, record_of, used_names
 from rattle.description.massless import require_mass_at_contacts
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
@@ -15,12 +16,11 @@ from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
 from rattle.description.read_tables import read_tables
 from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, said
+from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
 from rattle.errors import ModelError, shown, suggest
 from rattle.language.expression import Node, names
 from rattle.language.units import dimension_of
 
-STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
-SETTING_UNITS = {"t_end": "s", "rtol": "", "atol": "", "step": "s", "output": "s"}
 DEEPEST = 10  # nested tables and lists
 SCALARS = (str, float, int, bool)
 
@@ -75,9 +75,9 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     recording = {name: one for name, one in tables["loads"].items() if record_of(str(one.get("type")))}
     others = {key: document.get(key, {}) for key in ("signals", "states")}
     _one_namespace(values, {**tables, "loads": recording, **others})
-    read_tables(values, document, known=True)
+    read_tables(values, document, early=True)
     parameters = read_parameters(values, document)
-    read_tables(values, document, known=False)
+    read_tables(values, document, early=False)
     _tables_are_no_names(values, parameters, document)
     groups = read_groups(values, document)
     for name in tables["bodies"]:
@@ -89,11 +89,10 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     starts = declare_states(values, document)
     signals, units = read_signals(values, document)
     states = read_states(values, document, starts)
-    gravity = values.vector(document.get("gravity", (0.0, 0.0)), "m/s^2", ("gravity",))
     parts = Parts(values)
+    gravity = parts.read(MODEL, document, ())["gravity"] or (0.0, 0.0)
     ground = values.table(document.get("ground", {}), ("ground",))
-    values.keys(ground, ("points",), ("ground",))
-    parts.ground = values.points(ground.get("points", {}), ("ground", "points"))
+    parts.ground = parts.form(GROUND, ground, ("ground",))["points"] or {}
     for name, given in tables["bodies"].items():
         with values.at(("bodies", name)):
             parts.add_body(name, given)
@@ -110,7 +109,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     for name, given in tables["loads"].items():
         with values.at(("loads", name)):
             parts.add_load(name, given)
-    initial, settings = _initial(values, document, parts), _settings(values, document)
+    initial, settings = _initial(values, document, parts), _settings(parts, document)
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [one.rate for one in states.values()]
     pulls, of_pulls = forces(parts.loads)
@@ -130,7 +129,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
 
 def _header(document: Mapping[str, Any], values: Values) -> str:
     """Check the keys and the format of the document; return its name."""
-    values.keys(document, TABLES, ())
+    values.keys(document, MODEL.fields, ())
     form = document.get("format")
     if form != 1 or isinstance(form, bool):
         got = f"got {said(form)}" if "format" in document else "it is missing"
@@ -182,38 +181,26 @@ def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initi
         path: Path = ("initial", name)
         entry = values.table(given, path)
         if name in parts.bodies:
-            values.keys(entry, STATE_UNITS, path)
-            bodies[name] = {
-                key: values.value(entry[key], unit, (*path, key)) for key, unit in STATE_UNITS.items() if key in entry
-            }
+            read = parts.form(START, entry, path)
+            bodies[name] = {key: number for key, number in read.items() if number is not None}
         elif name in parts.joints or name in parts.broken_joints:
-            values.keys(entry, ("offset",), path)
+            values.keys(entry, OFFSET.fields, path)
             if name not in play and name not in parts.broken_joints:
                 values.wrong(path, f"joint '{name}' has no clearance, so no offset", at_key=True)
             elif "offset" in entry:
-                offsets[name] = values.vector(entry["offset"], "m", (*path, "offset"))
+                offsets[name] = parts.read(OFFSET, entry, path)["offset"]
         else:
             known = suggest(name, [*parts.bodies, *play])
             values.wrong(path, f"no body or clearance joint {said(name)}{known}", at_key=True)
     return Initial(bodies, offsets)
 
 
-def _settings(values: Values, document: Mapping[str, Any]) -> Settings:
+def _settings(parts: Parts, document: Mapping[str, Any]) -> Settings:
     """The table [simulate]."""
-    path: Path = ("simulate",)
-    table = values.table(document.get("simulate", {}), path)
-    values.keys(table, [*SETTING_UNITS, "method"], path)
-    found: dict[str, Any] = {
-        key: values.value(table[key], unit, (*path, key), "positive")
-        for key, unit in SETTING_UNITS.items()
-        if key in table
-    }
-    if "method" in table:
-        found["method"], steppers = table["method"], registry.names("stepper")
-        if found["method"] not in steppers:
-            hint = suggest(str(table["method"]), steppers)
-            values.wrong((*path, "method"), f"unknown method {said(table['method'])}{hint}")
-    return Settings(**found)
+    table = parts.values.table(document.get("simulate", {}), ("simulate",))
+    read = parts.form(SIMULATE, table, ("simulate",))
+    settings = (field.name for field in fields(Settings))
+    return Settings(**{key: read[key] for key in settings if read[key] is not None})
 
 
 def _drivers_follow_time(

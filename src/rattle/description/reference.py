@@ -5,16 +5,16 @@ Descriptions come from the JSON Schema, numbers from the tables that the reader 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rattle import registry
 from rattle.description.coordinates import POINT
-from rattle.description.reader import STATE_UNITS
 from rattle.description.schema import schema
+from rattle.description.tables import MODEL, STATE_UNITS
+from rattle.language.composed import COMPOSED
 from rattle.language.materials import MATERIALS
-from rattle.language.motion_laws import MEANING as LAW_MEANING
-from rattle.language.syntax import FUNCTIONS
+from rattle.language.operations import FUNCTIONS, record_of
 from rattle.language.units import DIMENSIONLESS, UNITS, describe
 
 
@@ -26,30 +26,13 @@ class Topic(NamedTuple):
     lines: tuple[str, ...]
 
 
-MEANING: Mapping[str, str] = {
-    "abs": "absolute value",
-    "sign": "-1, 0 or 1",
-    "step": "0 below zero, 1 from zero on",
-    "log": "natural logarithm",
-    "ln": "the same as log",
-    "floor": "largest whole number that is not above x",
-    "mod": "x - y*floor(x/y), between 0 and y: mod(-7.5, 2) = 0.5",
-    "atan2": "angle of the direction (x, y)",
-    "hypot": "sqrt(x**2 + y**2)",
-    "min": "smallest of two or more",
-    "max": "largest of two or more",
-}
-
-
 def topics() -> dict[str, Topic]:
     """All topics by name."""
     made = [make() for make in (*(_table(name) for name in TABLES), _wear, _names, _functions, _units, _materials)]
     return {one.name: one for one in made}
 
 
-TABLES = (
-    "gravity", "parameters", "tolerances", "tables", "signals", "states", "ground", "bodies", "initial", "simulate",
-)  # fmt: skip
+TABLES = tuple(key for key in MODEL.fields if key not in ("format", "name", "joints", "drivers", "loads"))
 
 
 def common(family: str, kind: str) -> list[str]:
@@ -97,15 +80,19 @@ def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any
 
 def _table(name: str) -> Callable[[], Topic]:
     def make() -> Topic:
-        one: Mapping[str, Any] = schema()["properties"][name]
-        entry = one.get("additionalProperties") or one
-        variants = entry.get("anyOf", [entry]) if isinstance(entry, Mapping) else [one]
-        lines = [_line(key, value) for variant in variants for key, value in variant.get("properties", {}).items()] or [
-            _line(name, entry)
-        ]
-        return Topic(name, one.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
+        table: Mapping[str, Any] = schema()["properties"][name]
+        entry = table.get("additionalProperties") or table
+        lines = [_line(key, value) for key, value in _keys(entry)] or [_line(name, entry)]
+        return Topic(name, table.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
 
     return make
+
+
+def _keys(entry: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The keys of a table, in all ways to write it."""
+    yield from entry.get("properties", {}).items()
+    for variant in entry.get("anyOf", ()):
+        yield from _keys(variant)
 
 
 def _wear() -> Topic:
@@ -148,12 +135,13 @@ def _names() -> Topic:
 
 
 def _functions() -> Topic:
-    lines = [
-        f"{name}({'y, x' if name == 'atan2' else 'x' if count == 1 else 'x, y' if count > 0 else 'x, y, ...'})"
-        + (f": {MEANING[name]}" if name in MEANING else "")
-        for name, count in FUNCTIONS.items()
-    ]
-    lines += [f"{name}(u): {meaning}" for name, meaning in LAW_MEANING.items()]
+    lines = []
+    for name, count in FUNCTIONS.items():
+        record = record_of(name)
+        arguments = record.arguments or ("x" if count == 1 else "x, y" if count > 0 else "x, y, ...")
+        meaning = f"the same as {record.name}" if name != record.name else record.meaning
+        lines.append(f"{name}({arguments}){f': {meaning}' * bool(meaning)}")
+    lines += [f"{name}({', '.join(record.variables)}): {record.meaning}" for name, record in COMPOSED.items()]
     lines += ["a if x < y else b: also with <= > >=, and with conditions joined by and, or, not", "+ - * / ** ( )"]
     return Topic("functions", "functions and operators of expressions; angles in rad", tuple(lines))
 

@@ -1,11 +1,14 @@
-"""Pieces of the JSON Schema of the model file: numbers with units, points, fields of kinds, tables."""
+"""Pieces of the JSON Schema of the model file: numbers with units, points, fields, and the forms of tables."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
+from rattle import registry
+from rattle.description.tables import MATERIAL, Part
 from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
@@ -39,8 +42,7 @@ def number(unit: str, meaning: str, least: str = "") -> Schema:
 
 
 def vector(unit: str, meaning: str) -> Schema:
-    one = {"type": ["number", "string"]}
-    return {"type": "array", "items": one, "minItems": 2, "maxItems": 2, "description": f"{meaning} [x, y] [{unit}]"}
+    return {**array({"type": ["number", "string"]}, 2, 2), "description": f"{meaning} [x, y] [{unit}]"}
 
 
 def points(meaning: str) -> Schema:
@@ -52,42 +54,83 @@ def point(meaning: str) -> Schema:
 
 
 def connect(end: Schema, meaning: str = 'ends A and B, "body.point" each') -> Schema:
-    return {
-        "type": "array",
-        "items": end,
-        "minItems": 2,
-        "maxItems": 2,
-        "description": meaning,
-    }
+    return {**array(end, 2, 2), "description": meaning}
 
 
-def field(one: Field) -> Schema:
-    """A field of a kind, as its class declares it."""
-    meaning = one.meaning + (f"; may use {one.may_use}" if one.live and not one.meaning.endswith("of t") else "")
-    if one.function_of:
-        meaning += f"; an expression in {one.function_of} [{one.of_unit}], which may use tables"
-    if one.shape == "choice":
-        made: Schema = {"enum": [*one.choices, *([False, True] if one.flags else [])], "description": meaning}
-    elif one.shape == "flag":
-        made = {"type": "boolean", "description": meaning}
-    elif one.shape == "pair":
-        made = vector(one.unit, meaning)
-    elif one.shape == "point":
-        made = point(meaning)
-    elif one.shape in ("body", "joint"):
-        of_kind = "bodies" if one.shape == "body" else "joints"
-        made = {"type": "string", "pattern": NAME, "description": meaning, NAMES: of_kind}
-    elif one.shape == "connect":
-        made = connect({"type": "string", NAMES: "points"})
-    elif one.shape == "material":
-        of_own = table({"E": number("Pa", "modulus"), "nu": number("", "Poisson's ratio")}, ("E",))
-        made = {"anyOf": [{"type": "string"}, of_own], "description": meaning}
-    else:
-        made = number(one.unit, meaning, one.least)
-    chosen = one.default is REQUIRED or callable(one.default)
-    if not chosen and not (isinstance(one.default, float) and not math.isfinite(one.default)):
-        made["default"] = one.default
+def array(entry: Schema, fewest: int = 0, most: int = 0) -> Schema:
+    made: Schema = {"type": "array", "items": entry}
+    return made | ({"minItems": fewest} if fewest else {}) | ({"maxItems": most} if most else {})
+
+
+def _material(one: Field) -> Schema:
+    return {"anyOf": [{"type": "string"}, fields_of(MATERIAL.fields)]}
+
+
+def _steppers(one: Field) -> Schema:
+    kinds = registry.kinds("stepper")
+    summaries = "; ".join(f"{name}: {kind.summary.removesuffix('.')}" for name, kind in kinds.items())
+    return {"enum": list(kinds), "description": summaries}
+
+
+def _group(one: Field) -> Schema:
+    return array({**array({"type": "string", "pattern": NAME}, 2), "uniqueItems": True})
+
+
+RING = array(vector("m", "corner"), 3)
+PLAIN: Schema = {"type": ["number", "string"]}  # a number or a text
+SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
+    "body": lambda one: {"type": "string", "pattern": NAME, "description": one.meaning, NAMES: "bodies"},
+    "choice": lambda one: {"enum": [*one.choices, *([False, True] if one.flags else [])]},
+    "connect": lambda one: connect({"type": "string", NAMES: "points"}),
+    "constant": lambda one: {"const": one.choices[0]},
+    "each": lambda one: array(PLAIN, 2, 2),
+    "file": lambda one: {"type": "string"},
+    "flag": lambda one: {"type": "boolean"},
+    "film": lambda one: {"enum": list(registry.kinds("film")), "default": one.default},
+    "geometry": lambda one: {"enum": [name for name in registry.kinds("stiffness") if name != "power"]},
+    "groups": _group,
+    "joint": lambda one: {"type": "string", "pattern": NAME, "description": one.meaning, NAMES: "joints"},
+    "material": _material,
+    "names": lambda one: array({"type": "string"}, 2, 2),
+    "numbers": lambda one: array(PLAIN, one.fewest),
+    "pair": lambda one: vector(one.unit, one.meaning),
+    "point": lambda one: point(one.meaning),
+    "points": lambda one: points(one.meaning),
+    "ring": lambda one: RING,
+    "rings": lambda one: array(RING),
+    "stepper": _steppers,
+    "table": lambda one: {"type": "object"},
+    "text": lambda one: (
+        {"type": "string", "description": one.meaning} | ({"maxLength": one.longest} if one.longest else {})
+    ),
+    "texts": lambda one: array({"type": "string"}, 2, 2),
+    "title": lambda one: {"type": "string"},
+    "version": lambda one: {"const": 1},
+}
+
+
+def field(declared: Field) -> Schema:
+    """A field of a kind or of a table."""
+    meaning, default = declared.meaning, declared.default
+    if declared.live and not meaning.endswith("of t"):
+        meaning += f"; may use {declared.may_use}"
+    if declared.function_of:
+        meaning += f"; an expression in {declared.function_of} [{declared.of_unit}], which may use tables"
+    told = replace(declared, meaning=meaning)
+    made = dict(SHAPES[told.shape](told)) if told.shape in SHAPES else number(told.unit, meaning, told.least)
+    if meaning:
+        made.setdefault("description", meaning)
+    chosen = default is REQUIRED or default is None or callable(default)
+    if not chosen and not (isinstance(default, float) and not math.isfinite(default)):
+        made["default"] = default
     return made
+
+
+def fields_of(keys: Mapping[str, Part], meaning: str = "") -> Schema:
+    """A table with these fields."""
+    declared = {key: one for key, one in keys.items() if isinstance(one, Field)}
+    needed = [key for key, one in declared.items() if one.default is REQUIRED]
+    return table({key: field(one) for key, one in declared.items()}, needed, meaning)
 
 
 def fields(kind: Kind) -> dict[str, Schema]:

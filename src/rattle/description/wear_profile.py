@@ -12,9 +12,9 @@ from typing import Any
 from rattle.description.changes import Change
 from rattle.description.read_tables import inside, rows_of, text_of
 from rattle.description.read_values import said
+from rattle.description.tables import DEPTHS
 from rattle.errors import InputError, ModelError, Problem
 
-DEPTHS = "depths"  # key of `wear`: the numbers of a profile, where no file holds them
 HEADER = ("angle [rad]", "bush [m]", "pin [m]")
 TITLE = "# wear profile of joint "
 

@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.errors import InputError, TraceError
+from rattle.jit.choices import TINY
 from rattle.jit.functions import compiled
 from rattle.language.recorded import Recorded, bare, log
 
@@ -53,7 +54,7 @@ FILE = Path(__file__).with_suffix(".npz")
 def edge_place(a, b, e, s, q):
     """tau [-] of a state and d tau/d alpha, from e [of the clearance], its parts a, b along and across v, s and Q."""
     if e < CENTRE:
-        e = max(e, 1e-300)
+        e = max(e, TINY)
         return a / e, b / e
     most = math.atan2(s, -e)
     whole = math.log(most / (math.pi - most))
@@ -118,14 +119,14 @@ def read_sheet(table, first, gap, tau):
 
 
 @compiled
-def read_ratios(e, alpha, table, found):
+def read_ratios(e, alpha, table, ratios):
     """exp of the sheet at every e [of the clearance] and alpha [rad], arrays (n,); the last one is filled."""
     for k in range(e.shape[0]):
         s = math.sqrt((1.0 - e[k]) * (1.0 + e[k]))
         a = e[k] * math.cos(alpha[k])
         tau, _ = edge_place(a, -e[k] * math.sin(alpha[k]), e[k], s, math.atan2(s, -a))
         value, _ = read_sheet(table, 0, 1.0 - e[k], tau)
-        found[k] = math.exp(value)
+        ratios[k] = math.exp(value)
 
 
 # ---------------------------------------------------------------- from nodes to coefficients
@@ -141,9 +142,9 @@ def directions(e: float) -> Array:
     s = math.sqrt((1.0 - e) * (1.0 + e))
     places = TAU * math.log(math.atan2(s, -e) / math.atan2(s, e))
     a = s * np.tan(0.5 * np.pi * np.tanh(0.5 * places))  # Q - pi/2 is pi/2 tanh(l/2)
-    found = np.arccos(np.clip(a / e, -1.0, 1.0))
-    found[0], found[-1] = math.pi, 0.0
-    return found
+    angles = np.arccos(np.clip(a / e, -1.0, 1.0))
+    angles[0], angles[-1] = math.pi, 0.0
+    return angles
 
 
 @functools.cache
@@ -154,8 +155,8 @@ def nodes() -> dict[str, Array]:
     logarithms.  peak, full_peak: logarithms of the ratio of the largest pressure to that of the short film.
     leakage, full_leakage: of the flow out of both ends.
     """
-    with np.load(FILE) as found:
-        return {name: np.asarray(found[name], dtype=float) for name in found.files}
+    with np.load(FILE) as archive:
+        return {name: np.asarray(archive[name], dtype=float) for name in archive.files}
 
 
 @functools.lru_cache(maxsize=64)
@@ -166,9 +167,9 @@ def coefficients(name: str, ratio: float) -> Array:
     """
     if not 0.0 < ratio <= LONGEST:
         raise InputError(f"the table of films ends at L/D = {LONGEST:g}, not {ratio:g}")
-    found = _over_states(name, _at_ratio(nodes()[name], ratio))
-    found.setflags(write=False)
-    return found
+    splines = _over_states(name, _at_ratio(nodes()[name], ratio))
+    splines.setflags(write=False)
+    return splines
 
 
 def recorded_coefficients(name: str, ratio: Recorded) -> list[Recorded]:
@@ -183,19 +184,19 @@ def recorded_coefficients(name: str, ratio: Recorded) -> list[Recorded]:
         raise TraceError(f"the table of films has no record below L/D = {RATIOS[0]:g}")
     knots = np.tensordot(_interpolation(count)[k : k + 4], nodes()[name], axes=1)
     weights = spline_weights.python(x - float(k))
-    parts = [_over_states(name, one).tolist() for one in knots]
+    parts = [_over_states(name, knot_values).tolist() for knot_values in knots]
     values = coefficients(name, bare(ratio)).tolist()
-    found = []
+    recorded = []
     for value, c0, c1, c2, c3 in zip(values, *parts, strict=True):
         total = weights[0] * c0 + weights[1] * c1 + weights[2] * c2 + weights[3] * c3
-        found.append(total.made(value, total.symbol))
-    return found
+        recorded.append(total.made(value, total.symbol))
+    return recorded
 
 
 def _over_states(name: str, values: Array) -> Array:
     """Coefficients of the splines over the states, flat, from values at the nodes for one L/D."""
-    found = _to_coefficients(values, -1)
-    return np.ascontiguousarray(_to_coefficients(found, 0) if name != "full" else found).ravel()
+    splines = _to_coefficients(values, -1)
+    return np.ascontiguousarray(_to_coefficients(splines, 0) if name != "full" else splines).ravel()
 
 
 def _at_ratio(values: Array, ratio: float) -> Array:

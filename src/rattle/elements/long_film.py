@@ -10,10 +10,10 @@ PARTS = 1000  # places on the circle, among which the largest is looked for
 
 
 @compiled
-def long_peaks(e, alpha, found):
+def long_peaks(e, alpha, peaks):
     """`long_peak` of every state: arrays (n,), the last one is filled."""
     for k in range(e.shape[0]):
-        found[k] = long_peak(e[k], alpha[k])
+        peaks[k] = long_peak(e[k], alpha[k])
 
 
 @compiled

@@ -23,8 +23,8 @@ def around(function: LocalFunction) -> tuple[Array, Array]:
     """
     angles = np.linspace(-np.pi, np.pi, COUNT)
     jets = function(angles)
-    known = np.isfinite(jets).all(axis=0)
-    return angles[known], jets[:, known]
+    defined = np.isfinite(jets).all(axis=0)
+    return angles[defined], jets[:, defined]
 
 
 def degrees(angle: float) -> str:

@@ -14,6 +14,8 @@ CLOSE = 0.02  # [rad] within which directions are neighbours
 KINK = 0.02  # turn of the normal [rad] between them that the curvature does not explain
 
 Array = NDArray[np.float64]
+OVERLAP = 0.999  # of the radius of a roller, below which a second place of the cam is inside of it
+FOUND = 1e-9  # [rad] within which the search of `rolling.above` ends where the roller touches
 
 
 class RollerPath:
@@ -64,7 +66,7 @@ class RollerPath:
         """Where the roller would touch the curve in two places at once."""
         for centre, a in zip(self.centres, self.a, strict=True):
             apart = np.hypot(*(self.points - centre).T)
-            if (least := float(apart.min())) < 0.999 * self.radius:
+            if (least := float(apart.min())) < OVERLAP * self.radius:
                 other = degrees(self.a[int(apart.argmin())])
                 return (
                     f"roller: on the cam at a = {degrees(a)} it would stand {self.radius - least:.3g} m in the cam at a"
@@ -85,7 +87,7 @@ class RollerPath:
             step = (along * df + across * f) / bend
             a = a + step / np.sqrt(1.0 + (step / LONG) ** 2)
         missed = np.abs(np.remainder(a - touch + np.pi, 2.0 * np.pi) - np.pi)
-        if not len(missed) or not missed.max() > 1e-9:
+        if not len(missed) or not missed.max() > FOUND:
             return ""
         return (
             f"roller: where it touches the cam at a = {degrees(touch[int(missed.argmax())])} is not found from the"

@@ -72,10 +72,10 @@ def short_peak(e, alpha):
 
 
 @compiled
-def short_peaks(e, alpha, found):
+def short_peaks(e, alpha, peaks):
     """`short_peak` of every state: arrays (n,), the last one is filled."""
     for k in range(e.shape[0]):
-        found[k] = short_peak(e[k], alpha[k])
+        peaks[k] = short_peak(e[k], alpha[k])
 
 
 @compiled

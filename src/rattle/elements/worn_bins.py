@@ -48,14 +48,14 @@ def around(i, n):
 def depth_at(p, k, i, first, part):
     """Sum of both depths [m] at node i of the bush; first, part: `pin_place`."""
     n = int(p[k + COUNT])
-    found = p[k + DEPTHS + i]
+    depth = p[k + DEPTHS + i]
     if p[k + PIN_WORN] != 0.0:
         q = k + DEPTHS + n
         j = around(i + first, n)
         low, high = 0.5 - part, 0.5 + part
-        found += 0.5 * low * low * p[q + around(j - 1, n)] + (0.75 - part * part) * p[q + j]
-        found += 0.5 * high * high * p[q + around(j + 1, n)]
-    return found
+        depth += 0.5 * low * low * p[q + around(j - 1, n)] + (0.75 - part * part) * p[q + j]
+        depth += 0.5 * high * high * p[q + around(j + 1, n)]
+    return depth
 
 
 @compiled

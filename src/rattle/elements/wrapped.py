@@ -22,10 +22,11 @@ from typing import NamedTuple
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import compiled
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.language.recorded import acos, sqrt
 
 SMALL = 0.2  # |S| by the radii, below which psi is counted from the start
+OVERLAPPING = 1e-24  # square of the least length of a belt's line, by the distance of the centres: wheels overlap
 
 
 class Wrapped(NamedTuple):
@@ -67,7 +68,7 @@ def write_turning(body, a, b, p, k, ra, rb, residual, row, rows):
     wa, wb, s = body[a, at.W], body[b, at.W], ra + rb
     l2 = dx * dx + dy * dy
     # coincident centres have no direction
-    inv = 1.0 / l2 if assume(l2 > 1e-300) else 0.0
+    inv = 1.0 / l2 if assume(l2 > COINCIDENT * COINCIDENT) else 0.0
     x, y = s * dx * inv, s * dy * inv
     turned = dx * ddy - dy * ddx
 
@@ -92,7 +93,7 @@ def write_line(body, a, b, p, k, i, row, kinematics):
     d = math.sqrt(dx * dx + dy * dy)
     inv = 1.0 / d
     ex, ey = dx * inv, dy * inv
-    root = math.sqrt(max(d * d - s * s, 1e-24 * d * d))  # wheels that overlap have no such line
+    root = math.sqrt(max(d * d - s * s, OVERLAPPING * d * d))
     slope, bent = root * inv, s * s * inv * inv / root
     along, across = ex * ddx + ey * ddy, ex * ddy - ey * ddx
     f = root - s * math.acos(min(max(s * inv, -1.0), 1.0))

@@ -29,15 +29,17 @@ from rattle.jit.functions import compiled
 TINY = 1e-12  # share of the mechanism's size that spans nothing
 PARALLEL = 2e-12  # sine of the angle between two slides that are one
 MOST_NODES = 3000  # parts of loops that are solved for one of them: a value at the end of ten four-bars decides late
+PARTS = 1e14  # of 1, to which changes are rounded before they are compared
+WHOLE = 1e18  # numbers so large are whole numbers
 
 
 # ---------------------------------------------------------------- angles that are known, what loops span
 @compiled
 def tie(m, row):
     """By how much a body is ahead of another one in a row of TIED or PASSED [rad]."""
-    one = m.start_map[row]
-    angle = m.values[one[of.SLOT]] if one[of.SLOT] >= 0 else m.start_lines[one[of.TIE], of.KEPT_ANGLE]
-    return angle if one[of.SIGN] > 0 else -angle
+    entry = m.start_map[row]
+    angle = m.values[entry[of.SLOT]] if entry[of.SLOT] >= 0 else m.start_lines[entry[of.TIE], of.KEPT_ANGLE]
+    return angle if entry[of.SIGN] > 0 else -angle
 
 
 @compiled
@@ -46,8 +48,8 @@ def begin_search(m):
     bodies, parts, table = m.start_bodies, m.start_parts, m.start_map
     for body in range(bodies.shape[1]):
         near = m.start_near[3 * body - 1] if body > 0 else 0.0
-        given = m.start_given[3 * body - 1] if body > 0 else 0.0
-        bodies[of.ANGLE, body] = given if given == given else near if near == near else 0.0
+        prescribed = m.start_given[3 * body - 1] if body > 0 else 0.0
+        bodies[of.ANGLE, body] = prescribed if prescribed == prescribed else near if near == near else 0.0
         bodies[of.AHEAD, body] = 0.0
         bodies[of.NEAR, body] = math.nan
         bodies[of.EXACT, body] = math.nan
@@ -80,30 +82,30 @@ def add_terms(m):
         spans[k, 0] = 0.0
         spans[k, 1] = 0.0
     for row in range(parts[of.TERMS], parts[of.TERMS + 1]):
-        one = table[row]
-        into, kind, sign = spans[one[of.INTO]], one[of.TERM], 1.0 if one[of.SENSE] > 0 else -1.0
+        term = table[row]
+        into, kind, sign = spans[term[of.INTO]], term[of.TERM], 1.0 if term[of.SENSE] > 0 else -1.0
         if kind == of.POINT:
             x, y = 0.0, 0.0
-            if one[of.PLUS] >= 0:
-                x, y = m.values[one[of.PLUS]], m.values[one[of.PLUS] + 1]
-            if one[of.MINUS] >= 0:
-                x -= m.values[one[of.MINUS]]
-                y -= m.values[one[of.MINUS] + 1]
-            ahead = m.start_bodies[of.AHEAD, one[of.BODY]]
+            if term[of.PLUS] >= 0:
+                x, y = m.values[term[of.PLUS]], m.values[term[of.PLUS] + 1]
+            if term[of.MINUS] >= 0:
+                x -= m.values[term[of.MINUS]]
+                y -= m.values[term[of.MINUS] + 1]
+            ahead = m.start_bodies[of.AHEAD, term[of.BODY]]
             c, s = math.cos(ahead), math.sin(ahead)
             into[0] += c * x - s * y
             into[1] += c * y + s * x
         elif kind == of.ROD:
-            into[0] += sign * m.start_lines[one[of.PLUS], of.DISTANCE]
+            into[0] += sign * m.start_lines[term[of.PLUS], of.DISTANCE]
         elif kind == of.LINE:
-            angle = m.start_bodies[of.AHEAD, one[of.BODY]] + m.start_lines[one[of.PLUS], of.DIRECTION]
+            angle = m.start_bodies[of.AHEAD, term[of.BODY]] + m.start_lines[term[of.PLUS], of.DIRECTION]
             into[0] = sign * math.cos(angle)
             into[1] = sign * math.sin(angle)
         elif kind == of.AXIS:
-            into[one[of.PLUS]] = -1.0
+            into[term[of.PLUS]] = -1.0
         else:
-            value = m.start_given[one[of.PLUS]] if kind == of.GIVEN else m.values[one[of.PLUS]]
-            into[one[of.MINUS]] -= value
+            value = m.start_given[term[of.PLUS]] if kind == of.GIVEN else m.values[term[of.PLUS]]
+            into[term[of.MINUS]] -= value
 
 
 # ---------------------------------------------------------------- what is known at a node
@@ -129,19 +131,19 @@ def know(m, node):
         depth += 1
         at_node = steps[at_node, of.NODE]
     for k in range(depth - 1, -1, -1):
-        one = wishes[of.PATH, k]
-        if steps[one, of.EVENT] == of.WITH_LOOP:
-            wishes[of.PENDING, steps[one, of.WHICH]] = 0
-            wishes[of.ACTIVE, active] = m.start_map[parts[of.WISHES] + steps[one, of.WHICH], of.WISH]
+        ancestor = wishes[of.PATH, k]
+        if steps[ancestor, of.EVENT] == of.WITH_LOOP:
+            wishes[of.PENDING, steps[ancestor, of.WHICH]] = 0
+            wishes[of.ACTIVE, active] = m.start_map[parts[of.WISHES] + steps[ancestor, of.WHICH], of.WISH]
             active += 1
-        elif steps[one, of.EVENT] == of.NO_MORE_WISHES:
+        elif steps[ancestor, of.EVENT] == of.NO_MORE_WISHES:
             for n in range(wishes.shape[1]):
                 wishes[of.PENDING, n] = 0
         else:
-            if steps[one, of.ONE] >= 0:
-                value[steps[one, of.ONE]] = m.start_nodes[one, of.ONE_VALUE]
-            if steps[one, of.ANOTHER] >= 0:
-                value[steps[one, of.ANOTHER]] = m.start_nodes[one, of.OTHER_VALUE]
+            if steps[ancestor, of.ONE] >= 0:
+                value[steps[ancestor, of.ONE]] = m.start_nodes[ancestor, of.ONE_VALUE]
+            if steps[ancestor, of.ANOTHER] >= 0:
+                value[steps[ancestor, of.ANOTHER]] = m.start_nodes[ancestor, of.OTHER_VALUE]
     return active
 
 
@@ -164,7 +166,7 @@ def span(m, loop, vector):
 def unknown_parts(m, loop):
     """How many angles and slides a loop may determine, and the rows of the first two of each."""
     table, value, tiny = m.start_map, m.start_unknown, TINY * m.start_size[0]
-    angles, one, other, slides, slide, more = 0, -1, -1, 0, -1, -1
+    angles, first, second, slides, slide, more = 0, -1, -1, 0, -1, -1
     for row in range(table[loop, of.FIRST_SLIDE], table[loop, of.END_SLIDE]):
         if value[table[row, of.SLIDE]] != value[table[row, of.SLIDE]]:
             slides += 1
@@ -184,10 +186,10 @@ def unknown_parts(m, loop):
         if sliding or math.hypot(x, y) > tiny:
             angles += 1
             if angles == 1:
-                one = row
+                first = row
             elif angles == 2:
-                other = row
-    return angles, one, other, slides, slide, more
+                second = row
+    return angles, first, second, slides, slide, more
 
 
 @compiled
@@ -275,22 +277,22 @@ def solve_loop(m, loop):
             c, s = math.cos(angle), math.sin(angle)
             cx += c * x - s * y
             cy += c * y + s * x
-    count, one, other, short = 0, -1, -1, 0.0
+    count, unknown, other, short = 0, -1, -1, 0.0
     a1, b1, a2, b2 = 0.0, 0.0, 0.0, 0.0
     if angles == 2:
         ax, ay = span(m, loop, first)
         bx, by = span(m, loop, second)
-        one, other = table[first, of.GROUP], table[second, of.GROUP]
+        unknown, other = table[first, of.GROUP], table[second, of.GROUP]
         count, a1, b1, a2, b2, short = triangle(ax, ay, bx, by, cx, cy)
     elif angles == 1:
         dx, dy = span(m, loop, first)
-        one = table[first, of.GROUP]
+        unknown = table[first, of.GROUP]
         if slides == 0:
             count, a1 = 1, direction(-cx, -cy, dx, dy)
         else:
             other = table[slide, of.SLIDE]
             ux, uy = m.start_spans[slide - parts[of.VECTORS], 0], m.start_spans[slide - parts[of.VECTORS], 1]
-            if table[slide, of.TURNS] == one:
+            if table[slide, of.TURNS] == unknown:
                 count, b1, b2, short = onto_circle(dx, dy, ux, uy, math.hypot(cx, cy))
                 a1 = turned_to(-cx, -cy, dx + b1 * ux, dy + b1 * uy)
                 a2 = turned_to(-cx, -cy, dx + b2 * ux, dy + b2 * uy)
@@ -302,7 +304,7 @@ def solve_loop(m, loop):
                 a1 = turned_to(-(cx + b1 * ux), -(cy + b1 * uy), dx, dy)
                 a2 = turned_to(-(cx + b2 * ux), -(cy + b2 * uy), dx, dy)
     else:
-        count, one = 1, table[slide, of.SLIDE]
+        count, unknown = 1, table[slide, of.SLIDE]
         ux, uy = unit_now(m, slide)
         a1 = -(ux * cx + uy * cy)
         if slides == 2:
@@ -314,7 +316,7 @@ def solve_loop(m, loop):
             else:
                 a1, b1 = 0.5 * a1, -0.5 * (wx * cx + wy * cy)
     short /= m.start_size[0]
-    return count, one, other, a1, b1, a2, b2, short * short
+    return count, unknown, other, a1, b1, a2, b2, short * short
 
 
 @compiled
@@ -333,43 +335,43 @@ def unit_now(m, slide):
 
 # ---------------------------------------------------------------- nodes; those that change given values least first
 @compiled
-def before(m, one, other):
+def before(m, node, other):
     """True if a node is to be looked at before another one."""
     for key in range(of.AWAY + 1):
-        if m.start_nodes[one, key] != m.start_nodes[other, key]:
-            return m.start_nodes[one, key] < m.start_nodes[other, key]
-    return one < other
+        if m.start_nodes[node, key] != m.start_nodes[other, key]:
+            return m.start_nodes[node, key] < m.start_nodes[other, key]
+    return node < other
 
 
 @compiled
 def push(m, parent, event, which):
     """A new node, like another one, on the heap; returns it."""
     search, nodes, steps = m.start_search, m.start_nodes, m.start_steps
-    made = search[of.NODES]
+    node = search[of.NODES]
     search[of.NODES] += 1
-    steps[made, of.NODE] = parent
-    steps[made, of.EVENT] = event
-    steps[made, of.WHICH] = which
-    steps[made, of.ONE] = -1
-    steps[made, of.ANOTHER] = -1
+    steps[node, of.NODE] = parent
+    steps[node, of.EVENT] = event
+    steps[node, of.WHICH] = which
+    steps[node, of.ONE] = -1
+    steps[node, of.ANOTHER] = -1
     for k in range(nodes.shape[1]):
-        nodes[made, k] = nodes[parent, k] if parent >= 0 else 0.0
-    return made
+        nodes[node, k] = nodes[parent, k] if parent >= 0 else 0.0
+    return node
 
 
 @compiled
-def onto_heap(m, made):
+def onto_heap(m, node):
     """Put a node onto the heap, once its numbers are known."""
     search, heap = m.start_search, m.start_heap
     k = search[of.HEAPED]
     search[of.HEAPED] += 1
-    heap[k] = made
+    heap[k] = node
     for _ in range(64):
-        if k == 0 or not before(m, made, heap[(k - 1) // 2]):
+        if k == 0 or not before(m, node, heap[(k - 1) // 2]):
             break
         heap[k] = heap[(k - 1) // 2]
         k = (k - 1) // 2
-        heap[k] = made
+        heap[k] = node
 
 
 @compiled
@@ -397,7 +399,7 @@ def from_heap(m):
 @compiled
 def rounded(x, parts):
     """A number that is rounded to parts of 1, for those that are equal but for rounding."""
-    return round(x * parts) / parts if abs(x) < 1e18 / parts else x
+    return round(x * parts) / parts if abs(x) < WHOLE / parts else x
 
 
 @compiled
@@ -411,25 +413,25 @@ def miss(angle, near):
 @compiled
 def branch(m, node, loop, open_loops):
     """New nodes for the solutions of a loop."""
-    count, one, other, a1, b1, a2, b2, short = solve_loop(m, loop)
+    count, first, second, a1, b1, a2, b2, short = solve_loop(m, loop)
     nodes, bodies = m.start_nodes, m.start_bodies
     for n in range(count):
-        made = push(m, node, of.SET, 0)
+        child = push(m, node, of.SET, 0)
         change, away = 0.0, 0.0
         for k in range(2):
-            unknown, value = one if k == 0 else other, (a1 if n == 0 else a2) if k == 0 else (b1 if n == 0 else b2)
-            m.start_steps[made, of.ONE + k] = unknown
-            nodes[made, of.ONE_VALUE + k] = value
+            unknown, value = first if k == 0 else second, (a1 if n == 0 else a2) if k == 0 else (b1 if n == 0 else b2)
+            m.start_steps[child, of.ONE + k] = unknown
+            nodes[child, of.ONE_VALUE + k] = value
             if 0 <= unknown < m.start_form[of.ANGLES]:
                 near = bodies[of.NEAR, unknown] if unknown < bodies.shape[1] else math.nan
                 off = miss(value, near if near == near else 0.0)
                 away += off
                 if unknown < bodies.shape[1] and bodies[of.EXACT, unknown] == bodies[of.EXACT, unknown]:
                     change += off
-        nodes[made, of.CHANGE] = rounded(nodes[node, of.CHANGE] + change + short, 1e14)
-        nodes[made, of.OPEN] = open_loops - 1
-        nodes[made, of.AWAY] = nodes[node, of.AWAY] + away
-        onto_heap(m, made)
+        nodes[child, of.CHANGE] = rounded(nodes[node, of.CHANGE] + change + short, PARTS)
+        nodes[child, of.OPEN] = open_loops - 1
+        nodes[child, of.AWAY] = nodes[node, of.AWAY] + away
+        onto_heap(m, child)
 
 
 @compiled
@@ -459,9 +461,9 @@ def add_wish(m, node, loop, turn):
         onto_heap(m, push(m, node, of.NO_MORE_WISHES, 0))
         return
     m.start_search[of.COMPLETE] = 0
-    angles, one, _other, _slides, slide, _more = unknown_parts(m, loop)
+    angles, first, _other, _slides, slide, _more = unknown_parts(m, loop)
     if angles > 0:
-        group = table[one, of.GROUP]
+        group = table[first, of.GROUP]
         near = m.start_bodies[of.NEAR, group] if group < m.start_bodies.shape[1] else 0.0
         set_one(m, node, group, near if near == near else 0.0)
     else:
@@ -471,10 +473,10 @@ def add_wish(m, node, loop, turn):
 @compiled
 def set_one(m, node, unknown, value):
     """A new node with a value of one unknown."""
-    made = push(m, node, of.SET, 0)
-    m.start_steps[made, of.ONE] = unknown
-    m.start_nodes[made, of.ONE_VALUE] = value
-    onto_heap(m, made)
+    child = push(m, node, of.SET, 0)
+    m.start_steps[child, of.ONE] = unknown
+    m.start_nodes[child, of.ONE_VALUE] = value
+    onto_heap(m, child)
 
 
 @compiled
@@ -482,9 +484,9 @@ def begin_turn(m):
     """Look for closings from the beginning."""
     for k in (of.HEAPED, of.NODES, of.LOOKED_AT):
         m.start_search[k] = 0
-    made = push(m, -1, of.BEGUN, 0)
-    m.start_nodes[made, of.OPEN] = m.start_parts[of.WISH_LOOPS] - m.start_parts[of.LOOPS]
-    onto_heap(m, made)
+    node = push(m, -1, of.BEGUN, 0)
+    m.start_nodes[node, of.OPEN] = m.start_parts[of.WISH_LOOPS] - m.start_parts[of.LOOPS]
+    onto_heap(m, node)
 
 
 @compiled

@@ -10,6 +10,12 @@ from rattle.equations.schur import factorise
 from rattle.jit import layout as at
 from rattle.jit.functions import native
 
+CLOSED = 1e-13  # sizes of the mechanism to which Newton's method goes on: positions are rounded to 1e-16 of it
+SHUT = 1e-9  # sizes of the mechanism by which joints may stay open, and given places be missed
+ITERATIONS = 60  # of Newton's method
+MOST_TURN = 0.5  # rotation of a body in one step [rad]: rows are linear in no larger one
+POLISH = 2  # steps below the tolerance
+
 
 @native("f", "h", "f", "v", "v")
 def open_by(m, t, q, v):
@@ -56,16 +62,16 @@ def close_position(m, t, q, start, tolerance, most):
     gap = residual(m)
     polish = 0
     for iteration in range(most):
-        if not gap > 0.0 or not gap < math.inf or polish == 2:
+        if not gap > 0.0 or not gap < math.inf or polish == POLISH:
             return gap, iteration
         if gap <= tolerance:
             polish += 1
         factorise(m)
         correct(m)
         share = 1.0
-        for k in range(2, q.shape[0], 3):  # no body turns by more than half a radian at once
-            if abs(change[k]) * share > 0.5:
-                share = 0.5 / abs(change[k])
+        for k in range(2, q.shape[0], 3):
+            if abs(change[k]) * share > MOST_TURN:
+                share = MOST_TURN / abs(change[k])
         for k in range(q.shape[0]):
             start[k] = q[k]
         now = math.inf

@@ -81,11 +81,9 @@ def rows_kernel(m, count):
 
 
 @compiled
-def respond(m, a, b, w, response, multiplier_response, r):
-    """Response to a unit force along row r of w, at bodies a and b, into rows r; the factor of S must be up to date."""
-    rows, weight, x, place_of, row_body = m.rows, m.weight, m.solution, m.place, m.row_body
-    for c in range(response.shape[1]):
-        response[r, c] = 0.0
+def force_rows(m, a, b, w, r):
+    """Right-hand side of the multipliers' equations for a unit force along row r of w, at bodies a and b."""
+    rows, weight, row_body = m.rows, m.weight, m.row_body
     for row in range(rows.shape[0]):
         value = 0.0
         for side in range(2):
@@ -96,7 +94,16 @@ def respond(m, a, b, w, response, multiplier_response, r):
             if i == b:
                 for q in range(3):
                     value += rows[row, c + q] * weight[i, q] * w[r, 3 + q]
-        x[place_of[row]] = value
+        m.solution[m.place[row]] = value
+
+
+@compiled
+def respond(m, a, b, w, response, multiplier_response, r):
+    """Response to a unit force along row r of w, at bodies a and b, into rows r; the factor of S must be up to date."""
+    rows, weight, row_body = m.rows, m.weight, m.row_body
+    for c in range(response.shape[1]):
+        response[r, c] = 0.0
+    force_rows(m, a, b, w, r)
     solve(m)
     for q in range(3):
         if a > 0:
@@ -104,7 +111,7 @@ def respond(m, a, b, w, response, multiplier_response, r):
         if b > 0:
             response[r, 3 * b - 3 + q] += weight[b, q] * w[r, 3 + q]
     for row in range(rows.shape[0]):
-        z = x[place_of[row]]
+        z = m.solution[m.place[row]]
         multiplier_response[r, row] = z
         i, j = row_body[row, at.ROW_A], row_body[row, at.ROW_B]
         for q in range(3):
@@ -198,33 +205,41 @@ def modes_kernel(m, number):
 
 
 @compiled
+def unknowns_of(mode):
+    """Number of forces of a contact that the equations of its mode determine."""
+    if mode == OFF:
+        return 0
+    return 2 if mode == STICK else 1
+
+
+@compiled
+def fill_row(m, count, rough, k, d, row, ridge):
+    """Row of `system` of the normal (d = 0) or tangential equation of active contact k."""
+    delassus, system, candidate, column = m.delassus, m.system, m.candidate, 0
+    for j in range(count):
+        if candidate[j] == OFF:
+            continue
+        value = delassus[2 * k + d, 2 * j] * (ridge if j == k and d == 0 else 1.0)
+        if candidate[j] == STICK:
+            system[row, column + 1] = delassus[2 * k + d, 2 * j + 1] * (ridge if j == k and d == 1 else 1.0)
+        elif rough == 1:
+            mu = friction_of(m, m.active[j])
+            value += (mu if candidate[j] == FORWARD else -mu) * delassus[2 * k + d, 2 * j + 1]
+        system[row, column] = value
+        column += unknowns_of(candidate[j])
+
+
+@compiled
 def fill_rows(m, count, rough):
     """The equations G f = -b of the candidate modes into `system`; their number, and the largest diagonal entry."""
-    ridge = 1.0 + m.held[at.RIDGE]
-    delassus, side, system, candidate, active = m.delassus, m.side, m.system, m.candidate, m.active
-    size = 0
+    ridge, size, row, scale = 1.0 + m.held[at.RIDGE], 0, 0, 0.0
     for k in range(count):
-        size += 0 if candidate[k] == OFF else (2 if candidate[k] == STICK else 1)
-    row = 0
-    scale = 0.0
+        size += unknowns_of(m.candidate[k])
     for k in range(count):
-        for d in range(2):
-            if candidate[k] == OFF or (d == 1 and candidate[k] != STICK):
-                continue
-            column = 0
-            for j in range(count):
-                if candidate[j] == OFF:
-                    continue
-                value = delassus[2 * k + d, 2 * j] * (ridge if j == k and d == 0 else 1.0)
-                if candidate[j] == STICK:
-                    system[row, column + 1] = delassus[2 * k + d, 2 * j + 1] * (ridge if j == k and d == 1 else 1.0)
-                elif rough == 1:
-                    mu = friction_of(m, active[j])
-                    value += (mu if candidate[j] == FORWARD else -mu) * delassus[2 * k + d, 2 * j + 1]
-                system[row, column] = value
-                column += 2 if candidate[j] == STICK else 1
-            system[row, size] = -side[B, 2 * k + d]
-            scale = max(scale, delassus[2 * k + d, 2 * k + d])
+        for d in range(unknowns_of(m.candidate[k])):
+            fill_row(m, count, rough, k, d, row, ridge)
+            m.system[row, size] = -m.side[B, 2 * k + d]
+            scale = max(scale, m.delassus[2 * k + d, 2 * k + d])
             row += 1
     return size, scale
 
@@ -325,28 +340,38 @@ def set_floor(m, size):
 
 
 @compiled
-def better_mode(m, k, force, rate):
-    """The mode that contact k should have according to the present solution; the present mode if it is consistent."""
-    side, candidate, slide = m.side, m.candidate, m.slide
-    mu = friction_of(m, m.active[k])
-    mode, pressed, held = candidate[k], side[F, 2 * k], side[F, 2 * k + 1]
-    if mode == OFF:
-        if side[A, 2 * k] >= -rate:
-            return OFF
-        if slide[k] != 0 or mu == 0.0:
-            return BACKWARD if slide[k] < 0 else FORWARD
+def mode_of_closing(slide, mu):
+    """The first mode of a contact that closes: as it slides, or sticking."""
+    if slide != 0 or mu == 0.0:
+        return BACKWARD if slide < 0 else FORWARD
+    return STICK
+
+
+@compiled
+def better_friction(m, k, mode, force, rate):
+    """The mode of friction that closed contact k should have according to the present solution."""
+    slip, mu = m.side[A, 2 * k + 1], friction_of(m, m.active[k])
+    if mode == STICK:
+        held = m.side[F, 2 * k + 1]
+        if abs(held) > mu * m.side[F, 2 * k] + force:
+            return FORWARD if held > 0.0 else BACKWARD
+        if mu > 0.0 and abs(slip) > LOOSE * rate:  # no force along the wall can hold it
+            return FORWARD if slip < 0.0 else BACKWARD
         return STICK
-    if pressed < -force or side[A, 2 * k] > LOOSE * rate:  # no force can keep it closed
-        return OFF
-    if mode == STICK and abs(held) > mu * pressed + force:
-        return FORWARD if held > 0.0 else BACKWARD
-    if mode == STICK and mu > 0.0 and abs(side[A, 2 * k + 1]) > LOOSE * rate:  # no force along the wall can hold it
-        return FORWARD if side[A, 2 * k + 1] < 0.0 else BACKWARD
-    if mode == FORWARD and slide[k] == 0 and mu > 0.0 and side[A, 2 * k + 1] > rate:
-        return STICK
-    if mode == BACKWARD and slide[k] == 0 and side[A, 2 * k + 1] < -rate:
+    if m.slide[k] == 0 and ((mode == FORWARD and mu > 0.0 and slip > rate) or (mode == BACKWARD and slip < -rate)):
         return STICK
     return mode
+
+
+@compiled
+def better_mode(m, k, force, rate):
+    """The mode that contact k should have according to the present solution; the present mode if it is consistent."""
+    side, mode = m.side, m.candidate[k]
+    if mode == OFF:
+        return OFF if side[A, 2 * k] >= -rate else mode_of_closing(m.slide[k], friction_of(m, m.active[k]))
+    if side[F, 2 * k] < -force or side[A, 2 * k] > LOOSE * rate:  # no force can keep it closed
+        return OFF
+    return better_friction(m, k, mode, force, rate)
 
 
 @compiled

@@ -17,6 +17,8 @@ from rattle.jit.families import call_clearance, call_film, call_friction, call_n
 from rattle.jit.functions import compiled, native
 from rattle.jit.geometry import ends
 
+LEAST_PENETRATION = 1e-15  # [m] from which on that of an impact is looked for, by doubling
+
 
 @native("void", "h")
 def locate_contacts(m):
@@ -166,7 +168,7 @@ def contact_duration(stiffness, values, p, mass, speed):
 
     stiffness: entry of the table of its kernels; p: place of its parameters in `values`.
     """
-    delta = 1e-15
+    delta = LEAST_PENETRATION
     for _ in range(60):
         if call_stiffness(stiffness, (delta, values, p)) * delta > mass * speed * speed:
             break

@@ -32,8 +32,8 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
     """Pattern of the rows of joints (nr, 2: bodies A, B) and contacts, and arrays for the values."""
     nr, nc = len(row_body), len(contact)
     bodies = [(int(a), int(b)) for a, b in row_body]
-    for one in contact:
-        bodies += [(int(one[at.A_BODY]), int(one[at.B_BODY]))] * 2
+    for entry in contact:
+        bodies += [(int(entry[at.A_BODY]), int(entry[at.B_BODY]))] * 2
     blocks: Sequence[range] = [
         *(range(row, row + 1) for row in range(nr)),
         *(range(nr + 2 * n, nr + 2 * n + 2) for n in range(nc)),
@@ -63,12 +63,11 @@ def arrays(row_body: np.ndarray, contact: np.ndarray) -> dict[str, np.ndarray]:
 
 
 @compiled
-def choose_rows(m, count, rough):
-    """R and M^-1 C^T of the rows that are active with the modes in `candidate`; True if C = R (no sliding friction)."""
+def rows_of_joints(m):
+    """R and M^-1 C^T of the rows of joints, which are on; those of contacts are off."""
     on, line, column, size = m.net_on, m.net_line, m.net_column, m.net_size
-    rows, row_body, weight, w = m.rows, m.row_body, m.weight, m.contact_jacobian
-    contact, active, candidate = m.contact, m.active, m.candidate
-    nr, even = rows.shape[0], True
+    rows, row_body, weight = m.rows, m.row_body, m.weight
+    nr = rows.shape[0]
     for i in range(on.shape[0]):
         on[i] = 1 if i < nr else 0
     for i in range(nr):
@@ -79,39 +78,44 @@ def choose_rows(m, count, rough):
                 line[i, q] = rows[i, at.AX + q]
                 column[i, q] = weight[body, q - 3 * side] * line[i, q]
                 size[i] += line[i, q] * column[i, q]
+
+
+@compiled
+def row_of_contact(m, k, d, drag):
+    """R and M^-1 C^T of the normal (d = 0) or tangential row of active contact k; drag: mu, with the sign of slip."""
+    n, w, weight = m.active[k], m.contact_jacobian, m.weight
+    i, r = m.rows.shape[0] + 2 * n + d, 2 * k + d
+    m.net_on[i] = 1
+    m.net_size[i] = 0.0
+    for side in range(2):
+        body = m.contact[n, at.A_BODY + side]
+        for q in range(3 * side, 3 * side + 3):
+            m.net_line[i, q] = w[r, q]
+            m.net_size[i] += weight[body, q - 3 * side] * w[r, q] ** 2
+            m.net_column[i, q] = weight[body, q - 3 * side] * (w[r, q] + drag * w[2 * k + 1, q])
+
+
+@compiled
+def choose_rows(m, count, rough):
+    """R and M^-1 C^T of the rows that are active with the modes in `candidate`; True if C = R (no sliding friction)."""
+    candidate, even = m.candidate, True
+    rows_of_joints(m)
     for k in range(count):
         if candidate[k] == OFF:
             continue
-        n = active[k]
-        mu = friction_of(m, n)
-        drag = 0.0
+        mu, drag = friction_of(m, m.active[k]), 0.0
         if candidate[k] != STICK and rough == 1:
             drag = mu if candidate[k] == FORWARD else -mu
             even = even and mu == 0.0
         for d in range(2 if candidate[k] == STICK and mu > 0.0 else 1):
-            i, r = nr + 2 * n + d, 2 * k + d
-            on[i] = 1
-            size[i] = 0.0
-            for side in range(2):
-                body = contact[n, at.A_BODY + side]
-                for q in range(3 * side, 3 * side + 3):
-                    line[i, q] = w[r, q]
-                    size[i] += weight[body, q - 3 * side] * w[r, q] ** 2
-                    column[i, q] = weight[body, q - 3 * side] * (w[r, q] + drag * w[2 * k + 1, q])
+            row_of_contact(m, k, d, drag)
     return even
 
 
 @compiled
-def eliminate(m, ridge, even):
-    """Fill and factor R M^-1 C^T in place; returns the sign of its determinant, 0 when a pivot vanishes.
-
-    ridge: share by which the diagonal is raised.  even: the matrix is symmetric, its upper half is left out.
-    The smallest ratio of a pivot to its diagonal goes to `held`.
-    """
-    on, row, line, column = m.net_on, m.net_row, m.net_line, m.net_column
-    first, target, pairs, size = m.net_first, m.net_target, m.net_pairs, m.net_size
-    low, up = m.net_lower, m.net_upper
-    total = row.shape[0]
+def fill(m, even):
+    """R M^-1 C^T of the rows that are on into `net_lower` and, unless it is even, `net_upper`."""
+    on, line, column, pairs, low, up = m.net_on, m.net_line, m.net_column, m.net_pairs, m.net_lower, m.net_upper
     for e in range(low.shape[0]):
         low[e], up[e] = 0.0, 0.0
     for p in range(pairs.shape[0]):
@@ -122,11 +126,51 @@ def eliminate(m, ridge, even):
         low[e] += line[i, c] * column[j, d] + line[i, c + 1] * column[j, d + 1] + line[i, c + 2] * column[j, d + 2]
         if not even:
             up[e] += line[j, d] * column[i, c] + line[j, d + 1] * column[i, c + 1] + line[j, d + 2] * column[i, c + 2]
+
+
+@compiled
+def eliminate_below(m, start, end, u, inverse, even):
+    """Take a row with the entries from start to end out of those below it; u: next of `net_target`. Returns u."""
+    low, up, target = m.net_lower, m.net_upper, m.net_target
+    for a in range(start, end):
+        if even:
+            x = low[a] * inverse
+            for b in range(a, end):
+                low[target[u]] -= x * low[b]
+                u += 1
+            continue
+        x, y = low[a] * inverse, up[a] * inverse
+        if x == 0.0 and y == 0.0:
+            u += end - a
+            continue
+        low[target[u]] -= x * up[a]
+        u += 1
+        for b in range(a + 1, end):
+            low[target[u]] -= low[b] * y
+            up[target[u]] -= x * up[b]
+            u += 1
+    for a in range(start, end):
+        if even:
+            up[a] = low[a]
+        low[a] *= inverse
+    return u
+
+
+@compiled
+def eliminate(m, ridge, even):
+    """Fill and factor R M^-1 C^T in place; returns the sign of its determinant, 0 when a pivot vanishes.
+
+    ridge: share by which the diagonal is raised.  even: the matrix is symmetric, its upper half is left out.
+    The smallest ratio of a pivot to its diagonal goes to `held`.
+    """
+    row, first, size, low = m.net_row, m.net_first, m.net_size, m.net_lower
+    total = row.shape[0]
+    fill(m, even)
     sign, u, weakest = 1, 0, 1.0
     for k in range(total):
         start, end = total + first[k], total + first[k + 1]
         here = row[k]
-        if on[here] == 0:
+        if m.net_on[here] == 0:
             u += (end - start) * (end - start + 1) // 2
             continue
         pivot = low[k] + ridge * size[here]
@@ -136,27 +180,7 @@ def eliminate(m, ridge, even):
         weakest = min(weakest, pivot / size[here])
         inverse = 1.0 / pivot
         low[k] = inverse
-        for a in range(start, end):
-            if even:
-                x = low[a] * inverse
-                for b in range(a, end):
-                    low[target[u]] -= x * low[b]
-                    u += 1
-                continue
-            x, y = low[a] * inverse, up[a] * inverse
-            if x == 0.0 and y == 0.0:
-                u += end - a
-                continue
-            low[target[u]] -= x * up[a]
-            u += 1
-            for b in range(a + 1, end):
-                low[target[u]] -= low[b] * y
-                up[target[u]] -= x * up[b]
-                u += 1
-        for a in range(start, end):
-            if even:
-                up[a] = low[a]
-            low[a] *= inverse
+        u = eliminate_below(m, start, end, u, inverse, even)
     m.held[at.WEAKEST] = weakest
     return sign
 

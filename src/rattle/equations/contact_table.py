@@ -46,7 +46,7 @@ class ContactGroup(NamedTuple):
 
 def contact_groups(joint: Joint) -> list[ContactGroup]:
     """All contacts of a joint, which act in place of its rows (clearance, one-sided) or besides them (stop)."""
-    found = []
+    groups = []
     points = (*joint.a.at, *joint.b.at)
     play = registry.play_of(joint.kind)
     if joint.contact is not None and play is not None and joint.is_loose:
@@ -57,20 +57,20 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
         if (wear := joint.worn) is not None:
             play = registry.kinds("worn")[play.name]
             p, contact = (*p, *play.leaf.parameters(wear)), replace(contact, static=wear.bed(p[at.CLEARANCE]))
-        found.append(ContactGroup(play, contact, p, corners, ("joints", joint.name, "contact"), bends))
+        groups.append(ContactGroup(play, contact, p, corners, ("joints", joint.name, "contact"), bends))
     sided = registry.one_sided_of(joint.kind)
     if joint.contact is not None and sided is not None and joint.is_loose:
         p = tuple(packed([*points, *sided.leaf.parameters(joint.fields, joint.constants)]))
         bends = sided.leaf.bends(joint.fields, joint.constants)
         path = ("joints", joint.name, "contact")
-        found.append(ContactGroup(sided, joint.contact, p, tuple(range(sided.leaf.contacts)), path, bends))
+        groups.append(ContactGroup(sided, joint.contact, p, tuple(range(sided.leaf.contacts)), path, bends))
     kind = registry.stop_of(joint.kind)
     if joint.stop is not None and kind is not None:
         ends = (joint.stop.minimum, joint.stop.maximum)
         p = (*points, *ends, 0.0 if joint.line is None else joint.line)
         corners = tuple(k for k, end in enumerate(ends) if math.isfinite(bare(end)))
-        found.append(ContactGroup(kind, joint.stop.contact, p, corners, ("joints", joint.name, "stop", "contact")))
-    return found
+        groups.append(ContactGroup(kind, joint.stop.contact, p, corners, ("joints", joint.name, "stop", "contact")))
+    return groups
 
 
 def contact_table(
@@ -80,7 +80,7 @@ def contact_table(
 
     Then the tables that oil films read.  Parameters are appended to `values`; length: of the mechanism [m].
     """
-    found: list[tuple[int, ...]] = []
+    table: list[tuple[int, ...]] = []
     coefficients: list[float] = []
     levers: list[tuple[float, ...]] = []
     states = 0
@@ -115,7 +115,7 @@ def contact_table(
                     *film,
                     leaf.worn,
                 )
-                found.append((_tag(kind), a, b, place, corner, *laws, *owned))
+                table.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
                 levers.append((*lever, leaf.scale(parameters, size), size, *bends))
         alone = joint.leaf.own_contact(joint.fields)
@@ -133,11 +133,11 @@ def contact_table(
                 *NO_FILM,
                 0,
             )
-            found.append((entry[0], a, b, *entry[1:], *owned))
+            table.append((entry[0], a, b, *entry[1:], *owned))
             states += alone.states
             levers.append(its_lever)
-    _share_law(found, values)
-    return found, levers, coefficients
+    _share_law(table, values)
+    return table, levers, coefficients
 
 
 def _gap(clearance: float, contact: Contact) -> tuple[float, float]:
@@ -168,7 +168,7 @@ def _turning(leaf: Any) -> int:
 
 def _tag(kind: registry.Kind) -> int:
     """Index of a kind of geometry in the table of all of them."""
-    return kind.tag + sum(len(registry.kinds(one)) for one in GEOMETRIES[: GEOMETRIES.index(kind.family)])
+    return kind.tag + sum(len(registry.kinds(family)) for family in GEOMETRIES[: GEOMETRIES.index(kind.family)])
 
 
 def _own_contact(own: OwnContact, joint: Joint, values: list[float]) -> tuple[tuple[int, ...], tuple[float, ...]]:
@@ -190,9 +190,9 @@ def _own_contact(own: OwnContact, joint: Joint, values: list[float]) -> tuple[tu
     )
 
 
-def _share_law(found: Sequence[tuple[int, ...]], values: list[float]) -> None:
+def _share_law(table: Sequence[tuple[int, ...]], values: list[float]) -> None:
     """Give contacts that joints consist of, which have no restitution, the restitution law of the others."""
-    rigid = [entry for entry in found if entry[at.IMPACT] == 1]
+    rigid = [entry for entry in table if entry[at.IMPACT] == 1]
     law = max((values[entry[at.NORMAL_P] + at.RESTITUTION_LAW] for entry in rigid), default=0.0)
     for entry in rigid:
         values[entry[at.NORMAL_P] + at.RESTITUTION_LAW] = law
@@ -215,8 +215,8 @@ def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
     light = 0.0
     for end in (joint.a, joint.b):
         if end.body in model.bodies:
-            one, arm = model.bodies[end.body], hypot(*end.at)
-            light += 1.0 / (one.inertia + one.mass * (arm * arm) if angular else one.mass)
+            body, arm = model.bodies[end.body], hypot(*end.at)
+            light += 1.0 / (body.inertia + body.mass * (arm * arm) if angular else body.mass)
     return 1.0 / light
 
 

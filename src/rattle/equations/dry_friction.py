@@ -40,6 +40,9 @@ TILT = 1e-6  # share of N by which the slope of a law is measured
 FIRM = 1e-12  # share of its own mobility below which other joints or drivers hold a coordinate, beside massless bodies
 DEPENDENT = 1e-10  # pivot below which a coordinate depends on others, as a share of its diagonal
 REST = 1e-13  # rate (or its derivative) [m, rad, s] below which a coordinate is at rest, besides rounding of its terms
+ROUNDED = 1e-13  # share of the terms of a rate that is rounding
+CONVERGED = 1e-12  # share of tau: changes below it end Newton's method once they do not decrease
+BEYOND = 1e-12  # share of its limit by which tau may exceed it by rounding
 
 
 @compiled
@@ -61,7 +64,7 @@ def rounding(m, n):
     total = 0.0
     for k in range(3):
         total += abs(rows[n, at.AX + k] * body[a, at.VX + k]) + abs(rows[n, at.BX + k] * body[b, at.VX + k])
-    return REST + 1e-13 * total
+    return REST + ROUNDED * total
 
 
 @compiled
@@ -319,7 +322,7 @@ def improve_forces(m, grip):
             size += abs(memory[n, at.DRY_FORCE])
         if not size < math.inf:
             return False
-        if change <= CLOSE * size or (change <= 1e-12 * size and change >= last):
+        if change <= CLOSE * size or (change <= CONVERGED * size and change >= last):
             return sign > 0.0
         last = change
     return False
@@ -330,11 +333,11 @@ def complete_dry_friction(m):
     """Find tau of all joints for the present accelerations and multipliers, and add what these do not yet contain."""
     memory, response, reaction = m.dry_memory, m.dry_response, m.dry_reaction
     acceleration, multiplier = m.acceleration, m.multiplier
-    found = find_forces(m)
+    solved = find_forces(m)
     for n in range(memory.shape[0]):
-        tau = memory[n, at.DRY_FORCE] if found else math.nan
+        tau = memory[n, at.DRY_FORCE] if solved else math.nan
         more = tau - memory[n, at.DRY_ADDED]
-        memory[n, at.DRY_LOCKS] = 0.0 if found else 1.0
+        memory[n, at.DRY_LOCKS] = 0.0 if solved else 1.0
         memory[n, at.DRY_FORCE], memory[n, at.DRY_ADDED] = tau, tau
         for i in range(1, acceleration.shape[0]):
             for k in range(3):
@@ -405,5 +408,5 @@ def lasting(m, n):
         return 1.0 if abs(rate) <= rounding(m, n) else -1.0
     if mode == at.DRY_STICKS:
         most = limit(m, n)
-        return most * (1.0 + 1e-12) - abs(tau)
+        return most * (1.0 + BEYOND) - abs(tau)
     return mode * rate + rounding(m, n)

@@ -49,15 +49,15 @@ def pull(m, r, n):
     return -sense_of(m, n) * (slope * by_first + slope2 * by_second)
 
 
-@native("void", "h", "i")
-def couple(m, count):
-    """Add to the responses to the forces of the active contacts those of the friction of joints, and to G."""
-    contact, active, w, share = m.contact, m.active, m.contact_jacobian, m.dry_share
-    response, reaction, system, joints = m.velocity_response, m.multiplier_response, m.dry_system, m.dry.shape[0]
+@compiled
+def couple_responses(m, count):
+    """Add to the responses to the forces of the active contacts those of the friction of joints."""
+    share, system, joints = m.dry_share, m.dry_system, m.dry.shape[0]
+    response, reaction = m.velocity_response, m.multiplier_response
     for r in range(2 * count):
         for n in range(joints):
             share[n, r] = 0.0
-        if r % 2 == 1 and friction_of(m, active[r // 2]) == 0.0:
+        if r % 2 == 1 and friction_of(m, m.active[r // 2]) == 0.0:
             continue
         set_up(m, 1.0)
         for n in range(joints):
@@ -70,6 +70,13 @@ def couple(m, count):
                 response[r, c] -= m.dry_response[n, 3 + c] * share[n, r]
             for row in range(reaction.shape[1]):
                 reaction[r, row] -= m.dry_reaction[n, row] * share[n, r]
+
+
+@native("void", "h", "i")
+def couple(m, count):
+    """Add to the responses to the forces of the active contacts those of the friction of joints, and to G."""
+    contact, active, w, response = m.contact, m.active, m.contact_jacobian, m.velocity_response
+    couple_responses(m, count)
     for r in range(2 * count):
         a, b = contact[active[r // 2], at.A_BODY], contact[active[r // 2], at.B_BODY]
         before = abs(m.delassus[r, r])
@@ -81,9 +88,8 @@ def couple(m, count):
                 if b > 0:
                     value += w[r, 3 + q] * response[s, 3 * b - 3 + q]
             m.delassus[r, s] = value
-        if (
-            before > 0.0 and abs(m.delassus[r, r]) <= DEPENDENT * before
-        ):  # joints that stick hold it: what is left is rounding
+        # joints that stick hold it: what is left is rounding
+        if before > 0.0 and abs(m.delassus[r, r]) <= DEPENDENT * before:
             m.row_fixed[2 * active[r // 2] + r % 2] = BY_FRICTION
             for s in range(2 * count):
                 m.delassus[r, s] = 0.0

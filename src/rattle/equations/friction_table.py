@@ -16,14 +16,14 @@ def friction_table(
 
     number: of every body; joints: their entries in the array `joint`; states: of elements before these.
     """
-    found: list[tuple[int, ...]] = []
+    table: list[tuple[int, ...]] = []
     for n, joint in enumerate(model.joints.values()):
         friction = joint.friction
         if friction is None:
             continue
         a, b, first = number[joint.a.body], number[joint.b.body], joints[n][at.FIRST_ROW]
         second = first + min(1, len(joint.leaf.rows) - 1)
-        form, rods = _form(joint), len(found)
+        form, rods = _form(joint), len(table)
         for pin, (kernel, line) in enumerate(_rows(joint)):
             place = len(values)
             values += [*joint.a.at, *joint.b.at, *line, *[0.0] * (at.DRY_ARM - at.POINTS - len(line))]
@@ -37,9 +37,9 @@ def friction_table(
                 values += kind.leaf.pack(friction.law.values)
             by = rods + 1 - pin if form == at.DRY_ROD else second
             column = at.JOINT_TANGENT if pin == 0 else at.JOINT_NORMAL
-            found.append((n, a, b, kernel, place, first, form, law, states, own, by, column))
+            table.append((n, a, b, kernel, place, first, form, law, states, own, by, column))
             states += own
-    return found
+    return table
 
 
 def _form(joint: Joint) -> int:

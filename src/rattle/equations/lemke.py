@@ -45,6 +45,7 @@ GOLDEN = 0.6180339887498949  # its multiples modulo 1 are evenly spread and neve
 KEPT_B, UNEVEN, F_RATE, A_RATE = range(4)  # rows of `path`
 # quantities that must stay positive: a_n and N; -a_t, a_t of sliding; the friction reserve when sticking
 PARTING, PRESSING, FORWARDS, BACKWARDS, SHORT_OF_FORWARD, SHORT_OF_BACKWARD = range(6)
+TILT = 0.2  # of the largest b: how far d leads sideways
 
 
 @compiled
@@ -108,7 +109,7 @@ def begin(m, count, attempt):
         path[UNEVEN, 2 * k] = size * (0.75 + 0.5 * (spread - math.floor(spread)))
         spread += GOLDEN
         spread -= math.floor(spread) + 0.5
-        path[UNEVEN, 2 * k + 1] = 0.2 * size * spread / (1.0 + friction_of(m, m.active[k]))
+        path[UNEVEN, 2 * k + 1] = TILT * size * spread / (1.0 + friction_of(m, m.active[k]))
     return 2.0
 
 
@@ -126,6 +127,24 @@ def both_parts(m, count):
 
 
 @compiled
+def nearest_end(m, count, theta, sense, who, entered):
+    """Where the path leaves its present piece: how far ahead, at which margin, of which contact (-1: nowhere).
+
+    The margin that was crossed last, `entered` of contact `who`, does not count.
+    """
+    nearest, ends, next_who = math.inf, -1, -1
+    for k in range(count):
+        normal_margin, friction_margin = margins(m, k)
+        for what in (normal_margin, friction_margin):
+            falls = -sense * margin(m, k, what, theta, 1)
+            if falls > 0.0 and not (k == who and what == entered):
+                ahead = max(margin(m, k, what, theta, 0), 0.0) / falls
+                if ahead < nearest:
+                    nearest, ends, next_who = ahead, what, k
+    return nearest, ends, next_who
+
+
+@compiled
 def follow(m, count, attempt):
     """Follow the path of one d; the modes at its end are in `candidate`.  Returns SOLVED, JAMMED or UNDECIDED."""
     candidate, path = m.candidate, m.path
@@ -137,15 +156,7 @@ def follow(m, count, attempt):
             if not abs(growth) > 0.0:
                 return UNDECIDED
             sense = 1.0 if growth > 0.0 else -1.0
-        nearest, ends, next_who = math.inf, -1, -1
-        for k in range(count):
-            one, other = margins(m, k)
-            for what in (one, other):
-                falls = -sense * margin(m, k, what, theta, 1)
-                if falls > 0.0 and not (k == who and what == entered):
-                    ahead = max(margin(m, k, what, theta, 0), 0.0) / falls
-                    if ahead < nearest:
-                        nearest, ends, next_who = ahead, what, k
+        nearest, ends, next_who = nearest_end(m, count, theta, sense, who, entered)
         if sense < 0.0 and nearest >= theta:
             return SOLVED
         if next_who < 0:
@@ -163,17 +174,17 @@ def follow(m, count, attempt):
 def follow_kernel(m, count):
     """Modes of a solution into `candidate`; returns SOLVED, JAMMED (the path ends in a ray) or UNDECIDED."""
     held, side, path = m.held, m.side, m.path
-    found = UNDECIDED
+    best = UNDECIDED
     held[at.RIDGE] = RAISED
     for attempt in range(ATTEMPTS):
         outcome = follow(m, count, attempt)
         for r in range(2 * count):
             side[B, r] = path[KEPT_B, r]
-        found = max(found, outcome)
-        if found == SOLVED:
+        best = max(best, outcome)
+        if best == SOLVED:
             break
     held[at.RIDGE] = 0.0
-    return found
+    return best
 
 
 KERNEL = follow_kernel

@@ -42,48 +42,58 @@ def analyse(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> P
     return _analysed(tuple(row_bodies), tuple(blocks))
 
 
-@functools.lru_cache(maxsize=64)
-def _analysed(row_bodies: tuple[tuple[int, int], ...], blocks: tuple[range, ...]) -> Pattern:
-    order = [row for block in _minimum_degree(row_bodies, blocks) for row in blocks[block]]
-    nr = len(order)
-    place = np.empty(nr, np.int64)
-    place[order] = np.arange(nr)
-    touching: dict[int, list[tuple[int, int]]] = {}
-    for row, bodies in enumerate(row_bodies):
-        for body, column in zip(bodies, (at.AX, at.BX), strict=True):
-            if body:
-                touching.setdefault(body, []).append((row, column))
-    under: list[set[int]] = [set() for _ in range(nr)]
-    for rows in touching.values():
-        places = sorted({int(place[row]) for row, _ in rows})
+Touching = dict[int, list[tuple[int, int]]]  # rows that touch a body, and their first column for it
+
+
+def _fill_in(place: np.ndarray, touching: Touching) -> list[list[int]]:
+    """Rows below every pivot in order, fill-in included; place: of every row in the elimination order."""
+    below: list[set[int]] = [set() for _ in place]
+    for members in touching.values():
+        places = sorted({int(place[row]) for row, _ in members})
         for n, column in enumerate(places):
-            under[column].update(places[n + 1 :])
-    for column in range(nr):  # fill-in: the rows below a pivot are inherited by the column of the first of them
-        if under[column]:
-            parent = min(under[column])
-            under[parent] |= under[column] - {parent}
-    first = np.zeros(nr + 1, np.int64)
-    first[1:] = np.cumsum([len(one) for one in under])
-    below = np.array([row for one in under for row in sorted(one)], np.int64)
-    entry = [
-        {row: nr + int(first[column]) + n for n, row in enumerate(sorted(one))} for column, one in enumerate(under)
-    ]
-    target: list[int] = []
-    for column in range(nr):
-        lower = sorted(under[column])
-        for n, one in enumerate(lower):
-            target.append(one)
-            target += [entry[one][other] for other in lower[n + 1 :]]
+            below[column].update(places[n + 1 :])
+    for rows in below:  # the rows below a pivot are inherited by the column of the first of them
+        if rows:
+            below[min(rows)] |= rows - {min(rows)}
+    return [sorted(rows) for rows in below]
+
+
+def _pairs(place: np.ndarray, touching: Touching, entry: list[dict[int, int]]) -> Sequence[tuple[int, ...]]:
+    """Pairs of rows that share a body, as `Pattern.pairs` has them; entry: of `s`, by column and row."""
     pairs = []
     for body, members in touching.items():
         for n, (row, column) in enumerate(members):
             for other, other_column in members[: n + 1]:
                 low, high = sorted((int(place[row]), int(place[other])))
                 pairs.append((low if low == high else entry[low][high], row, column, other, other_column, body))
-    found = Pattern(place, first, below, np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))
-    for array in found:
+    return pairs
+
+
+@functools.lru_cache(maxsize=64)
+def _analysed(row_bodies: tuple[tuple[int, int], ...], blocks: tuple[range, ...]) -> Pattern:
+    order = [row for block in _minimum_degree(row_bodies, blocks) for row in blocks[block]]
+    nr = len(order)
+    place = np.empty(nr, np.int64)
+    place[order] = np.arange(nr)
+    touching: Touching = {}
+    for row, bodies in enumerate(row_bodies):
+        for body, column in zip(bodies, (at.AX, at.BX), strict=True):
+            if body:
+                touching.setdefault(body, []).append((row, column))
+    below = _fill_in(place, touching)
+    first = np.zeros(nr + 1, np.int64)
+    first[1:] = np.cumsum([len(rows) for rows in below])
+    entry = [{row: nr + int(first[k]) + n for n, row in enumerate(rows)} for k, rows in enumerate(below)]
+    target: list[int] = []
+    for rows in below:
+        for n, row in enumerate(rows):
+            target += [row, *(entry[row][other] for other in rows[n + 1 :])]
+    flat, pairs = [row for rows in below for row in rows], _pairs(place, touching, entry)
+    lists = (np.array(flat, np.int64), np.array(target, np.int64), np.array(pairs, np.int64).reshape(-1, 6))
+    pattern = Pattern(place, first, *lists)
+    for array in pattern:
         array.flags.writeable = False
-    return found
+    return pattern
 
 
 def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[range]) -> list[int]:
@@ -109,10 +119,10 @@ def _minimum_degree(row_bodies: Sequence[tuple[int, int]], blocks: Sequence[rang
             continue
         done[n] = True
         order.append(n)
-        for one in near[n]:
-            near[one] |= near[n]
-            near[one] -= {one, n}
-            heapq.heappush(queue, (len(near[one]), one))
+        for neighbour in near[n]:
+            near[neighbour] |= near[n]
+            near[neighbour] -= {neighbour, n}
+            heapq.heappush(queue, (len(near[neighbour]), neighbour))
     return order
 
 

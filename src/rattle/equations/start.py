@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations import start_columns as of
-from rattle.equations.closure import close_position, open_by
+from rattle.equations.closure import ITERATIONS, SHUT, close_position, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins, keep_given, keep_given_rates
 from rattle.equations.motion import drive, solve_motion
@@ -18,17 +18,16 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
 TOO_FAR, NOT_HELD = range(4, 6)  # what became of positions, besides those of `kept_values`
-ITERATIONS = 60  # of Newton's method
-SHUT = 1e-9  # sizes of the mechanism by which joints may stay open, and given places be missed
-ALONG = 1e-12  # the same, to which Newton's method goes where pins have offsets
+ALONG = 1e-12  # sizes of the mechanism to which Newton's method goes where pins have offsets
 FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
 BESIDE = 0.5  # change from a start near by [rad, mechanism sizes] up to which this one is on its branch, as recorded
 STEEP = 1e-6  # cosine of a line with an axis, from which on the place on that axis tells how far along the line
 NO_FORCE = 1e-12  # of the largest mass: a reaction [N] below it has no direction
+CLOSED_NEAR = 1e-3  # of SHUT, to which Newton's method goes beside a start
 
 
 @native("ii", "h", "f", "v", "v", "f", "m")
-def close_near(m, t, q, given, size, scratch):
+def close_near(m, t, q, prescribed, size, scratch):
     """Closed positions beside q (3 nb,), in place, that keep given values (3 nb,) as far as joints allow.
 
     size: of the mechanism [m]; scratch: (2, 3 nb) or more.  Returns what became of q, and the number of iterations.
@@ -37,10 +36,10 @@ def close_near(m, t, q, given, size, scratch):
     for k in range(q.shape[0]):
         start[k] = q[k]
     least = SHUT * size
-    gap, iterations = close_position(m, t, q, scratch[0], 1e-3 * least, ITERATIONS)
+    gap, iterations = close_position(m, t, q, scratch[0], CLOSED_NEAR * least, ITERATIONS)
     if not gap <= least:
         return NOT_CLOSED, iterations
-    if keep_given(m, t, q, given, size) == NOT_FINITE:
+    if keep_given(m, t, q, prescribed, size) == NOT_FINITE:
         return NOT_FINITE, iterations
     for k in range(q.shape[0]):
         off = abs((q[k] - start[k]) / (1.0 if k % 3 == 2 else size))
@@ -51,18 +50,18 @@ def close_near(m, t, q, given, size, scratch):
 
 # ---------------------------------------------------------------- rates
 @compiled
-def enter_given(made, given):
+def enter_given(numbers, prescribed):
     """Given values (3 nb,), nan if not given, into positions or rates."""
-    for k in range(made.shape[0]):
-        if given[k] == given[k]:
-            made[k] = given[k]
+    for k in range(numbers.shape[0]):
+        if prescribed[k] == prescribed[k]:
+            numbers[k] = prescribed[k]
 
 
 @native("void", "h", "v", "v", "v", "n")
-def place_rates(m, q, v, given, ways):
+def place_rates(m, q, v, prescribed, ways):
     """Set vx and vy [m/s] in v (3 nb,) from its angular velocities [rad/s], by the joints from the ground outwards.
 
-    q: (3 nb,) closed positions; given: (3 nb,) rates, kept, nan if not given.  Where joints do not determine the
+    q: (3 nb,) closed positions; prescribed: (3 nb,) rates, kept, nan if not given.  Where joints do not determine the
     position of a body its rates stay.
     """
     for n in range(ways.shape[0]):
@@ -79,18 +78,18 @@ def place_rates(m, q, v, given, ways):
                 y = v[3 * parent - 2] + v[3 * parent - 1] * other_x
             v[k] = x - (0.0 - v[k + 2] * own_y)
             v[k + 1] = y - (0.0 + v[k + 2] * own_x)
-        if given[k] == given[k]:
-            v[k] = given[k]
-        if given[k + 1] == given[k + 1]:
-            v[k + 1] = given[k + 1]
+        if prescribed[k] == prescribed[k]:
+            v[k] = prescribed[k]
+        if prescribed[k + 1] == prescribed[k + 1]:
+            v[k + 1] = prescribed[k + 1]
 
 
 @native("i", "h", "f", "v", "v", "v", "f", "n")
-def rates_near(m, t, q, v, given, size, ways):
+def rates_near(m, t, q, v, prescribed, size, ways):
     """Rates (3 nb,) at closed positions q, in place, from those that joints do not determine; what became of them."""
-    enter_given(v, given)
-    place_rates(m, q, v, given, ways)
-    return keep_given_rates(m, t, q, v, given, size)
+    enter_given(v, prescribed)
+    place_rates(m, q, v, prescribed, ways)
+    return keep_given_rates(m, t, q, v, prescribed, size)
 
 
 # ---------------------------------------------------------------- pins
@@ -299,9 +298,9 @@ def keep_places(m, t):
 @compiled
 def off_given(m, coordinates):
     """Whether `start_q` is off given values; of every body the first coordinates count."""
-    q, given = m.start_q, m.start_given
+    q, prescribed = m.start_q, m.start_given
     for k in range(q.shape[0]):
-        if k % 3 < coordinates and abs(q[k] - given[k]) > SHUT * m.start_size[0]:
+        if k % 3 < coordinates and abs(q[k] - prescribed[k]) > SHUT * m.start_size[0]:
             return True
     return False
 

@@ -11,19 +11,17 @@ import math
 
 from rattle.equations import start_columns as of
 from rattle.equations.closings import begin_search, begin_turn, next_closing, rounded
-from rattle.equations.closure import close_position, merit_at
+from rattle.equations.closure import ITERATIONS, SHUT, close_position, merit_at
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, REST, ROOT, SIDE, keep_given, take_rows
 from rattle.equations.motion import drive
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.functions import compiled, native
 from rattle.jit.small_matrices import solve_square
 
-ITERATIONS_OF_NEWTON = 60
-SHUT = 1e-9  # sizes of the mechanism by which joints may stay open, and given places be missed
-ALONG = 1e-12  # the same, to which Newton's method goes
-KEPT = (
-    1e-18  # squared change of given values that counts as none [rad^2, sizes^2]: rounding of what came from elsewhere
-)
+ALONG = 1e-12  # sizes of the mechanism to which Newton's method goes
+# squared change of given values that counts as none [rad^2, sizes^2]: rounding of what came from elsewhere
+KEPT = 1e-18
 ALIKE = 1e-9  # share by which squared changes of given values differ that are equal but for rounding
 WORTH = 25.0  # times the least squared change: a closing beyond it is not looked at more closely
 MOST_CLOSINGS = 64  # of all choices of given values that count as exact; LEAST of each
@@ -33,6 +31,13 @@ HARD = 8  # guesses from which it is tried hard to close, until one does
 STEEP = 1e-6  # cosine of a line with an axis, from which on the place on that axis tells how far along the line
 DOWN = -0.5 * math.pi  # where a rod points that nothing is known of [rad]
 FINE = 1e-9  # parts of angles away from where they are looked for that count [rad^2]
+DAMPING = 1e-2  # of the mean square of the rows, at the start of `least_open`
+LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e8  # less is none; with more no step is an improvement
+EASES, HARDENS = 5.0, 4.0  # factors of the damping after a step, and after one that fails
+LEVEL = 1e-14  # slope of |Phi|^2 [sizes] at which it is least
+HARDLY = 1e-9  # share by which a step must decrease |Phi|^2 for another one to be worth it
+MOST_TURN = 0.5  # rotation of a body in one step [rad]
+ROUNDS_DOWN = 80  # of `least_open`
 
 
 # ---------------------------------------------------------------- from the ground outwards
@@ -62,10 +67,10 @@ def place_outward(m, q, closing):
 
     closing: 1 with the slides and rods in `start_unknown`, 0 with given places, which are kept, and offsets.
     """
-    ways, given = m.start_ways, m.start_given
+    ways, prescribed = m.start_ways, m.start_given
     for k in range(q.shape[0]):
         if k % 3 < 2:
-            q[k] = given[k] if given[k] == given[k] else 0.0
+            q[k] = prescribed[k] if prescribed[k] == prescribed[k] else 0.0
     for n in range(ways.shape[0]):
         k, sign = 3 * ways[n, of.WAY_BODY] - 3, 1.0 if ways[n, of.WAY_BODY] == ways[n, of.WAY_B] else -1.0
         x, y, own_x, own_y = points_of(m, q, ways, n)
@@ -76,13 +81,15 @@ def place_outward(m, q, closing):
             gap_x, gap_y = gap_along(m, q, n, x0, y0)
         elif ways[n, of.FREEDOM] == of.ABOUT_POINT:
             gap_x, gap_y = gap_about(
-                sign * (given[k] - x0), sign * (given[k + 1] - y0), m.start_lines[ways[n, of.WAY_JOINT], of.DISTANCE]
+                sign * (prescribed[k] - x0),
+                sign * (prescribed[k + 1] - y0),
+                m.start_lines[ways[n, of.WAY_JOINT], of.DISTANCE],
             )
         else:
             gap_x, gap_y = m.start_offsets[ways[n, of.WAY_JOINT], 0], m.start_offsets[ways[n, of.WAY_JOINT], 1]
-        if closing > 0 or given[k] != given[k]:
+        if closing > 0 or prescribed[k] != prescribed[k]:
             q[k] = x + sign * gap_x - own_x
-        if closing > 0 or given[k + 1] != given[k + 1]:
+        if closing > 0 or prescribed[k + 1] != prescribed[k + 1]:
             q[k + 1] = y + sign * gap_y - own_y
 
 
@@ -107,12 +114,12 @@ def gap_along(m, q, n, x0, y0):
 
     x0, y0: of the body without gap [m].
     """
-    ways, given, parts = m.start_ways, m.start_given, m.start_parts
+    ways, prescribed, parts = m.start_ways, m.start_given, m.start_parts
     a, body, joint = ways[n, of.WAY_A], ways[n, of.WAY_BODY], ways[n, of.WAY_JOINT]
     k, sign = 3 * body - 3, 1.0 if body == ways[n, of.WAY_B] else -1.0
     axis = (q[3 * a - 1] if a > 0 else 0.0) + m.start_lines[joint, of.DIRECTION]
     c, s = math.cos(axis), math.sin(axis)
-    knows_x, knows_y = given[k] == given[k], given[k + 1] == given[k + 1]
+    knows_x, knows_y = prescribed[k] == prescribed[k], prescribed[k + 1] == prescribed[k + 1]
     along = math.nan
     for row in range(parts[of.KNOWN], parts[of.KNOWN + 1]):
         if m.start_map[row, of.UNKNOWN] == ways[n, of.WAY_UNKNOWN]:
@@ -120,11 +127,11 @@ def gap_along(m, q, n, x0, y0):
     if along == along:
         return c * along, s * along
     if knows_x and knows_y:
-        along = sign * (c * (given[k] - x0) + s * (given[k + 1] - y0))
+        along = sign * (c * (prescribed[k] - x0) + s * (prescribed[k + 1] - y0))
     elif knows_x and abs(c) > STEEP:
-        along = sign * (given[k] - x0) / c
+        along = sign * (prescribed[k] - x0) / c
     elif knows_y and abs(s) > STEEP:
-        along = sign * (given[k + 1] - y0) / s
+        along = sign * (prescribed[k + 1] - y0) / s
     else:
         along = out_of_cams(m, q, n, x0, y0, sign * c, sign * s)
     return c * along, s * along
@@ -253,20 +260,20 @@ def least_open(m, t, q):
         most = max(most, m.weight[k // 3 + 1, k % 3])
     for k in range(n):
         root[k] = math.sqrt(m.weight[k // 3 + 1, k % 3] / most)
-    damping = 1e-2
+    damping = DAMPING
     drive(m, t)
     square = residuals_at(m, q, phi)
-    for _ in range(80):
+    for _ in range(ROUNDS_DOWN):
         if not take_rows(m):
             break
         steepest, trace = weigh_rows(m, phi)
-        if not steepest < math.inf or steepest < 1e-14:
+        if not steepest < math.inf or steepest < LEVEL:
             break
         damped_normal(m, damping * trace / n)
         for r in range(nr):
             right[r] = phi[r]
         solve_square(normal, nr, m.kept_order[0], m.kept_pivot_tall, right, 0.0, m.kept_sides[4], solved)
-        turn = 1e-300
+        turn = TINY
         for k in range(n):
             value = 0.0
             for r in range(nr):
@@ -274,21 +281,21 @@ def least_open(m, t, q):
             step[k] = -root[k] * value
             if k % 3 == 2:
                 turn = max(turn, abs(step[k]))
-        share = min(1.0, 0.5 / turn)
+        share = min(1.0, MOST_TURN / turn)
         for k in range(n):
             trial[k] = q[k] + share * step[k]
         now = merit_at(m, trial)
         if now < square:
-            small = now > (1.0 - 1e-9) * square
+            small = now > (1.0 - HARDLY) * square
             copy_numbers(trial, q)
             square = residuals_at(m, q, phi)
-            damping = max(damping / 5.0, 1e-12)
+            damping = max(damping / EASES, LEAST_DAMPING)
             if small:
                 break
         else:
-            damping *= 4.0
+            damping *= HARDENS
             merit_at(m, q)
-            if damping > 1e8:
+            if damping > MOST_DAMPING:
                 break
 
 
@@ -296,10 +303,10 @@ def least_open(m, t, q):
 @compiled
 def change_of_given(m, q):
     """Sum of the squared changes of given positions, angles in rad and lengths in sizes of the mechanism."""
-    total, given, size = 0.0, m.start_given, m.start_size[0]
+    total, prescribed, size = 0.0, m.start_given, m.start_size[0]
     for k in range(q.shape[0]):
-        if given[k] == given[k]:
-            off = q[k] - given[k]
+        if prescribed[k] == prescribed[k]:
+            off = q[k] - prescribed[k]
             if k % 3 < 2:
                 off /= size
             total += off * off
@@ -325,16 +332,16 @@ def angles_away(m, q):
 @compiled
 def close_hard(m, t, q):
     """Close the mechanism from q (3 nb,), in place; returns the gap [m or rad]."""
-    search, found, size = m.start_search, m.start_found, m.start_size[0]
+    search, positions, size = m.start_search, m.start_found, m.start_size[0]
     number = search[of.TRIED]
     search[of.TRIED] += 1
-    copy_numbers(q, found[of.BEFORE])
-    gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS_OF_NEWTON)
+    copy_numbers(q, positions[of.BEFORE])
+    gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS)
     search[of.ITERATIONS] += iterations
     if not gap <= SHUT * size and m.start_form[of.SMALL] > 0 and search[of.CLOSINGS] == 0 and number < HARD:
-        copy_numbers(found[of.BEFORE], q)
+        copy_numbers(positions[of.BEFORE], q)
         least_open(m, t, q)
-        gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS_OF_NEWTON)
+        gap, iterations = close_position(m, t, q, m.start_scratch[0], ALONG * size, ITERATIONS)
         search[of.ITERATIONS] += iterations
     return gap
 
@@ -345,13 +352,13 @@ def consider(m, t, beside):
 
     beside: whether it is beside the mechanism without play, and taken if it closes.
     """
-    search, found, judged, size = m.start_search, m.start_found, m.start_judged, m.start_size[0]
-    q = found[of.NOW]
+    search, positions, judged, size = m.start_search, m.start_found, m.start_judged, m.start_size[0]
+    q = positions[of.NOW]
     gap = close_hard(m, t, q)
     if not gap <= SHUT * size:
         if search[of.TRIED] == 1 or gap < judged[of.GAP]:
             judged[of.GAP] = gap
-            copy_numbers(q, found[of.LEAST_OPEN])
+            copy_numbers(q, positions[of.LEAST_OPEN])
         return False
     small, first = m.start_form[of.SMALL] > 0, search[of.CLOSINGS] == 0
     search[of.CLOSINGS] += 1
@@ -406,7 +413,7 @@ def enter_by_angle(m, q, change):
 @compiled
 def enter_later(m, q, change):
     """Note a further closing, those first that change given values least."""
-    search, found, changes = m.start_search, m.start_found, m.start_judged
+    search, positions, changes = m.start_search, m.start_found, m.start_judged
     enter_by_angle(m, q, change)
     place = search[of.LATER]
     for k in range(search[of.LATER]):
@@ -418,9 +425,9 @@ def enter_later(m, q, change):
     search[of.LATER] = min(search[of.LATER] + 1, of.LOOKED)
     for k in range(search[of.LATER] - 1, place, -1):
         changes[of.OF_LATER + k] = changes[of.OF_LATER + k - 1]
-        copy_numbers(found[of.NEXT + k - 1], found[of.NEXT + k])
+        copy_numbers(positions[of.NEXT + k - 1], positions[of.NEXT + k])
     changes[of.OF_LATER + place] = change
-    copy_numbers(q, found[of.NEXT + place])
+    copy_numbers(q, positions[of.NEXT + place])
 
 
 @compiled
@@ -429,19 +436,19 @@ def move_to_nearest(m, t):
 
     The best becomes the first.
     """
-    found, judged, q, size = m.start_found, m.start_judged, m.start_found[of.NOW], m.start_size[0]
+    positions, judged, q, size = m.start_found, m.start_judged, m.start_found[of.NOW], m.start_size[0]
     for k in range(m.start_search[of.LATER]):
         change = judged[of.OF_LATER + k]
         if change > WORTH * judged[of.OF_FIRST]:
             break
-        copy_numbers(found[of.NEXT + k], q)
+        copy_numbers(positions[of.NEXT + k], q)
         if keep_given(m, t, q, m.start_given, size) == NOT_FINITE:
             m.start_search[of.NO_VALUE] = 1
             return
         change = min(change, change_of_given(m, q))  # moved by mass, it may count more than before
         if change < (1.0 - ALIKE) * judged[of.OF_FIRST]:
             judged[of.OF_FIRST] = change
-            copy_numbers(q, found[of.FIRST])
+            copy_numbers(q, positions[of.FIRST])
 
 
 @compiled
@@ -524,17 +531,17 @@ def find_closing(m, t, q, ideal, beside):
     """
     drive(m, t)
     begin_search(m)
-    search, found = m.start_search, m.start_found
+    search, positions = m.start_search, m.start_found
     discrete = False
     if beside > 0:
         try_beside(m, t, ideal)
     else:
         discrete = try_all(m, t)
     if search[of.NO_VALUE] == 0 and search[of.CLOSINGS] == 0:
-        copy_numbers(found[of.LEAST_OPEN], q)
+        copy_numbers(positions[of.LEAST_OPEN], q)
         return NOT_CLOSED, search[of.ITERATIONS]
     by_angle = discrete and m.start_judged[of.AWAY_LESS] < math.inf
     if not by_angle and beside == 0 and m.start_form[of.SMALL] > 0 and search[of.NO_VALUE] == 0:
         move_to_nearest(m, t)
-    copy_numbers(found[of.BY_ANGLE] if by_angle else found[of.FIRST], q)
+    copy_numbers(positions[of.BY_ANGLE] if by_angle else positions[of.FIRST], q)
     return NOT_FINITE if search[of.NO_VALUE] > 0 else MOVED, search[of.ITERATIONS]

@@ -105,15 +105,15 @@ class StateLayout:
     def units(self) -> list[tuple[str, str]]:
         """Name and unit of every number in y, in order."""
         columns = list(at.OUTPUT_BODY.items())
-        found = []
+        pairs = []
         for part in (columns[at.PLACE : at.RATE], columns[at.RATE : at.RATE_RATE]):
-            found += [(f"{body}.{key}", unit) for body in self.bodies for key, unit in part]
-        found += [(f"energy.{key}", unit) for key, unit in ENERGIES.items()]
+            pairs += [(f"{body}.{key}", unit) for body in self.bodies for key, unit in part]
+        pairs += [(f"energy.{key}", unit) for key, unit in ENERGIES.items()]
         for joint, angular in zip(self.contacts, self.angular, strict=True):
-            found += [(f"{joint}.{key}", unit) for key, unit in ACCOUNTS.items()]
+            pairs += [(f"{joint}.{key}", unit) for key, unit in ACCOUNTS.items()]
             if angular:
-                found[-PER_CONTACT + IMPULSE] = (f"{joint}.impulse", "N*m*s")
-        return found + [(f"{joint}.state", "of its law") for joint in self.state_owners] + list(self.own)
+                pairs[-PER_CONTACT + IMPULSE] = (f"{joint}.impulse", "N*m*s")
+        return pairs + [(f"{joint}.state", "of its law") for joint in self.state_owners] + list(self.own)
 
 
 def state_layout(system: System) -> StateLayout:
@@ -124,5 +124,5 @@ def state_layout(system: System) -> StateLayout:
     for entry in system.arrays["dry"]:
         held += [system.joints[entry[at.DRY_JOINT]]] * int(entry[at.DRY_STATES])
     angular = tuple((system.arrays["lever"][:, at.ANGULAR] > 0.0).tolist())
-    own = tuple((one.name, one.unit) for one in system.model.states.values())
+    own = tuple((state.name, state.unit) for state in system.model.states.values())
     return StateLayout(system.bodies, tuple(owners), tuple(held), angular, own)

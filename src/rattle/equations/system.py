@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeVar
+from itertools import pairwise
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -89,7 +90,7 @@ class System:
         joints, bodies = self.model.joints.values(), self.model.bodies.values()
         held = [end.at for joint in joints for end in (joint.a, joint.b) if end.body == "ground"]
         groups = [held, *([*body.points.values(), (0.0, 0.0)] for body in bodies)]
-        return largest(0.0, *(one.distance for one in joints), *map(_spread, filter(None, groups))) or self.size
+        return largest(0.0, *(joint.distance for joint in joints), *map(_spread, filter(None, groups))) or self.size
 
     @property
     def element_states(self) -> int:
@@ -221,7 +222,7 @@ class System:
 
     def _put_own_states(self, image: Image) -> None:
         """Enter the start of the states of the model."""
-        own = [one.start for one in self.model.states.values()]
+        own = [state.start for state in self.model.states.values()]
         image.array("signals", image.block)[: len(own)] = own
         image.array("element_state", image.block)[self.element_states - len(own) :] = own
 
@@ -230,8 +231,8 @@ class System:
         facts = self.__dict__.setdefault("_facts", {})
         if key not in facts:
             facts[key] = find()
-        found: Fact = facts[key]
-        return found
+        fact: Fact = facts[key]
+        return fact
 
     def _renumbered(self, key: str) -> Image:
         """The image of another system of this form with the numbers of this one."""
@@ -245,12 +246,12 @@ class System:
 
     def with_numbers(self, model: Model, changed: Mapping[str, np.ndarray], size: float) -> System:
         """The system of a model of the same form; changed: arrays with other numbers, of the same shapes."""
-        made = object.__new__(System)
-        made.__dict__.update({key: self.__dict__[key] for key in self.__dataclass_fields__})
-        made.__dict__.update(model=model, arrays={**self.arrays, **changed}, size=size)
-        made.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
-        made.__dict__["_like"] = self, changed
-        return made
+        system = object.__new__(System)
+        system.__dict__.update({key: self.__dict__[key] for key in self.__dataclass_fields__})
+        system.__dict__.update(model=model, arrays={**self.arrays, **changed}, size=size)
+        system.__dict__["_facts"] = self.__dict__.setdefault("_facts", {})
+        system.__dict__["_like"] = self, changed
+        return system
 
 
 def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
@@ -258,30 +259,30 @@ def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
 
     A fictitious mass is SHARE of the least mass of the model, a fictitious inertia SHARE of the least inertia.
     """
-    found = [(i, k) for i in range(1, len(mass)) for k in range(3) if mass[i, k] == 0.0]
+    massless = [(i, k) for i in range(1, len(mass)) for k in range(3) if mass[i, k] == 0.0]
     whole = mass.copy()
-    if found:
-        masses = [one.mass for one in model.bodies.values() if one.mass > 0.0]
-        inertias = [one.inertia for one in model.bodies.values() if one.inertia > 0.0]
+    if massless:
+        masses = [body.mass for body in model.bodies.values() if body.mass > 0.0]
+        inertias = [body.inertia for body in model.bodies.values() if body.inertia > 0.0]
         light = least(*masses) if masses else 1.0
         length = length_of(model)
         turning = least(*inertias) if inertias else light * (length * length)
         whole = whole.astype(object)  # any of these may be recorded
-        for i, k in found:
+        for i, k in massless:
             whole[i, k] = SHARE * (turning if k == 2 else light)
     weight = np.zeros_like(whole)
     weight[1:] = 1.0 / whole[1:]
-    return _table(found, 2), array_of(weight)
+    return _table(massless, 2), array_of(weight)
 
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
     """The kind whose constraint rows this joint has, and the values of its fields; None if only contacts act on it."""
     if joint.is_loose:
         return None, ()
-    contact, known = joint.contact, registry.kinds("joint")
+    contact, joint_kinds = joint.contact, registry.kinds("joint")
     if contact is not None and joint.clearance > 0.0 and registry.kinds("contact")[contact.model].leaf.link:
-        return known[joint.leaf.massless], (joint.clearance,)
-    return known[joint.kind], joint.numbers
+        return joint_kinds[joint.leaf.massless], (joint.clearance,)
+    return joint_kinds[joint.kind], joint.numbers
 
 
 def is_link(joint: Joint) -> bool:
@@ -312,6 +313,62 @@ class _Programs:
         return len(self.programs) - 1
 
 
+def _drivers(
+    model: Model, number: Mapping[str, int], values: list[float], programs: _Programs, layout: _Layout
+) -> list[tuple[int, int]]:
+    """Add the drivers to the joints; returns programs of drivers and the places of their values."""
+    jets = []
+    for name, driver in model.drivers.items():
+        kind = registry.kinds("driver")[driver.kind]
+        end_a, end_b, fields = driven_ends(model, driver)
+        a, b = number[end_a.body], number[end_b.body]
+        layout.joint.append((len(registry.kinds("joint")) + kind.tag, a, b, len(values), len(layout.rows)))
+        values += [*end_a.at, *end_b.at, *fields]
+        if isinstance(driver.value, float):
+            values += [driver.value, 0.0, 0.0]
+        else:
+            jets.append((programs.add(driver.value, f"drivers.{name}.{driver.kind}"), len(values)))
+            values += [0.0, 0.0, 0.0]
+        for unit in kind.leaf.rows:
+            layout.rows.append(Row(name, unit, True))
+            layout.row_body.append((a, b))
+    return jets
+
+
+def _expressions(
+    model: Model, programs: _Programs, jets: Sequence[tuple[int, int]], live: Sequence[tuple[int, int]], of_laws: int
+) -> tuple[dict[str, np.ndarray], list[Switch], np.ndarray, int]:
+    """Arrays of all expressions, their switches, their first rows of code and the depth of the stack.
+
+    jets, live: programs of drivers and of loads, and the places of their values; of_laws: number of states of laws.
+    """
+    signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
+    rates = [programs.add(state.rate, f"states.{name}.rate") for name, state in model.states.items()]
+    code, const, first, depth = concatenate(programs.programs, model.tables)
+    needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
+    spans = [(int(first[n]), int(first[n + 1]), k) for k, n in signals.items()]
+    plain = np.array([bare(number) for number in const], dtype=float)
+    compiled = Signals(code, plain, spans, [programs.names[n] for n in signals.values()], len(rates))
+    switches = _switches(programs, compiled, first, [n for n, _ in jets], [*(n for n, _ in live), *rates])
+    arrays = {
+        "code": code,
+        "const": const,
+        "jet": _table([(first[n], first[n + 1], slot) for n, slot in jets], 3),
+        "jet_signal": _table([(first[signals[k]], first[signals[k] + 1], k) for k in needed], 3),
+        "signal": _table(spans, 3),
+        "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
+        "state_rate": _table([(first[n], first[n + 1], k) for k, n in enumerate(rates, of_laws)], 3),
+    }
+    return arrays | _switch_tables(switches), switches, first, depth
+
+
+def _switch_tables(switches: Sequence[Switch]) -> dict[str, np.ndarray]:
+    """Tables of switches that are watched, and of those that only time acts on."""
+    timed = [(s.first, s.last, s.row, s.driving, 1, *(0,) * 4) for s in switches if s.timed]
+    watched = [(s.first, s.last, s.row, s.count) for s in switches if not s.timed]
+    return {"switch": _table(watched, 4), "timed": _table(timed, at.width("timed"))}
+
+
 def compile_system(model: Model, length: float | None = None) -> System:
     """Flat arrays (SI units), names and the pattern of the Schur complement of one model.
 
@@ -321,114 +378,86 @@ def compile_system(model: Model, length: float | None = None) -> System:
     number = {"ground": 0, **bodies}
     programs = _Programs(model, bodies)
     values: list[float] = []
-    joint, rows, row_body, watch, watched = _joints(model, number, values)
-    jets = []
-    for name, driver in model.drivers.items():
-        one = registry.kinds("driver")[driver.kind]
-        end_a, end_b, fields = driven_ends(model, driver)
-        a, b = number[end_a.body], number[end_b.body]
-        tag = len(registry.kinds("joint")) + one.tag
-        joint.append((tag, a, b, len(values), len(rows)))
-        values += [*end_a.at, *end_b.at, *fields]
-        if isinstance(driver.value, float):
-            values += [driver.value, 0.0, 0.0]
-        else:
-            jets.append((programs.add(driver.value, f"drivers.{name}.{driver.kind}"), len(values)))
-            values += [0.0, 0.0, 0.0]
-        for unit in one.leaf.rows:
-            rows.append(Row(name, unit, True))
-            row_body.append((a, b))
+    layout = _joints(model, number, values)
+    jets = _drivers(model, number, values, programs, layout)
     if length is None:
         length = max([*map(bare, _lengths_of(model)), 0.0]) or 1.0
     contact, lever, films = contact_table(model, number, values, length)
-    dry = friction_table(model, number, values, joint, sum(one[at.STATES] for one in contact))
-    of_laws = sum(one[at.STATES] for one in contact) + sum(one[at.DRY_STATES] for one in dry)
+    of_contacts = sum(row[at.STATES] for row in contact)
+    dry = friction_table(model, number, values, layout.joint, of_contacts)
     load, live = _loads(model, number, values, programs)
-    signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
-    rates = [programs.add(one.rate, f"states.{name}.rate") for name, one in model.states.items()]
-    code, const, first, depth = concatenate(programs.programs, model.tables)
-    needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
-    spans = [(int(first[n]), int(first[n + 1]), k) for k, n in signals.items()]
-    plain = np.array([bare(one) for one in const], dtype=float)
-    known = Signals(code, plain, spans, [programs.names[n] for n in signals.values()], len(rates))
-    switches = _switches(programs, known, first, [n for n, _ in jets], [*(n for n, _ in live), *rates])
-    ends = [*(entry[4] for entry in joint[1:]), len(rows)]
-    blocks = [range(entry[4], end) for entry, end in zip(joint, ends, strict=False) if end > entry[4]]
-    pattern = schur.analyse(row_body, blocks)
-    mass = array_of([[0.0] * 3] + [[one.mass, one.mass, one.inertia] for one in model.bodies.values()])
+    of_laws = of_contacts + sum(row[at.DRY_STATES] for row in dry)
+    expressions, switches, first, depth = _expressions(model, programs, jets, live, of_laws)
+    starts = [*(entry[at.FIRST_ROW] for entry in layout.joint), len(layout.rows)]
+    pattern = schur.analyse(layout.row_body, [range(a, b) for a, b in pairwise(starts) if b > a])
+    mass = array_of([[0.0] * 3] + [[body.mass, body.mass, body.inertia] for body in model.bodies.values()])
     massless, weight = invertible(mass, model)
     arrays = {
         "mass": mass,
         "weight": weight,
         "massless": massless,
         "gravity": array_of(model.gravity),
-        "joint": _table(joint, at.width("joint")),
+        "joint": _table(layout.joint, at.width("joint")),
         "load": _table(load, at.width("load")),
         "contact": _table(contact, at.width("contact")),
         "dry": _table(dry, at.width("dry")),
         "lever": array_of(lever).reshape(-1, at.width("lever")),
         "film_coefficients": array_of(films),
         "values": array_of(values),
-        "code": code,
-        "const": const,
-        "jet": _table([(first[n], first[n + 1], slot) for n, slot in jets], 3),
-        "jet_signal": _table([(first[signals[k]], first[signals[k] + 1], k) for k in needed], 3),
-        "signal": _table(spans, 3),
-        "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
-        "state_rate": _table([(first[n], first[n + 1], k) for k, n in enumerate(rates, of_laws)], 3),
-        "switch": _table([(one.first, one.last, one.row, one.count) for one in switches if not one.timed], 4),
-        "timed": _table(
-            [(one.first, one.last, one.row, one.driving, 1, *(0,) * 4) for one in switches if one.timed],
-            at.width("timed"),
-        ),
-        "watch": np.array(watch, np.int64),
+        **expressions,
+        "watch": np.array(layout.watch, np.int64),
         **pattern._asdict(),
-        "row_body": _table(row_body, 2),
+        "row_body": _table(layout.row_body, 2),
     }
     return System(
-        model, arrays, tuple(model.bodies), (*model.joints, *model.drivers), tuple(rows), tuple(watched), depth + 1,
+        model, arrays, tuple(model.bodies), (*model.joints, *model.drivers), tuple(layout.rows),
+        tuple(layout.watched), depth + 1,
         tuple(programs.names), tuple(int(n) for n in first[:-1]), length, tuple(switches),
     )  # fmt: skip
 
 
-def _joints(
-    model: Model, number: Mapping[str, int], values: list[float]
-) -> tuple[list[Any], list[Row], list[Any], list[int], list[str]]:
-    joint: list[Any] = []
-    rows: list[Row] = []
-    row_body: list[Any] = []
-    watch: list[int] = []
-    watched: list[str] = []
-    for name, one in model.joints.items():
-        found, fields = joint_rows(one)
-        a, b = number[one.a.body], number[one.b.body]
-        joint.append((found.tag if found else -1, a, b, len(values), len(rows)))
-        if is_link(one):
-            watch.append(len(rows))
-            watched.append(name)
-        values += packed([*one.a.at, *one.b.at, *fields])
-        for unit in found.leaf.rows if found else ():
-            rows.append(Row(name, unit, False))
-            row_body.append((a, b))
-    return joint, rows, row_body, watch, watched
+class _Layout(NamedTuple):
+    """Joints and drivers: their entries of `joint`, rows, bodies of rows, and what is monitored."""
+
+    joint: list[Any]
+    rows: list[Row]
+    row_body: list[Any]
+    watch: list[int]  # rows of massless links, and their joints
+    watched: list[str]
+
+
+def _joints(model: Model, number: Mapping[str, int], values: list[float]) -> _Layout:
+    layout = _Layout([], [], [], [], [])
+    for name, joint in model.joints.items():
+        kind, fields = joint_rows(joint)
+        a, b = number[joint.a.body], number[joint.b.body]
+        layout.joint.append((kind.tag if kind else -1, a, b, len(values), len(layout.rows)))
+        if is_link(joint):
+            layout.watch.append(len(layout.rows))
+            layout.watched.append(name)
+        values += packed([*joint.a.at, *joint.b.at, *fields])
+        for unit in kind.leaf.rows if kind else ():
+            layout.rows.append(Row(name, unit, False))
+            layout.row_body.append((a, b))
+    return layout
 
 
 def _loads(
     model: Model, number: Mapping[str, int], values: list[float], programs: _Programs
 ) -> tuple[list[Any], list[tuple[int, int]]]:
-    load = []
+    entries = []
     live: list[tuple[int, int]] = []
-    for name, one in model.loads.items():
-        tag = registry.kinds("load")[one.kind].tag
+    for name, load in model.loads.items():
+        tag = registry.kinds("load")[load.kind].tag
         start, before = len(values), len(live)
-        for n, value in enumerate(packed(one.values)):
+        for n, value in enumerate(packed(load.values)):
             if isinstance(value, float | int):
                 values.append(value)
             else:
                 live.append((programs.add(value, f"loads.{name} (value {n + 1})"), len(values)))
                 values.append(0.0)
-        load.append((tag, number[one.a.body], number[one.b.body], start, int(len(live) > before)))
-    return load, live
+        entries.append((tag, number[load.a.body], number[load.b.body], start, int(len(live) > before)))
+    return entries, live
 
 
 def _switches(
@@ -459,7 +488,7 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 def _lengths_of(model: Model) -> list[float]:
     """Distances [m] of points from the mass centre of their body, or from the origin, and those that joints keep."""
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
-    return [abs(x) + abs(y) for x, y in points] + [one.distance for one in model.joints.values()]
+    return [abs(x) + abs(y) for x, y in points] + [joint.distance for joint in model.joints.values()]
 
 
 def length_of(model: Model) -> float:

@@ -179,10 +179,10 @@ def solve_by_trying(m, count):
     held = m.held
     if held[at.OUTCOME] == IMPOSSIBLE:
         return False
-    found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count))
-    if found >= 0:
-        held[at.OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
-    return found > 0
+    solutions = call_problem(m.problem_table[TRY_ALL], (m, 2 * count))
+    if solutions >= 0:
+        held[at.OUTCOME] = SOLVED if solutions > 0 else IMPOSSIBLE
+    return solutions > 0
 
 
 @compiled

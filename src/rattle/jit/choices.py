@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from rattle.jit.functions import compiled
 
+TINY = 1e-300  # what keeps quotients of zeros finite: no quantity that is divided by is as small
+
 
 @compiled
 def select(condition, yes, no):

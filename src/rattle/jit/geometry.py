@@ -7,6 +7,8 @@ import math
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 
+COINCIDENT = 1e-150  # distance [m] below which points have no direction: its square is near the least number
+
 
 @compiled
 def turn_x(body, i, x, y):

@@ -2,215 +2,173 @@
 
 from __future__ import annotations
 
-from rattle.jit.columns import declare
+from rattle.jit.columns import column
 
 # fmt: off
 # ---------------------------------------------------------------- a run
-declare("clock", """
-    T [s] time of `state`
-    H [s] next step
-    H_MIN [s] smallest step
-    TROUBLE [s] time at which a step failed
-    H_SOUND [s] last step with large pivots
-    H_FREE [s] step of free flight
-    FEWEST [] fewest steps in a contact
-    CHANGE_AT [] share of the step at which a contact starts or ends
-    H_STABLE [s] longest step at which the method is stable
-    SHORTENED [] 1 if the last step was repeated because it was longer
-    COLLAPSED [] steps in a row that were far too short to get anywhere
-""")
-T, H, H_MIN, TROUBLE, H_SOUND, H_FREE, FEWEST, CHANGE_AT, H_STABLE, SHORTENED, COLLAPSED = range(11)
-declare("stepper", """
-    ADAPTIVE [] 1 if its steps follow the tolerances
-    ERROR_POWER [] power of the step with which the error of one step grows
-    STAGES [] of a step
-    SLOPES [] rows of `slopes` whose accelerations bound those in a step
-    DENSE_STAGES [] further stages of its dense output
-    STABLE [] step times fastest rate beyond which it is not stable; 0: not watched
-""")
-ADAPTIVE, ERROR_POWER, STAGES, SLOPES, DENSE_STAGES, STABLE = range(6)
-declare("stepper_table", """
-    STEP [] takes a step
-    DENSE [] completes its dense output
-""")
-STEP, DENSE = range(2)
-declare("tally", """
-    STEPS [] steps taken
-    REJECTED [] steps repeated with a shorter length
-    EVALUATIONS [] of the right-hand side, besides those for outputs
-    OUTPUTS [] output rows written
-    FOUND [] zero crossings waiting to be collected
-    DRIFT_ROW [] row with the largest residual
-    LOST_ROWS [] redundant rows
-    LEAPS [] steps across singular positions
-    STREAK [] attempts at one
-    EVENT_COUNT [] events waiting to be collected
-    CONTACTS [] contacts that started
-    TAME [] 1 while stages are projected onto the constraints
-    SERIES [] infinite series of bounces that were ended
-""")
-STEPS, REJECTED, EVALUATIONS, OUTPUTS, FOUND, DRIFT_ROW, LOST_ROWS, LEAPS, STREAK, EVENT_COUNT = range(10)
-CONTACTS, TAME, SERIES = range(10, 13)
-declare("passage", """
-    ROOT_BEFORE [] root of the least pivot share at the start of the step, see `singular_passage`
-    ROOT_WITHIN [] least one at its stages
-    ROOT_AFTER [] at its end
-    TRIED_AT [s] start of a step that was laid across a singular position
-    USUAL_LOST [] redundant rows at the start of the run
-    ROOT_SLOPE [] of the root over the step, next to the singular position
-    PASSED_SHARE [] share of the step at which it passes it
-    ROOT_THERE [] root there
-    NEARBY [] AWAY, BEFORE or PASSED of `singular_passage`
-    PASSED [] singular positions passed
-    CLOSEST_ROOT [] least root since it is not AWAY
-    NEAR_SINCE [s] time since when it is not AWAY
-    SUSPECTS [] rows whose pivot may vanish inside the step
-""")
-ROOT_BEFORE, ROOT_WITHIN, ROOT_AFTER, TRIED_AT, USUAL_LOST, ROOT_SLOPE, PASSED_SHARE, ROOT_THERE, NEARBY = range(9)
-PASSED, CLOSEST_ROOT, NEAR_SINCE, SUSPECTS = range(9, 13)
-declare("passages", """
-    PASSED_AT [s] instant
-    PASSED_ROOT [] root there
-    PASSED_FROM [s] from here on forces do not count
-    PASSED_UNTIL [s] until here
-""")
-PASSED_AT, PASSED_ROOT, PASSED_FROM, PASSED_UNTIL = range(4)
-declare("iteration", """
-    JACOBIAN_T [s] time of the state at which the Jacobian was taken
-    STALE [] 1 if there is none, or if the iteration with it was slow
-    FACTORED_H [s] step for which its matrices are factored; 0: none
-    KEPT_T [s] start of the step whose stages are kept
-    KEPT_H [s] its length; 0: none is kept
-    ROUNDS [] iterations for the stages of the last step
-    CONTRACTION [] ratio of the last two corrections
-    FAILED [] 1 if the last attempt found no stages
-    JACOBIAN_H [s] length of the step for which the Jacobian was taken
-    BEARS [s] longest step for which stages are likely to be found
-""")
-JACOBIAN_T, STALE, FACTORED_H, KEPT_T, KEPT_H, ROUNDS, CONTRACTION, FAILED, JACOBIAN_H, BEARS = range(10)
-declare("audit", """
-    OPEN_LIMIT [] openness beyond which a step is rejected
-    UNREST_LIMIT [] share of the turnover beyond which unrest rejects a step
-    FLOOR [J] energy below which unrest is rounding
-    STARTED [] 1 once the energies of the start are known
-    TOTAL_0 [J] all energy at the start
-    WORK_0 [J] work done at the start
-    MOST_KINETIC [J] largest kinetic energy so far
-    MOST_WORK [J] largest work so far
-    LEAST_POTENTIAL [J] smallest potential energy so far
-    MOST_POTENTIAL [J] largest so far
-    MOST_UNREST [J] largest unrest so far
-    OPEN_ANGLE [rad] largest angle by which joints were open
-    OPEN_LENGTH [m] largest length
-    OPENNESS [] of the present step: largest residual, relative to the mechanism's size or 1 rad
-    OPEN_ROW [] the row with that residual
-    UNREST [] of the present step: energy error as a share of the turnover
-    CORRECTION [] openness that was corrected in the present step
-    SUNK [] largest depth of a set-valued contact in its wall, as a share of GAP_SCALE, Moreau-Jean only
-    KINETIC_NOW [J] kinetic energy at the state checked last
-    WORK_NOW [J] work done there
-    POTENTIAL_NOW [J] potential energy there
-    UNREST_NOW [J] unrest there
-""")
-OPEN_LIMIT, UNREST_LIMIT, FLOOR, STARTED, TOTAL_0, WORK_0, MOST_KINETIC, MOST_WORK, LEAST_POTENTIAL = range(9)
-MOST_POTENTIAL, MOST_UNREST, OPEN_ANGLE, OPEN_LENGTH, OPENNESS, OPEN_ROW, UNREST, CORRECTION, SUNK = range(9, 18)
-KINETIC_NOW, WORK_NOW, POTENTIAL_NOW, UNREST_NOW = range(18, 22)
-declare("landing", """
-    LANDS [] 1 + switch at which the step ends; 0: none
-    GO_ON [s] next step
-    TURNS [] switchings so far
-    LAST_TURN [s] time of the last one
-    AGAIN [] switchings without progress in time
-    LANDS_IN [s] length of the step that ends there
-""")
-LANDS, GO_ON, TURNS, LAST_TURN, AGAIN, LANDS_IN = range(6)
-declare("course", """
-    LOOP [] RUNS_SMOOTHLY, RUNS_BY_EVENTS or RUNS_EQUAL_STEPS, see `run_loop`
-    EXTENT [m] size of the mechanism
-    PIECE [] number of instants of the timetable that are passed
-    JOLTS [] jumps of drivers that are passed
-    MAY_PASS [] 1 if a contact passes jams
-    JAMS [] jams passed
-    JAM_AT [s] the last of them
-    FIRST_JAM [s] the first
-    LEG_START [s] start of the run, if it had taken the present equal steps from there
-    LEG_END [s] instant at which they end
-    LEG_STEP [s] their length
-    LEG_STEPS [] steps of the run at that instant
-""")
-LOOP, EXTENT, PIECE, JOLTS, MAY_PASS, JAMS, JAM_AT, FIRST_JAM, LEG_START, LEG_END = range(10)
-LEG_STEP, LEG_STEPS = range(10, 12)
+T = column("clock", "s", "time of `state`")
+H = column("clock", "s", "next step")
+H_MIN = column("clock", "s", "smallest step")
+TROUBLE = column("clock", "s", "time at which a step failed")
+H_SOUND = column("clock", "s", "last step with large pivots")
+H_FREE = column("clock", "s", "step of free flight")
+FEWEST = column("clock", "", "fewest steps in a contact")
+CHANGE_AT = column("clock", "", "share of the step at which a contact starts or ends")
+H_STABLE = column("clock", "s", "longest step at which the method is stable")
+SHORTENED = column("clock", "", "1 if the last step was repeated because it was longer")
+COLLAPSED = column("clock", "", "steps in a row that were far too short to get anywhere")
+
+ADAPTIVE = column("stepper", "", "1 if its steps follow the tolerances")
+ERROR_POWER = column("stepper", "", "power of the step with which the error of one step grows")
+STAGES = column("stepper", "", "of a step")
+SLOPES = column("stepper", "", "rows of `slopes` whose accelerations bound those in a step")
+DENSE_STAGES = column("stepper", "", "further stages of its dense output")
+STABLE = column("stepper", "", "step times fastest rate beyond which it is not stable; 0: not watched")
+
+STEP = column("stepper_table", "", "takes a step")
+DENSE = column("stepper_table", "", "completes its dense output")
+
+STEPS = column("tally", "", "steps taken")
+REJECTED = column("tally", "", "steps repeated with a shorter length")
+EVALUATIONS = column("tally", "", "of the right-hand side, besides those for outputs")
+OUTPUTS = column("tally", "", "output rows written")
+FOUND = column("tally", "", "zero crossings waiting to be collected")
+DRIFT_ROW = column("tally", "", "row with the largest residual")
+LOST_ROWS = column("tally", "", "redundant rows")
+LEAPS = column("tally", "", "steps across singular positions")
+STREAK = column("tally", "", "attempts at one")
+EVENT_COUNT = column("tally", "", "events waiting to be collected")
+CONTACTS = column("tally", "", "contacts that started")
+TAME = column("tally", "", "1 while stages are projected onto the constraints")
+SERIES = column("tally", "", "infinite series of bounces that were ended")
+
+ROOT_BEFORE = column("passage", "", "root of the least pivot share at the start of the step, see `singular_passage`")
+ROOT_WITHIN = column("passage", "", "least one at its stages")
+ROOT_AFTER = column("passage", "", "at its end")
+TRIED_AT = column("passage", "s", "start of a step that was laid across a singular position")
+USUAL_LOST = column("passage", "", "redundant rows at the start of the run")
+ROOT_SLOPE = column("passage", "", "of the root over the step, next to the singular position")
+PASSED_SHARE = column("passage", "", "share of the step at which it passes it")
+ROOT_THERE = column("passage", "", "root there")
+NEARBY = column("passage", "", "AWAY, BEFORE or PASSED of `singular_passage`")
+PASSED = column("passage", "", "singular positions passed")
+CLOSEST_ROOT = column("passage", "", "least root since it is not AWAY")
+NEAR_SINCE = column("passage", "s", "time since when it is not AWAY")
+SUSPECTS = column("passage", "", "rows whose pivot may vanish inside the step")
+
+PASSED_AT = column("passages", "s", "instant")
+PASSED_ROOT = column("passages", "", "root there")
+PASSED_FROM = column("passages", "s", "from here on forces do not count")
+PASSED_UNTIL = column("passages", "s", "until here")
+
+JACOBIAN_T = column("iteration", "s", "time of the state at which the Jacobian was taken")
+STALE = column("iteration", "", "1 if there is none, or if the iteration with it was slow")
+FACTORED_H = column("iteration", "s", "step for which its matrices are factored; 0: none")
+KEPT_T = column("iteration", "s", "start of the step whose stages are kept")
+KEPT_H = column("iteration", "s", "its length; 0: none is kept")
+ROUNDS = column("iteration", "", "iterations for the stages of the last step")
+CONTRACTION = column("iteration", "", "ratio of the last two corrections")
+FAILED = column("iteration", "", "1 if the last attempt found no stages")
+JACOBIAN_H = column("iteration", "s", "length of the step for which the Jacobian was taken")
+BEARS = column("iteration", "s", "longest step for which stages are likely to be found")
+
+OPEN_LIMIT = column("audit", "", "openness beyond which a step is rejected")
+UNREST_LIMIT = column("audit", "", "share of the turnover beyond which unrest rejects a step")
+FLOOR = column("audit", "J", "energy below which unrest is rounding")
+STARTED = column("audit", "", "1 once the energies of the start are known")
+TOTAL_0 = column("audit", "J", "all energy at the start")
+WORK_0 = column("audit", "J", "work done at the start")
+MOST_KINETIC = column("audit", "J", "largest kinetic energy so far")
+MOST_WORK = column("audit", "J", "largest work so far")
+LEAST_POTENTIAL = column("audit", "J", "smallest potential energy so far")
+MOST_POTENTIAL = column("audit", "J", "largest so far")
+MOST_UNREST = column("audit", "J", "largest unrest so far")
+OPEN_ANGLE = column("audit", "rad", "largest angle by which joints were open")
+OPEN_LENGTH = column("audit", "m", "largest length")
+OPENNESS = column("audit", "", "of the present step: largest residual, relative to the mechanism's size or 1 rad")
+OPEN_ROW = column("audit", "", "the row with that residual")
+UNREST = column("audit", "", "of the present step: energy error as a share of the turnover")
+CORRECTION = column("audit", "", "openness that was corrected in the present step")
+SUNK = column("audit", "",
+    "largest depth of a set-valued contact in its wall, as a share of GAP_SCALE, Moreau-Jean only")
+KINETIC_NOW = column("audit", "J", "kinetic energy at the state checked last")
+WORK_NOW = column("audit", "J", "work done there")
+POTENTIAL_NOW = column("audit", "J", "potential energy there")
+UNREST_NOW = column("audit", "J", "unrest there")
+
+LANDS = column("landing", "", "1 + switch at which the step ends; 0: none")
+GO_ON = column("landing", "s", "next step")
+TURNS = column("landing", "", "switchings so far")
+LAST_TURN = column("landing", "s", "time of the last one")
+AGAIN = column("landing", "", "switchings without progress in time")
+LANDS_IN = column("landing", "s", "length of the step that ends there")
+
+LOOP = column("course", "", "RUNS_SMOOTHLY, RUNS_BY_EVENTS or RUNS_EQUAL_STEPS, see `run_loop`")
+EXTENT = column("course", "m", "size of the mechanism")
+PIECE = column("course", "", "number of instants of the timetable that are passed")
+JOLTS = column("course", "", "jumps of drivers that are passed")
+MAY_PASS = column("course", "", "1 if a contact passes jams")
+JAMS = column("course", "", "jams passed")
+JAM_AT = column("course", "s", "the last of them")
+FIRST_JAM = column("course", "s", "the first")
+LEG_START = column("course", "s", "start of the run, if it had taken the present equal steps from there")
+LEG_END = column("course", "s", "instant at which they end")
+LEG_STEP = column("course", "s", "their length")
+LEG_STEPS = column("course", "", "steps of the run at that instant")
 RUNS_SMOOTHLY, RUNS_BY_EVENTS, RUNS_EQUAL_STEPS = range(3)
-declare("driver_jump", """
-    JUMP_AT [s] instant
-    JUMP_ROW [] first row of the driver
-    JUMP_IMPULSE [N*s or N*m*s] of the driver on its body B, once it is passed
-    JUMP_WORK [J] done by the driver
-    JUMP_SIZE [rad/s or m/s] speed after minus speed before
-    JUMP_DRIVER [] number of the driver
-""")
-JUMP_AT, JUMP_ROW, JUMP_IMPULSE, JUMP_WORK, JUMP_SIZE, JUMP_DRIVER = range(6)
-declare("driver_leap", """
-    LEAP_SLOT [] place of the driver's function in `values`
-    LEAP_ROW [] first row of the driver
-    LEAP_SCALE [m or rad] size of the mechanism, or 1 rad
-    VALUE_BEFORE [m or rad] its function just before the instant at hand
-    SPEED_BEFORE [m/s or rad/s] its speed there
-    FASTEST [m/s or rad/s] its largest speed beside all instants
-    LEAP_COUNT [] jumps in position
-    LEAP_AT [s] the first of them
-    LEAP_SIZE [m or rad] by how much
-""")
-LEAP_SLOT, LEAP_ROW, LEAP_SCALE, VALUE_BEFORE, SPEED_BEFORE, FASTEST, LEAP_COUNT, LEAP_AT, LEAP_SIZE = range(9)
-declare("timed", """
-    FIRST_CODE [] first row of the program of its operands in `code`
-    END_CODE [] row after the last one
-    OWN_CODE [] row of the switch itself
-    DRIVES [] 1 if a driver depends on it
-    RESOLVED [] 0 if it has too many instants to follow
-    FIRST_FOUND [] its first row in `switchings`
-    END_FOUND [] row after the last one
-    NESTED [] 1 if the switch that is being searched depends on it, scratch
-    NEXT [] row in `switchings` of the instant at hand, scratch
-""")
-DRIVES, RESOLVED, FIRST_FOUND, END_FOUND, NESTED, NEXT = range(3, 9)
-declare("search", """
-    SPENT [] rows of programs evaluated, times spans
-    FILLED [] rows of `switchings` filled
-    ROWS [] rows of the programs of the switching function that is searched
-    CUT [s] up to where its sides are known
-    SIDE_THERE [] its side there
-    LOOKS [] spans that were looked at
-""")
-SPENT, FILLED, ROWS, CUT, SIDE_THERE, LOOKS = range(6)
-declare("switchings", """
-    SWITCHES_AT [s] instant
-    SIDE_AFTER [] side from there on
-""")
-SWITCHES_AT, SIDE_AFTER = range(2)
-declare("crossings", """
-    CROSSING_T [s] instant
-    CROSSING_FORCE [] number of the monitored force
-    CROSSING_SIGN [] its new sign
-""")
-CROSSING_T, CROSSING_FORCE, CROSSING_SIGN = range(3)
-declare("events", """
-    EVENT_T [s] instant
-    EVENT_CONTACT [] number of the contact
-    EVENT_KIND [] kind of event
-    EVENT_SPEED [m/s or rad/s] along the normal
-    EVENT_DURATION [s] of a contact that has ended
-    EVENT_PEAK [N or N*m] its largest force
-    EVENT_IMPULSE [N*s or N*m*s] impulse
-    EVENT_LOSS [J] energy lost
-""")
-EVENT_T, EVENT_CONTACT, EVENT_KIND, EVENT_SPEED, EVENT_DURATION, EVENT_PEAK, EVENT_IMPULSE, EVENT_LOSS = range(8)
+JUMP_AT = column("driver_jump", "s", "instant")
+JUMP_ROW = column("driver_jump", "", "first row of the driver")
+JUMP_IMPULSE = column("driver_jump", "N*s or N*m*s", "of the driver on its body B, once it is passed")
+JUMP_WORK = column("driver_jump", "J", "done by the driver")
+JUMP_SIZE = column("driver_jump", "rad/s or m/s", "speed after minus speed before")
+JUMP_DRIVER = column("driver_jump", "", "number of the driver")
+
+LEAP_SLOT = column("driver_leap", "", "place of the driver's function in `values`")
+LEAP_ROW = column("driver_leap", "", "first row of the driver")
+LEAP_SCALE = column("driver_leap", "m or rad", "size of the mechanism, or 1 rad")
+VALUE_BEFORE = column("driver_leap", "m or rad", "its function just before the instant at hand")
+SPEED_BEFORE = column("driver_leap", "m/s or rad/s", "its speed there")
+FASTEST = column("driver_leap", "m/s or rad/s", "its largest speed beside all instants")
+LEAP_COUNT = column("driver_leap", "", "jumps in position")
+LEAP_AT = column("driver_leap", "s", "the first of them")
+LEAP_SIZE = column("driver_leap", "m or rad", "by how much")
+
+FIRST_CODE = column("timed", "", "first row of its program in `code`; of a switch, of that of its operands")
+END_CODE = column("timed", "", "row after the last one")
+OWN_CODE = column("timed", "", "row of the switch itself")
+DRIVES = column("timed", "", "1 if a driver depends on it")
+RESOLVED = column("timed", "", "0 if it has too many instants to follow")
+FIRST_FOUND = column("timed", "", "its first row in `switchings`")
+END_FOUND = column("timed", "", "row after the last one")
+NESTED = column("timed", "", "1 if the switch that is being searched depends on it, scratch")
+NEXT = column("timed", "", "row in `switchings` of the instant at hand, scratch")
+
+SPENT = column("search", "", "rows of programs evaluated, times spans")
+FILLED = column("search", "", "rows of `switchings` filled")
+ROWS = column("search", "", "rows of the programs of the switching function that is searched")
+CUT = column("search", "s", "up to where its sides are known")
+SIDE_THERE = column("search", "", "its side there")
+LOOKS = column("search", "", "spans that were looked at")
+
+SWITCHES_AT = column("switchings", "s", "instant")
+SIDE_AFTER = column("switchings", "", "side from there on")
+
+CROSSING_T = column("crossings", "s", "instant")
+CROSSING_FORCE = column("crossings", "", "number of the monitored force")
+CROSSING_SIGN = column("crossings", "", "its new sign")
+
+EVENT_T = column("events", "s", "instant")
+EVENT_CONTACT = column("events", "", "number of the contact")
+EVENT_KIND = column("events", "", "kind of event")
+EVENT_SPEED = column("events", "m/s or rad/s", "along the normal")
+EVENT_DURATION = column("events", "s", "of a contact that has ended")
+EVENT_PEAK = column("events", "N or N*m", "its largest force")
+EVENT_IMPULSE = column("events", "N*s or N*m*s", "impulse")
+EVENT_LOSS = column("events", "J", "energy lost")
 CONTACT_EVENT, RELEASE_EVENT, IMPACT_EVENT, STICK_EVENT, SLIP_EVENT = 0.0, 1.0, 2.0, 3.0, 4.0
-declare("quantity", """
-    FORM [] how it is formed from its columns: OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE or OF_LARGER
-    FIRST_COLUMN [] its first column after those of bodies
-""")
-FORM, FIRST_COLUMN = range(2)
+FORM = column("quantity", "",
+    "how it is formed from its columns: OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE or OF_LARGER")
+FIRST_COLUMN = column("quantity", "", "its first column after those of bodies")
 # length of a vector, magnitude, the number, its negative, the larger of two
 OF_VECTOR, OF_SIZE, OF_VALUE, OF_NEGATIVE, OF_LARGER = range(5)
 
@@ -235,12 +193,9 @@ KINETIC, STORED, WORK, LOST = range(ENERGIES)
 # rows of runs that are asked for powers go on with ports, of every joint and driver, then of every load: generalised
 # force (force [N], moment about the mass centre [N*m]) on A, then on B; power from outside, lost, and stored [W]
 PORT_A, PORT_B, SUPPLIED, WASTED, KEPT, PER_PORT = 0, 3, 6, 7, 8, 9
-declare("port_work", """
-    A_IN [J] energy given to A by impulses so far
-    A_OUT [J] energy taken from A
-    B_IN [J] energy given to B
-    B_OUT [J] energy taken from B
-    A_NOW [J] energy given to A by the present impulse, scratch
-    B_NOW [J] the same of B
-""")
-A_IN, A_OUT, B_IN, B_OUT, A_NOW, B_NOW = range(6)
+A_IN = column("port_work", "J", "energy given to A by impulses so far")
+A_OUT = column("port_work", "J", "energy taken from A")
+B_IN = column("port_work", "J", "energy given to B")
+B_OUT = column("port_work", "J", "energy taken from B")
+A_NOW = column("port_work", "J", "energy given to A by the present impulse, scratch")
+B_NOW = column("port_work", "J", "the same of B")

@@ -120,7 +120,7 @@ ARRAYS = {
     "path": Array("f2", "6, 2 nc", "", "b, d, and f, a for d alone, see `lemke`; modes, a or f of a solution"),
     "bounce": Array("f2", "7, 2 nc", "", "see `impact_path` and `impact_phases`"),
     "looks": Array("f2", "looks, 4 nc + 2", "", "samples of the indicators in a step, see `event_search`"),
-    "glances": Array("f2", "n, 4 nc + 2", "", "the same at the stages of a step, see `glances`"),
+    "glances": Array("f2", "n, 4 nc + 2", "", "the same at the stages of a step, see `contact_samples`"),
     "held": Array("f1", "12", "", "what is known of the contact problem at hand"),
     "net_place": Array("i1", "nr + 2 nc", "", "rows of joints and contacts together: order, see `contact_network`"),
     "net_first": Array("i1", "nr + 2 nc + 1", "", "see `place` to `pairs`"),

@@ -3,8 +3,8 @@
 A program is an integer array with rows (op, argument, side, crossed).  An op takes its operands from the top of the
 stack and leaves its result there.  A choice takes four operands (the two compared, then, otherwise), so that
 there are no jumps; CHOOSE takes three (condition, then, otherwise).  A condition is a number: positive where it holds.
-Outside its domain a function gives nan or inf and never raises: the guards below give what
-C would give, and keep plain Python from raising.  All values are in SI units.
+Outside its domain a function gives nan or inf and never raises.  All values are in SI units.  What an operation does
+stands in its record, see `operation`; the functions that choose by its code are made of the records.
 
 Switches (abs, sign, step, min, max, if, comparisons, floor, mod, tables with kinks) have a switching function s: their
 operand, or the difference of the two operands that are compared; of floor(x), and of mod(x, y) with x/y, the distance
@@ -19,96 +19,49 @@ without a finite value at s = 0 is not taken there, so that "sin(t)/t if t > 0 e
 
 from __future__ import annotations
 
-import math
-
 from rattle.jit.choices import select
 from rattle.jit.functions import compiled, native
+from rattle.language import operations
+from rattle.language.arithmetic import INF, NAN, held
+from rattle.language.arithmetic import power as power
+from rattle.language.arithmetic import quotient as quotient
+from rattle.language.arithmetic import wave as wave
+from rattle.language.arithmetic import whole as whole
+from rattle.language.operation import dispatch
 from rattle.language.table_reading import knot_coordinate, on_segment
 
-# operands, then functions of one operand, of two, and choices: the loops rely on this order
+# operands, then operations of one operand, of two, and choices: the loops rely on this order
 CONST, TIME, STATE, SIGNAL = range(4)
-NEG, SQUARE, ABS, SIGN, STEP, FLOOR, SQRT, EXP, LOG, SIN, COS, TAN, ASIN, ACOS, ATAN, TANH = range(4, 20)
-CURVE, BENT = range(20, 22)  # tables, without and with kinks; their argument is the place of their block in `const`
-ADD, SUB, MUL, DIV, POW, ATAN2, HYPOT, MOD = range(22, 30)
-BELOW, BELOW_OR_AT, ABOVE, ABOVE_OR_AT, BOTH, EITHER, MIN, MAX = range(30, 38)
-LESS, AT_MOST, MORE, AT_LEAST, CHOOSE = range(38, 43)
-COMPARED = LESS - BELOW  # from a comparison to the choice by it
+ONE = dict(enumerate(operations.OF_ONE, SIGNAL + 1))  # records by code
+CURVE = SIGNAL + 1 + len(ONE)  # tables, without and with kinks; their argument is the place of their block in `const`
+BENT = CURVE + 1
+TWO = dict(enumerate(operations.OF_TWO, BENT + 1))
+FIRST_OF_TWO, LESS = BENT + 1, BENT + 1 + len(TWO)
+AT_MOST, MORE, AT_LEAST, CHOOSE = range(LESS + 1, LESS + 5)
+RECORDS = {**ONE, **TWO}
+CODE = {  # by the name of an operation in a tree
+    **{record.name: code for code, record in RECORDS.items()},
+    **dict(zip((*operations.CHOICES, operations.CHOOSE), range(LESS, CHOOSE + 1), strict=True)),
+}
+CODE["not"] = CODE["neg"]
+SQUARE, POW, HYPOT, SQRT = CODE["square"], CODE["**"], CODE["hypot"], CODE["sqrt"]
+SIN, COS, ACOS, LOG = CODE["sin"], CODE["cos"], CODE["acos"], CODE["log"]
+FLOOR, MIN, MAX = CODE["floor"], CODE["min"], CODE["max"]
+ADD, MUL = CODE["+"], CODE["*"]
+BRANCHES = {code: record.branches for code, record in RECORDS.items() if record.branches is not None}
+SWITCHES = frozenset((*BRANCHES, BENT, *range(LESS, CHOOSE)))
+JUMPS = SWITCHES | {CODE["and"], CODE["or"], CHOOSE}  # of these values or derivatives may jump
 
 SIDE, CROSSED = 2, 3  # columns of a program
-
-NAN = math.nan
-INF = math.inf
-LARGEST = 709.78  # exp of more than this is inf
-WHOLE = 2.0**52  # numbers of this size and beyond have no fraction
 
 
 def operands_of(op: int) -> int:
     """Number of operands of an operation."""
     if op <= SIGNAL:
         return 0
-    if op < ADD:
+    if op < FIRST_OF_TWO:
         return 1
     return 2 if op < LESS else (3 if op == CHOOSE else 4)
-
-
-@compiled
-def quotient(x, y):
-    """x / y [SI]; inf or nan for y = 0."""
-    if y != 0.0:
-        return x / y
-    if x == 0.0 or x != x:
-        return NAN
-    return math.copysign(INF, x) * math.copysign(1.0, y)
-
-
-@compiled
-def power(x, y):
-    """x ** y [SI]; nan for a negative x with an exponent that is not an integer."""
-    if y == 0.0 or x == 1.0:
-        return 1.0
-    if x != x or y != y:
-        return NAN
-    size = abs(x)
-    if size == 0.0:
-        result = 0.0 if y > 0.0 else INF
-    else:
-        exponent = y * math.log(size)
-        if exponent > LARGEST:
-            result = INF
-        elif exponent != exponent:
-            result = 1.0
-        elif exponent == -INF or abs(y) == INF or size == INF:
-            result = 0.0
-        else:
-            result = math.pow(size, y)
-    if x < 0.0 and abs(y) < INF:
-        if y % 1.0 != 0.0:
-            return NAN
-        if y % 2.0 != 0.0:
-            return -result
-    return result
-
-
-@compiled
-def whole(x):
-    """Largest integer that is not above x."""
-    return float(math.floor(x)) if abs(x) < WHOLE else x
-
-
-@compiled
-def wave(x):
-    """Distance of x from the nearest integer, positive from an even integer to the next, negative from an odd one."""
-    nearest = whole(x + 0.5)
-    return x - nearest if nearest % 2.0 == 0.0 else nearest - x
-
-
-@compiled
-def held(side, x):
-    """Largest integer not above x, where `wave` of x has this sign, or had it less than half ago."""
-    n = whole(x)
-    if (n % 2.0 == 0.0) == (side > 0):
-        return n
-    return n - 1.0 if x - n < 0.5 else n + 1.0
 
 
 @compiled
@@ -126,78 +79,27 @@ def read_table(table, k, side, x, dx, ddx):
     return on_segment(table, k, segment, x)
 
 
-@compiled
-def switching(op, x, y):
-    """Switching function of the switch `op`; y is 0 for one operand."""
-    if op == FLOOR:
-        return wave(x)
-    if op == MOD:
-        return wave(quotient(x, y))
-    return x - y
-
-
-@compiled
-def unary(op, x):
-    """Value of the function `op` of one operand [SI]."""
-    if op == NEG:
-        return -x
-    if op == SQUARE:
-        return x * x
-    if op == ABS:
-        return abs(x)
-    if op == SIGN:
-        return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else x)
-    if op == STEP:
-        return 1.0 if x >= 0.0 else (0.0 if x < 0.0 else x)
-    if op == FLOOR:
-        return whole(x)
-    if op == SQRT:
-        return math.sqrt(x) if x >= 0.0 else NAN
-    if op == EXP:
-        return INF if x > LARGEST else math.exp(x)
-    if op == LOG:
-        return math.log(x) if x > 0.0 else (-INF if x == 0.0 else NAN)
-    if op == ATAN:
-        return math.atan(x)
-    if op == TANH:
-        return math.tanh(x)
-    if op == ASIN:
-        return math.asin(x) if -1.0 <= x <= 1.0 else NAN
-    if op == ACOS:
-        return math.acos(x) if -1.0 <= x <= 1.0 else NAN
-    if not abs(x) < INF:
-        return NAN
-    if op == SIN:
-        return math.sin(x)
-    if op == COS:
-        return math.cos(x)
-    return math.tan(x)
-
-
-@compiled
-def binary(op, x, y):
-    """Value of the function `op` of two operands [SI]."""
-    if op == ADD:
-        return x + y
-    if op == SUB:
-        return x - y
-    if op == MUL:
-        return x * y
-    if op == DIV:
-        return quotient(x, y)
-    if op == POW:
-        return power(x, y)
-    if op == ATAN2:
-        return math.atan2(x, y)
-    if op == HYPOT:
-        return math.hypot(x, y)
-    if op == MOD:
-        return x - y * whole(quotient(x, y))
-    if op <= ABOVE_OR_AT:
-        return 1.0 if holds(op + COMPARED, x, y) else -1.0
-    if op in (BOTH, MIN):
-        return x if x <= y or x != x else y
-    return x if x >= y or x != x else y
+# switching function of the switch `op` of x and y; y is 0 for one operand
+switching = dispatch(
+    __name__, "switching", "x, y", {
+        code: (f"return switching({'x' if code in ONE else 'x, y'})", {"switching": sides.switching})
+        for code, sides in BRANCHES.items() if sides.switching is not None
+    }, "return x - y",
+)  # fmt: skip
+# value of the function `op` of one operand [SI], and of two
+unary = dispatch(
+    __name__, "unary", "x", {code: ("return value(x)", {"value": record.value}) for code, record in ONE.items()}
+)
+binary = dispatch(
+    __name__, "binary", "x, y", {code: ("return value(x, y)", {"value": record.value}) for code, record in TWO.items()}
+)
+# value [SI] of a switch on a given side of its switching function; those of one operand do not use y
+branch = dispatch(
+    __name__, "branch", "side, x, y", {
+        code: (f"return value({'side, x' if code in ONE else 'side, x, y'})", {"value": sides.value})
+        for code, sides in BRANCHES.items()
+    },
+)  # fmt: skip
 
 
 @compiled
@@ -213,37 +115,48 @@ def holds(op, x, y):
 
 
 @compiled
-def branch(op, side, x, y):
-    """Value [SI] of a switch on a given side of its switching function; those of one operand do not use y.
-
-    A comparison is 1 where it holds and -1 where not; half as large at s = 0, where it could be otherwise.
-    """
-    if op == ABS:
-        return x if side > 0 else -x
-    if op == FLOOR:
-        return held(side, x)
-    if op == MOD:
-        return x - y * held(side, quotient(x, y))
-    if BELOW <= op <= ABOVE_OR_AT:
-        sure = 0.5 if x == y else 1.0
-        return sure if (side < 0) == (op <= BELOW_OR_AT) else -sure
-    if op == MIN:
-        return y if side > 0 else x
-    if op == MAX:
-        return x if side > 0 else y
-    if x != x:
-        return x
-    if op == SIGN:
-        return 1.0 if side > 0 else -1.0
-    return 1.0 if side > 0 else 0.0
-
-
-@compiled
 def chosen(condition, yes, no):
     """Value [SI] of a choice; where the condition could be otherwise, a branch without a finite value is not taken."""
     value = yes if condition > 0.0 else no
     if abs(condition) < 1.0 and not abs(value) < INF:
         value = no if condition > 0.0 else yes
+    return value
+
+
+@compiled
+def run_one(code, row, x):
+    """Value of the operation of one operand in a row of a program."""
+    op, side = code[row, 0], code[row, SIDE]
+    if side == 0:
+        return unary(op, x)
+    if switching(op, x, 0.0) * side < 0.0:
+        code[row, CROSSED] = 1
+    return branch(op, side, x, 0.0)
+
+
+@compiled
+def run_two(code, row, x, y):
+    """Value of the operation of two operands in a row of a program."""
+    op, side = code[row, 0], code[row, SIDE]
+    if side == 0:
+        return binary(op, x, y)
+    if switching(op, x, y) * side < 0.0:
+        code[row, CROSSED] = 1
+    return branch(op, side, x, y)
+
+
+@compiled
+def run_choice(code, row, stack, top):
+    """Value of the choice in a row of a program, between the last two of the four numbers at `top` of the stack."""
+    op, side = code[row, 0], code[row, SIDE]
+    value = select(holds(op, stack[top], stack[top + 1]), stack[top + 2], stack[top + 3])
+    if side != 0:
+        s = stack[top] - stack[top + 1]
+        far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
+        if s != 0.0 or abs(stack[far]) < INF:
+            value = stack[far]
+        if s * side < 0.0:
+            code[row, CROSSED] = 1
     return value
 
 
@@ -277,39 +190,15 @@ def evaluate(code, const, first, last, t, body, signals, stack):
             stack[top] = value
             if side != 0 and wave(knot_coordinate(const, k, x)) * side < 0.0:
                 code[row, CROSSED] = 1
-        elif op < ADD:
-            x = float(stack[top])
-            side = code[row, SIDE]
-            if side == 0:
-                stack[top] = unary(op, x)
-            else:
-                stack[top] = branch(op, side, x, 0.0)
-                if switching(op, x, 0.0) * side < 0.0:
-                    code[row, CROSSED] = 1
+        elif op < FIRST_OF_TWO:
+            stack[top] = run_one(code, row, float(stack[top]))
         elif op < LESS:
             top -= 1
-            x = float(stack[top])
-            y = float(stack[top + 1])
-            side = code[row, SIDE]
-            if side == 0:
-                stack[top] = binary(op, x, y)
-            else:
-                stack[top] = branch(op, side, x, y)
-                if switching(op, x, y) * side < 0.0:
-                    code[row, CROSSED] = 1
+            stack[top] = run_two(code, row, float(stack[top]), float(stack[top + 1]))
         elif op == CHOOSE:
             top -= 2
             stack[top] = chosen(stack[top], stack[top + 1], stack[top + 2])
         else:
             top -= 3
-            side = code[row, SIDE]
-            value = select(holds(op, stack[top], stack[top + 1]), stack[top + 2], stack[top + 3])
-            if side != 0:
-                s = stack[top] - stack[top + 1]
-                far = top + 2 if (side < 0) == (op <= AT_MOST) else top + 3
-                if s != 0.0 or abs(stack[far]) < INF:
-                    value = stack[far]
-                if s * side < 0.0:
-                    code[row, CROSSED] = 1
-            stack[top] = value
+            stack[top] = run_choice(code, row, stack, top)
     return float(stack[0])

@@ -16,14 +16,13 @@ import numpy as np
 
 from rattle.errors import suggest
 from rattle.language import bytecode
+from rattle.language.operation import Units
+from rattle.language.operations import units_of
 from rattle.language.recorded import Recorded, array_of, bare, operate, read
 from rattle.language.syntax import (
     CALL,
-    COMPARISONS,
     FUNCTIONS,
-    JOINING,
     RESERVED,
-    SAME,
     Apply,
     ExpressionError,
     Name,
@@ -58,28 +57,6 @@ __all__ = [
     "walk",
 ]
 
-OPERATIONS = {
-    "neg": bytecode.NEG,
-    "+": bytecode.ADD,
-    "-": bytecode.SUB,
-    "*": bytecode.MUL,
-    "/": bytecode.DIV,
-    "**": bytecode.POW,
-    "if<": bytecode.LESS,
-    "if<=": bytecode.AT_MOST,
-    "if>": bytecode.MORE,
-    "if>=": bytecode.AT_LEAST,
-    "<": bytecode.BELOW,
-    "<=": bytecode.BELOW_OR_AT,
-    ">": bytecode.ABOVE,
-    ">=": bytecode.ABOVE_OR_AT,
-    "and": bytecode.BOTH,
-    "or": bytecode.EITHER,
-    "not": bytecode.NEG,
-    "choose": bytecode.CHOOSE,
-    **{name: getattr(bytecode, name.upper()) for name in FUNCTIONS if name not in SAME},
-}
-
 
 # ---------------------------------------------------------------- dimensions
 def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimension | None = TIME) -> Dimension | None:
@@ -104,12 +81,12 @@ def dimension(node: Node, lookup: Callable[[str], Dimension | None], time: Dimen
     return stack[0]
 
 
-def _of_table(part: Apply, given: Dimension | None, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
+def _of_table(part: Apply, argument: Dimension | None, lookup: Callable[[str], Dimension | None]) -> Dimension | None:
     """Dimension of the value of a table; that of its argument is known under the name `argument_of` it."""
     expected = lookup(argument_of(part.name))
-    if given is not None and expected is not None and given != expected:
+    if argument is not None and expected is not None and argument != expected:
         table = part.name.removesuffix(CALL)
-        raise ExpressionError(f"the table '{table}' is over {_word(expected)}, not {_word(given)}", part.column)
+        raise ExpressionError(f"the table '{table}' is over {_word(expected)}, not {_word(argument)}", part.column)
     return lookup(part.name)
 
 
@@ -118,56 +95,88 @@ def argument_of(table: str) -> str:
     return f"{table} of"
 
 
-def _combine(part: Apply, given: list[Dimension | None]) -> Dimension | None:
+def _combine(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
     """Dimension of one operation from those of its operands."""
-    name, x, y = part.name, given[0], given[1] if len(given) > 1 else None
-    if name in ("*", "/"):
-        if x is None or y is None:
-            return None
-        return x.times(y) if name == "*" else x.over(y)
-    if name == "**":
-        return _combine_power(part, x, y)
-    if name in ("+", "-"):
-        return _same(part, x, y, "add" if name == "+" else "subtract")
-    if name in COMPARISONS or name.startswith("if"):
-        _same(part, x, y, "compare")
-    if name in COMPARISONS or name in JOINING:
-        return DIMENSIONLESS
-    if name == "choose" or name.startswith("if"):
-        return _same(part, given[-2], given[-1], "choose between")
-    if name in ("min", "max", "hypot", "atan2", "mod"):
-        common = _same(part, x, y, f"take {name} of")
-        return DIMENSIONLESS if name == "atan2" else common
-    if name in ("neg", "abs"):
-        return x
-    if name == "sqrt":
-        return None if x is None else x.power(0.5)
-    if name not in ("sign", "step") and x not in (None, DIMENSIONLESS):
-        raise ExpressionError(f"cannot take {name} of {_word(x)}; expected a plain number or angle", part.column)
+    return _RULES[units_of(part.name)](part, operands)
+
+
+def _combine_plain(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    if operands[0] not in (None, DIMENSIONLESS):
+        function = part.called or part.name
+        raise ExpressionError(
+            f"cannot take {function} of {_word(operands[0])}; expected a plain number or angle", part.column
+        )
     return DIMENSIONLESS
 
 
-def _combine_power(part: Apply, base: Dimension | None, exponent: Dimension | None) -> Dimension | None:
+def _combine_root(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    return None if operands[0] is None else operands[0].power(0.5)
+
+
+def _combine_product(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    x, y = operands
+    if x is None or y is None:
+        return None
+    return x.times(y) if part.name == "*" else x.over(y)
+
+
+def _combine_common(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    return _same(part, {"+": "add", "-": "subtract"}.get(part.name, f"take {part.name} of"), *operands)
+
+
+def _combine_angle(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    _combine_common(part, operands)
+    return DIMENSIONLESS
+
+
+def _combine_comparison(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    _same(part, "compare", *operands[:2])
+    return DIMENSIONLESS
+
+
+def _combine_choice(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    if len(operands) == 4:
+        _same(part, "compare", *operands[:2])
+    return _same(part, "choose between", *operands[-2:])
+
+
+def _combine_power(part: Apply, operands: list[Dimension | None]) -> Dimension | None:
+    base, exponent = operands
     if exponent not in (None, DIMENSIONLESS):
         raise ExpressionError(f"an exponent must be a plain number, not {_word(exponent)}", part.column)
     if base is None or base == DIMENSIONLESS:
         return base
-    if any(
-        isinstance(one, Name) or (isinstance(one, Apply) and one.name.endswith(CALL)) for one in walk(part.operands[1])
-    ):
+    if any(isinstance(x, Name) or (isinstance(x, Apply) and x.name.endswith(CALL)) for x in walk(part.operands[1])):
         return None
     number = value(part.operands[1], {})
     return base.power(number) if abs(number) <= 100.0 else None
 
 
-def _same(part: Apply, x: Dimension | None, y: Dimension | None, verb: str) -> Dimension | None:
+def _same(part: Apply, verb: str, x: Dimension | None, y: Dimension | None) -> Dimension | None:
     if x is not None and y is not None and x != y:
-        raise ExpressionError(f"cannot {verb} {_word(x)} and {_word(y)}", part.column)
+        where = f" in {part.called}" if part.called else ""
+        raise ExpressionError(f"cannot {verb} {_word(x)} and {_word(y)}{where}", part.column)
     return y if x is None else x
 
 
-def _word(known: Dimension | None) -> str:
-    return describe(DIMENSIONLESS) if known is None or known == DIMENSIONLESS else unit_name(known)
+def _word(dimension: Dimension | None) -> str:
+    return describe(DIMENSIONLESS) if dimension is None or dimension == DIMENSIONLESS else unit_name(dimension)
+
+
+_RULES: Mapping[Units, Callable[[Apply, list[Dimension | None]], Dimension | None]] = {
+    Units.PLAIN: _combine_plain,
+    Units.NUMBER: lambda part, operands: DIMENSIONLESS,
+    Units.KEPT: lambda part, operands: operands[0],
+    Units.ROOT: _combine_root,
+    Units.COMMON: _combine_common,
+    Units.ANGLE: _combine_angle,
+    Units.COMPARISON: _combine_comparison,
+    Units.JOINING: lambda part, operands: DIMENSIONLESS,
+    Units.PRODUCT: _combine_product,
+    Units.QUOTIENT: _combine_product,
+    Units.POWER: _combine_power,
+    Units.CHOICE: _combine_choice,
+}
 
 
 # ---------------------------------------------------------------- programs
@@ -305,22 +314,22 @@ class _Assembler:
             return
         x, block = self.const.pop(), curve.block
         del self.code[-1], self.columns[-1], self.folded[-1]
-        numbers = np.array([bare(one) for one in block])  # an array, as what it calls may be machine code
-        found = float(bytecode.read_table.python(numbers, 0, 0, bare(x), 0.0, 0.0)[0])
-        if math.isfinite(bare(x)) and not math.isfinite(found):
+        numbers = np.array([bare(number) for number in block])  # an array, as what it calls may be machine code
+        result = float(bytecode.read_table.python(numbers, 0, 0, bare(x), 0.0, 0.0)[0])
+        if math.isfinite(bare(x)) and not math.isfinite(result):
             raise ExpressionError(f"{x:g} {curve.said_outside(name)}", part.column)
-        self.constant(read(block, found, x), part.column)
+        self.constant(read(block, result, x), part.column)
 
     def operation(self, part: Apply) -> None:
         if part.name.endswith(CALL):
             self.table(part)
             return
-        op, size = OPERATIONS[part.name], len(part.operands)
+        op, size = bytecode.CODE[part.name], len(part.operands)
         if all(self.folded[-size:]):
-            given, columns = self.const[-size:], self.columns[-size:]
+            operands, columns = self.const[-size:], self.columns[-size:]
             del self.code[-size:], self.const[-size:], self.columns[-size:], self.folded[-size:]
-            number = _fold(op, given)
-            blamed = [c for x, c in zip(given, columns, strict=True) if not math.isfinite(bare(x))]
+            number = _fold(op, operands)
+            blamed = [c for x, c in zip(operands, columns, strict=True) if not math.isfinite(bare(x))]
             self.constant(number, blamed[0] if blamed else part.column)
             return
         if op == bytecode.POW and self.folded[-1] and self.const[-1] == 2.0:
@@ -330,12 +339,12 @@ class _Assembler:
         self.folded[-size:] = [False]
 
 
-def _fold(op: int, given: list[float]) -> float:
+def _fold(op: int, operands: list[float]) -> float:
     """Value of one operation on constants, computed by the functions that the kernels use."""
-    if len(given) == 1:
-        return operate(op, float(bytecode.unary.python(op, *map(bare, given))), *given)
-    if len(given) == 2:
-        return operate(op, float(bytecode.binary.python(op, *map(bare, given))), *given)
+    if len(operands) == 1:
+        return operate(op, float(bytecode.unary.python(op, *map(bare, operands))), *operands)
+    if len(operands) == 2:
+        return operate(op, float(bytecode.binary.python(op, *map(bare, operands))), *operands)
     if op == bytecode.CHOOSE:
-        return given[1] if given[0] > 0.0 else given[2]
-    return given[2] if bytecode.holds.python(op, *given[:2]) else given[3]
+        return operands[1] if operands[0] > 0.0 else operands[2]
+    return operands[2] if bytecode.holds.python(op, *operands[:2]) else operands[3]

@@ -18,7 +18,8 @@ import numpy as np
 
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
-from rattle.language.bytecode import SIDE, SIGNAL, quotient
+from rattle.language.arithmetic import quotient
+from rattle.language.bytecode import SIDE, SIGNAL
 from rattle.language.intervals import enclose, switching_span
 from rattle.language.span import most
 
@@ -202,10 +203,16 @@ def find_roots(m, n, low, last, start, end):
 
 
 @compiled
+def has_no_root(s):
+    """True of a span without zero, or with nothing else."""
+    return s.low != s.low or s.high != s.high or s.low > 0.0 or s.high < 0.0 or (s.low == 0.0 and s.high == 0.0)
+
+
+@compiled
 def look(m, n, low, high, narrow):
     """What is to be done with a span of time: 1 halve it, 0 compare the signs at its ends, -1 nothing."""
     s = function_span(m, n, low, high)
-    if s.low != s.low or s.high != s.high or s.low > 0.0 or s.high < 0.0 or (s.low == 0.0 and s.high == 0.0):
+    if has_no_root(s):
         return -1
     here = value_at(m, n, 0.5 * (low + high))
     steepest = most(abs(s.slow), abs(s.fast))
@@ -304,15 +311,15 @@ def merge(m, start, end, beyond):
 @compiled
 def following_instant(m, t):
     """The next instant after t [s] at which one of all switches changes its side; inf if there is none."""
-    timed, switchings, found = m.timed, m.switchings, INF
+    timed, switchings, instant = m.timed, m.switchings, INF
     for n in range(timed.shape[0]):
         k = timed[n, at.NEXT]
         while k < timed[n, at.END_FOUND] and switchings[k, at.SWITCHES_AT] <= t:
             k += 1
         timed[n, at.NEXT] = k
         if k < timed[n, at.END_FOUND]:
-            found = min(found, switchings[k, at.SWITCHES_AT])
-    return found
+            instant = min(instant, switchings[k, at.SWITCHES_AT])
+    return instant
 
 
 @compiled

@@ -14,189 +14,73 @@ from __future__ import annotations
 
 from rattle.jit.choices import select
 from rattle.jit.functions import compiled
+from rattle.language.arithmetic import INF, NAN, heading
 from rattle.language.bytecode import (
-    ABOVE_OR_AT,
-    ABS,
-    ADD,
-    ASIN,
     AT_MOST,
-    ATAN,
-    ATAN2,
-    BELOW,
     BENT,
-    BOTH,
     CHOOSE,
     CONST,
-    COS,
     CURVE,
-    DIV,
-    EXP,
-    FLOOR,
-    HYPOT,
-    INF,
+    FIRST_OF_TWO,
     LESS,
-    LOG,
-    MIN,
-    MOD,
-    MUL,
-    NAN,
-    NEG,
-    POW,
+    ONE,
     SIDE,
-    SIGN,
     SIGNAL,
-    SIN,
-    SQRT,
-    SQUARE,
     STATE,
-    STEP,
-    SUB,
-    TAN,
-    TANH,
     TIME,
-    binary,
+    TWO,
     branch,
-    held,
     holds,
-    power,
-    quotient,
     read_table,
     unary,
-    whole,
 )
+from rattle.language.operation import dispatch
 
 
-@compiled
-def heading(s, ds, dds):
-    """Side of a switching function s with time derivatives ds, dds: the sign of the first of them that is not zero.
-
-    At s = 0 this is the side that s enters next; 0 if it stays at zero or is nan.
-    """
-    for n in range(3):
-        value = s if n == 0 else (ds if n == 1 else dds)
-        if value > 0.0:
-            return 1
-        if value < 0.0:
-            return -1
-        if value != value:
-            return 0
-    return 0
+def _rates(record):
+    """What gives an operation of two operands with its rates; those of one that jumps are zero on both sides."""
+    if record.jet is not None:
+        return "return jet(side, x, dx, ddx, y, dy, ddy)", {"jet": record.jet}
+    if record.branches is None:
+        text = "z = value(x, y)\ndz, ddz = rates(x, dx, ddx, y, dy, ddy, z)\nreturn z, dz, ddz"
+        return text, {"value": record.value, "rates": record.rates}
+    text = "if side == 0:\n    side = heading(x - y, dx - dy, ddx - ddy)\n"
+    text += "return (value(x, y) if side == 0 else branch(side, x, y)), 0.0, 0.0"
+    return text, {"heading": heading, "value": record.value, "branch": record.branches.value}
 
 
-@compiled
-def slopes(op, x, f):
-    """First and second derivative of the function `op` at x [SI], where its value is f."""
-    if op == NEG:
-        return -1.0, 0.0
-    if op == SQUARE:
-        return 2.0 * x, 2.0
-    if op == ABS:
-        return select(x >= 0.0, 1.0, -1.0), 0.0
-    if op in (SIGN, STEP, FLOOR):
-        return 0.0, 0.0
-    if op == SQRT:
-        f1 = quotient(0.5, f)
-        return f1, -quotient(0.5 * f1, x)
-    if op == EXP:
-        return f, f
-    if op == LOG:
-        f1 = select(x >= 0.0, quotient(1.0, x), NAN)
-        return f1, -f1 * f1
-    if op == SIN:
-        return unary(COS, x), -f
-    if op == COS:
-        return -unary(SIN, x), -f
-    if op == TAN:
-        f1 = 1.0 + f * f
-        return f1, 2.0 * f * f1
-    if op == TANH:
-        f1 = (1.0 - f) * (1.0 + f)
-        return f1, -2.0 * f * f1
-    if op == ATAN:
-        f1 = 1.0 / (1.0 + x * x)
-        return f1, -2.0 * x * f1 * f1
-    rest = (1.0 - x) * (1.0 + x)
-    f1 = quotient(1.0, unary(SQRT, rest))
-    f2 = quotient(x * f1, rest)
-    return (f1, f2) if op == ASIN else (-f1, -f2)
+# first and second derivative of the function `op` at x [SI], where its value is f
+slopes = dispatch(
+    __name__, "slopes", "x, f", {
+        code: ("f1 = slope(x, f)\nreturn f1, bend(x, f, f1)", {"slope": record.slope, "bend": record.bend})
+        for code, record in ONE.items()
+    },
+)  # fmt: skip
+# first derivative on a side of a switch of one operand
+BENDS = {code: record.branches.slope for code, record in ONE.items() if record.branches and record.branches.slope}
+HEADED = tuple(BENDS)  # at s = 0 their derivatives are those of the side that s enters next
+slope_on = dispatch(
+    __name__, "slope_on", "side", {code: ("return slope(side)", {"slope": slope}) for code, slope in BENDS.items()},
+    "return 0.0",
+)  # fmt: skip
+# a function of two operands in jet arithmetic: value, first and second time derivative [SI, 1/s, 1/s^2]
+binary_jet = dispatch(
+    __name__, "binary_jet", "side, x, dx, ddx, y, dy, ddy", {code: _rates(record) for code, record in TWO.items()}
+)
 
 
 @compiled
 def unary_jet(op, side, x, dx, ddx):
     """A function of one operand in jet arithmetic: value, first and second time derivative [SI, 1/s, 1/s^2]."""
-    if op == ABS and side == 0:
+    if op in HEADED and side == 0:
         side = heading(x, dx, ddx)
     if side == 0:
         f = unary(op, x)
         f1, f2 = slopes(op, x, f)
     else:
         f = branch(op, side, x, 0.0)
-        f1, f2 = (float(side) if op == ABS else 0.0), 0.0
+        f1, f2 = slope_on(op, side), 0.0
     return f, f1 * dx, f2 * dx * dx + f1 * ddx
-
-
-@compiled
-def power_jet(x, dx, ddx, y, dy, ddy, z):
-    """First and second time derivative [1/s, 1/s^2] of z = x ** y."""
-    if dy == 0.0 and ddy == 0.0:
-        z1 = select(x != 0.0, quotient(y * z, x), select(y != 0.0, y * power(x, y - 1.0), 0.0))
-        bent = select((y != 0.0) & (y != 1.0), y * (y - 1.0) * power(x, y - 2.0), 0.0)
-        z2 = select(x != 0.0, quotient((y - 1.0) * z1, x), bent)
-        return z1 * dx, z2 * dx * dx + z1 * ddx
-    # z = exp(y log x)
-    log_x = unary(LOG, x)
-    u = quotient(dx, x)
-    rate = dy * log_x + y * u
-    drate = ddy * log_x + 2.0 * dy * u + y * (quotient(ddx, x) - u * u)
-    return z * rate, z * (rate * rate + drate)
-
-
-@compiled
-def binary_jet(op, side, x, dx, ddx, y, dy, ddy):
-    """A function of two operands in jet arithmetic: value, first and second time derivative [SI, 1/s, 1/s^2]."""
-    if op >= MIN:
-        if side == 0:
-            side = heading(x - y, dx - dy, ddx - ddy)
-        if side != 0:
-            if (side < 0) == (op == MIN):
-                return x, dx, ddx
-            return y, dy, ddy
-    if op == MOD:
-        n = whole(quotient(x, y)) if side == 0 else held(side, quotient(x, y))
-        return x - y * n, dx - dy * n, ddx - ddy * n
-    if op >= BELOW and op <= ABOVE_OR_AT:
-        if side == 0:
-            side = heading(x - y, dx - dy, ddx - ddy)
-        return (binary(op, x, y) if side == 0 else branch(op, side, x, y)), 0.0, 0.0
-    z = binary(op, x, y)
-    dz = NAN
-    ddz = NAN
-    if op == ADD:
-        dz = dx + dy
-        ddz = ddx + ddy
-    elif op == SUB:
-        dz = dx - dy
-        ddz = ddx - ddy
-    elif op == MUL:
-        dz = dx * y + x * dy
-        ddz = ddx * y + 2.0 * dx * dy + x * ddy
-    elif op == DIV:
-        dz = quotient(dx - z * dy, y)
-        ddz = quotient(ddx - 2.0 * dz * dy - z * ddy, y)
-    elif op == POW:
-        dz, ddz = power_jet(x, dx, ddx, y, dy, ddy, z)
-    elif op == ATAN2:  # angle of the vector (y, x): the first operand is the ordinate
-        size = x * x + y * y
-        dz = quotient(y * dx - x * dy, size)
-        ddz = quotient(y * ddx - x * ddy - 2.0 * dz * (x * dx + y * dy), size)
-    elif op == HYPOT:
-        dz = quotient(x * dx + y * dy, z)
-        ddz = quotient(dx * dx + x * ddx + dy * dy + y * ddy - dz * dz, z)
-    else:  # MIN or MAX, BOTH or EITHER
-        first = (x <= y) if op in (MIN, BOTH) else (x >= y) | (x != x)
-        dz = select(first, dx, dy)
-        ddz = select(first, ddx, ddy)
-    return z, dz, ddz
 
 
 @compiled
@@ -252,7 +136,7 @@ def operate_jet(op, side, table, k, stack, top):
         x, dx, ddx = float(stack[top]), float(stack[top + 1]), float(stack[top + 2])
         f, f1, f2 = read_table(table, k, side, x, dx, ddx)
         put_jet(stack, top, f, f1 * dx, f2 * dx * dx + f1 * ddx)
-    elif op < ADD:
+    elif op < FIRST_OF_TWO:
         z, dz, ddz = unary_jet(op, side, float(stack[top]), float(stack[top + 1]), float(stack[top + 2]))
         put_jet(stack, top, z, dz, ddz)
     elif op < LESS:

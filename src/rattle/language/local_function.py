@@ -18,8 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.language import bytecode
-from rattle.language.bytecode import BENT, CONST, CURVE
+from rattle.language.bytecode import BENT, CONST, CURVE, JUMPS
 from rattle.language.expression import Apply, Name, Node, compile_program, replaced
 from rattle.language.local_jet import HEAD, function_jet
 from rattle.language.syntax import CALL, walk
@@ -37,8 +36,8 @@ class LocalFunction(NamedTuple):
         """Values, first and second derivatives at numbers x [SI]: (3, *shape of x)."""
         p = np.array([1.0, *map(float, self.block)])
         points = np.asarray(x, dtype=float)
-        found = np.array([function_jet.python(p, 0, one) for one in points.ravel().tolist()])
-        return np.moveaxis(found.reshape(*points.shape, 3), -1, 0)
+        values = np.array([function_jet.python(p, 0, point) for point in points.ravel().tolist()])
+        return np.moveaxis(values.reshape(*points.shape, 3), -1, 0)
 
 
 def local_function(node: Node, variable: str, constants: Mapping[str, float], tables: Tables) -> LocalFunction:
@@ -56,31 +55,19 @@ def local_function(node: Node, variable: str, constants: Mapping[str, float], ta
         rows += [float(op), program.const[argument] if op == CONST else place]
     stack = size + len(own.numbers)
     block = (float(len(program.code)), float(stack), *rows, *own.numbers, *[0.0] * (3 * program.depth))
-    jumps = any(op in SWITCHING for op in program.code[:, 0].tolist())
+    jumps = any(op in JUMPS for op in program.code[:, 0].tolist())
     return LocalFunction(block, not program.uses_time, jumps)
-
-
-SWITCHING = frozenset(
-    (
-        bytecode.ABS,
-        bytecode.SIGN,
-        bytecode.STEP,
-        bytecode.FLOOR,
-        bytecode.BENT,
-        *range(bytecode.MOD, bytecode.CHOOSE + 1),
-    )
-)
 
 
 def packed(values: Iterable[Any]) -> list[Any]:
     """Parameters of a kind as kernels read them: a function is the distance to its block, which comes at the end."""
-    made: list[Any] = []
+    numbers: list[Any] = []
     functions: list[tuple[int, Sequence[float]]] = []
     for value in values:
         if isinstance(value, LocalFunction):
-            functions.append((len(made), value.block))
-        made.append(0.0 if isinstance(value, LocalFunction) else value)
+            functions.append((len(numbers), value.block))
+        numbers.append(0.0 if isinstance(value, LocalFunction) else value)
     for place, block in functions:
-        made[place] = float(len(made) - place)
-        made += block
-    return made
+        numbers[place] = float(len(numbers) - place)
+        numbers += block
+    return numbers

@@ -54,25 +54,25 @@ ALIASES = {
 }
 
 
-def material(given: Given) -> Material:
+def material(written: Given) -> Material:
     """Material given by a name in `MATERIALS` (upper or lower case, hyphen or space), or by {E [Pa], nu [-]}.
 
     Raises InputError for an unknown name (with a suggestion), for a missing or unknown key, and unless
     E > 0 and -1 < nu <= 0.5.
     """
-    if isinstance(given, Material):
-        return given
-    if isinstance(given, str):
-        name = " ".join(given.lower().replace("-", " ").replace("_", " ").split())
+    if isinstance(written, Material):
+        return written
+    if isinstance(written, str):
+        name = " ".join(written.lower().replace("-", " ").replace("_", " ").split())
         name = ALIASES.get(name, name)
         if name not in MATERIALS:
             near = difflib.get_close_matches(name, [*MATERIALS, *ALIASES], 1)
             hint = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(MATERIALS)}; or give {{ E, nu }}"
-            raise InputError(f"unknown material '{given}'; {hint}")
+            raise InputError(f"unknown material '{written}'; {hint}")
         return MATERIALS[name]
-    if set(given) != {"E", "nu"}:
-        raise InputError(f"a material is a name or {{ E, nu }}, not {{ {', '.join(map(str, given))} }}")
-    modulus, nu = float(given["E"]), float(given["nu"])
+    if set(written) != {"E", "nu"}:
+        raise InputError(f"a material is a name or {{ E, nu }}, not {{ {', '.join(map(str, written))} }}")
+    modulus, nu = float(written["E"]), float(written["nu"])
     if not (modulus > 0.0 and math.isfinite(modulus)):
         raise InputError(f"Young's modulus must be positive, not {modulus:g} Pa")
     if not -1.0 < nu <= 0.5:

@@ -20,14 +20,14 @@ def in_si(value: Quantity, what: str, unit: str, example: str) -> float:
     kind = describe(dimension)
     if isinstance(value, str):
         try:
-            found = parse_quantity(value)
+            quantity = parse_quantity(value)
         except QuantityError as error:
             raise InputError(f"{what}: {error}") from None
-        if found is None:
+        if quantity is None:
             raise InputError(f"{what}: {value!r} is not {kind}; expected {unit}, as in {example}")
-        if found[1] is not None and found[1] != dimension:
-            raise InputError(f"{what}: {value!r} is {describe(found[1])}; expected {kind}, as in {example}")
-        return found[0]
+        if quantity[1] is not None and quantity[1] != dimension:
+            raise InputError(f"{what}: {value!r} is {describe(quantity[1])}; expected {kind}, as in {example}")
+        return quantity[0]
     try:
         return float(value)
     except OverflowError:

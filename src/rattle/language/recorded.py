@@ -21,7 +21,7 @@ ROUNDING = 1e-12  # share of a number that expressions may be off
 class Journal(Protocol):
     """What keeps the record."""
 
-    def operation(self, op: int, *given: Any) -> Any:
+    def operation(self, op: int, *operands: Any) -> Any:
         """Symbol of an operation of `language.bytecode` on symbols and numbers."""
 
     def table(self, block: Sequence[Any], x: Any) -> Any:
@@ -39,9 +39,9 @@ class Recorded(float):
     journal: Journal
 
     def __new__(cls, value: float, symbol: Any, journal: Journal) -> Recorded:
-        made = super().__new__(cls, value)
-        made.symbol, made.journal = symbol, journal
-        return made
+        number = super().__new__(cls, value)
+        number.symbol, number.journal = symbol, journal
+        return number
 
     def __reduce__(self) -> Any:
         return float, (float(self),)
@@ -168,31 +168,31 @@ def is_whole(x: Any) -> bool:
 
 def largest(first: Any, *others: Any) -> float:
     """The largest of some numbers, with its record, whichever it is."""
-    for one in others:
-        first = operate(bytecode.MAX, max(bare(first), bare(one)), first, one)
+    for other in others:
+        first = operate(bytecode.MAX, max(bare(first), bare(other)), first, other)
     return as_number(first)
 
 
 def least(first: Any, *others: Any) -> float:
     """The least of some numbers, with its record, whichever it is."""
-    for one in others:
-        first = operate(bytecode.MIN, min(bare(first), bare(one)), first, one)
+    for other in others:
+        first = operate(bytecode.MIN, min(bare(first), bare(other)), first, other)
     return as_number(first)
 
 
-def operate(op: int, value: float, *given: Any) -> float:
+def operate(op: int, value: float, *operands: Any) -> float:
     """`value`, found by an operation of `language.bytecode`, with its record if an operand has one."""
-    for one in given:
-        if isinstance(one, Recorded):
-            return one.made(value, one.journal.operation(op, *map(symbol_of, given)))  # type: ignore[no-any-return]
+    for operand in operands:
+        if isinstance(operand, Recorded):
+            return operand.made(value, operand.journal.operation(op, *map(symbol_of, operands)))  # type: ignore[no-any-return]
     return value
 
 
 def read(block: Sequence[Any], value: float, x: Any) -> float:
     """`value` of a table at x, with its record if x or a number of its block has one."""
-    for one in (x, *block):
-        if isinstance(one, Recorded):
-            return one.made(value, one.journal.table(block, x))  # type: ignore[no-any-return]
+    for number in (x, *block):
+        if isinstance(number, Recorded):
+            return number.made(value, number.journal.table(block, x))  # type: ignore[no-any-return]
     return value
 
 
@@ -200,6 +200,6 @@ def array_of(numbers: Iterable[Any]) -> np.ndarray:
     """An array of numbers (nested as they are); of objects if any of them is recorded."""
     if {float, int}.issuperset(map(type, numbers := list(numbers))):
         return np.array(numbers, dtype=float)
-    made = np.array(numbers, dtype=object)
-    recorded = any(isinstance(x, Recorded) for x in made.ravel())
-    return made if recorded else made.astype(float)
+    array = np.array(numbers, dtype=object)
+    recorded = any(isinstance(x, Recorded) for x in array.ravel())
+    return array if recorded else array.astype(float)

@@ -5,14 +5,10 @@ Bounds hold for exact arithmetic; who uses them allows for rounding.  nan means 
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from rattle.jit.functions import compiled
-from rattle.language.bytecode import held, whole
-
-NAN = math.nan
-INF = math.inf
+from rattle.language.arithmetic import INF, NAN, held, quotient, whole
 
 
 class Span(NamedTuple):
@@ -93,3 +89,77 @@ def whole_span(x, side):
     low, high = whole(x.low), whole(x.high)
     leap = INF if high > low else 0.0
     return Span(low, high, -leap, leap)
+
+
+# ---------------------------------------------------------------- arithmetic
+@compiled
+def negative(x):
+    """-x."""
+    return Span(-x.high, -x.low, -x.fast, -x.slow)
+
+
+@compiled
+def minus(x, y):
+    """x - y."""
+    return Span(x.low - y.high, x.high - y.low, x.slow - y.fast, x.fast - y.slow)
+
+
+@compiled
+def times(x, y):
+    """x y."""
+    low, high = product(x.low, x.high, y.low, y.high)
+    slow, fast = product(x.slow, x.fast, y.low, y.high)
+    down, up = product(x.low, x.high, y.slow, y.fast)
+    return Span(low, high, slow + down, fast + up)
+
+
+@compiled
+def reciprocal(low, high):
+    """1 / [low, high]; -inf..inf if zero lies inside."""
+    if low <= 0.0 and high >= 0.0:
+        return -INF, INF
+    return quotient(1.0, high), quotient(1.0, low)
+
+
+@compiled
+def over(x, y):
+    """x / y."""
+    a, b = reciprocal(y.low, y.high)
+    low, high = product(x.low, x.high, a, b)
+    down, up = product(low, high, y.slow, y.fast)
+    slow, fast = product(x.slow - up, x.fast - down, a, b)
+    return Span(low, high, slow, fast)
+
+
+@compiled
+def square(low, high):
+    """[low, high]**2."""
+    a, b = low * low, high * high
+    return 0.0 if low <= 0.0 and high >= 0.0 else least(a, b), most(a, b)
+
+
+# ---------------------------------------------------------------- switches
+@compiled
+def joined(x, y, leaps):
+    """What holds both spans; leaps: True if the value jumps from one to the other."""
+    slow = -INF if leaps else least(x.slow, y.slow)
+    fast = INF if leaps else most(x.fast, y.fast)
+    return Span(least(x.low, y.low), most(x.high, y.high), slow, fast)
+
+
+@compiled
+def switched(side, s, above, below, still, leaps):
+    """A switch with the switching function s on a side, or both branches if its side is not known.
+
+    above, below, still: spans for s > 0, s < 0 and s = 0.  leaps: True if the value jumps between the first two.
+    """
+    way = side
+    if side == 0:
+        way = 1 if s.low > 0.0 else (-1 if s.high < 0.0 else 0)
+    if way > 0:
+        return above
+    if way < 0:
+        return below
+    if s.low == 0.0 and s.high == 0.0:  # the switching function stays at zero
+        return still
+    return joined(above, below, leaps)

@@ -8,12 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle.language import bytecode as p
-from rattle.language.bytecode import SIGNAL, STATE
-
-SWITCHES = {
-    p.ABS, p.SIGN, p.STEP, p.MIN, p.MAX, p.LESS, p.AT_MOST, p.MORE, p.AT_LEAST, p.BELOW, p.BELOW_OR_AT, p.ABOVE,
-    p.ABOVE_OR_AT, p.FLOOR, p.MOD, p.BENT,
-}  # fmt: skip
+from rattle.language.bytecode import SIGNAL, STATE, SWITCHES
 
 
 @dataclass(frozen=True)
@@ -47,25 +42,25 @@ class Signals:
     def used(self, spans: Iterable[tuple[int, int]]) -> set[int]:
         """Indices of the signals used by rows first..last-1 of any of the spans, directly or through other signals."""
         where = {k: (a, b) for a, b, k in self.rows}
-        found: set[int] = set()
+        used: set[int] = set()
         ahead = list(spans)
         while ahead:
             a, b = ahead.pop()
             part = self.code[a:b]
             for k in part[part[:, 0] == SIGNAL, 1].tolist():
-                if k not in found and k >= self.states:
-                    found.add(k)
+                if k not in used and k >= self.states:
+                    used.add(k)
                     ahead.append(where[k])
-        return found
+        return used
 
     def of_state(self) -> set[int]:
         """Indices of the signals that depend on the state."""
-        found = set(range(self.states))
+        live = set(range(self.states))
         for a, b, k in self.rows:  # in order: what a signal uses comes before it
             part = self.code[a:b]
-            if (part[:, 0] == STATE).any() or found & set(part[part[:, 0] == SIGNAL, 1].tolist()):
-                found.add(k)
-        return found
+            if (part[:, 0] == STATE).any() or live & set(part[part[:, 0] == SIGNAL, 1].tolist()):
+                live.add(k)
+        return live
 
 
 def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) -> list[Switch]:
@@ -78,7 +73,7 @@ def find_switches(signals: Signals, used: Sequence[tuple[int, int, str, bool]]) 
     named = zip(signals.rows, signals.names, strict=True)
     spans = [(a, b, name, k in driving) for (a, b, k), name in named if k in wanted]
     of_state = signals.of_state()
-    return [one for span in (*spans, *used) for one in _switches_of(signals.code, of_state, *span)]
+    return [switch for span in (*spans, *used) for switch in _switches_of(signals.code, of_state, *span)]
 
 
 def _switches_of(

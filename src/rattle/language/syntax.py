@@ -9,12 +9,16 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from keyword import kwlist
 
 from rattle.errors import suggest
-from rattle.language.motion_laws import LAWS, law_text
+from rattle.language.composed import COMPOSED, Composed, sizes
+from rattle.language.motion_laws import LAWS
+from rattle.language.operations import FUNCTIONS as FUNCTIONS
+from rattle.language.operations import RESERVED as RESERVED_FUNCTIONS
+from rattle.language.operations import SAME
 from rattle.language.tokens import ExpressionError as ExpressionError
 from rattle.language.tokens import number_of, tokens
 from rattle.language.units import DIMENSIONLESS, UNITS, Dimension, scaled
@@ -23,17 +27,9 @@ MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 50
 MAX_NODES = 1000
 
-# name: number of arguments (-2: two or more)
-FUNCTIONS: Mapping[str, int] = {
-    **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "tanh", "sqrt", "exp", "log"), 1),
-    **dict.fromkeys(("abs", "sign", "step", "floor", "ln"), 1),
-    **dict.fromkeys(("atan2", "hypot", "mod"), 2),
-    **dict.fromkeys(("min", "max"), -2),
-}
-SAME = {"ln": "log"}  # two names of one function
-CALLABLE: Mapping[str, int] = {**FUNCTIONS, **dict.fromkeys(LAWS, 1)}
-# not allowed as name of a parameter, signal or body; floor, mod, ln and laws are, with a parenthesis they are functions
-RESERVED = frozenset(kwlist) | (FUNCTIONS.keys() - {"floor", "mod", "ln"}) | {"pi", "t"}
+CALLABLE: Mapping[str, int] = {**FUNCTIONS, **sizes()}
+# not allowed as name of a parameter, signal or body; some functions are, which with a parenthesis are functions
+RESERVED = frozenset(kwlist) | RESERVED_FUNCTIONS | {"pi", "t"}
 
 _BINDING = {
     "if": 1, "or": 2, "and": 3, "<": 5, "<=": 5, ">": 5, ">=": 5, "+": 6, "-": 6, "*": 7, "/": 7, "**": 9,
@@ -84,12 +80,14 @@ class Number:
     """A number [SI], or pi.
 
     dimension: None if it was written without a unit.  others: names in its unit beyond the first.
+    implied: it stands in the formula of a function, so nobody gave it a unit.
     """
 
     value: float
     column: int
     dimension: Dimension | None = None
     others: frozenset[str] = frozenset()
+    implied: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,6 +109,7 @@ class Apply:
     name: str
     operands: tuple[Node, ...]
     column: int
+    called: str = ""  # the function in whose formula it stands, where errors name that
 
 
 Node = Number | Name | Apply
@@ -150,9 +149,9 @@ def replaced(node: Node, parts: Mapping[str, Node]) -> Node:
     stack: list[Node] = []
     for part in walk(node):
         if isinstance(part, Apply):
-            given = tuple(stack[-len(part.operands) :])
-            del stack[-len(given) :]
-            stack.append(Apply(part.name, given, part.column))
+            operands = tuple(stack[-len(part.operands) :])
+            del stack[-len(operands) :]
+            stack.append(replace(part, operands=operands))
         else:
             stack.append(parts.get(part.name, part) if isinstance(part, Name) else part)
     return stack[0]
@@ -160,32 +159,36 @@ def replaced(node: Node, parts: Mapping[str, Node]) -> Node:
 
 def walk(node: Node) -> list[Node]:
     """All nodes from left to right, operands before the operation that uses them."""
-    found, waiting = [], [node]
+    nodes, waiting = [], [node]
     while waiting:
         part = waiting.pop()
-        found.append(part)
+        nodes.append(part)
         if isinstance(part, Apply):
             waiting.extend(part.operands)
-    found.reverse()
-    return found
+    nodes.reverse()
+    return nodes
 
 
 @functools.cache
-def _law(name: str) -> Node:
-    """A law of motion as an expression of `u`."""
-    return _Parser(law_text(name), MODEL).read()
+def _formula(function: Composed) -> Node:
+    """The formula of a function."""
+    return _Parser(function.formula, MODEL).read()
 
 
-def _placed(node: Node, share: Node, column: int) -> Node:
-    """A law with its share in place of `u`, which has to be a plain number; what is wrong is wrong at `column`."""
+def _placed(name: str, arguments: Sequence[Node], column: int) -> Node:
+    """A formula with the arguments in place of its variables; what is wrong is wrong at `column`."""
+    function = COMPOSED[name]
+    values, called = dict(zip(function.variables, arguments, strict=True)), name if function.named else ""
     stack: list[Node] = []
-    for part in walk(node):
+    for part in walk(_formula(function)):
         if isinstance(part, Apply):
             operands = tuple(stack[-len(part.operands) :])
             del stack[-len(operands) :]
-            stack.append(Apply(part.name, operands, column))
+            stack.append(Apply(part.name, operands, column, called))
+        elif isinstance(part, Name):
+            stack.append(values[part.name])
         else:
-            stack.append(share if isinstance(part, Name) else replace(part, column=column, dimension=DIMENSIONLESS))
+            stack.append(Number(part.value, column, DIMENSIONLESS, implied=function.named))
     return stack[0]
 
 
@@ -269,8 +272,8 @@ class _Parser:
             inner = self.expression(1)
             self.expect(")", f"the '(' in column {column + 1} is not closed")
             return inner
-        found = "the end" if kind == "end" else f"'{word}'"
-        raise ExpressionError(f"expected a number, a name or '(', found {found}", column)
+        there = "the end" if kind == "end" else f"'{word}'"
+        raise ExpressionError(f"expected a number, a name or '(', found {there}", column)
 
     def number(self, word: str, column: int) -> Node:
         value = float(word)
@@ -300,12 +303,33 @@ class _Parser:
         return Number(math.pi, column) if word == "pi" else Name(word, column)
 
     def call(self, word: str, column: int) -> Node:
-        functions = {**self.grammar.functions, **dict.fromkeys(self.tables, 1)}
+        functions = {**self.grammar.functions, **sizes(), **dict.fromkeys(self.tables, 1)}
         if word not in functions:
-            other = {**OTHERWISE, **self.grammar.otherwise}
-            hint = f"; {other[word]}" if word in other else suggest(word[:40], functions)
-            known = ", ".join(name for name in functions if name not in LAWS)
-            raise ExpressionError(f"there is no function '{word[:40]}'{hint or '; known: ' + known}", column)
+            raise self.no_function(word, functions, column)
+        arguments, wanted = self.arguments(word), functions[word]
+        if len(arguments) != wanted and (wanted > 0 or len(arguments) < -wanted):
+            count = f"{abs(wanted)}{' or more' * (wanted < 0)} argument{'s' * (abs(wanted) > 1 or wanted < 0)}"
+            raise ExpressionError(f"{word} takes {count}, not {len(arguments)}", column)
+        if word in self.grammar.conditions:
+            return self.condition(word, arguments[0], column)
+        if word in COMPOSED and word not in self.tables:
+            return self.composed(word, arguments, column)
+        first = wanted if wanted > 0 else min(len(arguments), 2)
+        word = call_name(word) if word in self.tables else SAME.get(word, word)
+        node = self.apply(word, tuple(arguments[:first]), column)
+        for argument in arguments[first:]:
+            node = self.apply(word, (node, argument), column)
+        return node
+
+    def no_function(self, word: str, functions: Mapping[str, int], column: int) -> ExpressionError:
+        """The error for a function that there is not, with advice."""
+        other = {**OTHERWISE, **self.grammar.otherwise}
+        hint = f"; {other[word]}" if word in other else suggest(word[:40], functions)
+        listed = ", ".join(name for name in functions if name not in LAWS)
+        return ExpressionError(f"there is no function '{word[:40]}'{hint or '; known: ' + listed}", column)
+
+    def arguments(self, word: str) -> list[Node]:
+        """What stands in the parentheses of a function."""
         self.at += 1
         arguments: list[Node] = []
         while self.tokens[self.at][1] != ")" or arguments:
@@ -316,28 +340,17 @@ class _Parser:
         if self.tokens[self.at][0] in ("name", "number"):
             raise self.no_operator()
         self.expect(")", f"the '(' of {word} is not closed")
-        wanted = functions[word]
-        if len(arguments) != wanted and (wanted > 0 or len(arguments) < -wanted):
-            count = f"{abs(wanted)}{' or more' * (wanted < 0)} argument{'s' * (abs(wanted) > 1 or wanted < 0)}"
-            raise ExpressionError(f"{word} takes {count}, not {len(arguments)}", column)
-        if word in self.grammar.conditions:
-            return self.condition(word, arguments[0], column)
-        if word in LAWS and word not in self.tables:
-            return self.law(word, arguments[0], column)
-        first = wanted if wanted > 0 else min(len(arguments), 2)
-        word = call_name(word) if word in self.tables else SAME.get(word, word)
-        node = self.apply(word, tuple(arguments[:first]), column)
-        for argument in arguments[first:]:
-            node = self.apply(word, (node, argument), column)
-        return node
+        return arguments
 
-    def law(self, word: str, share: Node, column: int) -> Node:
-        """A law of motion: the expression that it stands for, of the share of the rise."""
-        self.refuse_condition(share)
-        written = walk(_law(word))
-        shares = sum(isinstance(part, Name) for part in written)
-        self.count(column, len(written) + shares * (len(walk(share)) - 1))
-        return _placed(_law(word), share, column)
+    def composed(self, word: str, arguments: Sequence[Node], column: int) -> Node:
+        """A function that stands for a formula of its arguments."""
+        for argument in arguments:
+            self.refuse_condition(argument)
+        function = COMPOSED[word]
+        written = walk(_formula(function))
+        added = {name: len(walk(part)) - 1 for name, part in zip(function.variables, arguments, strict=True)}
+        self.count(column, len(written) + sum(added[part.name] for part in written if isinstance(part, Name)))
+        return _placed(word, arguments, column)
 
     def condition(self, word: str, test: Node, column: int) -> Apply:
         """A function of a comparison."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from rattle.jit.functions import compiled
-from rattle.language.bytecode import quotient, whole
-from rattle.language.span import INF, NAN, Span, chain, least, most, product, whole_span
+from rattle.language.arithmetic import INF, NAN, quotient, whole
+from rattle.language.span import Span, chain, least, most, product, whole_span
 from rattle.language.table_reading import KNOTS, PER_SEGMENT, PERIOD, knot_coordinate
 
 

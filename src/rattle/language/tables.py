@@ -48,7 +48,7 @@ class Curve:
     def block(self) -> list[float]:
         """Its numbers as the kernels read them."""
         numbers = [float(len(self.coefficients)), self.period, *self.x]
-        return [*numbers, *(one for segment in self.coefficients for one in segment)]
+        return [*numbers, *(coefficient for segment in self.coefficients for coefficient in segment)]
 
 
 def curve(x: Sequence[Any], y: Sequence[Any], kind: str, period: Any = 0.0) -> Curve:
@@ -60,11 +60,11 @@ def curve(x: Sequence[Any], y: Sequence[Any], kind: str, period: Any = 0.0) -> C
     slopes = [(b - a) / h for a, b, h in zip(y, y[1:], steps, strict=False)]
     if kind == "linear":
         rates: list[Any] = []
-        made = [(a, slope, 0.0, 0.0) for a, slope in zip(y, slopes, strict=False)]
+        segments = [(a, slope, 0.0, 0.0) for a, slope in zip(y, slopes, strict=False)]
     else:
         rates = (_monotone if kind == "monotone" else _spline)(steps, slopes, bool(period > 0.0))
-        made = [_cubic(*one) for one in zip(y, steps, slopes, rates, rates[1:], strict=False)]
-    return Curve(tuple(x), tuple(y), kind, period, tuple(made))
+        segments = [_cubic(*segment) for segment in zip(y, steps, slopes, rates, rates[1:], strict=False)]
+    return Curve(tuple(x), tuple(y), kind, period, tuple(segments))
 
 
 def _cubic(y: Any, h: Any, slope: Any, left: Any, right: Any) -> tuple[Any, Any, Any, Any]:
@@ -79,8 +79,8 @@ def _monotone(steps: Sequence[Any], slopes: Sequence[Any], periodic: bool) -> li
     def between(h0: Any, h1: Any, s0: Any, s1: Any) -> Any:
         if s0 * s1 <= 0.0:
             return 0.0
-        one, two = 2.0 * h1 + h0, h1 + 2.0 * h0
-        return (one + two) / (one / s0 + two / s1)
+        first, second = 2.0 * h1 + h0, h1 + 2.0 * h0
+        return (first + second) / (first / s0 + second / s1)
 
     def at_end(h0: Any, h1: Any, s0: Any, s1: Any) -> Any:
         rate = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1)
@@ -88,7 +88,7 @@ def _monotone(steps: Sequence[Any], slopes: Sequence[Any], periodic: bool) -> li
             return 0.0
         return 3.0 * s0 if s0 * s1 <= 0.0 and abs(rate) > 3.0 * abs(s0) else rate
 
-    inside = [between(*one) for one in zip(steps, steps[1:], slopes, slopes[1:], strict=False)]
+    inside = [between(*sides) for sides in zip(steps, steps[1:], slopes, slopes[1:], strict=False)]
     if periodic:
         edge = between(steps[-1], steps[0], slopes[-1], slopes[0])
         return [edge, *inside, edge]
@@ -130,10 +130,10 @@ def _tridiagonal(
         share = low / pivots[-1]
         pivots.append(here - share * high)
         values.append(value - share * values[-1])
-    found = [values[-1] / pivots[-1]]
+    solution = [values[-1] / pivots[-1]]
     for pivot, high, value in zip(pivots[-2::-1], above[::-1], values[-2::-1], strict=True):
-        found.append((value - high * found[-1]) / pivot)
-    return found[::-1]
+        solution.append((value - high * solution[-1]) / pivot)
+    return solution[::-1]
 
 
 def _periodic_rates(steps: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
@@ -166,9 +166,9 @@ def tables_of(curves: Mapping[str, Curve]) -> Tables:
     """Tables by name with their blocks one after the other."""
     place: dict[str, int] = {}
     numbers: list[float] = []
-    for name, one in curves.items():
+    for name, curve in curves.items():
         place[name] = len(numbers)
-        numbers += one.block
+        numbers += curve.block
     return Tables(curves, place, numbers)
 
 

@@ -30,6 +30,6 @@ def times(value: Any, what: str) -> Any:
     """
     if isinstance(value, str):
         return seconds(value, what)
-    if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
-        return [seconds(one, what) for one in value]
+    if isinstance(value, list | tuple) and any(isinstance(part, str) for part in value):
+        return [seconds(part, what) for part in value]
     return value

@@ -43,30 +43,30 @@ def _token(parts: int) -> re.Pattern[str]:
     )
 
 
-def tokens(text: str, parts: int, known: str) -> list[tuple[str, str, int]]:
+def tokens(text: str, parts: int, possible: str) -> list[tuple[str, str, int]]:
     """Kind ("number", "quantity", "name", "operator", "end"), word and column of every token.
 
-    parts: of a name, at most; known: what is said of one with more.  Raises ExpressionError.
+    parts: of a name, at most; possible: what is said of one with more.  Raises ExpressionError.
     """
-    found: list[tuple[str, str, int]] = []
+    read: list[tuple[str, str, int]] = []
     at = 0
     while at < len(text):
         match = _token(parts).match(text, at)
         if match is None:
             shown = text[at] if text[at].isprintable() else repr(text[at])[1:-1]
-            if text[at] == "." and found and found[-1][0] == "name":
-                raise ExpressionError(f"'{found[-1][1]}.' has too many parts; {known}", at)
+            if text[at] == "." and read and read[-1][0] == "name":
+                raise ExpressionError(f"'{read[-1][1]}.' has too many parts; {possible}", at)
             raise ExpressionError(_REFUSED.get(text[at], f"unexpected character '{shown}'"), at)
         end = match.end()
         unit = unit_at(text, end) if match.lastgroup == "number" else None
         if unit is not None and not _TIME.match(text, end):
-            found.append(("quantity", text[at : unit.end], at))
+            read.append(("quantity", text[at : unit.end], at))
             end = unit.end
         elif match.lastgroup != "space":
-            found.append((match.lastgroup or "", match[0], at))
+            read.append((match.lastgroup or "", match[0], at))
         at = end
-    found.append(("end", "", len(text.rstrip())))
-    return found
+    read.append(("end", "", len(text.rstrip())))
+    return read
 
 
 def number_of(quantity: str) -> tuple[float, FoundUnit]:

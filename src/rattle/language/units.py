@@ -169,10 +169,10 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
     A number without a unit ("5") has the dimension None and is taken in SI units, like a number written without quotes.
     Raises QuantityError for an unknown unit and for a number that is not finite.
     """
-    found = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
-    if found is None:
+    match = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
+    if match is None:
         return None
-    number, unit = float(found[1]), found[2]
+    number, unit = float(match[1]), match[2]
     if unit is None:
         value, dimension = number, None
     elif is_longer(unit):
@@ -183,7 +183,7 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
         except QuantityError as error:
             word = re.match(r"\w+", unit)
             plain = str(error).startswith("unknown unit") and "did you mean" not in str(error)
-            product = f"if {word[0]} is a parameter write {found[1]}*{word[0]}" if word else ""
+            product = f"if {word[0]} is a parameter write {match[1]}*{word[0]}" if word else ""
             hint = f"; `rattle kinds units` lists them; {product}" if plain and word else ""
             raise QuantityError(f"{error}{hint}") from None
         value = scaled(number, scale)
@@ -200,8 +200,8 @@ def scaled(number: float, scale: float) -> float:
 
 def is_longer(unit: str) -> bool:
     """True if a text begins with a unit and goes on as an expression: "mm * sin(t)"."""
-    found = unit_at(unit, 0)
-    return found is not None and _LONGER.match(unit, found.end) is not None
+    unit_there = unit_at(unit, 0)
+    return unit_there is not None and _LONGER.match(unit, unit_there.end) is not None
 
 
 class FoundUnit(NamedTuple):
@@ -257,8 +257,8 @@ def _further(text: str, end: int, words: list[str], depth: int) -> int | None:
         after = _skip(text, after + 1)
     elif after == end:
         return None
-    found = _factor_end(text, after, words, depth)
-    return None if found is None or "t" in words else found
+    following = _factor_end(text, after, words, depth)
+    return None if following is None or "t" in words else following
 
 
 def _factor_end(text: str, start: int, words: list[str], depth: int) -> int | None:
@@ -283,8 +283,8 @@ def _factor_end(text: str, start: int, words: list[str], depth: int) -> int | No
 
 def unit_of_quantity(text: str) -> tuple[float, str]:
     """Size in SI units and name of the unit of a text such as "5 mm"; 1 and "" if it has none or is no quantity."""
-    found = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
-    unit = (found[2] or "").strip() if found else ""
+    match = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
+    unit = (match[2] or "").strip() if match else ""
     return (_read_unit(unit)[0], unit) if unit else (1.0, "")
 
 

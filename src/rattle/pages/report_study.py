@@ -18,7 +18,6 @@ from rattle.pages.report_html import Section, paragraph
 from rattle.question import Question, asked_of, questions
 
 if TYPE_CHECKING:
-    from rattle.analyses.check import Check
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
 
@@ -39,7 +38,6 @@ class Study:
     m: Mechanism
     trouble: list[str] = field(default_factory=list)  # what went wrong, in words: it stands at the top in red
     reasons: dict[str, str] = field(default_factory=dict)  # why a study is not in the report
-    check: Check | None = None
     run: Result | None = None
     ideal: Result | None = None  # the same motion without play
     path: Result | None = None  # the quasi-static motion of a mechanism that is fully driven
@@ -98,8 +96,8 @@ def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> S
     """
     _ = m.model
     found = Study(m)
-    found.check = tried(found, "check", "checking the mechanism", m.check, fatal=True)
-    if found.check is None:
+    found.keep("check", tried(found, "check", "checking the mechanism", m.check, fatal=True))
+    if "check" not in found.answers:
         return found
     found.run = tried(
         found, "motion", "computing the motion, twice: the second run tells how far the first can be trusted",

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rattle import registry
+from rattle.drawings.forms import display_list, form_of
 from rattle.errors import InputError
 from rattle.pages.thinning import Between, Rows, between, shared_rows
 from rattle.plots.scene import BODIES
@@ -82,11 +83,12 @@ def _thinned(result: Result, kept: Rows, more: Mapping[str, Between]) -> str:
 
 
 def frame_of(geometry: Mapping[str, Any]) -> dict[str, Any]:
-    """Those keys of a scene that follow from the geometry of a model alone: format, program, kinds, colours."""
+    """Those keys of a scene that follow from the geometry of a model alone, such as its drawing."""
     return {
         "format": FORMAT,
         "program": f"rattle {__version__}",
         "kinds": kinds_of(geometry),
+        "drawing": display_list(geometry),
         "colours": {body: BODIES[k % len(BODIES)] for k, body in enumerate(geometry["bodies"])},
     }
 
@@ -95,10 +97,8 @@ def kinds_of(geometry: Mapping[str, Any]) -> dict[str, dict[str, str]]:
     """How joints and loads are drawn, by name, and what the play of a joint looks like: a circle, or walls."""
     drawn: dict[str, dict[str, str]] = {"joints": {}, "loads": {}, "play": {}}
     for family in ("joint", "load"):
-        known = registry.kinds(family)
         for name, form in geometry[f"{family}s"].items():
-            how = getattr(known[form["type"]].leaf, "drawn_as", "") if form["type"] in known else ""
-            if how:
+            if how := form_of(family, form["type"]):
                 drawn[f"{family}s"][name] = how
     for name, form in geometry["joints"].items():
         if play := registry.play_of(form["type"]):
@@ -148,7 +148,10 @@ def run_of(
         "success": result.success,
         "message": result.message,
     }
-    return run if result.geometry == geometry else run | {"geometry": result.geometry}
+    if result.geometry == geometry:
+        return run
+    own = display_list(result.geometry)  # another one only where parts are there or not
+    return run | {"geometry": result.geometry} | ({} if own == display_list(geometry) else {"drawing": own})
 
 
 def _single(values: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from rattle.studies.ensemble.shown import scale_of
+from rattle.studies.runs.columns import scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,6 +14,7 @@ from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.assembly.start_constants import as_guessed
 from rattle.analyses.load_forces import load_forces
 from rattle.description.model import Driver, Model
+from rattle.drawings.forms import drawing_of
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at, pose
@@ -22,7 +23,6 @@ from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 from rattle.plots.arrows import straight, turning
 from rattle.plots.curves import BLACK, GREY, RED, drawn, figure_of, length_axes, new_figure, tidy
-from rattle.plots.drawings import drawing_of, parts
 from rattle.plots.figure import Page
 from rattle.plots.labels import Label, place_labels
 from rattle.plots.scene import Array, Scene
@@ -141,20 +141,21 @@ def _axes(span: Array, sheet: Sheet) -> Axes:
 def _joints(scene: Scene, position: Position) -> Iterator[Label]:
     """Joints by name, with their play; those at one place have one label, and so have points of other names there."""
     places: list[tuple[Array, list[str], list[str]]] = []
-    for part, how in parts(scene.result.geometry):
-        if part.family != "joint":
+    for joint_name, form in scene.result.geometry["joints"].items():
+        how = drawing_of("joint", form["type"])
+        if how is None:
             continue
-        a, b = (end[0] for end in scene.ends(part.form))
+        a, b = (end[0] for end in scene.ends(form))
         spot = a + how.name_at * (b - a)
-        loose = part.form["clearance"] > 0.0 and part.form["contact"] != "ideal"
-        name = f"{part.name} (play {quantity(part.form['clearance'], 'm')})" if loose else part.name
+        loose = form["clearance"] > 0.0 and form["contact"] != "ideal"
+        name = f"{joint_name} (play {quantity(form['clearance'], 'm')})" if loose else joint_name
         near = (one for one in places if float(np.hypot(*(one[0] - spot))) < TOGETHER * scene.size)
         place = next(near, None)
         if place is None:
             place = (spot, [], [])
             places.append(place)
         place[1].append(name)
-        joint = position.system.model.joints[part.name]
+        joint = position.system.model.joints[joint_name]
         ends = zip((joint.a, joint.b), (a, b), strict=True)
         place[2].extend(one.name for one, end in ends if np.hypot(*(end - spot)) < TOGETHER * scene.size)
     joints = position.system.model.joints

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from rattle.plots.scene import Array, Scene
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from rattle.studies.power.power import Power
 
 LENGTH, WIDTH = 0.13, 0.05  # of the longest arrow's shaft and width, as a share of the mechanism's size
 USUAL = 98.0  # percentile of all frames that has this width: rare peaks do not make the others vanish
@@ -24,7 +23,26 @@ LEAST = 0.01  # share of it below which there is no arrow
 APART = 0.05  # distance between two ends, as a share of the mechanism's size, from which power goes along them
 
 
-def draw_power(ax: Axes, stage: Scene, p: Power) -> list[Update]:
+class Powers(Protocol):
+    """What is drawn of a power: see `Result.power`."""
+
+    @property
+    def names(self) -> Mapping[str, Sequence[str]]:
+        """Element, kind and body of every port."""
+
+    @property
+    def driven(self) -> Mapping[str, str]:
+        """The joint of every driver."""
+
+    @property
+    def between(self) -> Collection[str]:
+        """Elements that pass power from one body to another."""
+
+    def powers(self, t: Array) -> Array:
+        """Powers (n, ports) [W] into the bodies at instants (n,) [s]."""
+
+
+def draw_power(ax: Axes, stage: Scene, p: Powers) -> list[Update]:
     """Arrows whose width is the power of every element at each frame; gravity has none."""
     powers = p.powers(stage.result.t[stage.pick])
     sizes = np.abs(powers).max(axis=1, initial=0.0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.plots.curves import BLACK, BLUE, GREEN, MORE, ORANGE, PINK, SKY
+from rattle.plots.curves import BLACK, BLUE, GREEN, GREY, MORE, ORANGE, PINK, SKY
 from rattle.plots.movie_file import Update
 
 if TYPE_CHECKING:
@@ -22,7 +22,8 @@ FIRST = (BLUE, GREEN, ORANGE, PINK, SKY, *MORE)  # red is kept for forces that a
 DARKER = (1.0, 0.62, 0.36)  # further bodies have the same colours, mixed with so much black
 # behind a name; a white outline instead would turn it into curves in an .svg
 PAPER = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
-CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
+COLOURS = {"black": BLACK, "grey": GREY, "metal": "#8C959F", "steel": "#D8DEE4", "paper": "#FFFFFF"}
+PIXEL = 0.75  # [pt]
 
 
 def body_colours() -> tuple[str, ...]:
@@ -61,6 +62,15 @@ class Scene(NamedTuple):
         cos, sin = np.cos(angle), np.sin(angle)
         return np.column_stack([cx + cos * x - sin * y, cy + sin * x + cos * y])
 
+    def at(self, body: str, x: Any, y: Any) -> tuple[Array, Array]:
+        """The same as two arrays (frames,)."""
+        path = self.path(body, (x, y))
+        return path[:, 0], path[:, 1]
+
+    def curve(self, name: str) -> Array:
+        """(frames,) a curve, 0 where there is none."""
+        return self.result[name][self.pick] if name in self.result else np.zeros(len(self.pick))
+
     def angle(self, body: str) -> Array:
         """(frames,) angle of a body [rad]."""
         return np.zeros(len(self.pick)) if body == "ground" else self.result[f"{body}.angle"][self.pick]
@@ -76,13 +86,13 @@ class Scene(NamedTuple):
             return BLACK
         return self.colours[list(self.bodies).index(body) % len(self.colours)]
 
-    def points(self, body: str) -> Array:
-        """(points, 2) named points of a body in its frame [m]."""
-        return np.array(list(self.bodies[body]["points"].values()), float).reshape(-1, 2)
-
-    def rings(self, body: str) -> list[Array]:
-        """Corners (n, 2) of a plate and of each of its holes, in its frame [m]; none of any other body."""
-        return [np.array(ring, float) for ring in self.bodies.get(body, {}).get("outline", ())]
+    def written(self, colour: tuple[str, float] | None) -> str | None:
+        """A colour of a display list, by its name and the share of paper in it."""
+        if colour is None:
+            return None
+        name, paper = colour
+        own = COLOURS[name] if name in COLOURS else self.colour(name.removeprefix("body "))
+        return "#" + "".join(f"{round(x + paper * (255 - x)):02X}" for x in bytes.fromhex(own[1:]))
 
 
 # ---------------------------------------------------------------- lines and areas; each function moves one to frame k
@@ -96,7 +106,7 @@ def draw_line(ax: Axes, path: Array, **style: Any) -> Update:
     return update
 
 
-def draw_area(ax: Axes, path: Array, colour: str, *, alpha: float = 0.2, zorder: float = 2) -> Update:
+def draw_area(ax: Axes, path: Array, colour: str, alpha: float, zorder: float) -> Update:
     """A filled polygon with the corners `path` (frames, points, 2) [m]."""
     from matplotlib.patches import Polygon
 
@@ -109,7 +119,7 @@ def draw_area(ax: Axes, path: Array, colour: str, *, alpha: float = 0.2, zorder:
     return update
 
 
-def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, *, alpha: float = 0.25, zorder: float = 2) -> Update:
+def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, alpha: float, zorder: float) -> Update:
     """A filled polygon with holes: corners of each ring (frames, points, 2) [m]."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
@@ -129,12 +139,6 @@ def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, *, alpha: float = 
     return update
 
 
-def draw_dot(ax: Axes, path: Array, **style: Any) -> Update:
-    """A mark of fixed size at `path` (frames, 2) [m]; style: of the mark."""
-    usual: dict[str, Any] = {"marker": "o", "linestyle": "", "color": BLACK, "markerfacecolor": "white", "zorder": 5}
-    return draw_line(ax, path[:, None, :], **{**usual, **style})
-
-
 def draw_tag(ax: Axes, name: str, path: Array) -> Update:
     """The name of a joint or body, beside its point `path` (frames, 2) [m]."""
     tag = ax.annotate(
@@ -146,33 +150,3 @@ def draw_tag(ax: Axes, name: str, path: Array) -> Update:
         tag.xy = (path[k, 0], path[k, 1])
 
     return update
-
-
-# ---------------------------------------------------------------- the ground
-def draw_foot(ax: Axes, at: Iterable[float], size: float) -> None:
-    """The usual symbol of a fixed pivot, a triangle on a hatched line; `at` and `size` [m]."""
-    from matplotlib.patches import Polygon
-
-    x, y = at
-    corners = [(x, y), (x - 0.6 * size, y - size), (x + 0.6 * size, y - size)]
-    ax.add_patch(Polygon(corners, facecolor="white", edgecolor=BLACK, linewidth=1, zorder=2))
-    draw_wall(ax, (x - size, y - size), (x + size, y - size), 0.3 * size)
-
-
-def draw_wall(ax: Axes, start: Iterable[float], end: Iterable[float], stroke: float, **style: Any) -> None:
-    """A line of the ground from start to end, hatched on its right hand; `stroke` is the length of a hatch, all [m]."""
-    a, b = np.array(list(start), float), np.array(list(end), float)
-    length = float(np.hypot(*(b - a)))
-    if not length > 0.0:
-        return
-    usual: dict[str, Any] = {"color": BLACK, "linewidth": 1, "zorder": 2, **style}
-    ax.plot([a[0], b[0]], [a[1], b[1]], **usual)
-    u = (b - a) / length
-    slant = stroke * (np.array([u[1], -u[0]]) - u)
-    count = max(3, min(60, round(length / (1.1 * stroke))))
-    strokes = [
-        (one, one + slant, (np.nan, np.nan))
-        for one in a + np.linspace(0.5 * length / count, length, count)[:, None] * u
-    ]
-    x, y = np.array(strokes).reshape(-1, 2).T
-    ax.plot(x, y, **{**usual, "linewidth": 0.6})

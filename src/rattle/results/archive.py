@@ -100,10 +100,10 @@ def _plain(value: Any) -> Any:
 
 
 def _digest(text: str, t: Array, curves: Sequence[Array]) -> str:
-    found = hashlib.sha256(text.encode("utf-8", "surrogatepass"))
+    digest = hashlib.sha256(text.encode("utf-8", "surrogatepass"))
     for curve in (t, *curves):
-        found.update(np.ascontiguousarray(curve, "<f8").tobytes())
-    return found.hexdigest()
+        digest.update(np.ascontiguousarray(curve, "<f8").tobytes())
+    return digest.hexdigest()
 
 
 def _netcdf(text: str, digest: str, t: Array, curves: Mapping[str, Array], units: Mapping[str, str]) -> bytes:
@@ -114,8 +114,8 @@ def _netcdf(text: str, digest: str, t: Array, curves: Mapping[str, Array], units
         file.attrs["rattle_format"] = FORMAT
         file.dimensions["t"] = len(t) or None
         for name, curve in {"t": t, **curves}.items():
-            made = file.create_variable(name, ("t",), np.dtype("<f8"), data=curve if len(t) else None)
-            made.attrs["units"] = "s" if name == "t" else units[name]
+            variable = file.create_variable(name, ("t",), np.dtype("<f8"), data=curve if len(t) else None)
+            variable.attrs["units"] = "s" if name == "t" else units[name]
         record = file.create_variable(RECORD, (), h5py.string_dtype())
         record[...] = text
         record.attrs[DIGEST] = digest
@@ -189,14 +189,14 @@ def require_whole(file: Path) -> bool:
         if not trailer.startswith(TRAILER):
             return False
         opened.seek(0)
-        found, left = hashlib.sha256(), size - length
+        digest, left = hashlib.sha256(), size - length
         while left > 0:
             part = opened.read(min(left, 1 << 20))
-            found.update(part)
+            digest.update(part)
             left -= len(part)
             if not part:
                 break
-    if trailer[len(TRAILER) :].strip() != found.hexdigest().encode():
+    if trailer[len(TRAILER) :].strip() != digest.hexdigest().encode():
         raise InputError(f"{file} is damaged: its bytes do not match its checksum; compute it again")
     return True
 
@@ -207,43 +207,44 @@ def _fits(count: int, n: int, size: int, packed: int = PACKED) -> None:
         raise Damaged(f"declares {count} curves of {n} instants, more than {size} bytes can hold")
 
 
+def _dataset(h5py: Any, opened: Any, name: str, own: bool, places: set[int]) -> Any:
+    """A data set of an open file, which has no other name in `places`."""
+    link = opened.get(name, getlink=True)
+    if link is None:
+        raise KeyError(name)
+    dataset = opened[name] if type(link) is h5py.HardLink else None
+    if not isinstance(dataset, h5py.Dataset) or dataset.is_virtual or dataset.external:
+        raise Damaged("has links to other files, which no result has")
+    if own and dataset.id.get_create_plist().get_nfilters():
+        raise Damaged(f"holds '{name}' packed, as no result does: a small file could fill the memory")
+    place = h5py.h5o.get_info(dataset.id).addr
+    if place in places:
+        raise Damaged(f"holds '{name}' under another name too: a small file could fill the memory")
+    places.add(place)
+    return dataset
+
+
 def _read_netcdf(file: Path, own: bool) -> Found:
     """own: rattle wrote the file, which packs nothing; other programs that copy a result may."""
     h5py = package("h5py", "load_result")
     size = file.stat().st_size
     places: set[int] = set()
     with h5py.File(file, "r", locking=False) as opened:
-
-        def variable(name: str) -> Any:
-            link = opened.get(name, getlink=True)
-            if link is None:
-                raise KeyError(name)
-            one = opened[name] if type(link) is h5py.HardLink else None
-            if not isinstance(one, h5py.Dataset) or one.is_virtual or one.external:
-                raise Damaged("has links to other files, which no result has")
-            if own and one.id.get_create_plist().get_nfilters():
-                raise Damaged(f"holds '{name}' packed, as no result does: a small file could fill the memory")
-            place = h5py.h5o.get_info(one.id).addr
-            if place in places:
-                raise Damaged(f"holds '{name}' under another name too: a small file could fill the memory")
-            places.add(place)
-            return one
-
-        record = variable(RECORD)
+        record = _dataset(h5py, opened, RECORD, own, places)
         if record.shape != () or h5py.check_string_dtype(record.dtype) is None:
             raise InputError("no text")
         text = record.asstr()[()]
         parsed, digest = json.loads(text), record.attrs.get(DIGEST, "")
-        t = variable("t")
+        t = _dataset(h5py, opened, "t", own, places)
         n = int(t.shape[0]) if t.ndim == 1 else -1
         columns = list(parsed["names"])
         _fits(len(columns) + 1, n, size, packed=1 if own else PACKED)
-        curves = [variable(name) for name in columns]
-        if any(one.shape != (n,) or one.dtype.kind != "f" or one.dtype.itemsize != 8 for one in (t, *curves)):
+        curves = [_dataset(h5py, opened, name, own, places) for name in columns]
+        if any(curve.shape != (n,) or curve.dtype.kind != "f" or curve.dtype.itemsize != 8 for curve in (t, *curves)):
             raise InputError("no curves")
         if parsed["format"] == 1:
-            parsed["units"] = {name: str(one.attrs["units"]) for name, one in zip(columns, curves, strict=True)}
-        numbers = [np.asarray(one[()], dtype=np.float64) for one in (t, *curves)]
+            parsed["units"] = {name: str(curve.attrs["units"]) for name, curve in zip(columns, curves, strict=True)}
+        numbers = [np.asarray(curve[()], dtype=np.float64) for curve in (t, *curves)]
     return text, parsed, str(digest), numbers[0], numbers[1:]
 
 
@@ -289,10 +290,10 @@ def _require_not_later(record: Any) -> None:
         raise Damaged(f"has format {form}; this version of rattle reads up to {FORMAT}: install a newer one")
 
 
-def _require_plain(record: Any, count: int) -> None:
-    """Refuse a record that is not as `Result.save` writes it.  Raises InputError, TypeError, KeyError."""
+def _has_heads(record: Any, count: int) -> bool:
+    """True if the heads of a record are of their types, with `count` names of curves."""
     names = record["names"]
-    right = (
+    return (
         type(record["format"]) is int
         and record["format"] >= 1
         and isinstance(names, list)
@@ -300,27 +301,36 @@ def _require_plain(record: Any, count: int) -> None:
         and all(isinstance(name, str) and name.isprintable() and name[:1] not in "=+-@ " for name in names)
         and isinstance(record["success"], bool)
         and isinstance(record["message"], str)
-        and all(isinstance(record[key], dict) for key in ("geometry", "trust", "stats", "provenance"))
-        and isinstance(record["units"], dict)
+        and all(isinstance(record[key], dict) for key in ("geometry", "trust", "stats", "provenance", "units"))
         and isinstance(record["events"], list)
     )
-    if not right:
-        raise InputError("not as a result is written")
-    if not all(isinstance(record["units"][name], str) and record["units"][name].isprintable() for name in names):
-        raise InputError("units are texts")
+
+
+def _require_plain_values(record: Any) -> None:
+    """Refuse texts with control characters, and numbers too large, anywhere in a record."""
     ahead: list[Any] = [record]
     while ahead:
-        one = ahead.pop()
-        if isinstance(one, dict | list):
-            ahead += [*one, *one.values()] if isinstance(one, dict) else one
-        elif isinstance(one, str) and not one.isprintable() and shown(one) != one:
+        item = ahead.pop()
+        if isinstance(item, dict | list):
+            ahead += [*item, *item.values()] if isinstance(item, dict) else item
+        elif isinstance(item, str) and not item.isprintable() and shown(item) != item:
             raise InputError("texts with control characters")
-        elif type(one) is int and abs(one) > LARGEST:
+        elif type(item) is int and abs(item) > LARGEST:
             raise InputError("a whole number that is too large to be computed with")
+
+
+def _require_plain(record: Any, count: int) -> None:
+    """Refuse a record that is not as `Result.save` writes it.  Raises InputError, TypeError, KeyError."""
+    if not _has_heads(record, count):
+        raise InputError("not as a result is written")
+    units = (record["units"][name] for name in record["names"])
+    if not all(isinstance(unit, str) and unit.isprintable() for unit in units):
+        raise InputError("units are texts")
+    _require_plain_values(record)
     for event in record["events"]:
         _, joint, kind, *numbers = event
         texts = isinstance(joint, str) and isinstance(kind, str)
-        if not texts or not all(type(one) in (int, float) for one in (event[0], *numbers)):
+        if not texts or not all(type(item) in (int, float) for item in (event[0], *numbers)):
             raise InputError("an event is a time, a joint, a kind and numbers")
     if where := misfit_of(record):
         raise Damaged(f"{NO_RESULT}: {where} in its record is not as a result has it")

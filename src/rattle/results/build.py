@@ -24,7 +24,7 @@ def provenance(model: Model, analysis: str, **settings: Any) -> dict[str, Any]:
         "program": f"rattle {__version__}",
         "analysis": analysis,
         **settings,
-        "parameters": {name: one.value for name, one in model.parameters.items()},
+        "parameters": {name: parameter.value for name, parameter in model.parameters.items()},
     }
 
 

@@ -60,38 +60,38 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
     or a massless link, N has the magnitude of the force; `<joint>.pressing` is the largest N of a
     link, whose N may also be negative.
     """
-    found: list[tuple[str, int, int]] = []
+    watched: list[tuple[str, int, int]] = []
     for n, name in enumerate(system.joints):
         c = at.PER_JOINT * n
         if name in system.model.drivers:
             effort = registry.kinds("driver")[system.model.drivers[name].kind].leaf.effort[0]
-            found += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
+            watched += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
             continue
         joint = system.model.joints[name]
         if joint.leaf.bodies:
-            found.append((f"{name}.torque", at.OF_SIZE, c + at.EFFORT))
+            watched.append((f"{name}.torque", at.OF_SIZE, c + at.EFFORT))
             continue
         kind = joint_rows(joint)[0]
-        found.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
+        watched.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
         sided = joint.one_sided
         if passes_moment(joint):
-            found.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
-        found += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in frictions(joint)]
+            watched.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
+        watched += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in frictions(joint)]
         if joint.stop is not None:
-            found.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
+            watched.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
         if joint.contact is None or (sided is not None and sided.records):
             if joint.is_loose:
-                found.append((f"{name}.{sided.records[0]}", at.OF_LARGER, c + at.JOINT_NORMAL))
+                watched.append((f"{name}.{sided.records[0]}", at.OF_LARGER, c + at.JOINT_NORMAL))
             continue
         if kind is None:
-            found.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
-            found.append((f"{name}.tangential", at.OF_SIZE, c + at.JOINT_TANGENT))
-            found.append((f"{name}.penetration", at.OF_VALUE, c + at.PENETRATION))
+            watched.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
+            watched.append((f"{name}.tangential", at.OF_SIZE, c + at.JOINT_TANGENT))
+            watched.append((f"{name}.penetration", at.OF_VALUE, c + at.PENETRATION))
             if joint.contact.film is not None:
-                found.append((f"{name}.offset", at.OF_VECTOR, c + at.EX))
+                watched.append((f"{name}.offset", at.OF_VECTOR, c + at.EX))
         elif kind.name != joint.kind:
-            found.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
-    return found
+            watched.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
+    return watched
 
 
 def frictions(joint: Joint) -> tuple[tuple[str, int], ...]:
@@ -113,68 +113,78 @@ def columns(
     system: System, raw: np.ndarray, turning: np.ndarray | None = None
 ) -> tuple[np.ndarray, list[str], dict[str, str]]:
     """Raw rows (n, width) -> named columns (n, k) in SI units, their names and units; turning: see `film_columns`."""
-    model = system.model
-    units: dict[str, str] = {}  # by name, in order
-    taken: list[int] = []  # column of the raw rows
-    derived: dict[int, np.ndarray] = {}  # what stands there instead, by place
-
-    def add(name: str, unit: str, column: int, values: np.ndarray | None = None) -> None:
-        if values is not None:
-            derived[len(taken)] = values
-        units[name] = unit
-        taken.append(column)
-
+    model, taking = system.model, _Taking()
     c = 0
     for body in system.bodies:
-        units.update([(f"{body}.{key}", unit) for key, unit in at.OUTPUT_BODY.items()])
-        taken += range(c, c + at.PER_BODY)
+        for k, (key, unit) in enumerate(at.OUTPUT_BODY.items()):
+            taking.add(f"{body}.{key}", unit, c + k)
         c += at.PER_BODY
     for name in system.joints:
         if name in model.drivers:
             effort_name, unit = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
-            add(f"{name}.{effort_name}", unit, c + at.EFFORT)
-            add(f"{name}.power", "W", c + at.POWER)
-        else:
+            taking.add(f"{name}.{effort_name}", unit, c + at.EFFORT)
+            taking.add(f"{name}.power", "W", c + at.POWER)
+        elif model.joints[name].leaf.bodies:
+            taking.add(f"{name}.torque", "N*m", c + at.EFFORT)
             joint = model.joints[name]
-            if joint.leaf.bodies:
-                add(f"{name}.torque", "N*m", c + at.EFFORT)
-                add(f"{name}.slip", "rad/s", c + at.EX, overrun(joint, *rates_of(system, joint, raw)))
-                add(f"{name}.locked", "", c + at.JOINT_TANGENT)
-                c += at.PER_JOINT
-                continue
-            kind = joint_rows(joint)[0]
-            add(f"{name}.fx", "N", c + at.FX)
-            add(f"{name}.fy", "N", c + at.FY)
-            if passes_moment(joint):
-                add(f"{name}.moment", "N*m", c + at.MOMENT)
-            for key, column in frictions(joint):
-                add(f"{name}.{key}", joint.friction_unit, c + column)
-            if joint.stop is not None:
-                add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
-            if joint.one_sided is not None and joint.one_sided.records:
-                forces = _two_forces(joint, raw, c)
-                for key, one in zip(joint.one_sided.records, forces, strict=True):
-                    add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, one)
-            elif joint.contact is not None:
-                made = _of_contact(system, joint, kind, raw, c)
-                for key, column in OF_CONTACT.items():
-                    add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, made.get(key))
-                if joint.contact.film is not None:
-                    for key, (unit, values) in film_columns(system, joint, raw, c, turning).items():
-                        add(f"{name}.{key}", unit, c + at.EX, values)
+            taking.add(f"{name}.slip", "rad/s", c + at.EX, overrun(joint, *rates_of(system, joint, raw)))
+            taking.add(f"{name}.locked", "", c + at.JOINT_TANGENT)
+        else:
+            _take_joint(taking, system, model.joints[name], raw, c, turning)
         c += at.PER_JOINT
     for name, unit in model.recorded.items():
-        add(name, unit, c)
+        taking.add(name, unit, c)
         c += 1
     for k, (key, unit) in enumerate(at.OUTPUT_ENERGY.items()):
-        add(f"energy.{key}", unit, c + k)
+        taking.add(f"energy.{key}", unit, c + k)
     kinetic, potential, work, dissipated = raw[:, c : c + at.ENERGIES].T
     total = kinetic + potential - work + dissipated
-    add("energy.balance", "J", c, total - total[:1])
-    data = raw.take(taken, axis=1)
-    for place, values in derived.items():
+    taking.add("energy.balance", "J", c, total - total[:1])
+    data = raw.take(taking.columns, axis=1)
+    for place, values in taking.derived.items():
         data[:, place] = values
-    return data, list(units), units
+    return data, list(taking.units), taking.units
+
+
+class _Taking:
+    """Columns of raw rows that a result takes, in its order, and what stands in place of some."""
+
+    def __init__(self) -> None:
+        self.units: dict[str, str] = {}  # by name
+        self.columns: list[int] = []
+        self.derived: dict[int, np.ndarray] = {}  # by place
+
+    def add(self, name: str, unit: str, column: int, values: np.ndarray | None = None) -> None:
+        """The next column, or `values` in its place."""
+        if values is not None:
+            self.derived[len(self.columns)] = values
+        self.units[name] = unit
+        self.columns.append(column)
+
+
+def _take_joint(
+    taking: _Taking, system: System, joint: Joint, raw: np.ndarray, c: int, turning: np.ndarray | None
+) -> None:
+    """Columns of a joint, its raw ones from c on: forces, friction, stop, contact, film."""
+    name = joint.name
+    taking.add(f"{name}.fx", "N", c + at.FX)
+    taking.add(f"{name}.fy", "N", c + at.FY)
+    if passes_moment(joint):
+        taking.add(f"{name}.moment", "N*m", c + at.MOMENT)
+    for key, column in frictions(joint):
+        taking.add(f"{name}.{key}", joint.friction_unit, c + column)
+    if joint.stop is not None:
+        taking.add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
+    if joint.one_sided is not None and joint.one_sided.records:
+        for key, force in zip(joint.one_sided.records, _two_forces(joint, raw, c), strict=True):
+            taking.add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, force)
+    elif joint.contact is not None:
+        of_contact = _of_contact(system, joint, joint_rows(joint)[0], raw, c)
+        for key, column in OF_CONTACT.items():
+            taking.add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, of_contact.get(key))
+        if joint.contact.film is not None:
+            for key, (unit, values) in film_columns(system, joint, raw, c, turning).items():
+                taking.add(f"{name}.{key}", unit, c + at.EX, values)
 
 
 REACTIONS = ("N", "N*m", "W")  # units of what follows from reactions
@@ -192,11 +202,11 @@ def reaction_columns(system: System, units: Mapping[str, str]) -> np.ndarray:
 
 def _two_forces(joint: Joint, raw: np.ndarray, c: int) -> tuple[np.ndarray, np.ndarray]:
     """The larger and the smaller force (n,) [N] of two strands; of a belt that cannot stretch, about its pretension."""
-    one, other = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
+    first, second = raw[:, c + at.JOINT_NORMAL], raw[:, c + at.JOINT_TANGENT]
     if not joint.is_loose:
         half, pretension = 0.5 * raw[:, c + at.EFFORT], float(joint.fields["pretension"])
-        one, other = pretension + half, pretension - half
-    return np.maximum(one, other), np.minimum(one, other)
+        first, second = pretension + half, pretension - half
+    return np.maximum(first, second), np.minimum(first, second)
 
 
 def rates_of(system: System, joint: Joint, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -223,24 +233,24 @@ def _of_contact(
     system: System, joint: Joint, kind: registry.Kind | None, raw: np.ndarray, c: int
 ) -> dict[str, np.ndarray]:
     """Columns (n,) [SI] of a joint with clearance that its raw columns from c on do not hold as a result shows them."""
-    made: dict[str, np.ndarray] = {}
+    derived: dict[str, np.ndarray] = {}
     ex, ey = raw[:, c + at.EX], raw[:, c + at.EY]
     if kind is not None:  # otherwise only contacts act on it
         fx, fy = raw[:, c + at.FX], raw[:, c + at.FY]
         distance = np.hypot(ex, ey)
         link = kind.name != joint.kind
-        made["tangential"] = made["penetration"] = np.zeros_like(fx)
+        derived["tangential"] = derived["penetration"] = np.zeros_like(fx)
         if link:
             with np.errstate(invalid="ignore", divide="ignore"):
-                made["normal"] = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
-            made["penetration"] = distance - float(joint.clearance)
+                derived["normal"] = np.where(distance > 0.0, -(fx * ex + fy * ey) / distance, 0.0)
+            derived["penetration"] = distance - float(joint.clearance)
         else:
-            made["normal"] = np.hypot(fx, fy)
+            derived["normal"] = np.hypot(fx, fy)
             if joint.one_sided is not None and joint.one_sided.contacts == 1:  # its row is the slope of the gap
-                made["normal"] = np.copysign(made["normal"], raw[:, c + at.EFFORT])
+                derived["normal"] = np.copysign(derived["normal"], raw[:, c + at.EFFORT])
     if joint.line is not None:
-        made["ex"], made["ey"] = _play(system, joint, raw, ex, ey)
-    return made
+        derived["ex"], derived["ey"] = _play(system, joint, raw, ex, ey)
+    return derived
 
 
 def _play(
@@ -254,51 +264,60 @@ def _play(
     return ex - along * np.cos(axis), ey - along * np.sin(axis)
 
 
+def _form_of_joint(joint: Joint) -> dict[str, Any]:
+    """What a drawing needs of a joint."""
+    form: dict[str, Any] = {
+        "type": joint.kind,
+        "bodies": [joint.a.body, joint.b.body],
+        "points": [list(joint.a.at), list(joint.b.at)],
+        "clearance": joint.clearance,
+        "contact": joint.contact.title if joint.contact else "",
+        "rigid": joint.contact is not None and joint.contact.rigid,
+    }
+    if joint.leaf.bodies:
+        form["sense"] = joint.fields["sense"]
+    if joint.leaf.coordinate:
+        form["coordinate"] = joint.leaf.coordinate
+    if joint.line is not None:
+        form["axis"] = joint.line
+        if -math.inf < (travel := joint.leaf.travel(joint.fields)) < math.inf:
+            form["travel"] = travel
+    form["fields"] = numbers(joint.fields)
+    for key in ("outline", "borne_outline"):
+        outline = getattr(joint.leaf, key)(joint.fields)
+        if outline is not None:
+            form[key] = [[x, y] for x, y in outline]
+    if joint.stop is not None:  # an end that there is not is None
+        ends = (joint.stop.minimum, joint.stop.maximum)
+        form["stop"] = [end if -math.inf < end < math.inf else None for end in ends]
+    form |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
+    return form | _form_of_contact(joint)
+
+
+def _form_of_contact(joint: Joint) -> dict[str, Any]:
+    """Oil and bush of a joint, as far as it has them."""
+    form: dict[str, Any] = {}
+    if joint.contact and (film := joint.contact.film) is not None:
+        form["oil"] = {key: getattr(film, key) for key in ("boundary", "density", "specific_heat")}
+    if joint.contact and joint.contact.bush_radius:
+        form["bush_radius"] = joint.contact.bush_radius
+    return form
+
+
+def _form_of_load(load: Load) -> dict[str, Any]:
+    """What a drawing needs of a load."""
+    record = record_of(load.kind)
+    return {
+        "type": load.kind,
+        "bodies": [load.a.body, load.b.body],
+        "points": [list(load.a.at), list(load.b.at)],
+        "fields": numbers(load_fields(load)),
+        **({"coordinate": record.coordinate, "power": record.power} if record else {}),
+    }
+
+
 def geometry(model: Model) -> dict[str, Any]:
     """What a drawing of the mechanism needs: points [m] in the frame of their body, relative to its mass centre."""
-    joints: dict[str, Any] = {}
-    for name, joint in model.joints.items():
-        joints[name] = {
-            "type": joint.kind,
-            "bodies": [joint.a.body, joint.b.body],
-            "points": [list(joint.a.at), list(joint.b.at)],
-            "clearance": joint.clearance,
-            "contact": joint.contact.title if joint.contact else "",
-            "rigid": joint.contact is not None and joint.contact.rigid,
-        }
-        if joint.leaf.bodies:
-            joints[name]["sense"] = joint.fields["sense"]
-        if joint.leaf.coordinate:
-            joints[name]["coordinate"] = joint.leaf.coordinate
-        if joint.line is not None:
-            joints[name]["axis"] = joint.line
-            if -math.inf < (travel := joint.leaf.travel(joint.fields)) < math.inf:
-                joints[name]["travel"] = travel
-        joints[name]["fields"] = numbers(joint.fields)
-        for key, outline in (
-            ("outline", joint.leaf.outline(joint.fields)),
-            ("borne_outline", joint.leaf.borne_outline(joint.fields)),
-        ):
-            if outline is not None:
-                joints[name][key] = [[x, y] for x, y in outline]
-        if joint.stop is not None:  # an end that there is not is None
-            ends = (joint.stop.minimum, joint.stop.maximum)
-            joints[name]["stop"] = [end if -math.inf < end < math.inf else None for end in ends]
-        joints[name] |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
-        if joint.contact and (film := joint.contact.film) is not None:
-            joints[name]["oil"] = {key: getattr(film, key) for key in ("boundary", "density", "specific_heat")}
-        if joint.contact and joint.contact.bush_radius:
-            joints[name]["bush_radius"] = joint.contact.bush_radius
-    loads = {
-        name: {
-            "type": load.kind,
-            "bodies": [load.a.body, load.b.body],
-            "points": [list(load.a.at), list(load.b.at)],
-            "fields": numbers(load_fields(load)),
-            **({"coordinate": record.coordinate, "power": record.power} if (record := record_of(load.kind)) else {}),
-        }
-        for name, load in model.loads.items()
-    }
     return {
         "bodies": {
             name: {
@@ -308,8 +327,8 @@ def geometry(model: Model) -> dict[str, Any]:
             for name, body in model.bodies.items()
         },
         "ground": {"points": {key: list(spot) for key, spot in model.ground.items()}},
-        "joints": joints,
-        "loads": loads,
+        "joints": {name: _form_of_joint(joint) for name, joint in model.joints.items()},
+        "loads": {name: _form_of_load(load) for name, load in model.loads.items()},
         "driven": [driver.joint for driver in model.drivers.values() if driver.joint],
     }
 
@@ -320,21 +339,21 @@ def numbers(fields: Mapping[str, Any]) -> dict[str, Any]:
     def known(value: Any) -> bool:
         return isinstance(value, float | int) and -math.inf < value < math.inf
 
-    found = {key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()}
+    lists = {key: list(value) if isinstance(value, tuple) else value for key, value in fields.items()}
     return {
-        key: value for key, value in found.items() if all(map(known, value if isinstance(value, list) else [value]))
+        key: value for key, value in lists.items() if all(map(known, value if isinstance(value, list) else [value]))
     }
 
 
 def load_fields(load: Load) -> dict[str, Value | str]:
     """Values of a load [SI] by the name of their field; those of fields with two values are left out."""
-    found: dict[str, Value | str] = {}
+    fields: dict[str, Value | str] = {}
     left = iter(load.values)
-    for key, one in registry.kinds("load")[load.kind].fields.items():
-        taken = list(itertools.islice(left, WIDTHS.get(one.shape, 1)))
-        if one.shape not in WIDTHS and taken:
-            found[key] = taken[0]
-    return found
+    for key, field in registry.kinds("load")[load.kind].fields.items():
+        taken = list(itertools.islice(left, WIDTHS.get(field.shape, 1)))
+        if field.shape not in WIDTHS and taken:
+            fields[key] = taken[0]
+    return fields
 
 
 WIDTHS = {"connect": 4, "point": 2, "pair": 2, "body": 0}  # numbers of a load's field of this shape, if not one

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -29,6 +29,7 @@ SENTENCES = {  # of the contacts of a joint, also in pages
 }
 OFTEN = (("locks", "lock"), ("slips", "slip"), ("frees", "free"))  # words and events of clutches
 SMOOTH = 0.1  # allowed error of the polynomial through five outputs at the two beside them, as a share of the change
+REAL = 1e-9  # imaginary part [output intervals] of a root that is rounding
 
 
 class Curves(Protocol):
@@ -53,9 +54,9 @@ class Curves(Protocol):
 
 def peak(result: Curves, name: str) -> tuple[float, float]:
     """Largest magnitude of a curve [SI] and its time [s], see `Result.peak`. Raises InputError without an output."""
-    known = result.peaks.get(name)
-    if known is not None:
-        return known.value, known.t
+    within_steps = result.peaks.get(name)
+    if within_steps is not None:
+        return within_steps.value, within_steps.t
     values = np.abs(result[name])
     if not len(values):
         raise InputError(f"no output, so {name!r} has no peak")
@@ -86,11 +87,11 @@ def readable(result: Curves, name: str) -> bool:
 
 def gap_beside(result: Curves, name: str) -> float | None:
     """The singular position [s] towards which a curve grows: its peak lies where values begin to be left out."""
-    known = result.peaks.get(name)
-    if known is None:
+    within_steps = result.peaks.get(name)
+    if within_steps is None:
         return None
     for instant, gap in zip(result.trust.singular, result.trust.gaps, strict=False):
-        if any(abs(known.t - edge) <= ON_EDGE * (gap[1] - gap[0]) for edge in gap):
+        if any(abs(within_steps.t - edge) <= ON_EDGE * (gap[1] - gap[0]) for edge in gap):
             return instant
     return None
 
@@ -149,9 +150,9 @@ def rigid_joints(result: Curves) -> tuple[str, ...]:
 
 def rms_of(result: Curves, name: str) -> float:
     """Root mean square of a curve over time, in its SI unit, see `Result.rms`."""
-    known = result.peaks.get(name)
-    if known is not None:
-        return known.rms
+    within_steps = result.peaks.get(name)
+    if within_steps is not None:
+        return within_steps.rms
     whole = result.with_breaks
     curve = SampledCurve(whole.t, whole[name]) if len(whole.t) else None
     return math.sqrt(curve.mean_square()) if curve is not None and curve.finite else rms(whole.t, whole[name])
@@ -176,7 +177,7 @@ def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     if wide == 0.0 or np.abs(polynomial(x) - near).max() > SMOOTH * wide:
         return best
     roots = polynomial.deriv().roots()
-    at = roots[(abs(roots.imag) < 1e-9) & (roots.real > x[2]) & (roots.real < x[4])].real
+    at = roots[(abs(roots.imag) < REAL) & (roots.real > x[2]) & (roots.real < x[4])].real
     if not len(at) or float(polynomial(at).max()) <= 0.0:
         return best
     top = at[int(np.argmax(polynomial(at)))]
@@ -209,35 +210,45 @@ def contacts(result: Curves) -> dict[str, ContactSummary]:
 
 def _touching(result: Curves) -> list[tuple[str, str]]:
     """Joints with a stop, or with clearance that is not closed, and the name of the force of their contacts."""
-    found = []
+    joints = []
     for name, form in result.geometry["joints"].items() if len(result.t) else ():
         loose = form.get("contact", "") not in ("", "ideal") and f"{name}.normal" in result
         if loose or (form.get("stop") and f"{name}.stop" in result):
-            found.append((name, f"{name}.normal" if loose else f"{name}.stop"))
-    return found
+            joints.append((name, f"{name}.normal" if loose else f"{name}.stop"))
+    return joints
+
+
+def _pressed(
+    result: Curves, joint: str, events: list[Event], normal: np.ndarray, span: float, end: float
+) -> tuple[float, float]:
+    """Share of the time of a run up to `end`, `span` long [s], in which a joint presses, and its longest flight [s]."""
+    t, spans = result.t, pressing_spans(events)
+    if joint in result.trust.pulled:  # a massless link presses whenever it does not pull
+        return 1.0 - result.trust.pulled[joint], 0.0
+    if not spans and span:
+        return float(np.trapezoid((normal > 0.0).astype(float), t) / span), _longest_gap(t, normal > 0.0, span)
+    share = math.fsum(b - a for a, b in spans) / span if span else float(normal[0] > 0.0)
+    edges = [float(t[0]), *(edge for pair in spans for edge in pair), end]
+    return share, max(b - a for a, b in zip(edges[::2], edges[1::2], strict=True))
+
+
+def _energy_lost(result: Curves, events: list[Event]) -> float:
+    """Energy [J] that events have taken; 0 if it is rounding."""
+    lost = math.fsum(event.energy_lost for event in events)
+    rounding = ROUNDING * float(result["energy.kinetic"].max()) if "energy.kinetic" in result else 0.0
+    return 0.0 if abs(lost) < rounding else lost
 
 
 def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
     t, normal = result.t, result[force] if force.endswith(".normal") else np.abs(result[force])
-    start, end = float(t[0]), max(float(t[-1]), result.trust.t_end)
-    span = end - start
+    end = max(float(t[-1]), result.trust.t_end)
+    span = end - float(t[0])
     events = [event for event in result.events if event.joint == joint]
     lasting = [event for event in events if event.kind == "contact"]
-    spans = pressing_spans(events)
     hits = [event for event in events if event.kind == "impact"]
     hardest = max(hits, key=lambda event: event.impulse, default=None)
-    lost = math.fsum(event.energy_lost for event in events)
-    if "energy.kinetic" in result and abs(lost) < ROUNDING * float(result["energy.kinetic"].max()):
-        lost = 0.0
-    if joint in result.trust.pulled:  # a massless link presses whenever it does not pull
-        share, flight = 1.0 - result.trust.pulled[joint], 0.0
-    elif spans or not span:
-        share = math.fsum(b - a for a, b in spans) / span if span else float(normal[0] > 0.0)
-        edges = [start, *(edge for one in spans for edge in one), end]
-        flight = max(b - a for a, b in zip(edges[::2], edges[1::2], strict=True))
-    else:
-        share = float(np.trapezoid((normal > 0.0).astype(float), t) / span)
-        flight = _longest_gap(t, normal > 0.0, span)
+    lost = _energy_lost(result, events)
+    share, flight = _pressed(result, joint, events, normal, span, end)
     return ContactSummary(
         share=share,
         contacts=len(lasting),
@@ -255,22 +266,22 @@ def _summary(result: Curves, joint: str, force: str) -> ContactSummary:
 
 def _pressing(result: Curves, joint: str, force: str) -> float:
     """Largest magnitude of a contact force [SI]; of a massless link, which may pull, the largest while it presses."""
-    known = result.peaks.get(f"{joint}.pressing") or result.peaks.get(force)
-    if known is not None:
-        return known.value
+    within_steps = result.peaks.get(f"{joint}.pressing") or result.peaks.get(force)
+    if within_steps is not None:
+        return within_steps.value
     values = result[force] if force.endswith(".normal") else np.abs(result[force])
     return float(np.nanmax(values))
 
 
 def pressing_spans(events: list[Event]) -> list[tuple[float, float]]:
     """Intervals (start, end) [s] in which any contact of one joint presses: the union of its closed contacts."""
-    found: list[tuple[float, float]] = []
+    union: list[tuple[float, float]] = []
     for a, b in sorted((event.t, event.t + event.duration) for event in events if event.kind == "contact"):
-        if found and a <= found[-1][1]:
-            found[-1] = (found[-1][0], max(b, found[-1][1]))
+        if union and a <= union[-1][1]:
+            union[-1] = (union[-1][0], max(b, union[-1][1]))
         else:
-            found.append((a, b))
-    return found
+            union.append((a, b))
+    return union
 
 
 def _longest_gap(t: np.ndarray, pressing: np.ndarray, span: float) -> float:
@@ -294,6 +305,17 @@ def rms(t: np.ndarray, values: np.ndarray) -> float:
     return math.sqrt(float(np.trapezoid(values**2, t)) / span) if span else abs(float(values[0]))
 
 
+def _force_cells(result: Curves, joint: str, readables: Sequence[str], rounding: float) -> tuple[str, ...]:
+    """Name of a joint, its peak force and time, and its RMS force; "-" where they say nothing."""
+    if joint not in readables:
+        gap = gap_beside(result, f"{joint}.force")
+        return joint, "-", "-" if gap is None else f"gap {quantity(gap, 's')}", "-"
+    (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
+    if not force > rounding:
+        return joint, quantity(0.0, "N"), "-", quantity(0.0, "N")
+    return joint, quantity(force, "N"), quantity(when, "s"), quantity(mean, "N")
+
+
 def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heading and one row per joint, with units: peak force and its time, RMS force; with play the contact summary.
 
@@ -311,21 +333,12 @@ def joint_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     readables = [name for name in loaded if readable(result, f"{name}.force")]
     rounding = force_rounding(result)
     for joint in loaded:
-        gap = gap_beside(result, f"{joint}.force")
-        row: tuple[str, ...] = (joint, "-", "-" if gap is None else f"gap {quantity(gap, 's')}", "-")
-        if joint in readables:
-            (force, when), mean = peak(result, f"{joint}.force"), rms_of(result, f"{joint}.force")
-            bears = force > rounding
-            row = (
-                (joint, quantity(force, "N"), quantity(when, "s"), quantity(mean, "N"))
-                if bears
-                else (joint, quantity(0.0, "N"), "-", quantity(0.0, "N"))
-            )
-        if one := loose.get(joint):
-            row += (f"{100 * one.share:.0f} %", str(one.contacts), str(one.impacts))
+        row = _force_cells(result, joint, readables, rounding)
+        if summary := loose.get(joint):
+            row += (f"{100 * summary.share:.0f} %", str(summary.contacts), str(summary.impacts))
             part = " dry" if f"{joint}.film_thickness" in result else ""  # what its oil loses stands in the oil's table
-            row += (quantity(one.energy_lost, "J") + part, quantity(one.power_lost, "W") + part)
-            row += (quantity(one.impulse, "N*s", 3), quantity(one.impulse_at, "s")) if one.impacts else ()
+            row += (quantity(summary.energy_lost, "J") + part, quantity(summary.power_lost, "W") + part)
+            row += (quantity(summary.impulse, "N*s", 3), quantity(summary.impulse_at, "s")) if summary.impacts else ()
         rows.append(row + ("-",) * (len(head) - len(row)))
     return head, rows
 
@@ -361,21 +374,25 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
     """What rigid contacts show, joint by joint: impulses, force of lasting contact, and that of elastic bushes."""
     lines = []
     for joint in rigid_joints(result):
-        one = contacts(result).get(joint)
-        if one is None:
+        summary = contacts(result).get(joint)
+        if summary is None:
             continue
-        said = (
-            [SENTENCES["impulse"].format(impulse=quantity(one.impulse, "N*s", 3), t=quantity(one.impulse_at, "s"))]
-            if one.impacts
+        phrases = (
+            [
+                SENTENCES["impulse"].format(
+                    impulse=quantity(summary.impulse, "N*s", 3), t=quantity(summary.impulse_at, "s")
+                )
+            ]
+            if summary.impacts
             else []
         )
-        if one.readable:
-            said.append(SENTENCES["lasting"].format(force=quantity(one.peak, "N")))
+        if summary.readable:
+            phrases.append(SENTENCES["lasting"].format(force=quantity(summary.peak, "N")))
         else:
-            said.append(SENTENCES["towers"])
+            phrases.append(SENTENCES["towers"])
         if joint in result.trust.elastic:
-            said.append(f"elastic bushes would show about {bracket(result, joint)} ({result.trust.bushes[joint]})")
-        lines.append(f"{joint}: {'; '.join(said)}")
+            phrases.append(f"elastic bushes would show about {bracket(result, joint)} ({result.trust.bushes[joint]})")
+        lines.append(f"{joint}: {'; '.join(phrases)}")
     return (*lines, *clutch_lines(result))
 
 

@@ -32,40 +32,46 @@ class Rule(NamedTuple):
 
 def rules(geometry: Mapping[str, Any], stored: Collection[str]) -> dict[str, Rule]:
     """Names derived from stored columns."""
-    found: dict[str, Rule] = {}
+    derived: dict[str, Rule] = {}
     for body, form in geometry.get("bodies", {}).items():
         for point, (x, y) in form["points"].items():
             keys = [key for key in POINT if f"{body}.{key}" in stored]
-            found |= {f"{body}.{point}.{key}": Rule(key, body, (body,), ((x, y),)) for key in keys}
+            derived |= {f"{body}.{point}.{key}": Rule(key, body, (body,), ((x, y),)) for key in keys}
     for joint, form in geometry.get("joints", {}).items():
         if f"{joint}.fx" in stored:
-            found[f"{joint}.force"] = Rule("force", joint)
+            derived[f"{joint}.force"] = Rule("force", joint)
         if form.get("coordinate"):
-            found |= _between(joint, form["coordinate"], form, form.get("axis", 0.0), stored)
+            derived |= _between(joint, form["coordinate"], form, form.get("axis", 0.0), stored)
     for load, form in geometry.get("loads", {}).items():
         if form.get("coordinate"):
-            found |= _between(load, form["coordinate"], form, 0.0, stored)
-            if form["coordinate"] == "angle" and f"{load}.angle" in found:
-                found[f"{load}.length"] = found[f"{load}.angle"]
-            if f"{load}.force" in stored and f"{load}.rate" in found:
-                found[f"{load}.power"] = Rule("power", load, number=form["power"])
-                if form["coordinate"] == "angle":
-                    found[f"{load}.torque"] = Rule("same", f"{load}.force")
-    return {name: rule for name, rule in found.items() if name not in stored}
+            derived |= _of_load(load, form, stored)
+    return {name: rule for name, rule in derived.items() if name not in stored}
+
+
+def _of_load(load: str, form: Mapping[str, Any], stored: Collection[str]) -> dict[str, Rule]:
+    """Names of a load between two points or bodies."""
+    derived, turns = _between(load, form["coordinate"], form, 0.0, stored), form["coordinate"] == "angle"
+    if turns and f"{load}.angle" in derived:
+        derived[f"{load}.length"] = derived[f"{load}.angle"]
+    if f"{load}.force" in stored and f"{load}.rate" in derived:
+        derived[f"{load}.power"] = Rule("power", load, number=form["power"])
+        if turns:
+            derived[f"{load}.torque"] = Rule("same", f"{load}.force")
+    return derived
 
 
 def _between(
     owner: str, coordinate: str, form: Mapping[str, Any], axis: Any, stored: Collection[str]
 ) -> dict[str, Rule]:
     bodies = tuple(form["bodies"])
-    points = tuple((one[0], one[1]) for one in form["points"])
-    moving = [one for one in bodies if one != "ground"]
-    made = {}
-    if all(f"{one}.x" in stored for one in moving):
-        made[f"{owner}.{coordinate}"] = Rule(coordinate, owner, bodies, points, axis)
-    if all(f"{one}.vx" in stored for one in moving):
-        made[f"{owner}.rate"] = Rule(f"{coordinate} rate", owner, bodies, points, axis)
-    return made
+    points = tuple((point[0], point[1]) for point in form["points"])
+    moving = [body for body in bodies if body != "ground"]
+    derived = {}
+    if all(f"{body}.x" in stored for body in moving):
+        derived[f"{owner}.{coordinate}"] = Rule(coordinate, owner, bodies, points, axis)
+    if all(f"{body}.vx" in stored for body in moving):
+        derived[f"{owner}.rate"] = Rule(f"{coordinate} rate", owner, bodies, points, axis)
+    return derived
 
 
 def unit_of_rule(name: str, rule: Rule) -> str:

@@ -43,6 +43,7 @@ _STYLE = {
     "footer": "margin-top:.4em;opacity:.7",
 }  # colours of texts are those of the notebook, light or dark; a white ground only behind pictures
 STYLE = f"<style>{''.join(f'.rattle-card {part}{{{rule}}}' for part, rule in _STYLE.items())}</style>"
+NO_LENGTH = 1e-15  # a length below it is zero [m]
 
 
 def scale(unit: str, size: float) -> Shown:
@@ -70,7 +71,7 @@ def quantity(value: float, unit: str, digits: int = 4, usual: Shown | None = Non
 
     usual: the unit unless the user asks for another one.
     """
-    if unit == "m" and abs(value) < 1e-15:
+    if unit == "m" and abs(value) < NO_LENGTH:
         value = 0.0
     if unit == "rad" and abs(value) < ROUNDING:
         value = 0.0
@@ -127,9 +128,9 @@ def card(title: str, *parts: str, hint: str = "") -> str:
     return f'<div class="rattle-card">{STYLE}{top}{"".join(parts)}{end}</div>'
 
 
-def marks(said: Iterable[tuple[str, str]]) -> str:
+def marks(sentences: Iterable[tuple[str, str]]) -> str:
     """Sentences with a mark before each: "good", "bad" or "note"; no colour alone says which."""
-    items = [f'<li class="{kind}">{html.escape(printed(_sentence(text)))}</li>' for kind, text in said]
+    items = [f'<li class="{kind}">{html.escape(printed(_sentence(text)))}</li>' for kind, text in sentences]
     return f"<ul>{''.join(items)}</ul>" if items else ""
 
 
@@ -142,15 +143,15 @@ def _sentence(text: str) -> str:
 def joint_rows_of(model: Model) -> list[tuple[str, str, str, str, str]]:
     """Joints of a model: name, type, bodies, clearance and contact as texts."""
     return [
-        (name, one.kind, f"{one.a.body} - {one.b.body}", quantity(one.clearance, "m") if one.contact else "",
-         one.contact.title if one.contact else "")
-        for name, one in model.joints.items()
+        (name, joint.kind, f"{joint.a.body} - {joint.b.body}", quantity(joint.clearance, "m") if joint.contact else "",
+         joint.contact.title if joint.contact else "")
+        for name, joint in model.joints.items()
     ]  # fmt: skip
 
 
 def model_tables(model: Model, written: Mapping[str, tuple[float, str]]) -> str:
     """Joints and parameters of a model as tables of a notebook; written: units of parameters, see `in_written_unit`."""
-    named = [(name, in_written_unit(one, written[name])) for name, one in model.parameters.items()]
+    named = [(name, in_written_unit(parameter, written[name])) for name, parameter in model.parameters.items()]
     parts = grid(("joint", "type", "between", "clearance", "contact"), joint_rows_of(model))
     return parts + grid(("parameter", "value"), named) if named else parts
 

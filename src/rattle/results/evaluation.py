@@ -51,10 +51,10 @@ def evaluate(
         parameters = result.provenance.get("parameters", {})
     if output.ideal_names:
         _require_ideal(output, result, ideal)
-    known = _Curves(result, parameters, ideal)
-    if any(_unread(part, known) for part in output.reductions):
+    curves = _Curves(result, parameters, ideal)
+    if any(_unread(part, curves) for part in output.reductions):
         return math.nan
-    values = {f"#{k}": _reduce(one, known) for k, one in enumerate(output.reductions)}
+    values = {f"#{k}": _reduce(reduction, curves) for k, reduction in enumerate(output.reductions)}
     if not all(map(math.isfinite, values.values())):
         return math.nan
     number = float(arrays.evaluate(output.outer, lambda name: values[name] if name in values else parameters[name]))
@@ -63,17 +63,17 @@ def evaluate(
 
 def unread_curves(output: Output, result: Result) -> tuple[str, ...]:
     """Curves that tower without meaning in a result with rigid contacts, so that the output is no number."""
-    known = _Curves(result, result.provenance.get("parameters", {}), None)
-    return tuple(dict.fromkeys(name for part in output.reductions for name in _unread(part, known)))
+    curves = _Curves(result, result.provenance.get("parameters", {}), None)
+    return tuple(dict.fromkeys(name for part in output.reductions for name in _unread(part, curves)))
 
 
-def _unread(part: Reduction, known: _Curves) -> tuple[str, ...]:
+def _unread(part: Reduction, curves: _Curves) -> tuple[str, ...]:
     """Curves that tower without meaning and on which the number of a reduction depends."""
-    towers = () if part.kind in TOLD else towering(known.outputs, names(part.inner))
+    towers = () if part.kind in TOLD else towering(curves.outputs, names(part.inner))
     if not towers or part.kind not in AT_INSTANTS:
         return towers
     name = watched(part.inner, towers)[0]
-    small = name and abs(_reduce(part, known)) <= most_readable(known.outputs, name)
+    small = name and abs(_reduce(part, curves)) <= most_readable(curves.outputs, name)
     return () if small else towers
 
 
@@ -136,45 +136,45 @@ class _Curves:
         return SampledCurve(self.t[kept], values[kept])
 
 
-def _reduce(one: Reduction, known: _Curves) -> float:
+def _reduce(reduction: Reduction, curves: _Curves) -> float:
     """Value of one reduction [SI]."""
-    if one.kind in OF_EVENTS:
-        return _of_events(one, known.result)
-    curve = known.curve(one.inner)
-    if one.kind == "at":
-        return _at(one, curve, known)
+    if reduction.kind in OF_EVENTS:
+        return _of_events(reduction, curves.result)
+    curve = curves.curve(reduction.inner)
+    if reduction.kind == "at":
+        return _at(reduction, curve, curves)
     if not curve.finite:
         return math.nan
-    if one.kind == "first":
-        return _first(curve, one.strict)
-    if not known.whole:
+    if reduction.kind == "first":
+        return _first(curve, reduction.strict)
+    if not curves.whole:
         return math.nan
-    if one.kind in CONDITIONS:
-        return _share(curve, one.strict)
-    if one.kind == "quantile":
-        share = argument(one, known.parameters)
+    if reduction.kind in CONDITIONS:
+        return _share(curve, reduction.strict)
+    if reduction.kind == "quantile":
+        share = argument(reduction, curves.parameters)
         return curve.quantile(share) if 0.0 <= share <= 1.0 else math.nan
-    return _number(one, curve, known.result)
+    return _number(reduction, curve, curves.result)
 
 
-def _number(one: Reduction, curve: SampledCurve, result: Result) -> float:
+def _number(reduction: Reduction, curve: SampledCurve, result: Result) -> float:
     """Reductions of a whole curve."""
-    if one.kind == "max":
-        return _greatest(one.inner, curve, result)
-    if one.kind == "min":
+    if reduction.kind == "max":
+        return _greatest(reduction.inner, curve, result)
+    if reduction.kind == "min":
         return curve.least()
-    if one.kind == "range":
-        return _greatest(one.inner, curve, result) - curve.least()
-    if one.kind == "mean":
+    if reduction.kind == "range":
+        return _greatest(reduction.inner, curve, result) - curve.least()
+    if reduction.kind == "mean":
         return curve.mean()
-    if one.kind == "integral":
+    if reduction.kind == "integral":
         return curve.integral()
-    if one.kind == "final":
+    if reduction.kind == "final":
         return float(curve.values[-1])
-    if one.kind == "sd":
+    if reduction.kind == "sd":
         return math.sqrt(curve.mean_square(curve.mean()))
-    known = watched(one.inner, result.peaks)[0] if _covers(result) else ""
-    return result.peaks[known].rms if known else math.sqrt(curve.mean_square())
+    name = watched(reduction.inner, result.peaks)[0] if _covers(result) else ""
+    return result.peaks[name].rms if name else math.sqrt(curve.mean_square())
 
 
 def _greatest(node: Node, curve: SampledCurve, result: Result) -> float:
@@ -183,19 +183,19 @@ def _greatest(node: Node, curve: SampledCurve, result: Result) -> float:
     return result.peaks[name].value if name else curve.greatest()
 
 
-def _at(one: Reduction, curve: SampledCurve, known: _Curves) -> float:
+def _at(reduction: Reduction, curve: SampledCurve, curves: _Curves) -> float:
     """Value at an instant; nan after the end of a run that stopped early."""
-    t, first, last = argument(one, known.parameters), float(curve.t[0]), float(curve.t[-1])
+    t, first, last = argument(reduction, curves.parameters), float(curve.t[0]), float(curve.t[-1])
     if first <= t <= last:
         k = int(np.searchsorted(curve.t, t))
-        beside = (known.t > curve.t[max(k - 1, 0)]) & (known.t < curve.t[k])
-        if curve.t[k] != t and known.left_out[beside].any():
+        beside = (curves.t > curve.t[max(k - 1, 0)]) & (curves.t < curve.t[k])
+        if curve.t[k] != t and curves.left_out[beside].any():
             raise InputError(
                 f"at(..., {t:g}): forces are not determined from {curve.t[k - 1]:.6g} to {curve.t[k]:.6g} s, next to a"
                 " singular position; ask for another instant"
             )
         return curve.at(t)
-    if t > last and not known.whole:
+    if t > last and not curves.whole:
         return math.nan
     raise InputError(f"at(..., {t:g}): the instant is outside the run, which goes from {first:g} to {last:g} s")
 
@@ -243,16 +243,16 @@ def _of_events(part: Reduction, result: Result) -> float:
 
 
 # ---------------------------------------------------------------- from within the steps
-def needs_curve(one: Reduction, quantities: Collection[str], joints: Collection[str]) -> bool:
+def needs_curve(reduction: Reduction, quantities: Collection[str], joints: Collection[str]) -> bool:
     """True if a reduction of a run needs instants between those that it reads off.
 
     quantities: names of those that a run of the mechanism watches from within its steps.  joints: names of its joints.
     """
-    if one.kind == "max":
-        return not peak_of(one.inner, quantities, joints)
-    if one.kind == "rms":
-        return not watched(one.inner, quantities)[0]
-    return one.kind not in READ_OFF
+    if reduction.kind == "max":
+        return not peak_of(reduction.inner, quantities, joints)
+    if reduction.kind == "rms":
+        return not watched(reduction.inner, quantities)[0]
+    return reduction.kind not in READ_OFF
 
 
 def _covers(result: Result) -> bool:

@@ -91,14 +91,14 @@ def _crank(result: Curves, t: float) -> float:
 def film_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Heading and one row per joint with oil, with units."""
     rows: list[tuple[str, ...]] = []
-    for name, one in films(result).items():
-        angle = "-" if math.isnan(one.at_angle) else _angle(one.at_angle)
+    for name, film in films(result).items():
+        angle = "-" if math.isnan(film.at_angle) else _angle(film.at_angle)
         rows.append(
             (
-                name, quantity(one.least_film, "m", usual=Shown(1e6, "um")), quantity(one.at_t, "s"), angle,
-                quantity(one.peak_pressure, "Pa", usual=Shown(1e-6, "MPa")),
-                quantity(one.mean_power, "W"), quantity(one.peak_power, "W"), f"{100 * one.mixed:.0f} %",
-                quantity(one.leakage, "m^3/s", usual=Shown(1e6, "cm^3/s")), f"{one.heating:.3g} K",
+                name, quantity(film.least_film, "m", usual=Shown(1e6, "um")), quantity(film.at_t, "s"), angle,
+                quantity(film.peak_pressure, "Pa", usual=Shown(1e-6, "MPa")),
+                quantity(film.mean_power, "W"), quantity(film.peak_power, "W"), f"{100 * film.mixed:.0f} %",
+                quantity(film.leakage, "m^3/s", usual=Shown(1e6, "cm^3/s")), f"{film.heating:.3g} K",
             )
         )  # fmt: skip
     return HEAD, rows

@@ -65,7 +65,7 @@ def handy_unit(unit: str, size: float, written: Units | None = None) -> Shown:
     """
     if asked := chosen(unit):
         return asked
-    near = min((written or {}).get(unit, ()), key=lambda one: _distance(one.size, size), default=None)
+    near = min((written or {}).get(unit, ()), key=lambda unit_written: _distance(unit_written.size, size), default=None)
     if near is not None and (size == 0.0 or LEAST <= near.factor * size < MOST):
         return Shown(near.factor, near.unit)
     rungs = HANDY.get(unit, ())
@@ -75,9 +75,9 @@ def handy_unit(unit: str, size: float, written: Units | None = None) -> Shown:
     return reached[-1] if reached else Shown(1.0, unit)
 
 
-def _distance(one: float, other: float) -> float:
+def _distance(size: float, other: float) -> float:
     """How far two sizes are from each other, as the logarithm of their ratio; 0 beside zero."""
-    return abs(math.log(one / other)) if other > 0.0 else 0.0
+    return abs(math.log(size / other)) if other > 0.0 else 0.0
 
 
 def written_units(document: Any) -> dict[str, list[Written]]:
@@ -87,9 +87,9 @@ def written_units(document: Any) -> dict[str, list[Written]]:
     """
     units: dict[str, list[Written]] = {}
     for text in _texts(json.loads(document) if isinstance(document, str) else document):
-        unit, one = _unit_of(text)
-        if one is not None and one not in units.setdefault(unit, []):
-            units[unit].append(one)
+        unit, quantity = _unit_of(text)
+        if quantity is not None and quantity not in units.setdefault(unit, []):
+            units[unit].append(quantity)
     return units
 
 
@@ -103,11 +103,11 @@ def _texts(value: Any) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping):
-        for one in value.values():
-            yield from _texts(one)
+        for item in value.values():
+            yield from _texts(item)
     elif isinstance(value, list | tuple):
-        for one in value:
-            yield from _texts(one)
+        for item in value:
+            yield from _texts(item)
 
 
 def _unit_of(text: str) -> tuple[str, Written | None]:

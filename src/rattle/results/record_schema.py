@@ -111,24 +111,33 @@ def misfit(value: Any, wanted: Any, where: str) -> str:
     kind, parts = get_origin(wanted) or wanted, get_args(wanted)
     if kind in (UnionType, Union):
         return "" if any(not misfit(value, part, where) for part in parts) else where
-    if kind is tuple and parts[-1:] != (Ellipsis,):
-        right = isinstance(value, list | tuple) and len(value) == len(parts)
-        return _first(zip(value, parts, strict=True), where) if right else where
-    if kind in (list, tuple):
-        return _first(((one, parts[0]) for one in value), where) if isinstance(value, list | tuple) else where
-    if kind in (dict, Mapping):
-        right = isinstance(value, dict) and all(isinstance(key, str) for key in value)
-        found = (misfit(one, parts[1], f"{where}.{key}") for key, one in value.items()) if right else iter([where])
-        return next(filter(None, found), "")
     if kind is ndarray:  # of intervals
         return misfit(value, list[Pair], where)
+    if kind in (list, tuple):
+        return _list_misfit(value, kind is tuple and parts[-1:] != (Ellipsis,), parts, where)
+    if kind in (dict, Mapping):
+        return _mapping_misfit(value, parts[1], where)
     fits = {float: (int, float), int: (int,), str: (str,), bool: (bool,), NoneType: (NoneType,)}[kind]
     return "" if type(value) in fits else where
 
 
+def _list_misfit(value: Any, counted: bool, parts: tuple[Any, ...], where: str) -> str:
+    """The same of a list whose items are of one type, or `counted`: one type each."""
+    if not isinstance(value, list | tuple) or (counted and len(value) != len(parts)):
+        return where
+    return _first(zip(value, parts if counted else parts[:1] * len(value), strict=True), where)
+
+
+def _mapping_misfit(value: Any, wanted: Any, where: str) -> str:
+    """The same of a mapping of names to values of one type."""
+    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+        return where
+    return next(filter(None, (misfit(item, wanted, f"{where}.{key}") for key, item in value.items())), "")
+
+
 def _first(pairs: Any, where: str) -> str:
     """The first misfit among values with their types."""
-    return next(filter(None, (misfit(one, wanted, f"{where}[{n}]") for n, (one, wanted) in enumerate(pairs))), "")
+    return next(filter(None, (misfit(item, wanted, f"{where}[{n}]") for n, (item, wanted) in enumerate(pairs))), "")
 
 
 def _table_misfit(value: Any, wanted: Any, where: str) -> str:
@@ -136,8 +145,8 @@ def _table_misfit(value: Any, wanted: Any, where: str) -> str:
         return where
     for key, hint in get_type_hints(wanted).items():
         if key in value:
-            if found := misfit(value[key], hint, f"{where}.{key}"):
-                return found
+            if place := misfit(value[key], hint, f"{where}.{key}"):
+                return place
         elif key in wanted.__required_keys__:
             return f"{where}.{key}"
     return ""
@@ -149,9 +158,9 @@ def misfit_of(record: Mapping[str, Any]) -> str:
     hints = get_type_hints(Trust)
     if not isinstance(trust, dict):
         return "trust"
-    found = next(filter(None, (misfit(trust[key], hints[key], f"trust.{key}") for key in trust if key in hints)), "")
+    place = next(filter(None, (misfit(trust[key], hints[key], f"trust.{key}") for key in trust if key in hints)), "")
     return (
-        found
+        place
         or misfit(geometry, Geometry, "geometry")
         or misfit(record.get("peaks", {}), dict[str, list[float]], "peaks")
         or misfit(provenance, Provenance, "provenance")

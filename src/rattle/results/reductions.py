@@ -26,7 +26,7 @@ For a < b it is g = b - a; for >= and <= the condition is g >= 0 and `Reduction.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rattle.description.toml_locations import caret_under
 from rattle.errors import LONGEST, InputError, ModelError, Problem, suggest
@@ -158,7 +158,7 @@ class Constraint:
     comparison: str  # < <= > >= ==; in numbers no difference is made between < and <=
 
 
-def read(text: str, known: Known) -> Output:
+def read(text: str, vocabulary: Known) -> Output:
     """Read an output.
 
     Raises ModelError with a caret below the place at fault if the text is not an output.
@@ -171,12 +171,12 @@ def read(text: str, known: Known) -> Output:
                 " of two outputs is a constraint",
                 node.column,
             )
-        return _output(text, node, known)
+        return _output(text, node, vocabulary)
     except ExpressionError as error:
         raise _refused(text, "output", error) from None
 
 
-def read_constraint(text: str, known: Known) -> Constraint:
+def read_constraint(text: str, vocabulary: Known) -> Constraint:
     """Read a constraint.  Raises ModelError as `read` does."""
     equation = text.find(EQUAL)
     inside = ExpressionError(f"'{EQUAL}' stands between two outputs, not inside of one", equation)
@@ -190,7 +190,7 @@ def read_constraint(text: str, known: Known) -> Constraint:
         if not isinstance(node, Apply) or not _compares(node):
             raise ExpressionError("a constraint compares two outputs, as in max(O3.force) <= 500", 0)
         word = EQUAL if equation >= 0 else node.name
-        return Constraint(text, _output(text, _difference(node), known, compared=True), word)
+        return Constraint(text, _output(text, _difference(node), vocabulary, compared=True), word)
     except ExpressionError as error:
         raise _refused(text, "constraint", error) from None
 
@@ -210,7 +210,7 @@ def needed_instants(output: Output, parameters: Mapping[str, float]) -> tuple[fl
 
     parameters: values [SI].
     """
-    return tuple(sorted({argument(one, parameters) for one in output.reductions if one.kind == "at"}))
+    return tuple(sorted({argument(reduction, parameters) for reduction in output.reductions if reduction.kind == "at"}))
 
 
 # ---------------------------------------------------------------- reading
@@ -242,7 +242,7 @@ def _choice(comparison: Apply) -> Apply:
     return Apply("if<", (*comparison.operands, Number(0.0, 0), Number(0.0, 0)), comparison.column)
 
 
-def _output(text: str, node: Node, known: Known, compared: bool = False) -> Output:
+def _output(text: str, node: Node, vocabulary: Known, compared: bool = False) -> Output:
     """Take the reductions out of a tree, and check names and dimensions; compared: it was a comparison."""
     reductions: list[Reduction] = []
     stack: list[Node] = []
@@ -254,63 +254,75 @@ def _output(text: str, node: Node, known: Known, compared: bool = False) -> Outp
         del stack[-len(part.operands) :]
         if _reduces(part):
             stack.append(Name(f"#{len(reductions)}", part.column))
-            reductions.append(_reduction(part, known))
+            reductions.append(_reduction(part, vocabulary))
         else:
-            stack.append(Apply(part.name, operands, part.column))
+            stack.append(replace(part, operands=operands))
     outer = stack[0]
-    _require_numbers(outer, known)
-    places = {f"#{k}": one for k, one in enumerate(reductions)}
+    _require_numbers(outer, vocabulary)
+    places = {f"#{k}": reduction for k, reduction in enumerate(reductions)}
 
     def unit(name: str) -> str:
-        return places[name].unit if name in places else known.parameters[name]
+        return places[name].unit if name in places else vocabulary.parameters[name]
 
     def dimension_of_place(name: str) -> Dimension | None:
-        return places[name].dimension if name in places else known.dimension(name)
+        return places[name].dimension if name in places else vocabulary.dimension(name)
 
     if compared and isinstance(outer, Apply):
         _dimension(_choice(outer), dimension_of_place)  # its sides can be compared
     seen = _dimension(outer, dimension_of_place)
-    used = {name for one in reductions if one.kind not in OF_EVENTS for name in names(one.inner)}
-    used -= {"t", *known.parameters}
-    ideal = {name for name in used if name not in known.units}
+    used = {name for reduction in reductions if reduction.kind not in OF_EVENTS for name in names(reduction.inner)}
+    used -= {"t", *vocabulary.parameters}
+    ideal = {name for name in used if name not in vocabulary.units}
     return Output(
         text, tuple(reductions), outer, seen, unit_of(outer, unit, seen), frozenset(used - ideal),
         frozenset(name[len(IDEAL) :] for name in ideal),
     )  # fmt: skip
 
 
-def _reduction(node: Apply, known: Known) -> Reduction:
-    """One reduction with its names and dimensions checked."""
-    kind, inside = node.name, node.operands[0]
+def _require_curve(node: Apply) -> None:
+    """Refuse a reduction inside of another one."""
     for operand in node.operands:
         for part in walk(operand):
             if _reduces(part):
                 word = part.name if isinstance(part, Apply) else ""
-                raise ExpressionError(f"{word}(...) is one number already and cannot stand inside {kind}", part.column)
+                raise ExpressionError(
+                    f"{word}(...) is one number already and cannot stand inside {node.name}", part.column
+                )
+
+
+def _unit_of_reduced(kind: str, seen: Dimension | None, unit: str) -> tuple[Dimension | None, str]:
+    """Dimension and unit of a reduction of a curve with these."""
+    if kind == "share":
+        return DIMENSIONLESS, ""
+    if kind == "first":
+        return TIME, "s"
+    if kind == "integral":
+        seen = None if seen is None else seen.times(TIME)
+        return seen, "" if seen is None else unit_name(seen)
+    return seen, unit
+
+
+def _reduction(node: Apply, vocabulary: Known) -> Reduction:
+    """One reduction with its names and dimensions checked."""
+    kind, inside = node.name, node.operands[0]
+    _require_curve(node)
     if kind == "count":
-        _require_events(inside, known)
+        _require_events(inside, vocabulary)
         return Reduction(kind, inside, None, True, DIMENSIONLESS, "", node.column)
-    if kind == "max" and (unit := known.impulse(inside)):
+    if kind == "max" and (unit := vocabulary.impulse(inside)):
         return Reduction(HARDEST, inside, None, True, dimension_of(unit), unit, node.column)
     strict = True
     if isinstance(inside, Apply) and kind in CONDITIONS:
         strict = inside.name in ("<", ">")
-        _require_known(inside, known)
-        _dimension(_choice(inside), known.dimension)  # its sides can be compared
+        _require_known(inside, vocabulary)
+        _dimension(_choice(inside), vocabulary.dimension)  # its sides can be compared
         inside = _difference(inside)
-    _require_known(inside, known)
-    seen = _dimension(inside, known.dimension)
-    unit = unit_of(inside, lambda name: known.unit(name) or "", seen)
-    if kind == "share":
-        seen, unit = DIMENSIONLESS, ""
-    elif kind == "first":
-        seen, unit = TIME, "s"
-    elif kind == "integral":
-        seen = None if seen is None else seen.times(TIME)
-        unit = "" if seen is None else unit_name(seen)
+    _require_known(inside, vocabulary)
+    seen = _dimension(inside, vocabulary.dimension)
+    seen, unit = _unit_of_reduced(kind, seen, unit_of(inside, lambda name: vocabulary.unit(name) or "", seen))
     number = node.operands[1] if kind in TWO else None
     if number is not None:
-        _require_argument(kind, number, known)
+        _require_argument(kind, number, vocabulary)
     return Reduction(kind, inside, number, strict, seen, unit, node.column)
 
 
@@ -319,39 +331,39 @@ def _spots(node: Node) -> list[tuple[str, int]]:
     return [(part.name, part.column) for part in walk(node) if isinstance(part, Name)]
 
 
-def _require_known(node: Node, known: Known) -> None:
+def _require_known(node: Node, vocabulary: Known) -> None:
     """Refuse names that are no curve, parameter or `t`."""
     for name, column in _spots(node):
-        if name != "t" and known.unit(name) is None:
-            raise ExpressionError(_unknown(name, known), column)
+        if name != "t" and vocabulary.unit(name) is None:
+            raise ExpressionError(_unknown(name, vocabulary), column)
 
 
-def _unknown(name: str, known: Known) -> str:
+def _unknown(name: str, vocabulary: Known) -> str:
     """What is said about a name that is not known."""
     owner, _, last = name.rpartition(".")
-    if last == "impulse" and owner in known.joints:
+    if last == "impulse" and owner in vocabulary.joints:
         return f"impulses stand in the events: write max({name}) alone"
-    if last in EVENTS and owner in known.joints:
+    if last in EVENTS and owner in vocabulary.joints:
         return f"'{name}' is counted: write count({name})"
     if name in KINDS:
         return f"'{name}' is a reduction: write {name}(...)"
     prefix = IDEAL if name.startswith(IDEAL) else ""
-    known_names = [*(prefix + one for one in known.units), *known.parameters]
-    same = [one for one in known_names if one.rpartition(".")[0] == owner][:6]
+    known_names = [*(prefix + option for option in vocabulary.units), *vocabulary.parameters]
+    same = [option for option in known_names if option.rpartition(".")[0] == owner][:6]
     hint = suggest(name, known_names)
     if "did you mean" not in hint and owner and same:
         hint = f"; known of {owner}: " + ", ".join(same)
     return f"there is no curve or parameter '{name[:LONGEST]}'{hint or '; r.names of a result lists all curves'}"
 
 
-def _require_numbers(outer: Node, known: Known) -> None:
+def _require_numbers(outer: Node, vocabulary: Known) -> None:
     """Refuse curves outside reductions, and texts without any name."""
     spots = _spots(outer)
     for name, column in spots:
-        if name.startswith("#") or name in known.parameters:
+        if name.startswith("#") or name in vocabulary.parameters:
             continue
-        if name != "t" and known.unit(name) is None:
-            raise ExpressionError(_unknown(name, known), column)
+        if name != "t" and vocabulary.unit(name) is None:
+            raise ExpressionError(_unknown(name, vocabulary), column)
         raise ExpressionError(
             f"'{name}' changes during the run; give one number of it: max({name}), final({name}), at({name}, 0.5) ...",
             column,
@@ -360,13 +372,13 @@ def _require_numbers(outer: Node, known: Known) -> None:
         raise ExpressionError("this number is the same in every run; give one of a curve, as in max(O3.force)", 0)
 
 
-def _require_events(node: Node, known: Known) -> None:
+def _require_events(node: Node, vocabulary: Known) -> None:
     """Refuse what cannot be counted."""
     name = node.name if isinstance(node, Name) else ""
     joint, _, events = name.rpartition(".")
-    if joint in known.joints and events in EVENTS:
+    if joint in vocabulary.joints and events in EVENTS:
         return
-    options = [f"{one}.{what}" for one in known.joints for what in EVENTS]
+    options = [f"{option}.{what}" for option in vocabulary.joints for what in EVENTS]
     if joint.startswith(IDEAL) or joint == IDEAL[:-1]:
         raise ExpressionError("a joint without play has no impacts to count", node.column)
     if not options:
@@ -375,16 +387,16 @@ def _require_events(node: Node, known: Known) -> None:
     raise ExpressionError(f"count takes events of a joint with play or a stop: {', '.join(EVENTS)}{hint}", node.column)
 
 
-def _require_argument(kind: str, node: Node, known: Known) -> None:
+def _require_argument(kind: str, node: Node, vocabulary: Known) -> None:
     """Refuse an instant or a share that is not one number, or has the wrong dimension or range."""
     what, right = ("the instant of at", TIME) if kind == "at" else ("the share of quantile", DIMENSIONLESS)
     for name, column in _spots(node):
-        if name in known.parameters:
+        if name in vocabulary.parameters:
             continue
-        if name == "t" or known.unit(name) is not None:
+        if name == "t" or vocabulary.unit(name) is not None:
             raise ExpressionError(f"{what} may use numbers and parameters only; '{name}' changes in a run", column)
-        raise ExpressionError(f"{what}: unknown parameter '{name}'{suggest(name, known.parameters)}", column)
-    seen = _dimension(node, known.dimension)
+        raise ExpressionError(f"{what}: unknown parameter '{name}'{suggest(name, vocabulary.parameters)}", column)
+    seen = _dimension(node, vocabulary.dimension)
     if seen not in (None, right):
         raise ExpressionError(f"{what} is {describe(seen or right)}; expected {describe(right)}", node.column)
     numbers: dict[str, float] = {}

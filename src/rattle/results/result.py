@@ -10,6 +10,7 @@ import difflib
 import functools
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, overload
 
@@ -18,11 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from rattle.asked import OfResult
 from rattle.atomic_file import atomic
-from rattle.errors import InputError, WrongType
+from rattle.errors import ALIKE, InputError, WrongType
 from rattle.results import archive, contact_summary, film_summary
 from rattle.results.chosen_units import SI, column_unit
 from rattle.results.derived import rules, unit_of_rule, value_of
-from rattle.results.display import Picture
+from rattle.results.display import Picture, card, grid, marks, printed
 from rattle.results.event import Breaks, Event, Peak
 from rattle.results.trust import Trust
 from rattle.wrong_arguments import answer_in_words, answers_in_words
@@ -96,10 +97,14 @@ class Result(OfResult):
         return f"<rattle.Result: {span}, {len(self.names)} names{'' if self.success else ', FAILED'}>"
 
     def _repr_html_(self) -> str:
-        from rattle.results.shown import result_card
-
         title = f"{self.provenance.get('model') or 'mechanism'}: {repr(self)[1:-1].partition(': ')[2]}"
-        return result_card(self, title, "" if self.success else self.message, self.names[0])
+        summaries = (contact_summary.joint_rows(self), film_summary.film_rows(self))
+        tables = [grid(head, rows) for head, rows in summaries if rows]
+        sentences = [] if self.success else [marks([("bad", f"stopped: {self.message}")])]
+        sentences += [f"<p>{escape(line)}</p>" for line in contact_summary.contact_lines(self)]
+        sentences += [f"<p>{escape(printed(line))}</p>" for line in (self.trust.word, *self.trust.why)]
+        forces = (f"{joint}.force" for joint in self.geometry["joints"] if f"{joint}.fx" in self)
+        return card(title, *tables, *sentences, hint=f'r.plot("{next(forces, self.names[0])}"), r.trust')
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names)
@@ -200,7 +205,7 @@ class Result(OfResult):
 
     def _unknown(self, name: str) -> str:
         owner, _, _ = name.partition(".")
-        near = difflib.get_close_matches(name, self.names, n=3, cutoff=0.6)
+        near = difflib.get_close_matches(name, self.names, n=3, cutoff=ALIKE)
         near = near or [other for other in self.names if other.split(".")[0] == owner][:6]
         hint = (
             f"did you mean {' or '.join(repr(n) for n in near)}?"
@@ -233,9 +238,9 @@ class Result(OfResult):
         shown = {name: column_unit(self._units[name], units or SI) for name in self.names}
         time = column_unit("s", units or SI)
         index = pandas.Index(time.factor * self.t, name="t")
-        frame = pandas.DataFrame({name: one.factor * self[name] for name, one in shown.items()}, index=index)
+        frame = pandas.DataFrame({name: quantity.factor * self[name] for name, quantity in shown.items()}, index=index)
         frame.attrs["units"] = (
-            {"t": time.unit} | {name: one.unit for name, one in shown.items()} if units else dict(self._units)
+            {"t": time.unit} | {name: quantity.unit for name, quantity in shown.items()} if units else dict(self._units)
         )
         return frame
 
@@ -268,9 +273,10 @@ class Result(OfResult):
         columns = self.names if names is None else tuple(names)
         time, shown = column_unit("s", units), [column_unit(self.unit(name), units) for name in columns]
         header = [f"t [{time.unit}]"] + [
-            f"{name} [{one.unit}]" if one.unit else name for name, one in zip(columns, shown, strict=True)
+            f"{name} [{quantity.unit}]" if quantity.unit else name
+            for name, quantity in zip(columns, shown, strict=True)
         ]
-        curves = (one.factor * self[name] for name, one in zip(columns, shown, strict=True))
+        curves = (quantity.factor * self[name] for name, quantity in zip(columns, shown, strict=True))
         table = np.column_stack([time.factor * self.t, *curves])
 
         def write(place: Path) -> None:

@@ -69,9 +69,9 @@ class SampledCurve:
     def coefficients(self) -> Array:
         """(4, n - 1) coefficients a0 ... a3 of the cubics."""
         with np.errstate(all="ignore"):
-            found = _coefficients(self.t, self.values)
-        found[:, (self.values[:-1] == 0.0) & (self.values[1:] == 0.0)] = 0.0
-        return found
+            cubics = _coefficients(self.t, self.values)
+        cubics[:, (self.values[:-1] == 0.0) & (self.values[1:] == 0.0)] = 0.0
+        return cubics
 
     def at(self, instant: float) -> float:
         """Value at an instant [s] of the run: of the sample if there is one, otherwise of the cubic.
@@ -267,10 +267,10 @@ def _coefficients(t: Array, values: Array) -> Array:
         outer = np.where(before, i - 2, i)
         d3 = _known(third[np.where(_smaller(third, outer, i - 1, CENTRAL), outer, i - 1)])
     cubics = np.array([values[:-1], first - d2 * h + d3 * h * beside, d2 - d3 * (h + beside), d3])
-    one, two = second[np.clip(i - 1, 0, n - 3)], second[np.clip(i, 0, n - 3)]
-    one, two = np.where(np.isinf(one), two, one), np.where(np.isinf(two), one, two)
-    small, large = np.minimum(np.abs(one), np.abs(two)), np.maximum(np.abs(one), np.abs(two))
-    alike = (one * two > 0.0) & (large <= ALIKE * small)
+    earlier, later = second[np.clip(i - 1, 0, n - 3)], second[np.clip(i, 0, n - 3)]
+    earlier, later = np.where(np.isinf(earlier), later, earlier), np.where(np.isinf(later), earlier, later)
+    small, large = np.minimum(np.abs(earlier), np.abs(later)), np.maximum(np.abs(earlier), np.abs(later))
+    alike = (earlier * later > 0.0) & (large <= ALIKE * small)
     cuts = _turns(cubics, h)
     straight = ~alike & (cuts < h).any(axis=0)
     return np.where(straight, [values[:-1], first, 0.0 * h, 0.0 * h], cubics)
@@ -289,10 +289,12 @@ def _turns(a: Array, h: Array) -> Array:
     return np.sort(np.where((cuts > 0.0) & (cuts < h), cuts, h), axis=0)
 
 
-def _smaller(differences: Array, one: NDArray[np.int64], other: NDArray[np.int64], factor: float) -> NDArray[np.bool_]:
-    """Where the divided difference at the place `one` is smaller, by a factor, or that at `other` does not exist."""
+def _smaller(
+    differences: Array, place: NDArray[np.int64], other: NDArray[np.int64], factor: float
+) -> NDArray[np.bool_]:
+    """Where the divided difference at `place` is smaller, by a factor, or that at `other` does not exist."""
     last = len(differences) - 1
-    there, beside = (one >= 0) & (one <= last), (other >= 0) & (other <= last)
+    there, beside = (place >= 0) & (place <= last), (other >= 0) & (other <= last)
     sizes = np.abs(differences)
-    less = factor * sizes[np.clip(one, 0, last)] <= sizes[np.clip(other, 0, last)]
+    less = factor * sizes[np.clip(place, 0, last)] <= sizes[np.clip(other, 0, last)]
     return ~beside | (there & less)

@@ -41,6 +41,7 @@ SENTENCES = {  # of `word`, of locks and of contacts: pages say the same of the 
     "coarse": ": too few for its peak, tighten rtol",
     "nonunique": "reactions not unique (redundant constraints) at {joints}",
 }
+WORTH_SAYING = 1e-6  # share of the largest energy above which an energy error is told as a share too
 
 
 @answers_in_words
@@ -79,8 +80,8 @@ class Trust:
         return f"<rattle.Trust: {self._accuracy()}; {self._reach()}>"
 
     def _repr_html_(self) -> str:
-        marked = [("good", one) for one in self.holds()] + [("bad", one) for one in self.doubts()]
-        return card("How far to trust it", marks([*marked, *(("note", one) for one in self.notes)]))
+        marked = [("good", sentence) for sentence in self.holds()] + [("bad", sentence) for sentence in self.doubts()]
+        return card("How far to trust it", marks([*marked, *(("note", sentence) for sentence in self.notes)]))
 
     def __str__(self) -> str:
         remarks = self.remarks()
@@ -130,13 +131,16 @@ class Trust:
             return _say("before_a_lock", t=until, lock=self._lock())
         if self.stopped and (until >= self.t_end or not self.horizon_curve):
             return _say("before_the_end", t=self.t_end)
+        return self._verdict_of_horizon(until)
+
+    def _verdict_of_horizon(self, until: float) -> str:
+        """How far curves, and beyond them the motion as a whole, are to be trusted; until: [s]."""
+        motion = self.horizon_motion
         if until >= self.t_end:
             return _say("whole")
-        motion = self.horizon_motion
-        if motion is not None and motion > 2.0 * until:
-            reach = _say("over_all") if motion >= self.t_end else _say("up_to", t=motion)
-            return _say("motion", reach=reach, t=until)
-        return _say("horizon", t=until)
+        if motion is None or not motion > 2.0 * until:
+            return _say("horizon", t=until)
+        return _say("motion", reach=_say("over_all") if motion >= self.t_end else _say("up_to", t=motion), t=until)
 
     @property
     def poor(self) -> bool:
@@ -149,41 +153,45 @@ class Trust:
 
     def _excepted(self) -> str:
         """What is not trusted within that time, in words."""
-        said = [_say("unread", joints=", ".join(self.unread))] if self.unread else []
+        exceptions = [_say("unread", joints=", ".join(self.unread))] if self.unread else []
         if self.singular:
             times = ", ".join(f"{t:.4g}" for t in self.singular[:3]) + (", ..." if len(self.singular) > 3 else "")
-            said.append(_say("singular", times=times))
-        return " and ".join(said)
+            exceptions.append(_say("singular", times=times))
+        return " and ".join(exceptions)
 
     def holds(self, size: float = 1.0) -> tuple[str, ...]:
         """What was checked and is well, in sentences; size: of the mechanism [m], which a drift is compared with."""
-        said = [] if self._loosely_solved(size) else [f"the equations were solved well: {self._accuracy()}"]
+        sentences = [] if self._loosely_solved(size) else [f"the equations were solved well: {self._accuracy()}"]
         if not self._excepted() and self._reaches_the_end() and not self.stopped:
-            said.append(self._reach())
+            sentences.append(self._reach())
         if self.pulled and not any(self.pulled.values()):
-            said.append(self._links())
+            sentences.append(self._links())
         if self._touching() and not self.coarse():
-            said.append(self._touching())
-        return tuple(said)
+            sentences.append(self._touching())
+        return tuple(sentences)
 
     def doubts(self, size: float = 1.0) -> tuple[str, ...]:
         """What cannot be vouched for, in sentences; empty if there is nothing.  size: as in `holds`.
 
         The notes of the run, which may be harmless, are in `notes`.
         """
-        said = [f"the run ended early, at t = {self.t_end:.4g} s"] if self.stopped else []
+        sentences = [f"the run ended early, at t = {self.t_end:.4g} s"] if self.stopped else []
         if self._loosely_solved(size):
-            said.append(f"the equations were solved loosely, a smaller tolerance or step helps: {self._accuracy()}")
+            sentences.append(
+                f"the equations were solved loosely, a smaller tolerance or step helps: {self._accuracy()}"
+            )
         if self.stopped or not self._reaches_the_end():
-            said.append(self._reach())
+            sentences.append(self._reach())
         if any(self.pulled.values()):
-            said.append(self._links())
-        said += self.coarse()
+            sentences.append(self._links())
+        sentences += self.coarse()
         if self._excepted():
-            said.append(f"not to be trusted: {self._excepted()}")
+            sentences.append(f"not to be trusted: {self._excepted()}")
         if self.nonunique:
-            said.append(f"the reactions of {', '.join(self.nonunique)} are not unique, as constraints are redundant")
-        return tuple(said)
+            sentences.append(
+                f"the reactions of {', '.join(self.nonunique)} are not unique, as constraints are redundant"
+            )
+        return tuple(sentences)
 
     def _loosely_solved(self, size: float) -> bool:
         off = max(self.drift / size, self.drift_angle, self.energy_share or 0.0)
@@ -194,13 +202,13 @@ class Trust:
 
     def remarks(self) -> str:
         """Links that would have to pull, contacts, and all else that must be said, in one line; "" if nothing."""
-        return "; ".join(one for one in (self._pulling(), *self._remarks()) if one)
+        return "; ".join(sentence for sentence in (self._pulling(), *self._remarks()) if sentence)
 
     def _accuracy(self) -> str:
         where = f" (worst at {self.drift_joint})" if self.drift_joint and self.drift > 0 else ""
         energy = "" if math.isnan(self.energy_balance) else f", energy error {_short(abs(self.energy_balance))} J"
         off = self.energy_share or 0.0
-        share = f" ({_short(off)} of the largest energy)" if off > 1e-6 else ""
+        share = f" ({_short(off)} of the largest energy)" if off > WORTH_SAYING else ""
         angle = f" and {_short(self.drift_angle)} rad" if self.drift_angle > self.drift else ""
         return f"constraint error {_short(self.drift)} m{angle}{where}{energy}{share}"
 
@@ -250,7 +258,7 @@ class Trust:
         return _say("shortest", counts=" and ".join(counts), steps=_steps(self.fewest_steps)) + coarse
 
     def _pulling(self) -> str:
-        return "; ".join(one for one in (self._links(), self._touching()) if one)
+        return "; ".join(sentence for sentence in (self._links(), self._touching()) if sentence)
 
     def _links(self) -> str:
         pulling = sorted((j for j, share in self.pulled.items() if share > 0), key=lambda j: -self.pulled[j])
@@ -258,10 +266,12 @@ class Trust:
             return ""
         if not pulling:
             return f"{' and '.join(self.pulled)} would never have to pull: the pin stays on its bush all the time"
-        said = [f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])]
+        clauses = [
+            f"{j} {'would have to pull ' if n == 0 else ''}{self._how_much(j)}" for n, j in enumerate(pulling[:3])
+        ]
         more = [f"{len(pulling) - 3} more pins"] if len(pulling) > 3 else []
         pin = "the pin" if len(pulling) == 1 else "these pins"
-        return f"{', and '.join(said + more)}: {pin} would lift off; this model does not hold there"
+        return f"{', and '.join(clauses + more)}: {pin} would lift off; this model does not hold there"
 
     def _how_much(self, joint: str) -> str:
         share, first = 100 * self.pulled[joint], self.first_pull.get(joint)

@@ -84,5 +84,5 @@ def bursts(result: Curves, name: str) -> list[Value]:
 def largest(result: Curves, name: str) -> float:
     """Largest magnitude of a curve that is shown: at an output, within the steps, in a short contact; 0 if none is."""
     values = shown_curve(result, name)
-    marks = [abs(one.y) for one in (summit(result, name), *bursts(result, name)) if one is not None]
+    marks = [abs(extreme.y) for extreme in (summit(result, name), *bursts(result, name)) if extreme is not None]
     return max([float(np.abs(values[np.isfinite(values)]).max(initial=0.0)), *marks])

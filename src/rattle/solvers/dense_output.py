@@ -9,6 +9,10 @@ from rattle.jit import layout as at
 from rattle.jit.families import call_dense_output
 from rattle.jit.functions import compiled
 
+INSTANT = 1e-16  # share of the time within which two instants are one: the spacing of numbers is up to twice as much
+OF_STEP = 1e-15  # share of a step below which it is not divided: a few spacings of numbers at its end
+HALVINGS = 60  # of a part of a step: more than there are numbers between its ends
+
 
 @compiled
 def prepare_dense(m, t, h):

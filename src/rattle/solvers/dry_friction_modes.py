@@ -22,7 +22,7 @@ from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.gap_search import NONE
-from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 
 PARTS = 16  # pieces of a step that are searched
 KEEP = -2
@@ -30,6 +30,9 @@ ROUNDED = 1e-9  # share of its terms below which the acceleration of a held coor
 SLIGHT = 1e-5  # share of all rates, or of what a step adds, that the error of an event may leave to joints at rest
 AT_ONCE = 1e-12  # share of the time within which two events are one
 MOST_TRIED = 8  # joints at rest up to which all combinations are tried
+OVER = 1e-11  # share of its limit by which a friction force may exceed it: more than its solution leaves
+AGAINST = 1e-12  # share of the effect of a friction force below which an acceleration against its slip is rounding
+AGAINST_LOOSE = 1e-6  # the same where joints have just been set free: their accelerations may be rounding
 
 
 @compiled
@@ -104,9 +107,9 @@ def violation(m, n, loose):
         return 0.0
     if mode == at.DRY_STICKS:
         most = limit(m, n)
-        beyond = abs(tau) - most * (1.0 + 1e-11)
+        beyond = abs(tau) - most * (1.0 + OVER)
         return beyond / (abs(tau) + most) if beyond > 0.0 else 0.0
-    doubt = (1e-12 if loose == -1 else 1e-6) * abs(mobility(m, n, n) * tau)
+    doubt = (AGAINST if loose == -1 else AGAINST_LOOSE) * abs(mobility(m, n, n) * tau)
     return 1.0 if sudden(m, n) * mode < -doubt else 0.0
 
 
@@ -141,11 +144,34 @@ def settle(m, t, y, loose):
 
 
 @compiled
+def take_combination(m, code):
+    """Combination number `code` of modes of the joints at rest that nothing holds; returns how many of them slip."""
+    memory, slipping = m.dry_memory, 0
+    for n in range(memory.shape[0]):
+        if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 0.0:
+            digit = code % 3
+            code //= 3
+            memory[n, at.DRY_MODE] = -1.0 if digit == 2 else float(digit)
+            slipping += 1 if digit > 0 else 0
+    return slipping
+
+
+@compiled
+def all_possible(m, loose):
+    """True if the modes of all joints at rest are possible; loose: see `violation`."""
+    memory = m.dry_memory
+    possible = memory[0, at.DRY_LOCKS] == 0.0
+    for n in range(memory.shape[0]):
+        possible = possible and (memory[n, at.DRY_REST] == 0.0 or violation(m, n, loose) == 0.0)
+    return possible
+
+
+@compiled
 def try_all(m, t, y, loose):
     """Try all combinations of modes of the joints at rest, those with fewest that slip first; False if none is one."""
     memory = m.dry_memory
-    count, free, most = memory.shape[0], 0, 1
-    for n in range(count):
+    free, most = 0, 1
+    for n in range(memory.shape[0]):
         if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 0.0:
             free += 1
             most *= 3
@@ -153,20 +179,10 @@ def try_all(m, t, y, loose):
         return False
     for slipping in range(free + 1):
         for code in range(most):
-            rest, moving = code, 0
-            for n in range(count):
-                if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_HELD] == 0.0:
-                    digit = rest % 3
-                    rest //= 3
-                    memory[n, at.DRY_MODE] = -1.0 if digit == 2 else float(digit)
-                    moving += 1 if digit > 0 else 0
-            if moving != slipping:
+            if take_combination(m, code) != slipping:
                 continue
             solve_at(m, t, y)
-            possible = memory[0, at.DRY_LOCKS] == 0.0
-            for n in range(count):
-                possible = possible and (memory[n, at.DRY_REST] == 0.0 or violation(m, n, loose) == 0.0)
-            if possible:
+            if all_possible(m, loose):
                 return True
     return False
 
@@ -199,6 +215,44 @@ def come_to_rest(m, t, y):
         memory[n, at.DRY_REST] = 1.0 if memory[n, at.DRY_REST] == 1.0 or decided(m, t, n) else 0.0
 
 
+@compiled
+def note_modes(m, t, who):
+    """Note the modes before a decision, and which joints are at rest at t [s]; who: the joint that leaves its mode."""
+    memory = m.dry_memory
+    for n in range(memory.shape[0]):
+        memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
+        memory[n, at.DRY_REST] = 1.0 if (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, t, n) else 0.0
+
+
+@compiled
+def first_modes(m, t, who):
+    """Modes from which a decision starts: joints at rest stick, others slip as they move, some keep theirs."""
+    memory = m.dry_memory
+    for n in range(memory.shape[0]):
+        rests, before = memory[n, at.DRY_REST] == 1.0, memory[n, at.DRY_BEFORE]
+        begins = n != who and before != at.DRY_AUTO and t - memory[n, at.DRY_SINCE] <= AT_ONCE * abs(t)
+        kept = begins or (who == KEEP and before == at.DRY_STICKS)
+        if m.dry[n, at.DRY_LAW] < 0 and rests and kept:
+            memory[n, at.DRY_MODE] = before
+        elif m.dry[n, at.DRY_LAW] < 0:
+            memory[n, at.DRY_MODE] = at.DRY_STICKS if rests else math.copysign(1.0, memory[n, at.DRY_RATE])
+
+
+@compiled
+def note_decision(m, t, told):
+    """Note since when joints slip, and whose force is not determined; told: 1 to record stick and slip as events."""
+    memory = m.dry_memory
+    for n in range(memory.shape[0]):
+        sticks = memory[n, at.DRY_MODE] == at.DRY_STICKS
+        if memory[n, at.DRY_REST] == 1.0 and sticks and memory[n, at.DRY_HELD] == 1.0:
+            memory[n, at.DRY_UNSURE] = 1.0
+        if memory[n, at.DRY_REST] == 1.0 and not sticks:
+            memory[n, at.DRY_SINCE] = t
+        memory[n, at.DRY_REST], memory[n, at.DRY_OVER] = 0.0, 0.0
+        if told == 1:
+            tell(m, t, n)
+
+
 @native("i", "h", "f", "v", "i", "i")
 def decide(m, t, y, who, told):
     """Modes of all joints at (t [s], y), whose rates are brought to rest where they stick; False if there are none.
@@ -210,46 +264,28 @@ def decide(m, t, y, who, told):
     breaks = who >= 0 and memory[who, at.DRY_MODE] == at.DRY_STICKS and memory[who, at.DRY_HELD] == 0.0
     solve_at(m, t, y)
     sense = -math.copysign(1.0, memory[who, at.DRY_FORCE]) if breaks else 0.0
-    for n in range(memory.shape[0]):
-        memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
-        memory[n, at.DRY_REST] = 1.0 if (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, t, n) else 0.0
+    note_modes(m, t, who)
     come_to_rest(m, t, y)
-    for n in range(memory.shape[0]):
-        rests = memory[n, at.DRY_REST] == 1.0
-        begins = (
-            n != who and memory[n, at.DRY_BEFORE] != at.DRY_AUTO and t - memory[n, at.DRY_SINCE] <= AT_ONCE * abs(t)
-        )
-        kept = begins or (who == KEEP and memory[n, at.DRY_BEFORE] == at.DRY_STICKS)
-        if m.dry[n, at.DRY_LAW] < 0 and rests and kept:
-            memory[n, at.DRY_MODE] = memory[n, at.DRY_BEFORE]
-        elif m.dry[n, at.DRY_LAW] < 0:
-            memory[n, at.DRY_MODE] = at.DRY_STICKS if rests else math.copysign(1.0, memory[n, at.DRY_RATE])
+    first_modes(m, t, who)
     solve_at(m, t, y)
     follow_drivers(m)
     if breaks:
         memory[who, at.DRY_MODE] = sense
     loose = who if breaks or who == KEEP else -1
-    found = settle(m, t, y, loose) or try_all(m, t, y, loose)
+    settled = settle(m, t, y, loose) or try_all(m, t, y, loose)
     bring_to_rest(m, y)  # those that stick: near a dead centre the others would have to lose all rates
     solve_at(m, t, y)
-    for n in range(memory.shape[0]):
-        if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_MODE] == at.DRY_STICKS and memory[n, at.DRY_HELD] == 1.0:
-            memory[n, at.DRY_UNSURE] = 1.0
-        if memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_MODE] != at.DRY_STICKS:
-            memory[n, at.DRY_SINCE] = t
-        memory[n, at.DRY_REST], memory[n, at.DRY_OVER] = 0.0, 0.0
-        if told == 1:
-            tell(m, t, n)
-    return found
+    note_decision(m, t, told)
+    return settled
 
 
 @compiled
 def modes_changed(m):
     """True if the last `decide` has changed a mode."""
-    memory, found = m.dry_memory, False
+    memory, changed = m.dry_memory, False
     for n in range(memory.shape[0]):
-        found = found or memory[n, at.DRY_MODE] != memory[n, at.DRY_BEFORE]
-    return found
+        changed = changed or memory[n, at.DRY_MODE] != memory[n, at.DRY_BEFORE]
+    return changed
 
 
 @compiled
@@ -270,11 +306,11 @@ def tell(m, t, n):
 @compiled
 def any_over(m):
     """True if a mode could not last at an instant since the last call."""
-    memory, found = m.dry_memory, False
+    memory, over = m.dry_memory, False
     for n in range(memory.shape[0]):
-        found = found or memory[n, at.DRY_OVER] == 1.0
+        over = over or memory[n, at.DRY_OVER] == 1.0
         memory[n, at.DRY_OVER] = 0.0
-    return found
+    return over
 
 
 @compiled
@@ -298,41 +334,52 @@ def look(m, t, h, share):
     solve_at(m, t + share * h, m.stage)
 
 
+@compiled
+def seek_changes(m):
+    """Note which joints have a mode that cannot last at the motion at hand; True if there are any."""
+    over = False
+    for n in range(m.dry_memory.shape[0]):
+        m.dry_memory[n, at.DRY_SOUGHT] = 1.0 if lasting(m, n) < 0.0 else 0.0
+        over = over or m.dry_memory[n, at.DRY_SOUGHT] == 1.0
+    return over
+
+
+@compiled
+def locate_change(m, t, h, low, right):
+    """Share of the step between low and right at which the first mode sought cannot last, and the joint."""
+    high, who, count = right, -1, m.dry_memory.shape[0]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high or (high - low) * h <= INSTANT * abs(t):
+            break
+        look(m, t, h, middle)
+        changed = False
+        for n in range(count):
+            changed = changed or past(m, n)
+        if changed:
+            high = middle
+        else:
+            low = middle
+    look(m, t, h, high)
+    for n in range(count):
+        if who < 0 and (past(m, n) or (high == right and lasting(m, n) < 0.0)):
+            who = n
+    return high, who
+
+
 @native("fi", "h", "f", "f", "f")
 def first_change_of_modes(m, t, h, until):
     """Share of the step up to `until` at which the first mode cannot last (NONE if all do), and the joint.
 
     Needs the dense output.
     """
-    count = m.dry_memory.shape[0]
     left = 0.0
     for part in range(1, PARTS + 1):
         right = part / PARTS
         if left >= until:
             break
         look(m, t, h, right)
-        over = False
-        for n in range(count):
-            m.dry_memory[n, at.DRY_SOUGHT] = 1.0 if lasting(m, n) < 0.0 else 0.0
-            over = over or m.dry_memory[n, at.DRY_SOUGHT] == 1.0
-        if over:
-            low, high, who = left, right, -1
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
-                    break
-                look(m, t, h, middle)
-                found = False
-                for n in range(count):
-                    found = found or past(m, n)
-                if found:
-                    high = middle
-                else:
-                    low = middle
-            look(m, t, h, high)
-            for n in range(count):
-                if who < 0 and (past(m, n) or (high == right and lasting(m, n) < 0.0)):
-                    who = n
-            return high, who
+        if seek_changes(m):
+            return locate_change(m, t, h, left, right)
         left = right
     return NONE, -1

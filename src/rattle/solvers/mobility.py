@@ -32,6 +32,7 @@ NOW, STRIDE, X, Y, TAKEN = range(5)  # of `clock`: t [s], next step [s], place o
 E_X, E_Y, RATE_X, RATE_Y, NORMAL, TANGENT, MOMENT = range(7)  # columns of an output row
 # of `course`: F_x, F_y [N], w_A, w_B [rad/s], each four coefficients of a cubic, the third power first
 QUANTITIES = 4
+UP_TO = 1e-9  # share of what is left by which a step may end before its target and still be the last one
 
 
 @compiled
@@ -201,7 +202,7 @@ def follow(m, n, nodes, course, times, tolerance, most, clock, k, out):
             done += 1
             continue
         h = min(clock[STRIDE], target - t)
-        last = h >= (target - t) * (1.0 - 1e-9)
+        last = h >= (target - t) * (1.0 - UP_TO)
         x, y, error = step(m, n, t, h, clock[X], clock[Y], nodes, course, tolerance, k)
         taken += 1.0
         if not error <= 1.0:

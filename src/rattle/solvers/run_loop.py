@@ -18,16 +18,18 @@ from rattle.solvers import step_loop
 from rattle.solvers.breaks import after_break, before_break
 from rattle.solvers.contacts.wear_sum import add_wear, keep_speeds
 from rattle.solvers.dry_friction_modes import decide
-from rattle.solvers.energy_floor import set_floor
 from rattle.solvers.nonsmooth import event_driven, jams, moreau_jean
 from rattle.solvers.nonsmooth.jolts import jolt, speeds
 from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import choose_sides
+from rattle.solvers.step_audit import set_floor
 
 GLANCE = 1e-6  # share of a run to look ahead for the side of a switching function that is zero
 JAM_APART = 1e-9  # share of a run within which a second jam is at the same place: passing it again does not help
 STEP_AFTER_JAM = 1e-6  # share of what is left of a run that the step after a jam has at least
 BEFORE, AFTER, PERCUSSION = range(3)  # rows of `jolt_rows`: nu before and after, Lambda
+WHOLE = 1e-9  # by how much a span may exceed a whole number of longest steps and not need one more: rounding
+WHOLE_LEG = 1e-12  # the same of a leg to a given instant, as a share
 
 
 # ---------------------------------------------------------------- the beginning
@@ -124,7 +126,7 @@ def pace(m, t, t_end, h_max):
     """With fixed steps, choose equal ones from the time t [s] to the next instant of the timetable."""
     ahead = min(instant_ahead(m), t_end) - t
     if m.stepper[at.ADAPTIVE] == 0 and ahead > 0.0:
-        m.clock[at.H] = ahead / equal_steps(ahead / h_max - 1e-9)
+        m.clock[at.H] = ahead / equal_steps(ahead / h_max - WHOLE)
 
 
 @compiled
@@ -194,7 +196,7 @@ def aim_leg(m, t, t_end, h_max):
     if t == now:
         return
     longest = h_max if h_max < math.inf else t_end
-    count = equal_steps((t - now) / longest * (1.0 - 1e-12))
+    count = equal_steps((t - now) / longest * (1.0 - WHOLE_LEG))
     h = (t - now) / count
     course[at.LEG_START], course[at.LEG_END], course[at.LEG_STEP], course[at.LEG_STEPS] = (
         now - done * h,

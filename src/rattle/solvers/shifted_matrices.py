@@ -143,23 +143,23 @@ def is_current(m, t, h):
 @native("i", "h", "f", "f", "f")
 def factor_shifted(m, real, re, im):
     """Factor the matrices for lambda = real and lambda = re + i im [1/s]; False if one of them is singular."""
-    jacobian, one, pair = m.jacobian, m.shifted, m.shifted_pair
+    jacobian, single, pair = m.jacobian, m.shifted, m.shifted_pair
     n, nq = jacobian.shape[0], m.change.shape[0]
     size = re * re + im * im
     for r in range(n):
         for c in range(n):
             p = -jacobian[r, nq + c]
             stiffness = jacobian[r, c] if c < nq else 0.0
-            one[r, c] = p - stiffness / real
+            single[r, c] = p - stiffness / real
             p -= stiffness * re / size
             q = stiffness * im / size
             if r == c:
-                one[r, c] += real
+                single[r, c] += real
                 p += re
                 q += im
             pair[r, c], pair[n + r, n + c] = p, p
             pair[r, n + c], pair[n + r, c] = -q, q
-    return factor_lu(one, m.shifted_order) and factor_lu(pair, m.pair_order)
+    return factor_lu(single, m.shifted_order) and factor_lu(pair, m.pair_order)
 
 
 @native("void", "h", "f", "v")

@@ -6,9 +6,10 @@ from rattle.equations.motion import solve_motion
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 
 SCAN = 8  # parts of a step searched for zero crossings
+LOCATED = 1e-13  # share of the time to which a zero crossing is located: it is only reported, no step ends there
 
 
 @compiled
@@ -43,8 +44,8 @@ def find_crossings(m, t, h, until):
             right = until * part / SCAN
             if force_at(m, t, h, right, n) * sign[n] < 0.0:
                 low, high = left, right
-                for _ in range(60):
-                    if (high - low) * h <= 1e-13 * abs(t) + 1e-16 * h:
+                for _ in range(HALVINGS):
+                    if (high - low) * h <= LOCATED * abs(t) + INSTANT * h:
                         break
                     middle = 0.5 * (low + high)
                     if force_at(m, t, h, middle, n) * sign[n] < 0.0:

@@ -28,7 +28,7 @@ from rattle.equations.schur import PIVOT, WEAK, factorise
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate, prepare_dense
-from rattle.solvers.peaks.climb import end_step, probe, sample_pieces
+from rattle.solvers.peaks.peak_search import end_step, probe, sample_pieces
 from rattle.solvers.peaks.samples import BEST, SAMPLE, SQUARES, START, WHEN, probe_of
 from rattle.solvers.step_audit import openness
 
@@ -57,6 +57,7 @@ CROSSED_RTOL = 1e3  # the same in relative tolerances
 FIRST_PIECE = 0.125  # share of a step in which the forces beside a singular position are first sampled
 AWAY, BEFORE, PASSED = 0.0, 1.0, 2.0  # where a run is: away from singular positions, near one, or past it but near
 MOST = 64  # passages that are kept with their state
+FORESEEN = 1.3  # times a step, up to which a singular position after its end is looked for
 
 
 def passage_arrays(ny: int, rows: int, quantities: int) -> dict[str, np.ndarray]:
@@ -152,7 +153,7 @@ def ends_beside(m, t, h):
     passage = m.passage
     if not passage[at.ROOT_AFTER] < min(NEAR, passage[at.ROOT_BEFORE]) or m.stepper[at.ADAPTIVE] == 0:
         return 0
-    ahead = time_ahead(m, t, 1.3 * h)
+    ahead = time_ahead(m, t, FORESEEN * h)
     if abs(ahead - h) < BESIDE * h and straddle(m, t, h) == 1:
         return 1
     if (

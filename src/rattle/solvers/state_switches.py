@@ -16,13 +16,15 @@ from rattle.jit.functions import compiled, native
 from rattle.language.bytecode import BENT, CROSSED, LESS, SIDE, evaluate, switching, wave
 from rattle.language.table_reading import knot_coordinate
 from rattle.solvers.contacts.gap_search import NONE
-from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 from rattle.solvers.dry_friction_modes import any_over, decide, first_change_of_modes, stay_at_rest
+from rattle.solvers.step_size import STANDSTILL, STANDSTILL_OF_RUN
 
 ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a switch changes its branch without end
 PARTS = 16  # pieces of a step that are searched
 ENDLESS = 200  # switchings without progress in time after which a run stops
 CLOSE = 1e-7  # share of a step that does not count as progress
+AT_END = 1e-13  # share of the run by which a step may end after a switch and be accepted as one that ends at it
 
 
 @compiled
@@ -86,27 +88,27 @@ def choose_sides(m, t, ahead):
 @native("i", "h")
 def crossed(m):
     """True if a switching function has had the other sign since the last call."""
-    switch, code, found = m.switch, m.code, False
+    switch, code, any_crossed = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, at.OWN_CODE]
-        found = found or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
+        any_crossed = any_crossed or (code[row, CROSSED] == 1 and code[row, SIDE] != 0)
         code[row, CROSSED] = 0
     if m.dry.shape[0] > 0:
-        found = any_over(m) or found
-    return found
+        any_crossed = any_over(m) or any_crossed
+    return any_crossed
 
 
 @native("i", "h")
 def release(m):
     """Release the switches whose switching functions have had the other sign; True if there are any."""
-    switch, code, found = m.switch, m.code, False
+    switch, code, any_released = m.switch, m.code, False
     for n in range(switch.shape[0]):
         row = switch[n, at.OWN_CODE]
         if code[row, CROSSED] == 1 and code[row, SIDE] != 0:
             code[row, SIDE] = 0
-            found = True
+            any_released = True
         code[row, CROSSED] = 0
-    return found
+    return any_released
 
 
 @compiled
@@ -121,9 +123,9 @@ def argument_at(m, t, h, share, n):
 @compiled
 def zero_between(m, t, h, n, side, low, high):
     """Share of the step at which switching function n leaves its side: it has done so by the share `high`."""
-    for _ in range(60):
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(t):
+        if middle <= low or middle >= high or (high - low) * h <= INSTANT * abs(t):
             break
         if argument_at(m, t, h, middle, n) * side < 0.0:
             high = middle
@@ -188,14 +190,14 @@ def land(m, t, h, t_end, go_on):
     if who < 0:
         return ACCEPT, h
     landing[at.GO_ON] = go_on
-    if share * h <= 1e-15 * abs(t) + 1e-16 * t_end:  # at once, without a step
+    if share * h <= STANDSTILL * abs(t) + STANDSTILL_OF_RUN * t_end:  # at once, without a step
         y, f = m.state, m.rate
         turn(m, t, y, who, h)
         derivative(m, t, y, f)
         m.tally[at.EVALUATIONS] += 1
         return (SLIDES if landing[at.AGAIN] > ENDLESS else REPEAT), h
     landing[at.LANDS], landing[at.LANDS_IN] = 1.0 + who, share * h
-    if (1.0 - share) * h <= 1e-13 * t_end:
+    if (1.0 - share) * h <= AT_END * t_end:
         return ACCEPT, h
     return REPEAT, share * h
 

@@ -17,6 +17,8 @@ from rattle.jit.functions import compiled, native
 UNSOUND = 20  # end of a run whose next step is not acceptable
 TOO_FAR = 1e-2  # largest openness after a step that the projection may correct
 ROUNDING = 1e-14  # rounding error of the sum of energies, as a share of the energies
+STEPS_OF_POSITION, STEPS_OF_RATE = 1e2, 1e5  # to which errors of steps add up in a long run, as factors
+LARGEST_SHARE = 0.1  # of the moments of all forces, over the size: more is never rounding
 
 
 @compiled
@@ -105,3 +107,18 @@ def keep_energies(m):
     audit[at.LEAST_POTENTIAL] = min(audit[at.LEAST_POTENTIAL], audit[at.POTENTIAL_NOW])
     audit[at.MOST_POTENTIAL] = max(audit[at.MOST_POTENTIAL], audit[at.POTENTIAL_NOW])
     audit[at.MOST_UNREST] = max(audit[at.MOST_UNREST], audit[at.UNREST_NOW])
+
+
+@native("void", "h", "f", "f", "f", "f")
+def set_floor(m, extent, limit, rtol, atol):
+    """Set the floor of turnover [J]: that of a mechanism at rest under the forces at the start, within the tolerances.
+
+    extent: size of the mechanism [m].  limit: largest share for drift [-].  Positions are known to rtol [-] of the
+    size, rates to atol [m/s, rad/s]; errors of steps add up, hence a hundred (a hundred thousand) times that.
+    """
+    force, mass, moment, resting = m.force, m.mass, 0.0, 0.0
+    slow = STEPS_OF_RATE * atol
+    for i in range(1, force.shape[0]):
+        moment += abs(force[i, 2]) + extent * (abs(force[i, 0]) + abs(force[i, 1]))
+        resting += 0.5 * (mass[i, 0] + mass[i, 1]) * slow**2 + 0.5 * mass[i, 2] * (slow / extent) ** 2
+    m.audit[at.FLOOR] = min(STEPS_OF_POSITION * rtol / limit, LARGEST_SHARE) * moment + resting

@@ -18,7 +18,7 @@ from rattle.jit.functions import compiled
 from rattle.solvers.dense_output import prepare_dense
 from rattle.solvers.state_switches import REPEAT, SLIDES, arrive, crossed, land, release
 from rattle.solvers.step_audit import UNSOUND, keep_energies, stands
-from rattle.solvers.step_size import SAFETY, first_length, longer, shorter, trial_step
+from rattle.solvers.step_size import SAFETY, STANDSTILL, STANDSTILL_OF_RUN, first_length, longer, shorter, trial_step
 
 TRY_AGAIN = -1  # the step must be repeated, with the length in `clock`
 SHORT = 1e-9  # share of the remaining time down to which a step that fails the audit is repeated with a shorter length
@@ -30,6 +30,8 @@ MOST_COLLAPSED = 1000  # such steps in a row, repeated ones included, after whic
 AS_LONG = 0.999  # of the step that is to end at a switch: a shorter one was cut on the way, and ends before it
 ROUNDING = 1e-15  # share of the time by which a step may be shorter than planned
 TOO_LARGE = 1e130  # of a derivative in SI units
+LAST = 1.000001  # times a step, within which the end of the run lies in it: no tiny step is left behind
+LEAST_STABLE = 0.2  # share of a step that is not stable which the next one has at least
 
 
 @compiled
@@ -44,11 +46,11 @@ def next_step(m, t_end):
     """Length of the next step [s], 0 if it would be too short, and True for the last one before t_end [s]."""
     clock = m.clock
     t, h = clock[at.T], clock[at.H]
-    last = t + (1.000001 if m.landing[at.LANDS] == 0.0 else 1.0) * h >= t_end
+    last = t + (LAST if m.landing[at.LANDS] == 0.0 else 1.0) * h >= t_end
     if last:
         h = t_end - t
     clock[at.COLLAPSED] = clock[at.COLLAPSED] + 1.0 if h < COLLAPSED * t_end and not last else 0.0
-    if h <= 1e-15 * abs(t) or h <= 1e-16 * t_end or t + h == t or clock[at.COLLAPSED] > MOST_COLLAPSED:
+    if h <= STANDSTILL * abs(t) or h <= STANDSTILL_OF_RUN * t_end or t + h == t or clock[at.COLLAPSED] > MOST_COLLAPSED:
         return 0.0, last
     return h, last
 
@@ -143,7 +145,7 @@ def is_stable(m, h, rtol, atol):
     if again == 1.0 or not counts or not da < math.inf or 2.0 * da * h <= m.stepper[at.STABLE] * fall:
         return True
     clock[at.SHORTENED] = 1.0
-    clock[at.H_STABLE] = max(0.2 * h, STABLE_SHARE * m.stepper[at.STABLE] * fall / (2.0 * da))
+    clock[at.H_STABLE] = max(LEAST_STABLE * h, STABLE_SHARE * m.stepper[at.STABLE] * fall / (2.0 * da))
     clock[at.H] = clock[at.H_STABLE]
     return False
 

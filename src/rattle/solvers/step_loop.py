@@ -56,8 +56,8 @@ from rattle.solvers.nonsmooth.event_driven import (
 from rattle.solvers.nonsmooth.event_handling import handle_event
 from rattle.solvers.nonsmooth.event_search import any_closed
 from rattle.solvers.output_row import record
-from rattle.solvers.peaks.climb import end_step
-from rattle.solvers.peaks.glances import last_look
+from rattle.solvers.peaks.contact_samples import last_look
+from rattle.solvers.peaks.peak_search import end_step
 from rattle.solvers.peaks.samples import LOOKS, START, end_of, gauge, stage_layout
 from rattle.solvers.peaks.stage_peaks import end_by_stages
 from rattle.solvers.projection import project
@@ -106,6 +106,9 @@ ROUNDING_ACROSS = 1e-10  # error [the same] that is accepted while stages are pr
 MOST_TRIES = 20
 WHOLE, BEYOND = 0.9, 1.05  # share of a step up to an event from which on it stands; else it is repeated: up to where
 CLEAR, COMES_NEAR, PASSES, UNRESOLVED = range(4)  # a step beside singular positions
+FORGIVEN = 1e-8  # error with which such a step counts, over the tolerances, so that the next one may be longer
+FADING = 0.7  # share of the length of the last regular steps that a shorter one leaves as their measure
+SHRINKING = 0.9  # factor of the length of such a step from one attempt to the next
 
 
 @native("void", "h", "f")
@@ -190,7 +193,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
         allowed = max(allowed, LAID_ERROR)
     if (weak or tally[at.TAME] == 1) and error > 1.0 and error * rtol <= allowed:
         tally[at.LEAPS] += 1
-        error = 1e-8
+        error = FORGIVEN
     if not error <= 1.0:
         return step_anew(m, t, h, error, weak), error, changed
     if stepper[at.ADAPTIVE] == 1:
@@ -198,7 +201,7 @@ def try_step(m, t, h, last, rtol, atol, h_max):
             tally[at.TAME] = 0
         if not weak:
             tally[at.STREAK] = 0
-            m.clock[at.H_SOUND] = max(h, 0.7 * m.clock[at.H_SOUND])
+            m.clock[at.H_SOUND] = max(h, FADING * m.clock[at.H_SOUND])
         lengthen(m, h, error, last, h_max)
     return OK, error, changed
 
@@ -219,7 +222,7 @@ def step_anew(m, t, h, error, weak):
     shorten(m, h, error)
     if weak and tally[at.STREAK] < MOST_TRIES:
         tally[at.STREAK] += 1
-        clock[at.H] = LEAP * clock[at.H_SOUND] * 0.9 ** tally[at.STREAK]
+        clock[at.H] = LEAP * clock[at.H_SOUND] * SHRINKING ** tally[at.STREAK]
     return TRY_AGAIN
 
 
@@ -401,6 +404,77 @@ def pass_event(m, t, h, t_end, who, what):
     return status
 
 
+@compiled
+def take_step(m, t, h, t_new, t_end, last, rtol, atol, h_max):
+    """A step whose end is on the constraints: OK, TRY_AGAIN or why not, its error, True if watched signs changed.
+
+    TRY_AGAIN also if it ends beside a singular position and another end was chosen.
+    """
+    if is_rigid(m):
+        m.held[at.DETERMINANT] = 1.0
+    status, error, changed = try_step(m, t, h, last, rtol, atol, h_max)
+    if status == OK:
+        status, at_end = end_on_constraints(m, t, h, t_new, t_end, rtol, atol)
+        changed |= at_end
+    if status == OK and ends_beside(m, t, t_new - t) == 1:
+        status = TRY_AGAIN
+    return status, error, changed
+
+
+@compiled
+def shorten_for_event(m, t, h, t_end, share, who):
+    """True if a step is to be repeated, with the length in the clock: it hides events, or relies on its stages."""
+    if share > NONE and h > SHORT * (t_end - t):  # events may be hidden in it
+        m.landing[at.LANDS] = 0.0
+        quarter(m, h)
+        return True
+    if who >= 0 and share < WHOLE and share * h > SHORT * (t_end - t) and relies_on_stages(m):
+        m.landing[at.LANDS] = 0.0
+        m.tally[at.REJECTED] += 1
+        m.clock[at.H] = BEYOND * share * h
+        return True
+    return False
+
+
+@compiled
+def foresee(m, t, span, t_new, changed, passed, error, t_out):
+    """What is known of a step before its dense output: the stages between which contacts may change, and whether
+    compliant contacts may change, nothing happens in it, its forces are counted, and all that without an output.
+    """
+    rigid = is_rigid(m)
+    low, high = doubtful(m, error) if rigid else (0, 0)
+    suspect = not rigid and may_any_change(m, span)
+    calm = is_calm(m, span, changed, passed, low, suspect)
+    counted = calm and end_step(m, t, span, 1.0, stage_layout(m), -1) >= 0  # no peak of a force in it
+    return low, high, suspect, calm, counted, counted and not output_due(m, t_new, t_out)
+
+
+@compiled
+def complete_step(m, t, span, until, t_until, h, t_end, who, what, quiet, changed, passed, rtol, atol, t_out, out):
+    """End a step at t_until [s], its share `until`: outputs, the event there, and the start of the next step."""
+    met, rigid, written = who >= 0, is_rigid(m), m.tally[at.OUTPUTS]
+    if go_to(m, t, span, until, t_until, met, quiet, changed, t_out, out) != OK:
+        return ESCAPED
+    bends = met or m.landing[at.LANDS] > 0.0
+    status = pass_event(m, t_until, h, t_end, who, what)
+    if status != OK:
+        m.clock[at.T] = t_until
+        return status
+    m.passage[at.ROOT_BEFORE] = m.passage[at.ROOT_AFTER]
+    if met and passed != CLEAR:
+        m.passage[at.ROOT_BEFORE] = root_at(m, t_until, m.state_new)
+    pass_pivots_on(m)
+    if rigid:
+        restart(m, t_until, t_end, 1 if met else 0, 1 if quiet else 0, rtol, atol)
+    elif m.contact.shape[0] > 0:
+        pass_on(m)
+    take_over(m, t_until, met)
+    rows_at_end(m, t_until, bends, written)
+    if not watches_forces(m):
+        add_wear(m, t_until - t)
+    return LOCKED if rigid and m.held[at.DETERMINANT] < 0.0 else OK
+
+
 @native("i", "h", "f", "f", "f", "f", "v", "m", "i")
 def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
     """Take up to `most_steps` steps towards t_end [s]; writes every output with t_out [s] <= the time reached.
@@ -412,8 +486,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
     Returns DONE, PAUSED, NOT_FINITE, STEP_TOO_SMALL, ESCAPED, UNSOUND, SLIDES or, of set-valued contacts, NO_SOLUTION,
     NOT_FOUND, NOT_UNIQUE, LOCKED, CHATTER.
     """
-    clock, rigid = m.clock, is_rigid(m)
-    steps = m.tally[at.STEPS] + most_steps
+    clock, steps = m.clock, m.tally[at.STEPS] + most_steps
     while has_room(m, steps):
         t = clock[at.T]
         if t >= t_end:
@@ -422,62 +495,31 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
         if h == 0.0:
             return STEP_TOO_SMALL
         t_new = t_end if last else t + h
-        if rigid:
-            m.held[at.DETERMINANT] = 1.0
-        status, error, changed = try_step(m, t, h, last, rtol, atol, h_max)
-        if status == OK:
-            status, at_end = end_on_constraints(m, t, h, t_new, t_end, rtol, atol)
-            changed |= at_end
-        if status == TRY_AGAIN or (status == OK and ends_beside(m, t, t_new - t) == 1):
+        status, error, changed = take_step(m, t, h, t_new, t_end, last, rtol, atol, h_max)
+        if status == TRY_AGAIN:
             continue
         if status != OK:
             return status
-        passed, shortens = passage_of(m, t, t_new - t, rtol), h > SHORT * (t_end - t)
-        if passed == UNRESOLVED and shortens:
+        span = t_new - t
+        passed = passage_of(m, t, span, rtol)
+        if passed == UNRESOLVED and h > SHORT * (t_end - t):
             m.landing[at.LANDS] = 0.0
             quarter(m, h)
             continue
-        low, high = doubtful(m, error) if rigid else (0, 0)
-        suspect = not rigid and may_any_change(m, t_new - t)
-        calm = is_calm(m, t_new - t, changed, passed, low, suspect)
-        counted = calm and end_step(m, t, t_new - t, 1.0, stage_layout(m), -1) >= 0  # no peak of a force in it
-        quiet = counted and not output_due(m, t_new, t_out)
+        low, high, suspect, calm, counted, quiet = foresee(m, t, span, t_new, changed, passed, error, t_out)
         if not quiet:
-            prepare_dense(m, t, t_new - t)
+            prepare_dense(m, t, span)
             m.tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES]
-        share, who, what, by_stages = first_event(m, t, t_new - t, low, high, calm, suspect)
-        if share > NONE and shortens:  # events may be hidden in it
-            m.landing[at.LANDS] = 0.0
-            quarter(m, h)
+        share, who, what, by_stages = first_event(m, t, span, low, high, calm, suspect)
+        if shorten_for_event(m, t, h, t_end, share, who):
             continue
-        if who >= 0 and share < WHOLE and share * h > SHORT * (t_end - t) and relies_on_stages(m):
-            m.landing[at.LANDS] = 0.0
-            m.tally[at.REJECTED] += 1
-            clock[at.H] = BEYOND * share * h
-            continue
-        met, written = who >= 0, m.tally[at.OUTPUTS]
-        until, t_until = (share, t + share * (t_new - t)) if met else (1.0, t_new)
+        met = who >= 0
+        until, t_until = (share, t + share * span) if met else (1.0, t_new)
         if not counted:
-            sum_step(m, t, t_new - t, until, by_stages, met, passed)
-        if go_to(m, t, t_new - t, until, t_until, met, quiet, changed, t_out, out) != OK:
-            return ESCAPED
-        bends = met or m.landing[at.LANDS] > 0.0
-        status = pass_event(m, t_until, h, t_end, who, what)
+            sum_step(m, t, span, until, by_stages, met, passed)
+        status = complete_step(
+            m, t, span, until, t_until, h, t_end, who, what, quiet, changed, passed, rtol, atol, t_out, out
+        )
         if status != OK:
-            clock[at.T] = t_until
             return status
-        m.passage[at.ROOT_BEFORE] = m.passage[at.ROOT_AFTER]
-        if met and passed != CLEAR:
-            m.passage[at.ROOT_BEFORE] = root_at(m, t_until, m.state_new)
-        pass_pivots_on(m)
-        if rigid:
-            restart(m, t_until, t_end, 1 if met else 0, 1 if quiet else 0, rtol, atol)
-        elif m.contact.shape[0] > 0:
-            pass_on(m)
-        take_over(m, t_until, met)
-        rows_at_end(m, t_until, bends, written)
-        if not watches_forces(m):
-            add_wear(m, t_until - t)
-        if rigid and m.held[at.DETERMINANT] < 0.0:
-            return LOCKED
     return DONE if clock[at.T] >= t_end else PAUSED

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.jit.choices import select
+from rattle.jit.choices import TINY, select
 from rattle.jit.functions import compiled
 
 SAFETY = 0.9  # share of the step that would just fulfil the tolerance, to be tried next
@@ -21,8 +21,11 @@ LEAST, MOST = 0.2, 6.0  # change of the length from one step to the next, as fac
 BROKEN = 0.1  # the same after a step whose error is no number
 NEGLIGIBLE = 1e-7  # error that says nothing about the length but that it may grow
 DAMPING = 0.01  # weight of the second error estimate: small where the first one is sound
-TINY = 1e-300  # what keeps quotients of zeros finite
 SHARE, BLIND, SLOWEST = 0.01, 1e-6, 1e-15  # of the first step: of a tolerance, if nothing is known [s], of a rate
+STANDSTILL = 1e-15  # share of the time that a step must exceed to get anywhere: a few spacings of numbers there
+STANDSTILL_OF_RUN = 1e-16  # the same, as a share of the run
+UNTOLD = 1e-10  # sum of squares, over the tolerances, of a state or its derivative that does not tell a time scale
+LEAST_OF_TRIAL, MOST_OF_TRIAL = 1e-3, 100.0  # bounds of the first step, as factors of the trial step
 
 
 @compiled
@@ -67,8 +70,8 @@ def trial_step(size, slope, longest):
 
     size, slope: sums of squares of the state and of its derivative over the tolerances.
     """
-    known = min(size, slope) > 1e-10
-    return min(select(known, SHARE * math.sqrt(size / max(slope, TINY)), BLIND), longest)
+    resolved = min(size, slope) > UNTOLD
+    return min(select(resolved, SHARE * math.sqrt(size / max(slope, TINY)), BLIND), longest)
 
 
 @compiled
@@ -78,6 +81,6 @@ def first_length(h, slope, bend, count, power, longest):
     bend: sum of squares of the change of the derivative in it, over the tolerances; count: of their components.
     """
     fastest = max(math.sqrt(slope), math.sqrt(bend) / h) / math.sqrt(count)
-    known = min(max(fastest, SLOWEST), 1.0 / TINY)
-    length = select(fastest == known, root_of(SHARE / known, power), max(1e-3 * h, BLIND))
-    return min(min(100.0 * h, length), longest)
+    within = min(max(fastest, SLOWEST), 1.0 / TINY)
+    length = select(fastest == within, root_of(SHARE / within, power), max(LEAST_OF_TRIAL * h, BLIND))
+    return min(min(MOST_OF_TRIAL * h, length), longest)

@@ -30,8 +30,8 @@ LONGEST = 1e-4  # default step [s] of steppers with fixed steps
 
 def equal_steps(fewest: int) -> Field:
     """Field for the length of equal steps [s]; fewest: number of steps of a run if the length is not given."""
-    said = f"length of all steps; if not given 0.1 ms, or 1/{fewest} of the run if that is shorter"
-    return Field("s", said, default=lambda span: min(LONGEST, span / fewest), least="positive")
+    meaning = f"length of all steps; if not given 0.1 ms, or 1/{fewest} of the run if that is shorter"
+    return Field("s", meaning, default=lambda span: min(LONGEST, span / fewest), least="positive")
 
 
 class Stepper:
@@ -106,9 +106,9 @@ class SetValuedStepper(Stepper):
 
 def usual_stepper(contacts: str) -> str:
     """Name of the stepper that runs with these contacts unless another that works is chosen."""
-    return next(name for name, one in kinds("stepper").items() if contacts in one.leaf.usual_with)
+    return next(name for name, stepper in kinds("stepper").items() if contacts in stepper.leaf.usual_with)
 
 
 def stepper_of(loop: str) -> str:
     """Name of a stepper that belongs to this loop."""
-    return next(name for name, one in kinds("stepper").items() if one.leaf.loop == loop)
+    return next(name for name, stepper in kinds("stepper").items() if stepper.leaf.loop == loop)

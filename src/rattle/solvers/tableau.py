@@ -5,6 +5,7 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -62,16 +63,16 @@ class Tableau:
         few, every = len(self.weights), len(self.times)
         if isinstance(self.order, bool) or not isinstance(self.order, int) or self.order < 1:
             raise InputError(f"the order of a tableau is a whole number from 1 on, not {self.order!r}")
-        if not (1 <= few <= every == len(self.rows)) or any(len(row) > every for row in self.rows):
+        if not (1 <= few <= every == len(self.rows)) or max(map(len, self.rows)) > every:
             raise InputError("a tableau has a time and a row for every stage, and a weight for those of the step")
-        if len(self.errors) > 2 or any(len(row) != few for row in self.errors):
+        if len(self.errors) > 2 or {*map(len, self.errors)} - {few}:
             raise InputError(
                 "a tableau has at most two error estimates, each with a weight for every stage of the step"
             )
-        if len(self.dense) > 4 or any(len(row) != every for row in self.dense):
+        if len(self.dense) > 4 or {*map(len, self.dense)} - {every}:
             raise InputError("a tableau has at most four rows of dense output, each with a weight for every slope")
         lists = (self.times, self.weights, *self.rows, *self.errors, *self.dense)
-        if not all(math.isfinite(x) for row in lists for x in row) or self.stable < 0:
+        if not all(map(math.isfinite, itertools.chain(*lists))) or self.stable < 0:
             raise InputError("coefficients of a tableau are finite numbers, and its bound of stability is not negative")
 
     def _conditions(self) -> Iterator[tuple[float, float]]:

@@ -84,15 +84,15 @@ def function(graph: Graph, outputs: Sequence[Any], name: str) -> str:
     return "\n    ".join([f"static void {name}(const double *in, double *out) {{", *body]) + "\n}\n"
 
 
-def program(header: Sequence[str], made: Program, t_end: float, step: float) -> str:
+def program(header: Sequence[str], model: Program, t_end: float, step: float) -> str:
     """A whole file: the recorded functions, and a main that prints the motion as CSV.
 
     header: lines of the comment on top; t_end, step: what the program does when not told [s].
     """
-    columns = "\n".join(f"     {name} [{unit or '-'}]" for name, unit in zip(made.names, made.units, strict=True))
+    columns = "\n".join(f"     {name} [{unit or '-'}]" for name, unit in zip(model.names, model.units, strict=True))
     comment = "\n   ".join(header).replace("*/", "* /").replace("/*", "/ *")
-    change = " [name=value ...]" if made.parameters else ""
-    inputs = GIVEN + "\n".join(map(_described, made.parameters)) + "\n" if made.parameters else ""
+    change = " [name=value ...]" if model.parameters else ""
+    inputs = GIVEN + "\n".join(map(_described, model.parameters)) + "\n" if model.parameters else ""
     top = f"""/* {comment}
 
    cc -std=c99 -O2 model.c -lm && ./a.out [t_end [step]]{change}
@@ -105,12 +105,15 @@ def program(header: Sequence[str], made: Program, t_end: float, step: float) -> 
 {columns}
 */
 """
-    functions = [function(made.graph, outputs, name) for name, outputs in made.functions.items()]
-    table = [_row(one.name, one.unit, one.value, one.low, one.high) for one in made.parameters]
-    main = MAIN.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
+    functions = [function(model.graph, outputs, name) for name, outputs in model.functions.items()]
+    table = [
+        _row(parameter.name, parameter.unit, parameter.value, parameter.low, parameter.high)
+        for parameter in model.parameters
+    ]
+    main = MAIN.replace("@begin@", NO_BEGIN if model.begin is None else _begin(model.begin))
     for key, text in (
-        ("ny", str(len(made.start))), ("no", str(len(made.names))), ("np", str(len(made.parameters))),
-        ("names", _texts(made.names)), ("start", ", ".join(map(number, made.start))),
+        ("ny", str(len(model.start))), ("no", str(len(model.names))), ("np", str(len(model.parameters))),
+        ("names", _texts(model.names)), ("start", ", ".join(map(number, model.start))),
         ("parameters", ",\n".join(table or [_row("", "", 0.0, None, None)])), ("set", change),
         ("t_end", number(t_end)), ("step", number(step)), ("rows", str(ROWS)),
     ):  # fmt: skip
@@ -121,9 +124,11 @@ def program(header: Sequence[str], made: Program, t_end: float, step: float) -> 
 GIVEN = "   Parameters and their values in the model, to be changed as name=value:\n"
 
 
-def _described(one: Input) -> str:
-    limits = [f", {word} {x:.10g}" for word, x in (("at least", one.low), ("at most", one.high)) if x is not None]
-    return f"     {one.name} [{one.unit or '-'}] {one.value:.10g}{''.join(limits)}"
+def _described(parameter: Input) -> str:
+    limits = [
+        f", {word} {x:.10g}" for word, x in (("at least", parameter.low), ("at most", parameter.high)) if x is not None
+    ]
+    return f"     {parameter.name} [{parameter.unit or '-'}] {parameter.value:.10g}{''.join(limits)}"
 
 
 def _row(name: str, unit: str, value: float, low: float | None, high: float | None) -> str:

@@ -16,36 +16,38 @@ def copied(source: Graph, outputs: Sequence[Any], change: Callable[..., Any]) ->
     """
     if source._lowered is None:
         source._lowered = Graph(), {}
-    graph, made = source._lowered
+    graph, places = source._lowered
     for place in source.inputs[len(graph.inputs) :]:
-        made[place] = graph.input()
+        places[place] = graph.input()
     for place in source.live(outputs):
-        if place not in made:
+        if place not in places:
             op, operands = source.ops[place], source.operands[place]
-            made[place] = source.numbers[place] if op == "number" else change(graph, op, *[made[k] for k in operands])
-    return graph, [made[source.place(x)] for x in outputs]
+            places[place] = (
+                source.numbers[place] if op == "number" else change(graph, op, *[places[k] for k in operands])
+            )
+    return graph, [places[source.place(x)] for x in outputs]
 
 
-def bind(graph: Graph, outputs: Sequence[Any], known: Mapping[int, float]) -> tuple[Graph, list[Any]]:
+def bind(graph: Graph, outputs: Sequence[Any], values: Mapping[int, float]) -> tuple[Graph, list[Any]]:
     """The calculation with numbers for some of its inputs, by place; the others stay, in order."""
     bound = Graph()
-    made: dict[int, Any] = {place: known[place] if place in known else bound.input() for place in graph.inputs}
+    places: dict[int, Any] = {place: values[place] if place in values else bound.input() for place in graph.inputs}
     for place in graph.live(outputs):
         op = graph.ops[place]
         if op == "number":
-            made[place] = graph.numbers[place]
+            places[place] = graph.numbers[place]
         elif op != "input":
-            made[place] = bound.apply(op, *(made[k] for k in graph.operands[place]))
-    return bound, [made[graph.place(x)] for x in outputs]
+            places[place] = bound.apply(op, *(places[k] for k in graph.operands[place]))
+    return bound, [places[graph.place(x)] for x in outputs]
 
 
 def replaced(graph: Graph, outputs: Sequence[Any], new: Mapping[int, Any]) -> list[Any]:
     """The outputs with other symbols or numbers for some inputs, by place, in the same graph."""
-    made: dict[int, Any] = {place: Symbol(graph, place) for place in graph.inputs} | dict(new)
+    places: dict[int, Any] = {place: Symbol(graph, place) for place in graph.inputs} | dict(new)
     for place in graph.live(outputs):
         op = graph.ops[place]
         if op == "number":
-            made[place] = graph.numbers[place]
+            places[place] = graph.numbers[place]
         elif op != "input":
-            made[place] = graph.apply(op, *(made[k] for k in graph.operands[place]))
-    return [made[graph.place(x)] for x in outputs]
+            places[place] = graph.apply(op, *(places[k] for k in graph.operands[place]))
+    return [places[graph.place(x)] for x in outputs]

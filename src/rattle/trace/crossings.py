@@ -19,14 +19,14 @@ def bracketed(
     Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145-149.
     """
     x1, f1, x2, f2 = b, fb, a, fa
-    found, done = np.zeros_like(a), np.zeros(a.shape, dtype=bool)
+    roots, done = np.zeros_like(a), np.zeros(a.shape, dtype=bool)
     with np.errstate(all="ignore"):
         share = f1 / (f1 - f2)  # the secant first
         for _ in range(MOST):
             nearer = np.abs(f2) < np.abs(f1)
             best, least = np.where(nearer, x2, x1), np.where(nearer, f2, f1)
             limit = CLOSE / np.abs(x2 - x1)
-            found = np.where(done, found, best)
+            roots = np.where(done, roots, best)
             done |= (limit > 0.5) | (least == 0.0)
             if done.all():
                 break
@@ -42,4 +42,4 @@ def bracketed(
             smooth = (phi * phi < xi) & ((1.0 - phi) * (1.0 - phi) < 1.0 - xi)
             inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
             share = np.where(smooth, inverse, 0.5)
-    return found
+    return roots

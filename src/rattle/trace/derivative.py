@@ -16,12 +16,14 @@ Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 3 (bot
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rattle.errors import TraceError
+from rattle.jit.functions import KernelFunction
+from rattle.language.operations import OPERATIONS
 from rattle.trace.graph import FLAGS, Graph, Symbol, select
+from rattle.trace.recorded_language import Copies
 
 Rule = Callable[[Any, Sequence[Any], Any], Any]  # (v, operands, result): slope by one operand, times v
 Case = frozenset[tuple[int, bool]]  # flags that are so: places and truth values
@@ -57,19 +59,19 @@ def gradient(graph: Graph, output: Any, with_respect_to: Sequence[Symbol]) -> li
     for place in order:
         if any(k in changing for k in graph.operands[place]):
             changing.add(place)
-    found: dict[int, Any] = {}
+    slopes: dict[int, Any] = {}
     arriving: dict[int, list[tuple[When, Any]]] = {graph.place(output): [(ALWAYS, 1.0)]}
     for place in reversed(order):
         if place not in changing or place not in arriving:
             continue
         when, value = _gathered(graph, arriving.pop(place))
         if graph.ops[place] == "input":
-            found[place] = _guarded(graph, when, ALWAYS, value)
+            slopes[place] = _guarded(graph, when, ALWAYS, value)
             continue
         for k, share in _shares(graph, place, when, value, changing):
             if not _zero(share[1]):
                 arriving.setdefault(k, []).append(share)
-    return [found.get(place, 0.0) for place in wanted]
+    return [slopes.get(place, 0.0) for place in wanted]
 
 
 def jacobian(graph: Graph, outputs: Sequence[Any], inputs: Sequence[Symbol]) -> list[list[Any]]:
@@ -80,7 +82,7 @@ def jacobian(graph: Graph, outputs: Sequence[Any], inputs: Sequence[Symbol]) -> 
     if rows < columns:
         return [gradient(graph, x, inputs) for x in outputs]
     directions = [tangent(graph, outputs, {x.place: 1.0}) if x.place in used else [0.0] * len(outputs) for x in inputs]
-    return [[one[n] for one in directions] for n in range(len(outputs))]
+    return [[column[n] for column in directions] for n in range(len(outputs))]
 
 
 def _input(graph: Graph, place: int) -> int:
@@ -149,8 +151,8 @@ def _gathered(graph: Graph, arriving: Sequence[tuple[When, Any]]) -> tuple[When,
     for when, value in arriving:
         sums[when] = _sum(graph, sums[when], value) if when in sums else value
     while (pair := _halves(sums)) is not None:  # the two branches of a choice, chosen in one operation
-        one, other, flag, rest = pair
-        value = graph.apply("select", Symbol(graph, flag), sums.pop(one), sums.pop(other))
+        taken, other, flag, rest = pair
+        value = graph.apply("select", Symbol(graph, flag), sums.pop(taken), sums.pop(other))
         sums[rest] = _sum(graph, sums[rest], value) if rest in sums else value
     if len(sums) == 1:
         return next(iter(sums.items()))
@@ -180,14 +182,14 @@ def _guarded(graph: Graph, when: When, inside: When, value: Any) -> Any:
     return graph.apply("select", _flag(graph, when, frozenset.intersection(*inside)), value, 0.0)
 
 
-def _flag(graph: Graph, when: When, known: Case) -> Any:
+def _flag(graph: Graph, when: When, settled: Case) -> Any:
     """Whether one of the cases holds, where the known flags are so."""
     flag: Any = False
     for case in sorted(when, key=sorted):
         holds: Any = True
-        for place, truth in sorted(case - known):
-            one: Any = Symbol(graph, place)
-            holds = graph.apply("both", holds, one if truth else ~one)
+        for place, truth in sorted(case - settled):
+            symbol: Any = Symbol(graph, place)
+            holds = graph.apply("both", holds, symbol if truth else ~symbol)
         flag = graph.apply("either", flag, holds)
     return flag
 
@@ -198,42 +200,32 @@ def _and(when: When, flag: int, truth: bool) -> When:
 
 def _any(graph: Graph, parts: Sequence[When]) -> When:
     """Where any of the parts counts."""
-    made = _simple([case for when in parts for case in when])
-    if len(made) <= CASES:
-        return made
-    return frozenset([frozenset([(graph.place(_flag(graph, made, frozenset())), True)])])
+    cases = _simple([case for when in parts for case in when])
+    if len(cases) <= CASES:
+        return cases
+    return frozenset([frozenset([(graph.place(_flag(graph, cases, frozenset())), True)])])
 
 
 def _simple(cases: Sequence[Case]) -> When:
     """The same cases without those inside others, and pairs made one where a flag does not matter."""
-    made = set(cases)
-    more = made
+    kept = set(cases)
+    more = kept
     while more:
         more = {
             case - {(flag, truth)}
-            for case in made
+            for case in kept
             for flag, truth in case
-            if case - {(flag, truth)} | {(flag, not truth)} in made
-        } - made
-        made |= more
-        made = {one for one in made if not any(other < one for other in made)}
-    return frozenset(made)
+            if case - {(flag, truth)} | {(flag, not truth)} in kept
+        } - kept
+        kept |= more
+        kept = {case for case in kept if not any(other < case for other in kept)}
+    return frozenset(kept)
 
 
 # ---------------------------------------------------------------- slopes
-def _apply(op: str, *given: Any) -> Any:
-    graph = next(x.graph for x in given if isinstance(x, Symbol))
-    return graph.apply(op, *given)
-
-
 def _over(v: Any, x: Any, r: Symbol) -> Any:
     """v/x; 1/x is one operation for all directions."""
     return v * (1.0 / x) if isinstance(x, Symbol) else r.graph.apply("div", v, x)
-
-
-def _arc_slope(x: Any) -> Any:
-    """1/sqrt(1 - x^2)."""
-    return 1.0 / _apply("sqrt", (1.0 - x) * (1.0 + x))
 
 
 def _base(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
@@ -277,29 +269,28 @@ def _none(v: Any, x: Sequence[Any], r: Symbol) -> Any:
     return 0.0
 
 
+def _by_slope(slope: KernelFunction) -> tuple[Rule, ...]:
+    """The rule of a function of expressions: its slope at x, where its value is r."""
+    return (lambda v, x, r: v * COPIES.of(slope.python)(x[0], r),)
+
+
+def _by_partial(partial: KernelFunction) -> Rule:
+    """The same by one of two operands."""
+    return lambda v, x, r: v * COPIES.of(partial.python)(x[0], x[1], r)
+
+
+COPIES = Copies()
+RECORDED = [record for record in OPERATIONS.values() if record.recorded]
 RULES: dict[str, tuple[Rule, ...]] = {
+    **{record.recorded: _by_slope(record.slope) for record in RECORDED if record.slope is not None},
+    **{record.recorded: tuple(map(_by_partial, record.partials)) for record in RECORDED if record.partials},
     "add": (lambda v, x, r: v, lambda v, x, r: v),
     "sub": (lambda v, x, r: v, lambda v, x, r: -v),
     "mul": (lambda v, x, r: v * x[1], lambda v, x, r: v * x[0]),
     "div": (lambda v, x, r: _over(v, x[1], r), lambda v, x, r: -(_over(v, x[1], r) * r)),
     "neg": (lambda v, x, r: -v,),
     "abs": (_size,),
-    "sqrt": (lambda v, x, r: v * (0.5 / r),),
     "floor": (_none,),
-    "sin": (lambda v, x, r: v * _apply("cos", x[0]),),
-    "cos": (lambda v, x, r: -(v * _apply("sin", x[0])),),
-    "tan": (lambda v, x, r: v * (1.0 + r * r),),
-    "exp": (lambda v, x, r: v * r,),
-    "log": (lambda v, x, r: v * select(x[0] >= 0.0, 1.0 / x[0], math.nan),),
-    "asin": (lambda v, x, r: v * _arc_slope(x[0]),),
-    "acos": (lambda v, x, r: -(v * _arc_slope(x[0])),),
-    "atan": (lambda v, x, r: v * (1.0 / (1.0 + x[0] * x[0])),),
-    "tanh": (lambda v, x, r: v * ((1.0 - r) * (1.0 + r)),),
-    "atan2": (
-        lambda v, x, r: v * (x[1] / (x[0] * x[0] + x[1] * x[1])),
-        lambda v, x, r: -(v * (x[0] / (x[0] * x[0] + x[1] * x[1]))),
-    ),
-    "hypot": (lambda v, x, r: v * (x[0] / r), lambda v, x, r: v * (x[1] / r)),
     "pow": (_base, _exponent),
     "copysign": (_copied, _none),
-}  # fmt: skip
+}

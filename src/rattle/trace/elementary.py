@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rattle.trace.copying import copied
-from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, fold, select
+from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, apply, select
 
 INF, NAN = math.inf, math.nan
 SPLIT = 134217729.0  # 2^27 + 1
@@ -71,17 +71,12 @@ def polynomial(x: Any, coefficients: Sequence[float]) -> Any:
     return result
 
 
-def _call(op: str, *given: Any) -> Any:
-    graph = next((x.graph for x in given if isinstance(x, Symbol)), None)
-    return graph.apply(op, *given) if graph is not None else fold(op, *given)
-
-
 def _equal(a: Any, b: Any) -> Any:
-    return _call("equal", a, b)
+    return apply("equal", a, b)
 
 
 def _floor(x: Any) -> Any:
-    return _call("floor", x)
+    return apply("floor", x)
 
 
 def _nearest(x: Any) -> Any:
@@ -92,7 +87,7 @@ def _nearest(x: Any) -> Any:
 def _with_sign_of(x: Any, sign: Any) -> Any:
     """|x| with the sign of another number, which may be -0."""
     size = abs(x)
-    return select((sign < 0.0) | (_equal(sign, 0.0) & (_call("div", 1.0, sign) < 0.0)), -size, size)
+    return select((sign < 0.0) | (_equal(sign, 0.0) & (apply("div", 1.0, sign) < 0.0)), -size, size)
 
 
 # ---------------------------------------------------------------- pairs: a number and the rounding error left of it
@@ -207,7 +202,7 @@ def _exponential(high: Any, low: Any) -> Any:
     c = r - z * polynomial(z, EXP)
     y = 1.0 - ((rest - (r * c) / (2.0 - c)) - first)
     half = _floor(n * 0.5)
-    result = y * _call("power_of_two", half) * _call("power_of_two", n - half)
+    result = y * apply("power_of_two", half) * apply("power_of_two", n - half)
     return select(high > 710.0, INF, result)
 
 
@@ -220,7 +215,7 @@ def _fraction(x: Any) -> tuple[Any, Any]:
     """x = f 2^n with f from sqrt(1/2) to sqrt(2), for x > 0: f - 1 and n."""
     tiny = x < 2.2250738585072014e-308
     x = select(tiny, x * 18014398509481984.0, x)
-    m, n = _call("mantissa", x), _call("exponent", x)
+    m, n = apply("mantissa", x), apply("exponent", x)
     large = m > 1.4142135623730951
     n = n + select(large, 1.0, 0.0) - select(tiny, 54.0, 0.0)
     return select(large, 0.5 * m, m) - 1.0, n
@@ -301,10 +296,10 @@ def arc_tangent(x: Any) -> Any:
 def arc_tangent_2(y: Any, x: Any) -> Any:
     """The angle of the point (x, y), -pi to pi."""
     up, wide = abs(y), abs(x)
-    ratio = select(_equal(up, INF) & _equal(wide, INF), 1.0, _call("div", up, wide))
+    ratio = select(_equal(up, INF) & _equal(wide, INF), 1.0, apply("div", up, wide))
     ratio = select(_equal(up, 0.0), 0.0, ratio)
     z = arc_tangent(ratio)
-    behind = (x < 0.0) | (_equal(x, 0.0) & (_call("div", 1.0, x) < 0.0))
+    behind = (x < 0.0) | (_equal(x, 0.0) & (apply("div", 1.0, x) < 0.0))
     angle = select(behind, 2.0 * PI_HALF_HIGH - (z - PI_LOW), z)
     angle = select(_equal(x, x) & _equal(y, y), angle, NAN)
     return _with_sign_of(angle, y)
@@ -317,9 +312,9 @@ def _arc(z: Any) -> Any:
 
 def _root_and_rest(z: Any) -> tuple[Any, Any, Any]:
     """sqrt(z), its upper half, and what is missing to it."""
-    s = _call("sqrt", z)
+    s = apply("sqrt", z)
     high, _ = _split(s)
-    return s, high, select(_equal(s, 0.0), 0.0, _call("div", z - high * high, s + high))
+    return s, high, select(_equal(s, 0.0), 0.0, apply("div", z - high * high, s + high))
 
 
 def arc_sine(x: Any) -> Any:
@@ -357,14 +352,14 @@ def hypotenuse(x: Any, y: Any) -> Any:
     a, b = abs(x), abs(y)
     large, small = select(a < b, b, a), select(a < b, a, b)
     # a power of two takes the size away and costs no rounding
-    shift = _call("power_of_two", _bounded_exponent(large))
+    shift = apply("power_of_two", _bounded_exponent(large))
     u, v = large / shift, small / shift
-    result = _call("sqrt", u * u + v * v) * shift
+    result = apply("sqrt", u * u + v * v) * shift
     return select(_equal(a, INF) | _equal(b, INF), INF, select(_equal(large, 0.0), a + b, result))
 
 
 def _bounded_exponent(x: Any) -> Any:
-    n = _call("exponent", x)
+    n = apply("exponent", x)
     return select(n > 1000.0, 1000.0, select(n < -1000.0, -1000.0, n))
 
 

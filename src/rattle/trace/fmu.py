@@ -83,9 +83,9 @@ class Equations(NamedTuple):
 def equations_text(equations: Equations, header: str, token: str) -> str:
     """The file equations.c."""
     functions = [
-        c.function(one[0], one[1], name)
+        c.function(entry[0], entry[1], name)
         for name in (FUNCTIONS if equations.inputs else NEEDED)
-        if (one := getattr(equations, name)) is not None
+        if (entry := getattr(equations, name)) is not None
     ]
     sizes = {
         "NY": len(equations.start), "NQ": equations.positions, "NO": len(equations.outputs[1]) - 1,
@@ -99,15 +99,15 @@ def equations_text(equations: Equations, header: str, token: str) -> str:
         "\n".join(f"#define {name} {value}" for name, value in defined.items()),
         f'#define TOKEN "{token}"\n',
         _numbers("start[NY]", equations.start),
-        _numbers("nominal[NP + 1]", [*(one.value for one in inputs), 0.0]),
+        _numbers("nominal[NP + 1]", [*(parameter.value for parameter in inputs), 0.0]),
     ]
     if inputs:
-        quoted = ", ".join(f'"{one.name}"' for one in inputs)
+        quoted = ", ".join(f'"{parameter.name}"' for parameter in inputs)
         parts += [
             f"static const char *const names[NP] = {{{quoted}}};",
-            _numbers("least[NP]", [one.least for one in inputs]),
-            _numbers("most[NP]", [one.most for one in inputs]),
-            f"static const int varies[NP] = {{{', '.join(str(int(one.varies)) for one in inputs)}}};",
+            _numbers("least[NP]", [parameter.least for parameter in inputs]),
+            _numbers("most[NP]", [parameter.most for parameter in inputs]),
+            f"static const int varies[NP] = {{{', '.join(str(int(x.varies)) for x in inputs)}}};",
         ]
     tableau, few = equations.tableau, equations.tableau.stages
     ends = [*tableau.ends, np.zeros(few)][:3]
@@ -163,8 +163,8 @@ def shared_library(files: Mapping[str, str], main: str, kernels: bytes = b"") ->
     main: the file that includes the others.  kernels: an object file that it is linked with.
     Raises TraceError if there is none, or with what it says.
     """
-    known = [os.environ.get("CC", ""), "cc", "gcc", "clang"]
-    program = next((found for one in known if one and (found := shutil.which(one))), None)
+    compilers = [os.environ.get("CC", ""), "cc", "gcc", "clang"]
+    program = next((path for compiler in compilers if compiler and (path := shutil.which(compiler))), None)
     if program is None:
         raise TraceError("no C compiler was found (cc, gcc, clang, or the one named by CC)")
     with tempfile.TemporaryDirectory() as folder:
@@ -206,11 +206,11 @@ def xml(root: ElementTree.Element) -> bytes:
 
 def archive(files: Mapping[str, bytes]) -> bytes:
     """A zip file; the same bytes for the same files, whenever and wherever it is made."""
-    made = io.BytesIO()
-    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as target:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as target:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
             entry.create_system, entry.compress_type = 3, zipfile.ZIP_DEFLATED
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
             target.writestr(entry, content)
-    return made.getvalue()
+    return buffer.getvalue()

@@ -87,28 +87,28 @@ def description(
         run["stepSize"] = repr(experiment.step)
     ElementTree.SubElement(root, "DefaultExperiment", run)
     listed = ElementTree.SubElement(root, "ModelVariables")
-    for reference, one in enumerate(variables):
-        ElementTree.SubElement(listed, "Float64", _attributes(one, reference))
+    for reference, variable in enumerate(variables):
+        ElementTree.SubElement(listed, "Float64", _attributes(variable, reference))
     _structure(ElementTree.SubElement(root, "ModelStructure"), variables)
     return xml(root)
 
 
-def _attributes(one: Variable, reference: int) -> dict[str, str]:
-    found = {"name": one.name, "valueReference": str(reference), **ATTRIBUTES[one.kind]}
-    numbers = {"min": one.least, "max": one.most, "nominal": one.nominal, "start": one.start}
-    texts = {"description": shown(one.description), "unit": one.unit}
-    found |= {key: text for key, text in texts.items() if text}
-    found |= {key: repr(float(x)) for key, x in numbers.items() if x is not None}
-    if one.unit == "rad":
-        found["displayUnit"] = "deg"
-    if one.state is not None:
-        found["derivative"] = str(one.state)
-    return found
+def _attributes(variable: Variable, reference: int) -> dict[str, str]:
+    attributes = {"name": variable.name, "valueReference": str(reference), **ATTRIBUTES[variable.kind]}
+    numbers = {"min": variable.least, "max": variable.most, "nominal": variable.nominal, "start": variable.start}
+    texts = {"description": shown(variable.description), "unit": variable.unit}
+    attributes |= {key: text for key, text in texts.items() if text}
+    attributes |= {key: repr(float(x)) for key, x in numbers.items() if x is not None}
+    if variable.unit == "rad":
+        attributes["displayUnit"] = "deg"
+    if variable.state is not None:
+        attributes["derivative"] = str(variable.state)
+    return attributes
 
 
 def _units(parent: ElementTree.Element, variables: Sequence[Variable]) -> None:
     """Units of the variables, all of SI; without base units where a power is broken, which FMI cannot say."""
-    for name in sorted({one.unit for one in variables if one.unit}):
+    for name in sorted({variable.unit for variable in variables if variable.unit}):
         unit = ElementTree.SubElement(parent, "Unit", name=name)
         powers = dimension_of(name)._asdict()
         if name.startswith("rad"):
@@ -124,6 +124,6 @@ def _structure(parent: ElementTree.Element, variables: Sequence[Variable]) -> No
         ((Kind.STATE, Kind.CURVE), "Output"), ((Kind.RATE,), "ContinuousStateDerivative"),
         ((Kind.FOLLOWING, Kind.STATE, Kind.RATE, Kind.CURVE), "InitialUnknown"),
     ):  # fmt: skip
-        for reference, one in enumerate(variables):
-            if one.kind in kinds:
+        for reference, variable in enumerate(variables):
+            if variable.kind in kinds:
                 ElementTree.SubElement(parent, name, valueReference=str(reference))

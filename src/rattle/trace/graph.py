@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from rattle.errors import InputError, TraceError
+from rattle.language.operations import OPERATIONS
 from rattle.language.recorded import Recorded, symbol_of
 
 # exact operations: number of operands
@@ -28,11 +29,11 @@ EXACT = {
     "less": 2, "at_most": 2, "equal": 2, "both": 2, "either": 2, "not": 1, "select": 3,
     "power_of_two": 1, "exponent": 1, "mantissa": 1,
 }  # fmt: skip
-# functions, see `elementary`
+# functions, see `elementary`: those of expressions, and one of kernels
 FUNCTIONS = {
-    "sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "asin": 1, "acos": 1, "atan": 1, "tanh": 1,
-    "atan2": 2, "hypot": 2, "pow": 2, "copysign": 2,
-}  # fmt: skip
+    **{record.recorded: record.operands for record in OPERATIONS.values() if record.recorded not in ("", *EXACT)},
+    "copysign": 2,
+}
 FLAGS = frozenset(("less", "at_most", "equal", "both", "either", "not"))  # their results are true or false
 COMMUTE = frozenset(("add", "mul", "equal", "both", "either"))
 ROUND = 6755399441055744.0  # 1.5 * 2^52: added to |x| < 2^51 it leaves the nearest integer in the lowest bits
@@ -153,11 +154,18 @@ def select(condition: Any, yes: Any, no: Any) -> Any:
     return yes if condition else no
 
 
+def apply(op: str, *operands: Any) -> Any:
+    """An operation of the graph of its operands; of numbers alone an exact one is done."""
+    symbols = [x.symbol if isinstance(x, Recorded) else x for x in operands]
+    graph = next((x.graph for x in symbols if isinstance(x, Symbol)), None)
+    return graph.apply(op, *symbols) if graph is not None else fold(op, *symbols)
+
+
 def both(graph: Graph, flags: Iterable[Any]) -> Any:
     """A flag: all of these are true."""
     result: Any = True
-    for one in flags:
-        result = graph.apply("both", result, one)
+    for flag in flags:
+        result = graph.apply("both", result, flag)
     return result
 
 
@@ -206,22 +214,21 @@ class Graph:
             return x.place
         return self.number(x)
 
-    def apply(self, op: str, *given: Any) -> Any:
+    def apply(self, op: str, *operands: Any) -> Any:
         """The result of an operation: a number if it is known, the operand it leaves as it is, or a symbol."""
-        numbers, held, known = self.numbers, [], True
-        for x in given:
+        numbers, held, constant = self.numbers, [], True
+        for x in operands:
             if type(x) is not Symbol and isinstance(x, Recorded):
                 x = symbol_of(x)
             if type(x) is Symbol:
                 if x.graph is self and x.place in numbers:
                     x = numbers[x.place]
                 else:
-                    known = False
+                    constant = False
             held.append(x)
-        if known and op in EXACT:
+        if constant and op in EXACT:
             return fold(op, *held)
-        simple = _simplify(self, op, held)
-        if simple is not None:
+        if op in SIMPLER and (simple := SIMPLER[op](self, *held)) is not None:
             return simple
         places = tuple([x.place if type(x) is Symbol and x.graph is self else self.place(x) for x in held])
         return Symbol(self, self.join(op, places))
@@ -256,21 +263,21 @@ class Graph:
 
         The graph must be of exact operations alone, see `elementary.lower`.
         """
-        given = np.asarray(inputs, dtype=float)
-        if given.ndim != 2 or given.shape[0] != len(self.inputs):
-            raise InputError(f"inputs: an array ({len(self.inputs)}, n) expected, not {given.shape}")
+        columns = np.asarray(inputs, dtype=float)
+        if columns.ndim != 2 or columns.shape[0] != len(self.inputs):
+            raise InputError(f"inputs: an array ({len(self.inputs)}, n) expected, not {columns.shape}")
         rank = {place: n for n, place in enumerate(self.inputs)}
         values: dict[int, Any] = {}
         with np.errstate(all="ignore"):
             for place in self.live(outputs):
                 op = self.ops[place]
                 if op == "input":
-                    values[place] = given[rank[place]]
+                    values[place] = columns[rank[place]]
                 elif op == "number":
                     values[place] = np.float64(self.numbers[place])
                 else:
                     values[place] = NUMPY[op](*(values[k] for k in self.operands[place]))
-        result = np.empty((len(outputs), given.shape[1]))
+        result = np.empty((len(outputs), columns.shape[1]))
         for n, x in enumerate(outputs):
             result[n] = values[self.place(x)]
         return result
@@ -296,10 +303,10 @@ NUMPY: dict[str, Callable[..., Any]] = {
 }  # fmt: skip
 
 
-def fold(op: str, *given: Any) -> Any:
+def fold(op: str, *operands: Any) -> Any:
     """An exact operation on numbers."""
     with np.errstate(all="ignore"):
-        result = NUMPY[op](*(x if isinstance(x, bool) else np.float64(x) for x in given))
+        result = NUMPY[op](*(x if isinstance(x, bool) else np.float64(x) for x in operands))
     return bool(result) if op in FLAGS else float(result)
 
 
@@ -323,55 +330,75 @@ def _without_signs(graph: Graph, op: str, a: Any, b: Any) -> Any:
     return graph.apply("neg", graph.apply(op, *inner))
 
 
-def _simplify(graph: Graph, op: str, given: Sequence[Any]) -> Any:
-    """The result where it takes no operation (or a simpler one), else None."""
-    a, b = given[0], given[1] if len(given) > 1 else None
-    if op in ("mul", "div"):
-        if _is_negative(a) or _is_negative(b):
-            return _without_signs(graph, op, a, b)
-        if type(a) is Symbol and type(b) is Symbol:
-            return None
-    if op == "add":
-        if _is(a, 0.0):
-            return b
-        if _is(b, 0.0):
-            return a
-        for one, other in ((a, b), (b, a)):
-            if isinstance(one, Symbol) and one.op == "neg":
-                return graph.apply("sub", other, Symbol(graph, graph.operands[one.place][0]))
-    elif op == "sub":
-        if _is(b, 0.0):
-            return a
-        if _is(a, 0.0):
-            return graph.apply("neg", b)
-        if isinstance(b, Symbol) and b.op == "neg":
-            return graph.apply("add", a, Symbol(graph, graph.operands[b.place][0]))
-    elif op == "mul":
-        for one, other in ((a, b), (b, a)):
-            if _is(one, 0.0):
-                return 0.0
-            if _is(one, 1.0):
-                return other
-            if _is(one, -1.0):
-                return graph.apply("neg", other)
-    elif op == "div":
-        if _is(b, 1.0):
-            return a
-        if _is(a, 0.0):
+def _negated(graph: Graph, x: Symbol) -> Symbol:
+    """What a negated (or inverted) symbol is the opposite of."""
+    return Symbol(graph, graph.operands[x.place][0])
+
+
+def _simple_sum(graph: Graph, a: Any, b: Any) -> Any:
+    if _is(a, 0.0):
+        return b
+    if _is(b, 0.0):
+        return a
+    if _is_negative(a):
+        return graph.apply("sub", b, _negated(graph, a))
+    return graph.apply("sub", a, _negated(graph, b)) if _is_negative(b) else None
+
+
+def _simple_difference(graph: Graph, a: Any, b: Any) -> Any:
+    if _is(b, 0.0):
+        return a
+    if _is(a, 0.0):
+        return graph.apply("neg", b)
+    return graph.apply("add", a, _negated(graph, b)) if _is_negative(b) else None
+
+
+def _simple_product(graph: Graph, a: Any, b: Any) -> Any:
+    if _is_negative(a) or _is_negative(b):
+        return _without_signs(graph, "mul", a, b)
+    for factor, other in ((a, b), (b, a)):
+        if _is(factor, 0.0):
             return 0.0
-    elif (op == "neg" and a.op == "neg") or (op == "not" and a.op == "not"):
-        return Symbol(graph, graph.operands[a.place][0])
-    elif op in ("both", "either"):
-        stays = op == "both"  # True and x is x; False or x is x
-        for one, other in ((a, b), (b, a)):
-            if not isinstance(one, Symbol):
-                return other if bool(one) == stays else not stays
-    elif op == "select":
-        if not isinstance(a, Symbol):
-            return b if a else given[2]
-        if graph.place(b) == graph.place(given[2]):
-            return b
+        if _is(factor, 1.0):
+            return other
+        if _is(factor, -1.0):
+            return graph.apply("neg", other)
     return None
+
+
+def _simple_quotient(graph: Graph, a: Any, b: Any) -> Any:
+    if _is_negative(a) or _is_negative(b):
+        return _without_signs(graph, "div", a, b)
+    if _is(b, 1.0):
+        return a
+    return 0.0 if _is(a, 0.0) else None
+
+
+def _simple_flag(op: str) -> Callable[[Graph, Any, Any], Any]:
+    stays = op == "both"  # True and x is x; False or x is x
+
+    def simple(graph: Graph, a: Any, b: Any) -> Any:
+        for flag, other in ((a, b), (b, a)):
+            if not isinstance(flag, Symbol):
+                return other if bool(flag) == stays else not stays
+        return None
+
+    return simple
+
+
+def _simple_choice(graph: Graph, condition: Any, yes: Any, no: Any) -> Any:
+    if not isinstance(condition, Symbol):
+        return yes if condition else no
+    return yes if graph.place(yes) == graph.place(no) else None
+
+
+# the result of an operation where it takes none, or a simpler one; else None
+SIMPLER: dict[str, Callable[..., Any]] = {
+    "add": _simple_sum, "sub": _simple_difference, "mul": _simple_product, "div": _simple_quotient,
+    "neg": lambda graph, x: _negated(graph, x) if x.op == "neg" else None,
+    "not": lambda graph, x: _negated(graph, x) if x.op == "not" else None,
+    "both": _simple_flag("both"), "either": _simple_flag("either"), "select": _simple_choice,
+}  # fmt: skip
 
 
 def _where() -> str:

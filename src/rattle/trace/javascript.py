@@ -75,14 +75,14 @@ def _function(name: str, arguments: str, lines: Sequence[str]) -> str:
     return "\n  ".join([f"function {name}({arguments}) {{", *lines]) + "\n}\n"
 
 
-def module(header: Sequence[str], made: Program, t_end: float, step: float) -> str:
+def module(header: Sequence[str], model: Program, t_end: float, step: float) -> str:
     """A whole ES module: `names`, `units`, `parameters`, `start`, `derivative`, `project`, `outputs`, `run`.
 
     header: lines of the comment on top; t_end, step: what `run` does when not told [s].
     """
-    first = next(iter(made.parameters), None)
+    first = next(iter(model.parameters), None)
     change = f", {{ {as_text(first.name)}: {number(first.value)} }}" if first is not None else ""
-    guide = GUIDE.replace("@change@", _comment(change)).replace("@name@", _comment(as_text(made.names[0])))
+    guide = GUIDE.replace("@change@", _comment(change)).replace("@name@", _comment(as_text(model.names[0])))
     comment = "\n * ".join(_comment(line) for line in header)
     main = MAIN
     for key, text in (("rows", str(ROWS)), ("t_end", number(t_end)), ("step", number(step))):
@@ -90,23 +90,23 @@ def module(header: Sequence[str], made: Program, t_end: float, step: float) -> s
     return "\n".join(
         [
             f"/** {comment}\n *{guide} */",
-            *_tables(made),
+            *_tables(model),
             BITS,
-            *(function(made.graph, outputs, f"{name}Of") for name, outputs in made.functions.items()),
-            _head(made).lstrip("\n"),
+            *(function(model.graph, outputs, f"{name}Of") for name, outputs in model.functions.items()),
+            _head(model).lstrip("\n"),
             main.lstrip("\n"),
         ]
     )
 
 
-def _tables(made: Program) -> list[str]:
+def _tables(model: Program) -> list[str]:
     """What a module exports besides functions."""
-    pairs = ", ".join(f"[{as_text(one.name)}, {number(one.value)}]" for one in made.parameters)
-    table = "".join(f"  {_input(one)},\n" for one in made.parameters)
+    pairs = ", ".join(f"[{as_text(parameter.name)}, {number(parameter.value)}]" for parameter in model.parameters)
+    table = "".join(f"  {_input(parameter)},\n" for parameter in model.parameters)
     return [
         f"/** Names of what is in a row: t, then the outputs; and their units. */\n"
-        f"export const names = {as_text(['t', *made.names])};",
-        f"export const units = {as_text(['s', *made.units])};",
+        f"export const names = {as_text(['t', *model.names])};",
+        f"export const units = {as_text(['s', *model.units])};",
         f"/** Values of the parameters in the model [SI], by name. */\n"
         f"export const parameters = Object.fromEntries([{pairs}]);",
         f"/** The same with their units, and limits where the model has some. */\n"
@@ -114,21 +114,21 @@ def _tables(made: Program) -> list[str]:
     ]
 
 
-def _head(made: Program) -> str:
+def _head(model: Program) -> str:
     """What a module does with the recorded functions, and the start for parameters."""
-    head = HEAD.replace("@begin@", NO_BEGIN if made.begin is None else _begin(made.begin))
+    head = HEAD.replace("@begin@", NO_BEGIN if model.begin is None else _begin(model.begin))
     for key, text in (
-        ("ny", str(len(made.start))), ("inputs", str(len(made.graph.inputs))),
-        ("start", ", ".join(map(number, made.start))),
+        ("ny", str(len(model.start))), ("inputs", str(len(model.graph.inputs))),
+        ("start", ", ".join(map(number, model.start))),
     ):  # fmt: skip
         head = head.replace(f"@{key}@", text)
     return head
 
 
-def _input(one: Input) -> str:
-    low, high = ("null" if x is None else number(x) for x in (one.low, one.high))
-    value, unit = number(one.value), as_text(one.unit)
-    return f"{{ name: {as_text(one.name)}, value: {value}, unit: {unit}, min: {low}, max: {high} }}"
+def _input(parameter: Input) -> str:
+    low, high = ("null" if x is None else number(x) for x in (parameter.low, parameter.high))
+    value, unit = number(parameter.value), as_text(parameter.unit)
+    return f"{{ name: {as_text(parameter.name)}, value: {value}, unit: {unit}, min: {low}, max: {high} }}"
 
 
 def _begin(begin: Begin) -> str:

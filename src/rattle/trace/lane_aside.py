@@ -21,10 +21,10 @@ def results(ledger: Ledger, method: Method, ny: int, later: Sequence[int]) -> Re
     graph, row = inputs((1 + ledger.samples) * wide + (3 + method.slopes) * size)
     samples = [row[k * wide : (k + 1) * wide] for k in range(1 + ledger.samples)]
     blocks = row[(1 + ledger.samples) * wide :]
-    flags = [one[-1] for one in samples[1:]] + [blocks[(3 + s) * size + ny + 1] for s in later]
+    flags = [sample[-1] for sample in samples[1:]] + [blocks[(3 + s) * size + ny + 1] for s in later]
     sound, finite = (
-        both(graph, [flag(graph, one) for one in flags]),
+        both(graph, [flag(graph, x) for x in flags]),
         finite_flag(graph, row[wide : len(samples) * wide]),
     )
-    found = select(finite, select(sound, 0.0, float(Status.ASSUMPTION)), float(Status.NOT_FINITE))
-    return graph, [*(peak([one.sign * x[one.curve] for x in samples]) for one in ledger.screened), found]
+    status = select(finite, select(sound, 0.0, float(Status.ASSUMPTION)), float(Status.NOT_FINITE))
+    return graph, [*(peak([extreme.sign * x[extreme.curve] for x in samples]) for extreme in ledger.screened), status]

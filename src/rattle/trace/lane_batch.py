@@ -109,7 +109,7 @@ class Batch:
         before, after = self._calculation(), self._settling()
         conditions = bool(program.ledger.conditions)
         chains: list[Calls] = [before, after] if conditions else [[*before, *after]]
-        self._chains = [program.chain(one, self.memory, running, 1 if conditions else looks) for one in chains]
+        self._chains = [program.chain(chain, self.memory, running, 1 if conditions else looks) for chain in chains]
 
     def _all(self, name: str) -> np.ndarray:
         """Rows of a group (tiles, rows, lanes of a tile)."""
@@ -121,13 +121,13 @@ class Batch:
 
     def _flat(self, name: str, rows: int) -> np.ndarray:
         """A group in the first tile as so many flat rows of components."""
-        found: np.ndarray = self._first(name).reshape(rows, -1)[:, : self._wide]
-        return found
+        columns: np.ndarray = self._first(name).reshape(rows, -1)[:, : self._wide]
+        return columns
 
     def _lane(self, name: str, lanes: np.ndarray) -> np.ndarray:
         """Rows of a group in some lanes (rows, k)."""
-        found: np.ndarray = self._all(name)[lanes // self.tile, :, lanes % self.tile].T
-        return found
+        columns: np.ndarray = self._all(name)[lanes // self.tile, :, lanes % self.tile].T
+        return columns
 
     def _put(self, name: str, lanes: np.ndarray, rows: np.ndarray) -> None:
         self._all(name)[lanes // self.tile, : len(rows), lanes % self.tile] = rows.T
@@ -188,12 +188,12 @@ class Batch:
                 (model.rate, state, ends[1]), (model.outputs, state, last),
             ]  # fmt: skip
         assert model.arrive is not None
-        arrived, one = self._first("arrived"), (1, -1)
+        arrived, row = self._first("arrived"), (1, -1)
         parts = arrived[:wide], arrived[wide : 2 * wide], arrived[2 * wide :]
         targets = zip(parts, (*ends, last), strict=True)
         return [
             (model.arrive, state, arrived), (copy, time, blocks[0, :1]),
-            *((copy, rows.reshape(one), target.reshape(one)) for rows, target in targets),
+            *((copy, rows.reshape(row), target.reshape(row)) for rows, target in targets),
         ]  # fmt: skip
 
     def _samples(self, aside: str = "") -> list[Call]:
@@ -214,7 +214,7 @@ class Batch:
     def _aside(self) -> Aside:
         """Samples of steps that ask for them."""
         program, wide = self.program, 1 + self.program.model.ny
-        blocks, columns = (self._blocks(one)[:, :wide] for one in ("", ASIDE))
+        blocks, columns = (self._blocks(where)[:, :wide] for where in ("", ASIDE))
         curves, held = program.model.curves + 1, self._first("rows")
         copies = [
             *((blocks[k], columns[k]) for k in (0, 1, 2, *(3 + s for s in program.method.dense_slopes))),
@@ -222,31 +222,31 @@ class Batch:
             (self._first("curves"), self._first(ASIDE + "curves")),
             (self._first("later"), self._first(ASIDE + "later")[-curves:]),
         ]
-        given = self.memory[0, self.rows.span(ASIDE + "curves", ASIDE + "blocks")]
+        sampled = self.memory[0, self.rows.span(ASIDE + "curves", ASIDE + "blocks")]
         rows = [*program.ledger.screened.values(), program.ledger.aside_row]
         return Aside(
             self._first("asks")[0], copies, self._first(ASIDE + "lane")[0], self._first(ASIDE + "taken")[0],
-            [*self._samples(ASIDE), (program.aside, given, self._first(ASIDE + "larger"))],
-            [(one, held[row]) for one, row in zip(self._first(ASIDE + "larger"), rows, strict=True)],
+            [*self._samples(ASIDE), (program.aside, sampled, self._first(ASIDE + "larger"))],
+            [(larger, held[row]) for larger, row in zip(self._first(ASIDE + "larger"), rows, strict=True)],
         )  # fmt: skip
 
     def _flat_squares(self) -> np.ndarray:
         """The end of the step and squares of errors, as flat rows."""
-        found: np.ndarray = self.memory[0, self.rows.span("y new", "errors")].reshape(-1, self._wide)
-        return found
+        squares: np.ndarray = self.memory[0, self.rows.span("y new", "errors")].reshape(-1, self._wide)
+        return squares
 
     def _settling(self) -> Calls:
         """What makes the end of a good step the start of the next."""
-        program, blocks, one = self.program, self._blocks(), (1, -1)
+        program, blocks, row = self.program, self._blocks(), (1, -1)
         flat, merged = self._flat("blocks", len(blocks)), self._flat("merged", 2)
         step = blocks[1, : 1 + program.model.ny]
         new, curves = self._first("next"), program.model.curves + 1
         report, held = (self.memory[0, self.rows.span(name, "control")] for name in ("planned", "curves"))
         return [
             (program.settle, report, self.memory[0, self.rows.span("good", "next")]),
-            (program.copy, new[curves:].reshape(one), held[curves:].reshape(one)),
+            (program.copy, new[curves:].reshape(row), held[curves:].reshape(row)),
             *([self._aside()] if program.ledger.watched else []),  # it reads the old curves, and writes new rows
-            (program.copy, new[:curves].reshape(one), held[:curves].reshape(one)),
+            (program.copy, new[:curves].reshape(row), held[:curves].reshape(row)),
             (program.spread, self._first("good"), step),
             (program.merged, flat[: 4 + program.method.stages], merged), (program.copy_two, merged, flat[2:4]),
         ]  # fmt: skip
@@ -279,8 +279,8 @@ class Batch:
     def states(self, lanes: np.ndarray) -> np.ndarray:
         """State y (ny, k) of lanes after their last step."""
         blocks = self._all("blocks").reshape(len(self.memory), -1, self._block, self.tile)
-        found: np.ndarray = blocks[lanes // self.tile, 2, 1 : 1 + self.program.model.ny, lanes % self.tile].T
-        return found
+        states: np.ndarray = blocks[lanes // self.tile, 2, 1 : 1 + self.program.model.ny, lanes % self.tile].T
+        return states
 
     def step(self) -> np.ndarray:
         """Some steps of every lane, accepted or not.  Returns the lanes whose samples are through."""
@@ -300,8 +300,8 @@ class Batch:
         status, steps, tries = (control[k].astype(np.int64) for k in (STATUS, STEPS, TRIES))
         spent = program.evaluations * int(tries.sum())
         if program.ledger.watched:
-            found, asked = rows[program.ledger.aside_row :][:2, :count].astype(np.int64)
-            status = np.where(status == Status.DONE, found, status)
+            states, asked = rows[program.ledger.aside_row :][:2, :count].astype(np.int64)
+            status = np.where(status == Status.DONE, states, status)
             spent += len(program.later) * int(asked.sum())
         return status, steps, values[:, :count], spent
 
@@ -334,7 +334,7 @@ class Batch:
         """Shares of the step, between a and b, where a curve crosses zero in a few lanes."""
         model, wide, count = self.program.model, 1 + self.program.model.ny, len(lanes)
         fill = filled(count)
-        lanes, a, b, ga, gb = (one[fill] for one in (lanes, a, b, ga, gb))
+        lanes, a, b, ga, gb = (column[fill] for column in (lanes, a, b, ga, gb))
         dense, k = 5 + len(self.program.method.upper), len(fill)
         inside = np.ascontiguousarray(self._lane("inside", lanes)[: dense * wide]).reshape(dense, wide * k)
         state, curves = np.ascontiguousarray(self._lane("state", lanes)), np.empty((model.curves + 1, k))

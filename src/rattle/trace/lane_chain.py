@@ -60,12 +60,12 @@ class _Tile:
         self.steps: list[Callable[[], None]] = []
         self.asides: list[_Columns] = []
         self.running = memory[k, running]
-        for one in calls:
-            if isinstance(one, Aside):
-                self.asides.append(_Columns(memory, k, one))
+        for call in calls:
+            if isinstance(call, Aside):
+                self.asides.append(_Columns(memory, k, call))
                 self.steps.append(self.asides[-1].take)
             else:
-                self.steps.append(_bound(memory, k, one))
+                self.steps.append(_bound(memory, k, call))
 
     def run(self, times: int) -> None:
         for _ in range(times):
@@ -73,19 +73,19 @@ class _Tile:
                 for step in self.steps:
                     step()
         if not self.running.all():
-            for one in self.asides:
-                one.empty()
+            for aside in self.asides:
+                aside.empty()
 
 
 class _Columns:
     """What lanes of one tile have set aside."""
 
     def __init__(self, memory: np.ndarray, k: int, aside: Aside) -> None:
-        self.asks, self.lane, self.taken = (in_tile(memory, k, one) for one in (aside.asks, aside.lane, aside.taken))
+        self.asks, self.lane, self.taken = (in_tile(memory, k, part) for part in (aside.asks, aside.lane, aside.taken))
         self.copies, self.larger = (
             [(in_tile(memory, k, a), in_tile(memory, k, b)) for a, b in pairs] for pairs in (aside.copies, aside.larger)
         )
-        self.calls = [_bound(memory, k, one) for one in aside.calls]
+        self.calls = [_bound(memory, k, part) for part in aside.calls]
 
     def take(self) -> None:
         """Copy the lanes that ask."""
@@ -105,9 +105,9 @@ class _Columns:
                 call()
         for column in range(int(self.taken[0])):
             lane = int(self.lane[column])
-            for found, held in self.larger:
-                if found[column] > held[lane]:
-                    held[lane] = found[column]
+            for rows, held in self.larger:
+                if rows[column] > held[lane]:
+                    held[lane] = rows[column]
         self.taken[0] = 0
 
 

@@ -60,9 +60,9 @@ def report_rows(ledger: Ledger) -> list[int]:
     """Numbers of rows that `settle` reads: PLANNED, VERDICT, FLAGS; extremes of watched curves in the stages;
     crossings; curves after the start, at it; rows; CONTROL."""
     wide = ledger.curves + 1
-    known = len(PLANNED) + len(VERDICT) + len(FLAGS)
+    first = len(PLANNED) + len(VERDICT) + len(FLAGS)
     return [
-        known,
+        first,
         2 * len(ledger.watched),
         2 * len(ledger.conditions),
         ledger.parts * wide,
@@ -77,10 +77,10 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Rec
     CONTROL of the next one."""
     parts = report_rows(ledger)
     graph, row = inputs(sum(parts))
-    known, shown, crossed, after, curves, held, control = (
+    proposed, shown, crossed, after, curves, held, control = (
         row[sum(parts[:n]) : sum(parts[: n + 1])] for n in range(len(parts))
     )
-    h, t_new, last, short, _, ahead, *flags = known
+    h, t_new, last, short, _, ahead, *flags = proposed
     running, status, number, steps, tries, t, *_ = control
     running, accepted, short, last = (flag(graph, x) for x in (running, flags[0], short, last))
     curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])

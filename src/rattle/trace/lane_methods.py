@@ -221,7 +221,7 @@ def checks(method: Method, ny: int, later: Sequence[int], watched: int) -> Recor
     block = [row[k * size + 1 : (k + 1) * size] for k in range(count)]
     kept = both(graph, [flag(graph, block[3 + s][ny]) for s in range(1, method.stages)])
     arrived = [block[0][ny], *(block[3 + s][ny] for s in (method.stages, *later))]
-    sound = both(graph, [flag(graph, one) for one in arrived])
+    sound = both(graph, [flag(graph, sample) for sample in arrived])
     finite = finite_flag(graph, [*block[0][:ny], *block[3 + method.stages][:ny]])
     seen = [extremes([block[3 + s][ny + 1 + n] for s in method.seen]) for n in range(watched)]
     return graph, [kept, sound, finite, *(low for low, _ in seen), *(high for _, high in seen)]
@@ -230,7 +230,7 @@ def checks(method: Method, ny: int, later: Sequence[int], watched: int) -> Recor
 def curve_checks(parts: int, curves: int) -> Recorded:
     """Curves and flag at the ends of all parts of a step: flags that all are sound, and finite."""
     graph, row = inputs(parts * (curves + 1))
-    return graph, [both(graph, [flag(graph, one) for one in row[curves :: curves + 1]]), finite_flag(graph, row)]
+    return graph, [both(graph, [flag(graph, x) for x in row[curves :: curves + 1]]), finite_flag(graph, row)]
 
 
 def merged(method: Method) -> Recorded:
@@ -244,10 +244,10 @@ def first_try(tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Rec
     """y, slopes: a short first step, the squared norm of the slopes, and the state after the step."""
     graph, row = inputs(2 * ny)
     y, f = row[:ny], row[ny:]
-    scales = [tolerances.atol + tolerances.rtol * abs(one) for one in y[:motion]]
-    still, slope = (total([(x / s) ** 2 for x, s in zip(one, scales, strict=False)]) for one in (y, f))
+    scales = [tolerances.atol + tolerances.rtol * abs(value) for value in y[:motion]]
+    still, slope = (total([(x / s) ** 2 for x, s in zip(vector, scales, strict=False)]) for vector in (y, f))
     h = size(graph).trial_step(still, slope, min(tolerances.h_max, t_end))
-    return graph, [h, slope, *(one + h * rate for one, rate in zip(y, f, strict=True))]
+    return graph, [h, slope, *(value + h * rate for value, rate in zip(y, f, strict=True))]
 
 
 def first_step(method: Method, tolerances: Tolerances, ny: int, motion: int, t_end: float) -> Recorded:

@@ -63,10 +63,7 @@ class Program:
 
         Raises InputError for reductions that the model or the span does not have.
         """
-        for one in reductions:
-            if one.kind == "at" and not 0.0 <= one.t <= t_end:
-                raise InputError(f"{one}: an instant from 0 to {t_end} s expected")
-        inner = {float(one.t) for one in reductions if one.kind == "at" and 0.0 < one.t < t_end}
+        inner = _instants_inside(reductions, t_end)
         self.model, self.method, self.t_end = model, method, t_end
         self.chain, self.tiled = chain, tiled
         self.stops = np.array([*sorted(inner), t_end])
@@ -97,3 +94,14 @@ class Program:
         self.settle = compile(*settle(ledger, stops, method.adaptive, most_steps))
         if ledger.watched:
             self.aside = compile(*results(ledger, method, model.ny, self.later))
+
+
+def _instants_inside(reductions: Sequence[Reduction], t_end: float) -> set[float]:
+    """Instants between start and end that reductions ask for [s].  Raises InputError for one outside."""
+    instants = set()
+    for reduction in reductions:
+        if reduction.kind == "at":
+            if not 0.0 <= reduction.t <= t_end:
+                raise InputError(f"{reduction}: an instant from 0 to {t_end} s expected")
+            instants.add(float(reduction.t))
+    return instants - {0.0, float(t_end)}

@@ -33,7 +33,11 @@ def logarithm_of_one_and(x: Any) -> Any:
 
 
 WHOLE: dict[str, Callable[..., Any]] = {  # computed without a branch
-    **{name: one for name, one in elementary.FUNCTIONS.items() if name not in ("sin", "cos", "hypot", "copysign")},
+    **{
+        name: function
+        for name, function in elementary.FUNCTIONS.items()
+        if name not in ("sin", "cos", "hypot", "copysign")
+    },
     "expm1": exponential_less_one,
     "log1p": logarithm_of_one_and,
     "part.hypot": elementary.hypotenuse,
@@ -127,24 +131,24 @@ ATTRIBUTES = "attributes #1 = { nounwind readnone willreturn noinline }"
 
 def library_text() -> str:
     """All functions that kernels may call besides those of the processor."""
-    whole = [_function(name, one, NUMBERS.get(name, 1)) for name, one in WHOLE.items()]
+    whole = [_function(name, function, NUMBERS.get(name, 1)) for name, function in WHOLE.items()]
     turned = [_turned("sin", "cos"), _turned("cos", "sin")]
     return "\n".join([*whole, *turned, HYPOT, REMAINDER, ATTRIBUTES])
 
 
-def _function(name: str, one: Callable[..., Any], count: int) -> str:
+def _function(name: str, function: Callable[..., Any], count: int) -> str:
     """One function of some numbers."""
-    given = [f"%a{n}" for n in range(count)]
-    lines, (result,) = _recorded(one, given)
-    head = f'define internal double @"rattle.{name}"({", ".join(f"double {one}" for one in given)}) #1 {{'
+    arguments = [f"%a{n}" for n in range(count)]
+    lines, (result,) = _recorded(function, arguments)
+    head = f'define internal double @"rattle.{name}"({", ".join(f"double {name}" for name in arguments)}) #1 {{'
     return "\n".join([head, *lines, f"ret double {result}", "}"])
 
 
-def _recorded(one: Callable[..., Any], given: Sequence[str]) -> tuple[list[str], list[str]]:
+def _recorded(function: Callable[..., Any], arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     """Instructions of a function of numbers with these names, and the names of its results."""
     graph = Graph()
-    results = one(*[graph.input() for _ in given])
-    return instructions(graph, results if isinstance(results, tuple) else (results,), given)
+    results = function(*[graph.input() for _ in arguments])
+    return instructions(graph, results if isinstance(results, tuple) else (results,), arguments)
 
 
 def _turned(name: str, across: str) -> str:

@@ -162,8 +162,8 @@ class _Body:
             self._numbers[place] = self.put("read", f"%x{place}", self.rank[place])
         else:
             flags = LOGICAL.get(op, 0)
-            given = [*map(self.flag, operands[:flags]), *map(self.number, operands[flags:])]
-            (self._flags if op in FLAGS else self._numbers)[place] = self.put(op, f"%x{place}", *given)
+            values = [*map(self.flag, operands[:flags]), *map(self.number, operands[flags:])]
+            (self._flags if op in FLAGS else self._numbers)[place] = self.put(op, f"%x{place}", *values)
 
     def number(self, place: int) -> str:
         """What holds the value of a place; a flag is 1 or 0."""
@@ -217,13 +217,13 @@ def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: 
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
 
 
-def instructions(graph: Graph, outputs: Sequence[Any], given: Sequence[str]) -> tuple[list[str], list[str]]:
+def instructions(graph: Graph, outputs: Sequence[Any], arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     """Instructions for one sample whose inputs have these names, and what they call the outputs, as numbers.
 
     The graph must be of exact operations alone.
     """
     body = _Body(graph, _written(1))
-    body._numbers = dict(zip(graph.inputs, given, strict=True))
+    body._numbers = dict(zip(graph.inputs, arguments, strict=True))
     for place in graph.live(outputs):
         if graph.ops[place] != "input":
             body.add(place)
@@ -249,8 +249,8 @@ class MachineCode:
         types = kinds or (ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64)
         return functools.partial(self._call, ctypes.CFUNCTYPE(None, *types)(self.addresses[name]))
 
-    def _call(self, entry: Callable[..., None], *given: Any) -> None:
-        entry(*given)
+    def _call(self, entry: Callable[..., None], *arguments: Any) -> None:
+        entry(*arguments)
 
 
 def host() -> tuple[str, str]:
@@ -286,29 +286,29 @@ def compile(text: str | Callable[[], str], names: Sequence[str], origin: str = "
     key = hashlib.sha256(repr(about).encode()).hexdigest()
     kept = KeptFile(_folder(os.environ.get("RATTLE_CACHE")), FOLDER, key)
 
-    def use(found: tuple[str, bytes]) -> MachineCode:
-        if found[0] != key:
+    def use(code: tuple[str, bytes]) -> MachineCode:
+        if code[0] != key:
             raise ValueError("the code of another text")
         if kept.file is not None:
             with suppress(OSError):
                 os.utime(kept.file)  # used just now
-        return _loaded(found[1], names, machine)
+        return _loaded(code[1], names, machine)
 
     code = kept.read(use)
     if isinstance(code, MachineCode):
         return code
-    made = _object(text if isinstance(text, str) else text(), machine)
-    kept.write(lambda: pickle.dumps((key, made)))
+    object_code = _object(text if isinstance(text, str) else text(), machine)
+    kept.write(lambda: pickle.dumps((key, object_code)))
     if kept.file is not None:
         _keep_most(kept.file.parent)
-    return _loaded(made, names, machine)
+    return _loaded(object_code, names, machine)
 
 
 @functools.cache
 def _own() -> str:
     """The sources of what writes texts."""
     here = Path(__file__).parent
-    return hashlib.sha256(b"".join(one.read_bytes() for one in sorted(here.glob("llvm*.py")))).hexdigest()
+    return hashlib.sha256(b"".join(path.read_bytes() for path in sorted(here.glob("llvm*.py")))).hexdigest()
 
 
 @functools.cache
@@ -320,8 +320,8 @@ def _folder(root: str | None) -> Path | None:
 def _keep_most(folder: Path) -> None:
     """Remove the code that was not used for longest if there is too much."""
     with suppress(OSError):
-        seen = [(one.stat().st_mtime, one.stat().st_size, one) for one in folder.glob("*.code")]
-        size = sum(one[1] for one in seen)
+        seen = [(entry.stat().st_mtime, entry.stat().st_size, entry) for entry in folder.glob("*.code")]
+        size = sum(entry[1] for entry in seen)
         if size > MOST:
             for _, bytes_, file in sorted(seen):
                 file.unlink(missing_ok=True)
@@ -353,7 +353,7 @@ def _object(text: str, machine: tuple[str, str]) -> bytes:
     return bytes(_machine(*machine).emit_object(_jit().parsed(_declared(text))))
 
 
-def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
+def _loaded(object_code: bytes, names: Sequence[str], machine: tuple[str, str]) -> MachineCode:
     """Object code as functions.
 
     The engine's own module is empty and in the context that LLVM keeps until the end: the collector may take engines
@@ -361,6 +361,6 @@ def _loaded(made: bytes, names: Sequence[str], machine: tuple[str, str]) -> Mach
     """
     binding = _jit().ready()
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _machine(*machine))
-    engine.add_object_file(binding.ObjectFileRef.from_data(made))
+    engine.add_object_file(binding.ObjectFileRef.from_data(object_code))
     engine.finalize_object()
     return MachineCode(engine, names)

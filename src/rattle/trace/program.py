@@ -61,12 +61,12 @@ class Program(NamedTuple):
     @property
     def functions(self) -> dict[str, Sequence[Any]]:
         """The recorded functions by name: those of a run and those of its start."""
-        found: dict[str, Sequence[Any]] = {
+        functions: dict[str, Sequence[Any]] = {
             "derivative": self.derivative, "project": self.projection, "outputs": self.outputs,
         }  # fmt: skip
         if self.begin is None:
-            return found
-        return found | {
+            return functions
+        return functions | {
             "readable": [self.begin.readable], "correct": self.begin.correction, "closeRates": self.begin.rates,
             "gaps": [gap for _, gap, _ in self.begin.gaps],
         }  # fmt: skip

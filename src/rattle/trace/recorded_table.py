@@ -8,12 +8,12 @@ from typing import Any
 
 from rattle.errors import TraceError
 from rattle.language.table_reading import EDGE, KNOTS, PER_SEGMENT, PERIOD
-from rattle.trace.graph import Graph, Symbol, select
+from rattle.trace.graph import Symbol, apply, select
 
 MOST_SEGMENTS = 300  # each costs five choices wherever the table is used
 
 
-def recorded_table(graph: Graph, table: Sequence[Any], k: int, x: Any) -> tuple[Any, Any, Any]:
+def recorded_table(table: Sequence[Any], k: int, x: Any) -> tuple[Any, Any, Any]:
     """Value and first and second derivative at x of the table whose block begins at table[k], as operations.
 
     The same as `language.bytecode.read_table` without a side.  Raises TraceError for a table with too many points.
@@ -25,21 +25,21 @@ def recorded_table(graph: Graph, table: Sequence[Any], k: int, x: Any) -> tuple[
         )
     knots = [table[first + i] for i in range(n + 1)]
     if isinstance(period, Symbol) or period > 0.0:
-        x = x - period * graph.apply("floor", (x - knots[0]) / period)
+        x = x - period * apply("floor", (x - knots[0]) / period)
     else:
         slack = EDGE * (knots[n] - knots[0])
-        inside = graph.apply("both", _at_most(graph, knots[0] - slack, x), _at_most(graph, x, knots[n] + slack))
+        inside = apply("both", _at_most(knots[0] - slack, x), _at_most(x, knots[n] + slack))
         x = select(inside, x, math.nan)
-    found = [knots[0], *(table[first + n + 1 + j] for j in range(PER_SEGMENT))]
+    chosen = [knots[0], *(table[first + n + 1 + j] for j in range(PER_SEGMENT))]
     for i in range(1, n):
-        beyond = _at_most(graph, knots[i], x)
+        beyond = _at_most(knots[i], x)
         c = first + n + 1 + PER_SEGMENT * i
         segment = [knots[i], *(table[c + j] for j in range(PER_SEGMENT))]
-        found = [select(beyond, new, old) for new, old in zip(segment, found, strict=True)]
-    knot, c0, c1, c2, c3 = found
+        chosen = [select(beyond, new, old) for new, old in zip(segment, chosen, strict=True)]
+    knot, c0, c1, c2, c3 = chosen
     u = x - knot
     return c0 + u * (c1 + u * (c2 + u * c3)), c1 + u * (2.0 * c2 + u * (3.0 * c3)), 2.0 * c2 + 6.0 * (u * c3)
 
 
-def _at_most(graph: Graph, a: Any, b: Any) -> Any:
-    return graph.apply("at_most", a, b)
+def _at_most(a: Any, b: Any) -> Any:
+    return apply("at_most", a, b)

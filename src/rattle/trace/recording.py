@@ -3,18 +3,14 @@
 Every function of the compiled layer is ordinary Python over arrays.  A recording runs copies of them in which the
 names of `math`, of `select` and `assume` and of other kernels stand for their recorded counterparts; the arrays that
 change hold symbols, those of structure stay as they are.  So loops unroll, structure folds away, and no formula is
-written twice.  What the functions of expressions mean (`rattle.language.bytecode`) is said here once more in
-operations of the graph, because there they are guarded against what Python raises.
+written twice; see `recorded_language`.
 """
 
 from __future__ import annotations
 
-import builtins
-import math
-import operator
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from types import CodeType, FunctionType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,12 +22,12 @@ from rattle.jit import choices, layout
 from rattle.jit.functions import KernelFunction
 from rattle.jit.workspace import ARRAYS
 from rattle.language import bytecode as code
-from rattle.language import jets
-from rattle.language.expression import OPERATIONS
+from rattle.language.operations import CHOICES, CHOOSE, OPERATIONS
 from rattle.language.recorded import Recorded, symbol_of
-from rattle.trace.graph import FUNCTIONS, Graph, Symbol, both, select
+from rattle.trace.graph import Graph, Symbol, both, select
+from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_table import recorded_table
-from rattle.trace.symbol_arrays import Column, arrays
+from rattle.trace.symbol_arrays import arrays
 
 CLOSED = 1e-9  # residual that a projection may leave [m or rad, times the size of the mechanism where that is larger]
 CONSTANT = frozenset(("mass", "weight", "gravity", "lever", "const"))  # float arrays that a run only reads
@@ -44,18 +40,8 @@ class Recorder:
         self.graph, self.usual = graph, usual  # usual: whether conditions that usually hold are taken for true
         self.guards: list[Symbol] = []
         self.assumed: dict[int, Symbol] = {}  # by place: what reading the model has found true of its parameters
-        self._language = _language(graph)
-        self._made: dict[Any, Callable[..., Any]] = {
-            choices.select.python: select,
-            choices.assume.python: self._assume,
-            choices.usually.python: self._usually,
-            **{one.python: own for one, own in self._language.items()},
-        }
-        self._math = SimpleNamespace(**{name: getattr(math, name) for name in dir(math)})
-        for name in (*FUNCTIONS, "sqrt", "floor"):
-            if hasattr(math, name):
-                setattr(self._math, name, self._function(name, getattr(math, name)))
-        self._builtins = {**vars(builtins), "float": _as_it_is, "min": _smaller, "max": _larger}
+        own = {choices.assume.python: self._assume, choices.usually.python: self._usually}
+        self._copies = Copies(own, arrays(graph))
 
     def number(self, value: float, symbol: Symbol) -> Recorded:
         """A number of a model that stands for a symbol and is `value` [SI] where the record is made."""
@@ -63,23 +49,23 @@ class Recorder:
 
     def table(self, block: Sequence[Any], x: Any) -> Any:
         """Symbol of the value of a table at x, of which numbers may be recorded."""
-        return recorded_table(self.graph, [symbol_of(one) for one in block], 0, symbol_of(x))[0]
+        return recorded_table([symbol_of(number) for number in block], 0, symbol_of(x))[0]
 
-    def operation(self, op: int, *given: Any) -> Any:
+    def operation(self, op: int, *operands: Any) -> Any:
         """Symbol of an operation of `language.bytecode` on constants of a model."""
-        return self._language[code.unary if len(given) == 1 else code.binary](op, *given)
+        return self._copies.of(code.RECORDS[op].value.python)(*operands)
 
     def assume(self, condition: Any, holds: bool) -> None:
         """Keep what reading the model has found to be true, or false, of its parameters."""
         if isinstance(condition, Symbol):
-            found = condition if holds else ~condition
-            self.assumed[found.place] = found
+            assumption = condition if holds else ~condition
+            self.assumed[assumption.place] = assumption
 
     def largest(self, values: Sequence[Any]) -> Any:
         """The largest of some symbols and numbers; nan if one of them is."""
         result: Any = 0.0
-        for one in values:
-            result = select(one <= result, result, one)
+        for value in values:
+            result = select(value <= result, result, value)
         return result
 
     def _assume(self, condition: Any) -> Any:
@@ -91,41 +77,13 @@ class Recorder:
     def _usually(self, condition: Any) -> Any:
         return self._assume(condition) if self.usual or not isinstance(condition, Symbol) else False
 
-    def _function(self, op: str, plain: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*given: Any) -> Any:
-            recorded = any(isinstance(x, Symbol | Recorded) for x in given)
-            return self.graph.apply(op, *given) if recorded else plain(*given)
-
-        return call
-
     def recorded(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """A copy of a plain Python function of the compiled layer that takes symbols."""
-        made = self._made.get(function)
-        if made is None:
-            assert isinstance(function, FunctionType)
-            names: dict[str, Any] = {"__builtins__": self._builtins, "__name__": function.__module__}
-            made = self._made[function] = FunctionType(
-                function.__code__, names, function.__name__, function.__defaults__, function.__closure__
-            )
-            for name in _names(function.__code__):
-                if name in function.__globals__:
-                    names[name] = self._stand_in(function.__globals__[name], function.__module__)
-        return made
-
-    def _stand_in(self, thing: Any, module: str) -> Any:
-        if thing is math:
-            return self._math
-        if thing is np:
-            return arrays(self.graph)
-        if isinstance(thing, KernelFunction):
-            return self.recorded(thing.python)
-        if isinstance(thing, FunctionType) and (thing in self._made or thing.__module__ == module):
-            return self.recorded(thing)
-        return thing
+        return self._copies.of(function)
 
     def replace(self, function: KernelFunction | Callable[..., Any], own: Callable[..., Any]) -> None:
         """Record calls of a function by another one; before anything that calls it."""
-        self._made[function.python if isinstance(function, KernelFunction) else function] = own
+        self._copies.replace(function.python if isinstance(function, KernelFunction) else function, own)
 
     def workspace(self, system: System) -> SimpleNamespace:
         """A workspace for recorded functions."""
@@ -136,7 +94,7 @@ class Recorder:
         for name in ARRAYS:
             array = getattr(plain, name)
             if isinstance(array, tuple):  # a table of kernels
-                array = tuple(self.recorded(one) for one in array)
+                array = tuple(self.recorded(kernel) for kernel in array)
             elif name in recorded:
                 array = _symbols(recorded[name])
             elif array.dtype == np.float64 and name not in CONSTANT:
@@ -145,132 +103,23 @@ class Recorder:
         return SimpleNamespace(**held)
 
 
-def _names(found: CodeType) -> set[str]:
-    """Names that a function looks up, those of functions inside it included."""
-    names = set(found.co_names)
-    for one in found.co_consts:
-        if isinstance(one, CodeType):
-            names |= _names(one)
-    return names
-
-
 def _symbols(array: np.ndarray) -> np.ndarray:
     """Numbers of which some are recorded, as symbols and floats."""
-    made = np.empty(array.shape, dtype=object)
-    made.ravel()[:] = [symbol_of(x) for x in array.ravel()]
-    return made
+    symbols = np.empty(array.shape, dtype=object)
+    symbols.ravel()[:] = [symbol_of(x) for x in array.ravel()]
+    return symbols
 
 
-def _as_it_is(x: Any) -> Any:
-    if isinstance(x, Recorded):  # of a model, among columns of symbols
-        return Column([symbol_of(x)])
-    return x if isinstance(x, Symbol | Column) else float(x)
-
-
-def _smaller(*given: Any) -> Any:
-    if not any(isinstance(x, Symbol) for x in given):
-        return min(*given)
-    a, b = given
-    return select(b < a, b, a)  # as Python and the machine: the first where they are equal or one is nan
-
-
-def _larger(*given: Any) -> Any:
-    if not any(isinstance(x, Symbol) for x in given):
-        return max(*given)
-    a, b = given
-    return select(b > a, b, a)
-
-
-# ---------------------------------------------------------------- the language of expressions
-COMPARISONS = {
-    code.BELOW: operator.lt, code.BELOW_OR_AT: operator.le, code.ABOVE: operator.gt, code.ABOVE_OR_AT: operator.ge,
-}  # fmt: skip
-
-
-def _language(graph: Graph) -> dict[KernelFunction, Callable[..., Any]]:
-    """What the functions of `bytecode` that branch on values are in a graph."""
-    names = {
-        code.SQRT: "sqrt", code.EXP: "exp", code.LOG: "log", code.SIN: "sin", code.COS: "cos", code.TAN: "tan",
-        code.ASIN: "asin", code.ACOS: "acos", code.ATAN: "atan", code.TANH: "tanh",
-    }  # fmt: skip
-    pairs = {code.ADD: "add", code.SUB: "sub", code.MUL: "mul", code.DIV: "div", code.POW: "pow"}
-    pairs |= {code.ATAN2: "atan2", code.HYPOT: "hypot"}
-
-    def unary(op: int, x: Any) -> Any:
-        if not isinstance(x, Symbol):
-            return code.unary.python(op, x)
-        if op in names:
-            return graph.apply(names[op], x)
-        if op == code.NEG:
-            return -x
-        if op == code.SQUARE:
-            return x * x
-        if op == code.ABS:
-            return abs(x)
-        if op == code.FLOOR:
-            return whole(x)
-        if op == code.SIGN:
-            return select(x > 0.0, 1.0, select(x < 0.0, -1.0, x))
-        return select(x >= 0.0, 1.0, select(x < 0.0, 0.0, x))  # STEP
-
-    def binary(op: int, x: Any, y: Any) -> Any:
-        if not (isinstance(x, Symbol) or isinstance(y, Symbol)):
-            return code.binary.python(op, x, y)
-        if op in pairs:
-            return graph.apply(pairs[op], x, y)
-        if op == code.MOD:
-            return x - y * whole(graph.apply("div", x, y))
-        if op in COMPARISONS:
-            return select(COMPARISONS[op](x, y), 1.0, -1.0)
-        first = (x <= y) if op in (code.MIN, code.BOTH) else (x >= y)
-        return select(first | (x != x), x, y)
-
-    def whole(x: Any) -> Any:
-        return graph.apply("floor", x) if isinstance(x, Symbol) else code.whole.python(x)
-
-    def chosen(condition: Any, yes: Any, no: Any) -> Any:
-        known = not isinstance(condition, Symbol)
-        return code.chosen.python(condition, yes, no) if known else select(condition > 0.0, yes, no)
-
-    def choose_jet(stack: Any, top: int) -> None:
-        if not isinstance(stack[top], Symbol):
-            jets.choose_jet.python(stack, top)
-            return
-        holds = stack[top] > 0.0
-        for n in range(3):
-            stack[top + n] = select(holds, stack[top + 3 + n], stack[top + 6 + n])
-
-    def read_table(table: Any, k: int, side: int, x: Any, dx: Any, ddx: Any) -> Any:
-        return recorded_table(graph, table, k, x)
-
-    def quotient(x: Any, y: Any) -> Any:
-        known = not (isinstance(x, Symbol) or isinstance(y, Symbol))
-        return code.quotient.python(x, y) if known else graph.apply("div", x, y)
-
-    def power(x: Any, y: Any) -> Any:
-        known = not (isinstance(x, Symbol) or isinstance(y, Symbol))
-        return code.power.python(x, y) if known else graph.apply("pow", x, y)
-
-    def heading(s: Any, ds: Any, dds: Any) -> int:
-        if any(isinstance(x, Symbol) for x in (s, ds, dds)):
-            return 0  # the values of the definition: where s = 0 itself counts, runs are left to the generic kernels
-        return int(jets.heading.python(s, ds, dds))
-
-    return {
-        code.unary: unary, code.binary: binary, code.quotient: quotient, code.power: power, code.whole: whole,
-        code.chosen: chosen, code.read_table: read_table, jets.heading: heading, jets.choose_jet: choose_jet,
-    }  # fmt: skip
-
-
-def operation(graph: Graph, name: str, *given: Any) -> Any:
+def operation(name: str, *operands: Any) -> Any:
     """An operation or function of expressions, by its name in their trees, on symbols and numbers."""
-    if name.startswith("if"):
-        a, b, yes, no = given
-        compare = {"if<": operator.lt, "if<=": operator.le, "if>": operator.gt, "if>=": operator.ge}[name]
-        return select(compare(a, b), yes, no)
-    op = OPERATIONS[name]
-    kernel = (code.unary, code.binary, code.chosen)[len(given) - 1]
-    return _language(graph)[kernel](*(given if op == code.CHOOSE else (op, *given)))
+    if name in CHOICES:
+        a, b, yes, no = operands
+        return select(CHOICES[name](a, b), yes, no)
+    value = code.chosen if name == CHOOSE else OPERATIONS[name].value
+    return EXPRESSIONS.of(value.python)(*operands)
+
+
+EXPRESSIONS = Copies()
 
 
 # ---------------------------------------------------------------- one model
@@ -295,8 +144,8 @@ class Recording:
         """What a calculation on symbols returns, and a flag: everything that it assumes is true."""
         guards = self._recorder.guards
         guards.clear()
-        made = calculation()
-        return made, both(self.graph, guards)
+        outcome = calculation()
+        return outcome, both(self.graph, guards)
 
     def run(self, function: KernelFunction, *arguments: Any) -> SimpleNamespace:
         """Run a kernel (m, *arguments) on symbols; returns the workspace that it leaves."""

@@ -85,7 +85,7 @@ class Screened:
     def step(self, held: Sequence[Any], step: Step) -> list[Any]:
         """Rows at the end of the step."""
         end = self.sign * step.curves[self.curve][-1]
-        return [largest(one, end) for one in held]
+        return [largest(row, end) for row in held]
 
     def asks(self, new: Sequence[Any], step: Step) -> Any:
         """A flag: inside of the step the curve may be above the largest value at the ends so far."""
@@ -197,7 +197,7 @@ class Energies:
 
     def step(self, held: Sequence[Any], step: Step) -> list[Any]:
         """Rows at the end of the step."""
-        return self._held(held, [one[-1] for one in step.curves])
+        return self._held(held, [row[-1] for row in step.curves])
 
     def _held(self, held: Sequence[Any], curves: Sequence[Any]) -> list[Any]:
         kinetic, potential, work, _, balance = (curves[n] for n in self.curves)
@@ -248,11 +248,11 @@ MOST_EXTREMES = 6  # with more of them most steps can hold one, and it is faster
 
 def watched(reductions: Sequence[Reduction]) -> tuple[int, ...]:
     """The curves that stages must show, so that only steps are sampled that can hold an extreme; () if all must be."""
-    sampled = [one for one in reductions if one.kind in SAMPLED]
-    extremes = sum(2 if one.kind == "range" else 1 for one in sampled)
-    if extremes > MOST_EXTREMES or any(one.kind not in EXTREMES for one in sampled):
+    sampled = [reduction for reduction in reductions if reduction.kind in SAMPLED]
+    extremes = sum(2 if reduction.kind == "range" else 1 for reduction in sampled)
+    if extremes > MOST_EXTREMES or any(reduction.kind not in EXTREMES for reduction in sampled):
         return ()
-    return tuple(dict.fromkeys(one.curve for one in sampled))
+    return tuple(dict.fromkeys(reduction.curve for reduction in sampled))
 
 
 class Ledger:
@@ -264,16 +264,18 @@ class Ledger:
     ) -> None:  # fmt: skip
         """stops: instants at which steps end [s], the last one is the end; samples: parts of a step that end at them;
         shown: curves that stages show."""
-        for one in reductions:
-            if one.kind not in KINDS or not 0 <= one.curve < curves:
-                raise InputError(f"{one}: a kind of {', '.join(KINDS)} and a curve below {curves} expected")
+        for reduction in reductions:
+            if reduction.kind not in KINDS or not 0 <= reduction.curve < curves:
+                raise InputError(f"{reduction}: a kind of {', '.join(KINDS)} and a curve below {curves} expected")
         self.reductions, self.curves, self.stops = tuple(reductions), curves, tuple(stops)
         needed = watched(reductions)
         screened = bool(needed) and set(needed) <= set(shown)
         self.watched = tuple(shown) if screened else ()  # not empty: steps that ask are sampled, aside
-        self.sampled = any(one.kind in SAMPLED for one in reductions) and not self.watched  # every step
+        self.sampled = any(reduction.kind in SAMPLED for reduction in reductions) and not self.watched  # every step
         self.samples, self.parts = samples, samples if self.sampled else 1  # parts: of every step
-        self.conditions = tuple(dict.fromkeys(one.curve for one in reductions if one.kind in CONDITIONS))
+        self.conditions = tuple(
+            dict.fromkeys(reduction.curve for reduction in reductions if reduction.kind in CONDITIONS)
+        )
         self._places: dict[Tracker, int] = {}
         self.rows = 0
         for tracker in [energies] if energies is not None else []:
@@ -291,16 +293,16 @@ class Ledger:
 
     def start(self) -> Recorded:
         """Curves and flag at t = 0: the rows."""
-        graph, given = inputs(self.curves + 1)
-        return graph, [x for one in self._places for x in one.start(given)]
+        graph, curves = inputs(self.curves + 1)
+        return graph, [x for tracker in self._places for x in tracker.start(curves)]
 
     def advance(self, step: Step, held: Sequence[Any]) -> tuple[list[Any], Any]:
         """The rows at the end of a step, from those at its start; a flag: it asks for samples."""
         rows, asks = list(held), False
-        for one, place in self._places.items():
-            rows[place : place + one.rows] = new = one.step(held[place : place + one.rows], step)
-            if isinstance(one, Screened):
-                asks = asks | one.asks(new, step)
+        for tracker, place in self._places.items():
+            rows[place : place + tracker.rows] = new = tracker.step(held[place : place + tracker.rows], step)
+            if isinstance(tracker, Screened):
+                asks = asks | tracker.asks(new, step)
         if self.watched:
             count = self.aside_row + 1
             rows[count] = held[count] + select(asks, 1.0, 0.0)
@@ -309,7 +311,7 @@ class Ledger:
     @property
     def screened(self) -> dict[Screened, int]:
         """Largest values that samples inside of steps may raise, and their rows."""
-        return {one: place for one, place in self._places.items() if isinstance(one, Screened)}
+        return {tracker: place for tracker, place in self._places.items() if isinstance(tracker, Screened)}
 
     @property
     def aside_row(self) -> int:
@@ -331,11 +333,12 @@ class Ledger:
             symbols.append(graph.input())
         highest = Screened if self.watched else Highest
         values = [
-            _value(one.kind, one.curve, self._instant(one), rows, self.stops[-1], highest) for one in self.reductions
+            _value(reduction.kind, reduction.curve, self._instant(reduction), rows, self.stops[-1], highest)
+            for reduction in self.reductions
         ]
         return graph, values
 
-    def _instant(self, one: Reduction) -> int:
-        if one.kind != "at":
+    def _instant(self, reduction: Reduction) -> int:
+        if reduction.kind != "at":
             return len(self.stops) - 1
-        return -1 if one.t == 0.0 else self.stops.index(one.t)
+        return -1 if reduction.t == 0.0 else self.stops.index(reduction.t)

@@ -20,10 +20,10 @@ class Column:
         self.values = list(values)
 
     @staticmethod
-    def each(function: Callable[..., Any], *given: Any) -> Column:
+    def each(function: Callable[..., Any], *columns: Any) -> Column:
         """A function element by element; numbers stand for columns of them."""
-        count = max((len(x.values) for x in given if isinstance(x, Column)), default=1)
-        spread = [x.values * (count // len(x.values)) if isinstance(x, Column) else [x] * count for x in given]
+        count = max((len(x.values) for x in columns if isinstance(x, Column)), default=1)
+        spread = [x.values * (count // len(x.values)) if isinstance(x, Column) else [x] * count for x in columns]
         return Column(function(*row) for row in zip(*spread, strict=True))
 
     @property
@@ -127,7 +127,7 @@ def arrays(graph: Graph) -> SimpleNamespace:
     """What functions over columns of symbols find under the name of NumPy."""
 
     def each(op: str) -> Callable[..., Column]:
-        return lambda *given: Column.each(lambda *row: graph.apply(op, *row), *given)
+        return lambda *columns: Column.each(lambda *row: graph.apply(op, *row), *columns)
 
     def chosen(a: Any, b: Any, first: Any) -> Any:  # as NumPy: nan if one of them is
         return select(first | (a != a), a, b) if isinstance(first, Symbol) else a if first or a != a else b
@@ -135,9 +135,9 @@ def arrays(graph: Graph) -> SimpleNamespace:
     return SimpleNamespace(
         arcsin=each("asin"), exp=each("exp"), clip=lambda x, low, high: x.clip(low, high), pi=math.pi,
         hypot=each("hypot"), cos=each("cos"), sin=each("sin"), arctan2=each("atan2"), copysign=each("copysign"),
-        abs=lambda x: Column.each(abs, x), where=lambda *given: Column.each(select, *given),
-        minimum=lambda *given: Column.each(lambda a, b: chosen(a, b, a <= b), *given),
-        maximum=lambda *given: Column.each(lambda a, b: chosen(a, b, a >= b), *given),
+        abs=lambda x: Column.each(abs, x), where=lambda *columns: Column.each(select, *columns),
+        minimum=lambda *columns: Column.each(lambda a, b: chosen(a, b, a <= b), *columns),
+        maximum=lambda *columns: Column.each(lambda a, b: chosen(a, b, a >= b), *columns),
         zeros_like=lambda x: Column([0.0] * len(x.values)), empty=lambda n: Column([0.0] * n),
         ones=lambda n: Column([1.0] * n), full=lambda n, value: Column([value] * n), array=lambda x: x, nan=math.nan,
         errstate=np.errstate, ndarray=np.ndarray,

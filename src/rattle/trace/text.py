@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from rattle.trace.graph import FLAGS, Graph
 
@@ -31,35 +31,59 @@ def pieces(
 
     What later pieces read of earlier ones stands in an array `held` (flags as 1 or 0), of at most len(graph) numbers.
     """
-    rank = {place: n for n, place in enumerate(graph.inputs)}
     live = graph.live(outputs)
     names = {place: number(graph.numbers[place]) if place in graph.numbers else f"x{place}" for place in live}
-    made = [place for place in live if graph.ops[place] not in ("number", "input")]
-    parts = [made[n : n + size] for n in range(0, len(made), size)] or [[]]
+    computed = [place for place in live if graph.ops[place] not in ("number", "input")]
+    parts = [computed[n : n + size] for n in range(0, len(computed), size)] or [[]]
     piece = {place: n for n, part in enumerate(parts) for place in part}
-    slots: dict[int, int] = {}  # of `held`
-    for place in made:
+    slots: dict[int, int] = {}
+    for place in computed:
         for k in graph.operands[place]:
             if k in piece and piece[k] < piece[place]:
                 slots.setdefault(k, len(slots))
-    texts = []
-    for n, part in enumerate(parts):
-        wanted = [graph.place(x) for x in outputs]
-        ours = [k for k, place in enumerate(wanted) if piece.get(place, len(parts) - 1) == n]
-        read = {k for place in part for k in graph.operands[place]} | {wanted[k] for k in ours}
-        lines = []
-        for place in sorted(read - set(part) - graph.numbers.keys()):
-            flag = graph.ops[place] in FLAGS
-            text = f"{source}[{rank[place]}]" if place in rank else f"held[{slots[place]}]"
-            lines.append(f"{declare(names[place], flag)} = {text}{f' != {number(0.0)}' if flag else ''};")
-        for place in part:
-            op = graph.ops[place]
-            text = forms[op].format(*(names[k] for k in graph.operands[place]))
-            lines.append(f"{declare(names[place], op in FLAGS)} = {text};")
-        stores = [(f"held[{slots[place]}]", place) for place in part if place in slots]
-        for target, place in stores + [(f"out[{k}]", wanted[k]) for k in ours]:
-            value = names[place]
-            flagged = f"{value} ? {number(1.0)} : {number(0.0)}"
-            lines.append(f"{target} = {flagged if graph.ops[place] in FLAGS else value};")
-        texts.append(lines)
-    return texts
+    rank = {place: n for n, place in enumerate(graph.inputs)}
+    write = _Writer(graph, forms, number, declare, source, names, rank, slots)
+    wanted = [graph.place(x) for x in outputs]
+    return [
+        write.piece(part, [(k, place) for k, place in enumerate(wanted) if piece.get(place, len(parts) - 1) == n])
+        for n, part in enumerate(parts)
+    ]
+
+
+class _Writer(NamedTuple):
+    """What writes lines of operations."""
+
+    graph: Graph
+    forms: Mapping[str, str]
+    number: Callable[[float], str]
+    declare: Callable[[str, bool], str]
+    source: str
+    names: Mapping[int, str]
+    rank: Mapping[int, int]  # of inputs
+    slots: Mapping[int, int]  # of `held`
+
+    def piece(self, part: Sequence[int], outputs: Sequence[tuple[int, int]]) -> list[str]:
+        """The lines of some operations, and of those outputs (number and place) that are written after them."""
+        read = {k for place in part for k in self.graph.operands[place]} | {place for _, place in outputs}
+        before = sorted(read - set(part) - self.graph.numbers.keys())
+        stores = [(f"held[{self.slots[place]}]", place) for place in part if place in self.slots]
+        stores += [(f"out[{k}]", place) for k, place in outputs]
+        return [*map(self.read, before), *map(self.computed, part), *(self.stored(*store) for store in stores)]
+
+    def read(self, place: int) -> str:
+        """The line that reads an input, or what an earlier piece has held."""
+        flag = self.graph.ops[place] in FLAGS
+        text = f"{self.source}[{self.rank[place]}]" if place in self.rank else f"held[{self.slots[place]}]"
+        return f"{self.declare(self.names[place], flag)} = {text}{f' != {self.number(0.0)}' if flag else ''};"
+
+    def computed(self, place: int) -> str:
+        """The line of an operation."""
+        op = self.graph.ops[place]
+        text = self.forms[op].format(*(self.names[k] for k in self.graph.operands[place]))
+        return f"{self.declare(self.names[place], op in FLAGS)} = {text};"
+
+    def stored(self, target: str, place: int) -> str:
+        """The line that writes a value."""
+        value = self.names[place]
+        flagged = f"{value} ? {self.number(1.0)} : {self.number(0.0)}"
+        return f"{target} = {flagged if self.graph.ops[place] in FLAGS else value};"

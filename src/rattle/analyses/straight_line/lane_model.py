@@ -66,9 +66,9 @@ def expression(model: RecordedModel, node: Node) -> Any:
             stack.append(model.symbol(part.name))
         else:
             size = len(part.operands)
-            given = stack[-size:]
+            operands = stack[-size:]
             del stack[-size:]
-            stack.append(operation(model.graph, part.name, *given))
+            stack.append(operation(part.name, *operands))
     return stack[0]
 
 

@@ -28,6 +28,7 @@ from rattle.language.recorded import hypot
 from rattle.registry import Field, kind
 
 Pair = tuple[float, ...]
+AT_MOST = 1e-12  # share of the largest turn within which a block has turned so far
 
 
 @kernel("clearance")
@@ -132,7 +133,7 @@ class BetweenWalls(FreePlay):
         turned = abs(float(e[1]))
         sense = math.copysign(1.0, e[1]) if turned > 0.0 else math.copysign(1.0, y[1])
         climb = sense * y[1] + across * y[0] * (b * math.sin(turned) - a * math.cos(turned))  # along growing |theta|
-        if (turned == 0.0 and climb <= 0.0) or (turned >= most * (1.0 - 1e-12) and climb >= 0.0):
+        if (turned == 0.0 and climb <= 0.0) or (turned >= most * (1.0 - AT_MOST) and climb >= 0.0):
             return None
         return most, lambda turn: np.array([across * self.room(turn), sense * turn])
 

@@ -19,7 +19,7 @@ import math
 from rattle.elements.clearances import ClearanceKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import kind
 
 
@@ -30,8 +30,8 @@ def pin(body, a, b, p, k, corner, row, kinematics):
     c, bore = p[k + at.CLEARANCE], p[k + at.RADIUS]
     wa, wb = body[a, at.W], body[b, at.W]
     e = math.sqrt(ex * ex + ey * ey)
-    inv = 1.0 / e if e > 1e-150 else 0.0
-    nx = ex * inv if e > 1e-150 else 1.0
+    inv = 1.0 / e if e > COINCIDENT else 0.0
+    nx = ex * inv if e > COINCIDENT else 1.0
     ny = ey * inv
     along = nx * dex + ny * dey
     across = nx * dey - ny * dex  # t . e'

@@ -29,11 +29,9 @@ from rattle.elements.disc_contact import write_disc
 from rattle.elements.geneva import AT_END, AT_START, BOTH, open_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.geometry import direction, ends
+from rattle.jit.geometry import COINCIDENT, direction, ends
 from rattle.language.recorded import hypot
 from rattle.registry import kind
-
-TINY = 1e-150  # distance [m] that may be divided by: the centre of a pin at a corner, far inside of the material
 
 
 @compiled
@@ -54,7 +52,7 @@ def nearest(x, y, half, opens, width, radius):
     if corner:
         fy -= side * width
     far = math.sqrt(fx * fx + fy * fy)
-    inv = 1.0 / max(far, TINY)
+    inv = 1.0 / max(far, COINCIDENT)  # the centre of a pin at a corner is far inside of the material
     if corner or (opens > 0.0 and far > width):
         return -fx * inv, -fy * inv, far - (0.0 if corner else width) - radius, -inv, False
     return fx * inv, fy * inv, width - radius - far, inv, True

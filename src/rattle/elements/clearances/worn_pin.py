@@ -79,7 +79,10 @@ class WornPlay(FreePlay):
         dual = np.array([np.cos(theta), np.sin(theta)]).T / far[:, None]
         kept = dual[ConvexHull(dual).vertices]
         self._corners = np.array(
-            [np.linalg.solve([one, other], [1.0, 1.0]) for one, other in zip(kept, np.roll(kept, -1, 0), strict=True)]
+            [
+                np.linalg.solve([normal, next_normal], [1.0, 1.0])
+                for normal, next_normal in zip(kept, np.roll(kept, -1, 0), strict=True)
+            ]
         )
 
     def first_order(self, y: np.ndarray) -> tuple[float, np.ndarray]:
@@ -104,13 +107,13 @@ class WornPin(ClearanceKind):
     @staticmethod
     def worn_play(wear: Any, clearance: float) -> FreePlay:
         """The displacements that the clearance and the profiles of a joint allow; wear: `Wear` of a model."""
-        bush, pin = (np.asarray(one, dtype=float) for one in wear.profile)
+        bush, pin = (np.asarray(depths, dtype=float) for depths in wear.profile)
         return WornPlay(clearance, bush, pin)
 
     @staticmethod
     def parameters(wear: Any) -> tuple[float, ...]:
         """Parameters of the kernel after those of `pin`, in the order of `worn_bins`; wear: `Wear` of a model."""
-        bush, pin = (np.asarray(one, dtype=float) for one in wear.profile)
+        bush, pin = (np.asarray(depths, dtype=float) for depths in wear.profile)
         n, wide = len(bush), 2.0 * math.pi / len(bush)
         chord = 12.0 * (1.0 - math.cos(wide)) / (wide * wide * (4.0 + 2.0 * math.cos(wide)))
         bed = wear.foundation * wear.radius * wear.length * wide

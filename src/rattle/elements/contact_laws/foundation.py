@@ -17,6 +17,8 @@ from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 
+SMALL = 0.03  # half an angle of contact [rad] below which the closed form loses more than its series leaves out
+
 
 @kernel("stiffness")
 def bedded(delta, p, k):
@@ -26,7 +28,7 @@ def bedded(delta, p, k):
     c = p[k + 1]
     s = math.sqrt(delta * (2.0 * c + delta)) / (c + delta)  # sin theta_0
     theta = math.atan2(s * (c + delta), c)
-    if theta > 0.03:
+    if theta > SMALL:
         return p[k] * (theta * (c + delta) - c * s)
     q = theta * theta
     return p[k] * c * theta * q * (2.0 / 3.0 + q * (0.2 + q * (107.0 / 1260.0 + q * 779.0 / 22680.0)))

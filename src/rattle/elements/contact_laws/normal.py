@@ -28,6 +28,8 @@ from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number, sqrt
 from rattle.registry import Field, kind, kinds
 
+NOTICED = 0.02  # difference between the given and the returned restitution that the user is told of
+
 
 @kernel("normal")
 def hysteretic(static, delta, ddelta, v0, p, k):
@@ -64,11 +66,11 @@ def returned(law: str, restitution: float) -> float:
 
 
 def _leaf(law: str) -> Any:
-    known = kinds("normal")
-    if law not in known:
-        near = difflib.get_close_matches(law, known, 1)
+    laws = kinds("normal")
+    if law not in laws:
+        near = difflib.get_close_matches(law, laws, 1)
         raise InputError(f"unknown normal law '{law}'" + (f"; did you mean '{near[0]}'?" if near else ""))
-    return known[law].leaf
+    return laws[law].leaf
 
 
 class Damped(ABC):
@@ -88,10 +90,10 @@ class Damped(ABC):
 
     @classmethod
     def notes(cls, values: Mapping[str, Any]) -> list[str]:
-        """Remark for the user if the law returns a restitution that differs from the given one by more than 0.02."""
+        """Remark for the user if the law returns a restitution that differs from the given one noticeably."""
         e = checked(values["restitution"])
         x = cls.returned(e)
-        if abs(x - e) <= 0.02:
+        if abs(x - e) <= NOTICED:
             return []
         return [f"this law returns a restitution of {x:.3f} instead of {e:g}; the law 'exact' returns the given value"]
 

@@ -22,6 +22,7 @@ from collections.abc import Callable
 from rattle.errors import InputError
 
 LEAST_RESTITUTION = 1e-3  # a is about 1/x as x -> 0: smaller values are replaced by this one
+SERIES = 0.1  # below it the closed form of psi loses digits and its series converges in 18 terms
 
 
 def factor_returning(restitution: float) -> float:
@@ -72,7 +73,7 @@ def checked(restitution: float) -> float:
 
 
 def _psi(y: float, log1p_y: float) -> float:
-    if abs(y) > 0.1:
+    if abs(y) > SERIES:
         return 0.5 - (y - log1p_y) / (y * y)
     total = 0.0
     for n in range(20, 2, -1):  # y/3 - y^2/4 + ..., 18 terms leave 1e-20

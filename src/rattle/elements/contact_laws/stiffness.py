@@ -24,6 +24,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.errors import InputError
+from rattle.jit.choices import TINY
 from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus, material
 from rattle.language.recorded import as_number, sqrt
@@ -31,6 +32,11 @@ from rattle.registry import Field, kind
 
 TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2, where the tangent begins
 FORCE_AT_TURN = math.exp(-2.0)  # F/D there
+SOLVED = 1e-14  # share of w: steps below it end Newton's method
+LEAST_PENETRATION = 1e-9  # [m] from which on a penetration is looked for, by doubling
+CLOSE_FIT = 0.1  # clearance over the pin radius above which contacts are not conforming: our limit
+FITTED = 0.005, 10.0  # clearances to which the formula of Pereira and others was fitted [mm]
+BENDS_AT = 0.34954  # clearance at which it passes from one branch to the other [mm]
 
 
 @kernel("stiffness")
@@ -51,12 +57,12 @@ def logarithmic(delta, p, k):
     x = delta / (c * d)
     if x >= TURN:
         return d * FORCE_AT_TURN + (delta - c * d * TURN) / c
-    s = -math.log(max(x, 1e-300))
+    s = -math.log(max(x, TINY))
     w = s + math.log(s) * (1.0 + 1.0 / s)
     for _ in range(20):
         step = (w - math.log(w) - s) * w / (w - 1.0)
         w -= step
-        if abs(step) <= 1e-14 * w:
+        if abs(step) <= SOLVED * w:
             break
     return delta / (c * w)
 
@@ -73,7 +79,7 @@ def penetration(law: KernelFunction, p: Any, force: float, k: int = 0) -> float:
     """Penetration [m] at which the static force of a kernel with parameters p[k:] is `force` [N]."""
     if force <= 0.0:
         return 0.0
-    high = 1e-9
+    high = LEAST_PENETRATION
     while law.python(high, p, k) < force:
         high *= 2.0
     low = 0.0
@@ -283,7 +289,7 @@ class Liu(Cylinder):
     def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
         """Remark for the user on a clearance that is not small compared with the pin radius."""
         _, pin, play = _radii(values)
-        if play <= 0.1 * pin:
+        if play <= CLOSE_FIT * pin:
             return []
         return [f"the clearance is {play / pin:.0%} of the pin radius; this formula is made for at most 10 %"]
 
@@ -302,8 +308,8 @@ class Pereira(Cylinder):
     @classmethod
     def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
         play = 1e3 * _radii(values)[2]
-        inside = min(max(play, 0.005), 10.0)
-        if inside < 0.34954:
+        inside = min(max(play, FITTED[0]), FITTED[1])
+        if inside < BENDS_AT:
             y = 1.51 * math.log(1000.0 * inside) ** -0.151
         else:
             y = 0.0151 * inside + 1.151
@@ -315,6 +321,6 @@ class Pereira(Cylinder):
     def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
         """Remark for the user on a clearance outside the range of the fit."""
         play = 1e3 * _radii(values)[2]
-        if 0.005 <= play <= 10.0:
+        if FITTED[0] <= play <= FITTED[1]:
             return []
         return [f"a clearance of {play:g} mm is outside 0.005 ... 10 mm, the range to which this formula was fitted"]

@@ -79,8 +79,8 @@ def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Calla
         if key in TAKEN[family] or key.startswith("_"):
             raise InputError(f"{family} law '{name}': a field cannot be called '{key}'")
         dimension_of(unit)
-    known = registry.kinds(family)
-    if name in known and not isinstance(known[name].kernel, ContactLaw):
+    entered = registry.kinds(family)
+    if name in entered and not isinstance(entered[name].kernel, ContactLaw):
         raise InputError(f"{family} law '{name}': a built-in law has this name; choose another")
     if family == "normal" and name in registry.kinds("contact"):
         raise InputError(f"normal law '{name}': a built-in contact model has this name; choose another")
@@ -125,53 +125,53 @@ class ContactLaw(UsersKernel):
             return (_without, _with_one)[self.states](law, self.fields)
         return _with_many(law, self.fields, taking("", self.states), self.states)
 
-    def flat(self, *given: float) -> Sequence[float]:
+    def flat(self, *flattened: float) -> Sequence[float]:
         """What the law returns as plain Python; arguments and result are numbers one after the other."""
-        numbers = iter(given)
+        numbers = iter(flattened)
         arguments = [tuple(islice(numbers, size)) if size else next(numbers) for size in self.sizes]
         if load_law.interrupted():  # do not call the law again: the run ends
             raise InterruptedError
         try:
-            found = self.law(*arguments, self.pack(*numbers))
+            result = self.law(*arguments, self.pack(*numbers))
         except KeyboardInterrupt as error:  # it is raised again when the run has ended
             load_law.note(self.name, math.inf, error)
             raise
-        return tuple(_numbers(found))
+        return tuple(_numbers(result))
 
 
-def _numbers(found: Any) -> Iterator[float]:
-    for one in found if isinstance(found, tuple | list) else [found]:
-        yield from _numbers(one) if isinstance(one, tuple | list | np.ndarray) else [float(one)]
+def _numbers(result: Any) -> Iterator[float]:
+    for item in result if isinstance(result, tuple | list) else [result]:
+        yield from _numbers(item) if isinstance(item, tuple | list | np.ndarray) else [float(item)]
 
 
 # an exception is nan, which ends the run with a message
-def _normal(law: Law, given: Callable[..., Any]) -> Callable[..., Any]:
+def _normal(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
     def run(static: Any, delta: Any, ddelta: Any, v0: Any, p: Any, k: Any) -> float:
         if delta <= 0.0:
             return 0.0
         try:
-            return max(0.0, float(law(static, delta, ddelta, v0, given(p, k))))
+            return max(0.0, float(law(static, delta, ddelta, v0, fields(p, k))))
         except Exception:
             return math.nan
 
     return run
 
 
-def _without(law: Law, given: Callable[..., Any]) -> Callable[..., Any]:
+def _without(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
     def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         try:
-            return float(law(u, max(N, LIGHT), given(p, k)))
+            return float(law(u, max(N, LIGHT), fields(p, k)))
         except Exception:
             return math.nan
 
     return run
 
 
-def _with_one(law: Law, given: Callable[..., Any]) -> Callable[..., Any]:
+def _with_one(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
     def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         dz[0] = 0.0
         try:
-            force, rate = law(u, max(N, LIGHT), z[0], given(p, k))
+            force, rate = law(u, max(N, LIGHT), z[0], fields(p, k))
             dz[0] = rate
             return float(force)
         except Exception:
@@ -180,12 +180,12 @@ def _with_one(law: Law, given: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
-def _with_many(law: Law, given: Callable[..., Any], own: Callable[..., Any], states: int) -> Callable[..., Any]:
+def _with_many(law: Law, fields: Callable[..., Any], own: Callable[..., Any], states: int) -> Callable[..., Any]:
     def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
         for n in range(states):
             dz[n] = 0.0
         try:
-            force, rates = law(u, max(N, LIGHT), own(z, 0), given(p, k))
+            force, rates = law(u, max(N, LIGHT), own(z, 0), fields(p, k))
             for place, rate in enumerate(rates):
                 dz[place] = rate
             return float(force)
@@ -230,22 +230,22 @@ def failure(
 
 def _kernel(family: str, tag: float) -> KernelFunction:
     """A kernel by its index in the table of its family; the law of strands follows on the normal laws."""
-    found = list(registry.kinds(family).values())
+    family_kinds = list(registry.kinds(family).values())
     if family == "normal":
-        found += registry.kinds("tension").values()
-    kernels: list[KernelFunction] = [one.kernel for one in found if one.kernel is not None]
+        family_kinds += registry.kinds("tension").values()
+    kernels: list[KernelFunction] = [kind.kernel for kind in family_kinds if kind.kernel is not None]
     return kernels[int(tag)]
 
 
 def _tried(kernel: ContactLaw, where: str, arguments: tuple[Any, ...], values: np.ndarray) -> tuple[float, str]:
     """Force [N] of a law, and in words why it has no finite value ("" if it has one)."""
     name = f"{kernel.family} law '{kernel.name}'"
-    given = kernel.pack(*(float(one) for one in values[: len(kernel.pack._fields)]))
+    fields = kernel.pack(*(float(number) for number in values[: len(kernel.pack._fields)]))
     try:
-        found = kernel.law(*arguments, given)
-        force, *rate = found if isinstance(found, tuple) else (found,)
-        if all(np.isfinite(one).all() for one in (force, *rate)):
+        result = kernel.law(*arguments, fields)
+        force, *rate = result if isinstance(result, tuple) else (result,)
+        if all(np.isfinite(number).all() for number in (force, *rate)):
             return float(force), ""
     except Exception as error:  # any exception of the user's function is reported
         return math.nan, f"{name} raised {type(error).__name__}: {error} ({where})"
-    return math.nan, f"{name} gives {found} {where}"
+    return math.nan, f"{name} gives {result} {where}"

@@ -43,20 +43,22 @@ def run_law_file(path: str | os.PathLike[str]) -> list[str]:
     finally:
         with suppress(ValueError):  # the file may have changed it
             sys.path.remove(folder)
-    found = [
+    names = [
         f"{words} '{name}'"
         for family, words in FAMILIES.items()
-        for name, one in registry.kinds(family).items()
-        if before[family].get(name) is not one
+        for name, kind in registry.kinds(family).items()
+        if before[family].get(name) is not kind
     ]
-    if not found:
+    if not names:
         raise InputError(f"{path} defines no law; write @rt.load_law(...) or the like above a function")
-    return found
+    return names
 
 
 def _line(error: BaseException, file: Path) -> str:
     """Where in a file an exception comes from: ", line 3"; "" if that is not known."""
     if isinstance(error, SyntaxError):
         return f", line {error.lineno}"
-    lines = [one.lineno for one in traceback.extract_tb(error.__traceback__) if Path(one.filename) == file.resolve()]
+    lines = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == file.resolve()
+    ]
     return f", line {lines[-1]}" if lines else ""

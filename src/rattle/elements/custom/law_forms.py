@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rattle.jit import layout as at
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field
 
 Made = Callable[..., Any]
@@ -28,13 +28,13 @@ class Form(NamedTuple):
 
 
 # ---------------------------------------------------------------- one body
-def _on_body(law: Made, given: Made) -> Made:
+def _on_body(law: Made, fields: Made) -> Made:
     def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         kept = force[b, at.X]
         force[b, at.X] = math.nan
         state = (body[b, at.X], body[b, at.Y], body[b, at.PHI], body[b, at.VX], body[b, at.VY], body[b, at.W])
         try:
-            fx, fy, torque = law(t, state, given(p, k))
+            fx, fy, torque = law(t, state, fields(p, k))
         except Exception:
             return
         force[b, at.X] = kept + fx
@@ -46,16 +46,16 @@ def _on_body(law: Made, given: Made) -> Made:
 
 
 # ---------------------------------------------------------------- two points
-def _along_line(law: Made, given: Made) -> Made:
+def _along_line(law: Made, fields: Made) -> Made:
     def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
         length = math.sqrt(dx * dx + dy * dy)
-        inv = 1.0 / length if length > 1e-150 else 0.0  # coincident ends: no direction, no force
+        inv = 1.0 / length if length > COINCIDENT else 0.0  # coincident ends: no direction, no force
         nx, ny = dx * inv, dy * inv
         kept = force[b, at.X]
         force[b, at.X] = math.nan
         try:
-            push = law(t, length, nx * ddx + ny * ddy, given(p, k + 4))
+            push = law(t, length, nx * ddx + ny * ddy, fields(p, k + 4))
         except Exception:
             return
         fx, fy = push * nx, push * ny
@@ -71,7 +71,7 @@ def _along_line(law: Made, given: Made) -> Made:
 
 
 # ---------------------------------------------------------------- two bodies
-def _between_bodies(law: Made, given: Made) -> Made:
+def _between_bodies(law: Made, fields: Made) -> Made:
     """The reaction acts on A at the point of B, so that angular momentum is kept."""
 
     def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
@@ -79,12 +79,12 @@ def _between_bodies(law: Made, given: Made) -> Made:
         wa, wb = body[a, at.W], body[b, at.W]
         ax, ay = body[a, at.X] + sax, body[a, at.Y] + say
         vax, vay = body[a, at.VX] - wa * say, body[a, at.VY] + wa * sax
-        one = (ax, ay, body[a, at.PHI], vax, vay, wa)
-        other = (ax + dx, ay + dy, body[b, at.PHI], vax + ddx, vay + ddy, wb)
+        state_a = (ax, ay, body[a, at.PHI], vax, vay, wa)
+        state_b = (ax + dx, ay + dy, body[b, at.PHI], vax + ddx, vay + ddy, wb)
         kept = force[b, at.X]
         force[b, at.X] = math.nan
         try:
-            fx, fy, torque = law(t, one, other, given(p, k + 4))
+            fx, fy, torque = law(t, state_a, state_b, fields(p, k + 4))
         except Exception:
             return
         force[a, at.X] -= fx

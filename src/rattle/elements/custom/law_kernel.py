@@ -11,7 +11,7 @@ import hashlib
 import logging
 from abc import abstractmethod
 from collections import namedtuple
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from inspect import isfunction, ismodule
 from typing import Any
 
@@ -51,7 +51,7 @@ class UsersKernel(KernelFunction):
         """The kernel with this law in it, for machine code."""
 
     @abstractmethod
-    def flat(self, *given: float) -> Sequence[float]:
+    def flat(self, *flattened: float) -> Sequence[float]:
         """What the law returns as plain Python; arguments and result are numbers one after the other."""
 
     @property
@@ -105,7 +105,7 @@ def place_of(law: Any, words: str) -> str:
 
 def outside(law: Any) -> Any:
     """Numbers, texts and arrays that a function uses from outside, and those of the functions that it calls."""
-    found: dict[Any, Any] = {}
+    used: dict[Any, Any] = {}
     ahead, seen = [getattr(law, "py_func", law)], set()
     while ahead:
         function = ahead.pop()
@@ -113,24 +113,27 @@ def outside(law: Any) -> Any:
         if code is None or id(function) in seen:
             continue
         seen.add(id(function))
-        names = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
-        cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
-        names |= {name: content for name, cell in cells for content in _content(cell)}
-        names |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
-        for name, value in names.items():
-            value = getattr(value, "py_func", value)
+        for name, value in _names_around(function, code):
             if isfunction(value):
                 ahead.append(value)
             elif ismodule(value):
-                inside = {one: getattr(value, one) for one in code.co_names if hasattr(value, one)}
-                found |= {(id(code), name, one): repr(x) for one, x in inside.items() if isinstance(x, int | float)}
+                numbers = {key: getattr(value, key, None) for key in code.co_names}
+                used |= {(id(code), name, key): repr(x) for key, x in numbers.items() if isinstance(x, int | float)}
             elif isinstance(value, np.ndarray):
-                found[id(code), name] = (value.shape, value.dtype.str, value.tobytes())
+                used[id(code), name] = (value.shape, value.dtype.str, value.tobytes())
             else:
-                found[id(code), name] = (
-                    repr(value) if isinstance(value, int | float | str | tuple | list) else id(value)
-                )
-    return found
+                used[id(code), name] = repr(value) if isinstance(value, int | float | str | tuple | list) else id(value)
+    return used
+
+
+def _names_around(function: Any, code: Any) -> Iterator[tuple[str, Any]]:
+    """Names that a function takes from its module, from around it and as defaults, and what they are."""
+    names = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
+    cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
+    names |= {name: content for name, cell in cells for content in _content(cell)}
+    names |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
+    for name, value in names.items():
+        yield name, getattr(value, "py_func", value)
 
 
 def _content(cell: Any) -> list[Any]:

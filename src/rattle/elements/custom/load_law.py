@@ -91,19 +91,19 @@ class LawKernel(UsersKernel):
     def calling(self, law: Law) -> Callable[..., None]:
         """The kernel for plain Python with another law: (t, arguments, values) -> result."""
         return self.form.kernel(
-            lambda t, *given: law(float(t), _floats(given[:-1]), given[len(given) - 1]), self.fields
+            lambda t, *arguments: law(float(t), _floats(arguments[:-1]), arguments[len(arguments) - 1]), self.fields
         )
 
     def around(self, law: Any) -> Callable[..., Any]:
         """The kernel with this law in it, for machine code."""
         return self.form.kernel(law, self.fields)
 
-    def flat(self, *given: float) -> Sequence[float]:
+    def flat(self, *flattened: float) -> Sequence[float]:
         """What the law returns as plain Python; arguments and result are numbers one after the other."""
-        numbers = iter(given[1:])
+        numbers = iter(flattened[1:])
         arguments = [tuple(islice(numbers, size)) if size else next(numbers) for size in self.sizes[1:]]
-        found = self.evaluate(given[0], arguments, tuple(numbers))
-        return found if self.several else (found,)
+        result = self.evaluate(flattened[0], arguments, tuple(numbers))
+        return result if self.several else (result,)
 
     @property
     def several(self) -> bool:
@@ -119,19 +119,19 @@ class LawKernel(UsersKernel):
         if interrupted():  # do not call the law again: the run ends
             return nothing
         try:
-            found = self.law(t, *arguments, self.pack(*values))
+            result = self.law(t, *arguments, self.pack(*values))
             if not self.several:
-                return float(found)
-            fx, fy, torque = found
+                return float(result)
+            fx, fy, torque = result
             return float(fx), float(fy), float(torque)
         except BaseException as error:  # a run does not stop at an exception, not even at Ctrl-C
             note(self.name, t, error)
             return nothing
 
 
-def _floats(given: Any) -> Any:
+def _floats(value: Any) -> Any:
     """Numbers of Python in place of those of NumPy, which divide by zero without an exception."""
-    return float(given) if np.ndim(given) == 0 else tuple(_floats(one) for one in given)
+    return float(value) if np.ndim(value) == 0 else tuple(_floats(item) for item in value)
 
 
 def note(name: str, t: float, error: BaseException) -> None:
@@ -174,11 +174,11 @@ def failure(kind: str, t: float, body: np.ndarray, load: np.ndarray, values: np.
     forget()
     heard: list[Any] = []
 
-    def law(*given: Any) -> Any:
-        heard.append(kernel.evaluate(*given))
+    def law(*arguments: Any) -> Any:
+        heard.append(kernel.evaluate(*arguments))
         return heard[-1]
 
-    a, b, k = (int(load[one]) for one in (at.END_A, at.END_B, at.FIRST_P))
+    a, b, k = (int(load[column]) for column in (at.END_A, at.END_B, at.FIRST_P))
     kernel.calling(law)(t, body, a, b, values, k, np.zeros((len(body), 3)), np.zeros(4))
     if np.isfinite(heard[0]).all():
         return ""

@@ -69,8 +69,8 @@ class FilmLaw:
         ratio = clearance / as_number(values["bush_radius"])
         if ratio <= THINNEST:
             return []
-        said = f"the clearance is {ratio:.3g} of the radius; the theory of thin films needs at most {THINNEST:g}"
-        return [said]
+        fault = f"the clearance is {ratio:.3g} of the radius; the theory of thin films needs at most {THINNEST:g}"
+        return [fault]
 
     @classmethod
     def notes(cls, values: Mapping[str, Any]) -> list[str]:

@@ -30,6 +30,8 @@ from rattle.jit.functions import kernel
 from rattle.language.recorded import Recorded, array_of
 from rattle.registry import kind
 
+ROUNDED = 1e-12  # share by which L/D may exceed the end of the table by rounding
+
 
 @kernel("film")
 def finite(ex, ey, vx, vy, wa, wb, p, k, table, out):
@@ -88,10 +90,10 @@ class Finite(FilmLaw):
     @classmethod
     def faults(cls, values: Mapping[str, Any], clearance: float) -> list[str]:
         """Thin films, and no longer than the table."""
-        ratio, found = ratio_of(values), super().faults(values, clearance)
-        if ratio > LONGEST * (1.0 + 1e-12):
-            found.append(f"L/D is {ratio:.3g}; the table of the law 'finite' ends at {LONGEST:g}: use a shorter bush")
-        return found
+        ratio, faults = ratio_of(values), super().faults(values, clearance)
+        if ratio > LONGEST * (1.0 + ROUNDED):
+            faults.append(f"L/D is {ratio:.3g}; the table of the law 'finite' ends at {LONGEST:g}: use a shorter bush")
+        return faults
 
     @classmethod
     def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
@@ -115,6 +117,6 @@ def _coefficients(name: str, values: Mapping[str, Any]) -> Array:
 def _ratio(name: str, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
     """A ratio to the short film from its table."""
     kept = _coefficients(f"{'full_' if values['cavitation'] == 'full' else ''}{name}", values)
-    found = np.empty(len(e))
-    read_ratios(e, alpha, np.array(kept), found)  # a copy: compiled functions take no read-only array
-    return found
+    ratios = np.empty(len(e))
+    read_ratios(e, alpha, np.array(kept), ratios)  # a copy: compiled functions take no read-only array
+    return ratios

@@ -71,6 +71,6 @@ class PinkusSternlicht(FilmLaw):
     @classmethod
     def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
         """The largest pressure of the exact solution for the wedge and the squeeze of a long film, together."""
-        found = np.empty(len(e))
-        long_peaks(e, alpha, found)
-        return found * 3.0 / ratio_of(values) ** 2
+        peaks = np.empty(len(e))
+        long_peaks(e, alpha, peaks)
+        return peaks * 3.0 / ratio_of(values) ** 2

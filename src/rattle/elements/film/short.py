@@ -67,9 +67,9 @@ class Short(FilmLaw):
 
     @classmethod
     def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
-        found = np.empty(len(e))
-        short_peaks(e, alpha, found)
-        return found
+        peaks = np.empty(len(e))
+        short_peaks(e, alpha, peaks)
+        return peaks
 
     @classmethod
     def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:

@@ -66,7 +66,7 @@ class JointKind:
     motor: ClassVar[Motor | None] = None  # None: no coordinate that a driver could move
     coordinate: ClassVar[str] = ""  # what expressions and results know of it, with its rate: angle | position
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
-    drawn_as: ClassVar[str] = ""  # a form of rattle.plots.drawings: pin, rod, guide ...; "" if it is not drawn
+    drawn_as: ClassVar[str] = ""  # a form of rattle.drawings.forms: pin, rod, guide ...; "" if it is not drawn
     rubs: ClassVar[bool] = False  # True: it may have friction by its own reaction, as a pin or (with a line) a guide
     tangents: ClassVar[tuple[str, ...]] = ()  # kinds of rows along which its friction acts; none: its coordinate's
     rubs_with: ClassVar[Mapping[str, Field]] = {}  # what its friction needs besides its model
@@ -74,8 +74,8 @@ class JointKind:
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
 
     @staticmethod
-    def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-        """What is wrong with keys that were `given`, or missing (key ""), besides what each field says by itself."""
+    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+        """What is wrong with keys that were `written`, or missing (key ""), besides what each field says by itself."""
         return ()
 
     @staticmethod

@@ -73,9 +73,9 @@ class Belt(JointKind):
         ra, rb = fields["radii"]
         across = np.clip((ra + rb if fields["crossed"] else -abs(ra - rb)) / distance, -1.0, 1.0)
         wrap = np.pi + 2.0 * np.arcsin(across)
-        given = fields["friction"] > 0.0
-        mu = fields["friction"] if given else USUAL
-        return Grip(mu, "" if given else ", assumed", wrap, np.exp(mu * wrap))
+        rough = fields["friction"] > 0.0
+        mu = fields["friction"] if rough else USUAL
+        return Grip(mu, "" if rough else ", assumed", wrap, np.exp(mu * wrap))
 
     @staticmethod
     def start_constants(residual: tuple[float, ...], d: tuple[float, float]) -> tuple[float, ...]:

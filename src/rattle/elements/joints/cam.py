@@ -38,7 +38,7 @@ from rattle.elements.rolling import ROLLER, roller_at
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.language.local_jet import function_jet
 from rattle.registry import Field, kind
 
@@ -75,7 +75,7 @@ def on_path(body, a, b, p, k, row, rows):
     f, df, ddf = function_jet(p, k + 4, math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
     d = math.sqrt(dx * dx + dy * dy)
     # in the centre there is no direction: any one does, and the residual -f then moves the point away
-    apart = assume(d > 1e-150)
+    apart = assume(d > COINCIDENT)
     inv = 1.0 / d if apart else 0.0
     ex = dx * inv if apart else 1.0
     ey = dy * inv
@@ -104,7 +104,7 @@ def along_curve(body, a, b, p, k, row, rows):
     cos, sin = body[a, at.COS], body[a, at.SIN]
     _, df, ddf = function_jet(p, k + 4, math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
     d = math.sqrt(dx * dx + dy * dy)
-    apart = assume(d > 1e-150)
+    apart = assume(d > COINCIDENT)
     inv = 1.0 / d if apart else 0.0
     ex, ey = dx * inv if apart else 1.0, dy * inv
     u = df * inv

@@ -61,7 +61,7 @@ class Clutch(JointKind):
     max_torque = Field("N*m", "torque at which an ideal clutch slips", default=math.inf, least="positive")
 
     @staticmethod
-    def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         """Keys and what is wrong with them: a sense, a missing key, keys of other models."""
         if fields["sense"] not in (1.0, -1.0) and not math.isnan(fields["sense"]):
             yield "sense", f"expected 1 (counter-clockwise) or -1 (clockwise), got {fields['sense']:g}"
@@ -70,10 +70,10 @@ class Clutch(JointKind):
         model = int(fields["model"])
         used = (*NEEDS.get(model, ()), *MAY_HAVE.get(model, ()))
         for key in NEEDS.get(model, ()):
-            if key not in given:
+            if key not in written:
                 yield "", f'a clutch with model = "{MODELS[model]}" needs {key}'
         for key in ("damping", "stiffness", "teeth", "max_torque"):
-            if key in given and key not in used:
+            if key in written and key not in used:
                 suited = " or ".join(
                     f'"{name}"' for n, name in enumerate(MODELS) if key in (*NEEDS.get(n, ()), *MAY_HAVE.get(n, ()))
                 )

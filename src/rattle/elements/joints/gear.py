@@ -84,18 +84,18 @@ class Gear(JointKind):
         return mesh.arm(first, mesh.wheel(rb, *size), own)
 
     @staticmethod
-    def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         """Teeth with flanks are contacts with a pressure angle."""
-        angle, contact = fields["pressure_angle"], "contact" in given
-        if "pressure_angle" in given and not 0.0 < angle <= mesh.STEEPEST:
+        angle, contact = fields["pressure_angle"], "contact" in written
+        if "pressure_angle" in written and not 0.0 < angle <= mesh.STEEPEST:
             yield (
                 "pressure_angle",
                 f"{degrees(angle)} is outside of 0 to {degrees(mesh.STEEPEST)}; teeth have 20 deg, for example",
             )
-        if contact and "pressure_angle" not in given:
+        if contact and "pressure_angle" not in written:
             yield "contact", 'needs pressure_angle, the direction in which the flanks push, as "20 deg"'
         for key in ("pressure_angle", "backlash"):
-            if key in given and not contact:
+            if key in written and not contact:
                 yield (
                     key,
                     (

@@ -58,19 +58,19 @@ class LockingDisc(JointKind):
     axis = Field("rad", "direction in A of the middle of the sector that is cut out: that of the pin", default=0.0)
     opening = Field(
         "rad", "angle of that sector (default: 180 deg - 360 deg/arcs)", least="positive",
-        default=lambda given: math.pi - 2.0 * math.pi / given["arcs"] if given["arcs"] else math.nan,
+        default=lambda fields: math.pi - 2.0 * math.pi / fields["arcs"] if fields["arcs"] else math.nan,
     )  # fmt: skip
     first = Field(
         "rad", "direction in B of the middle of an arc (default: 180 deg/arcs, with a slot at 0)",
-        default=lambda given: math.pi / given["arcs"] if given["arcs"] else math.nan,
+        default=lambda fields: math.pi / fields["arcs"] if fields["arcs"] else math.nan,
     )  # fmt: skip
     rounding = Field(
         "m", "radius of the corners of disc and arcs (default: a fiftieth of the disc)", least="positive",
-        default=lambda given: ROUND * given["radius"],
+        default=lambda fields: ROUND * fields["radius"],
     )  # fmt: skip
 
     @staticmethod
-    def faults(given: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         """A number of arcs that is no number of slots."""
         arcs = fields["arcs"]
         if not math.isnan(bare(arcs)) and (not is_whole(arcs) or arcs < FEWEST):
@@ -117,9 +117,9 @@ class LockingDisc(JointKind):
         arc = np.column_stack([fields["axle_distance"] + hollow * np.cos(turns), hollow * np.sin(turns)])
         gamma = abs(math.atan2(arc[-1, 1], arc[-1, 0]))
         rim = np.linspace(gamma, 2.0 * math.pi / count - gamma, POINTS // count)[1:-1]
-        one = np.vstack([arc[np.argsort(arc[:, 1])], fields["rim"] * np.column_stack([np.cos(rim), np.sin(rim)])])
+        sector = np.vstack([arc[np.argsort(arc[:, 1])], fields["rim"] * np.column_stack([np.cos(rim), np.sin(rim)])])
         ways = fields["first"] + 2.0 * math.pi / count * np.arange(count)
-        whole = [one @ np.array([[c, s], [-s, c]]) for c, s in zip(np.cos(ways), np.sin(ways), strict=True)]
+        whole = [sector @ np.array([[c, s], [-s, c]]) for c, s in zip(np.cos(ways), np.sin(ways), strict=True)]
         return np.vstack([*whole, whole[0][:1]])
 
     @staticmethod

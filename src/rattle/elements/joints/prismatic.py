@@ -59,7 +59,7 @@ class Prismatic(JointKind):
     drawn_as = "guide"
     rubs = True
     axis = Field("rad", "direction of the line in A's frame", default=0.0)
-    angle = Field("rad", "angle of B relative to A (default: equal to axis)", default=lambda given: given["axis"])
+    angle = Field("rad", "angle of B relative to A (default: equal to axis)", default=lambda fields: fields["axis"])
 
     @staticmethod
     def kept_angle(fields: Mapping[str, float]) -> float:

@@ -26,7 +26,7 @@ from rattle.elements.wrapped import write_turning
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field, kind
 
 
@@ -37,7 +37,7 @@ def rod(body, a, b, p, k, row, rows):
     wa, wb = body[a, at.W], body[b, at.W]
     d = math.sqrt(dx * dx + dy * dy)
     # coincident ends have no direction: any one does, and the residual -L then moves them apart
-    apart = assume(d > 1e-150)
+    apart = assume(d > COINCIDENT)
     inv = 1.0 / d if apart else 0.0
     nx = dx * inv if apart else 1.0
     ny = dy * inv

@@ -12,7 +12,7 @@ from rattle.elements.loads import LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field, kind
 
 
@@ -21,7 +21,7 @@ def actuator(t, body, a, b, p, k, force, energy):
     """Add F [N] on both bodies and its power [W]; p[k:] = two points [m], F."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     length = math.sqrt(dx * dx + dy * dy)
-    inv = 1.0 / length if assume(length > 1e-150) else 0.0  # coincident ends: no direction, no force
+    inv = 1.0 / length if assume(length > COINCIDENT) else 0.0  # coincident ends: no direction, no force
     fx, fy = p[k + 4] * dx * inv, p[k + 4] * dy * inv
     force[a, at.X] -= fx
     force[a, at.Y] -= fy

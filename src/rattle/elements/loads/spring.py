@@ -11,7 +11,7 @@ from rattle.elements.loads import LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field, kind
 
 
@@ -21,7 +21,7 @@ def spring(t, body, a, b, p, k, force, energy):
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     stiffness, free_length, damping = p[k + 4], p[k + 5], p[k + 6]
     length = math.sqrt(dx * dx + dy * dy)
-    inv = 1.0 / length if assume(length > 1e-150) else 0.0  # coincident ends: no direction, no force
+    inv = 1.0 / length if assume(length > COINCIDENT) else 0.0  # coincident ends: no direction, no force
     nx, ny = dx * inv, dy * inv
     rate = nx * ddx + ny * ddy
     stretch = length - free_length

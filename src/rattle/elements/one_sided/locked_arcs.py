@@ -28,12 +28,11 @@ from rattle.elements.geneva import half_angle
 from rattle.elements.one_sided import OneSidedKind
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.language.recorded import cos, hypot, sin
 from rattle.registry import kind
 
 FAR = 1e30  # gap [m] of a contact before the first candidate
-TINY = 1e-150  # distance [m] that may be divided by
 
 
 class Lock(NamedTuple):
@@ -71,12 +70,12 @@ def to_sector(x, y, ex, ey):
     far, along = math.sqrt(x * x + y * y), (ex * x + ey * y) / radius
     inside = (ex * y - ey * x) / radius  # from the straight side into the material
     if inside >= 0.0:
-        return x, side * y, far, far - radius, -1.0 / max(far, TINY)
+        return x, side * y, far, far - radius, -1.0 / max(far, COINCIDENT)
     if along <= radius:
         return -inside * ey / radius, side * inside * ex / radius, -inside, -inside, 0.0
     fx, fy = x - ex, y - ey
     away = math.sqrt(fx * fx + fy * fy)
-    return fx, side * fy, away, away, -1.0 / max(away, TINY)
+    return fx, side * fy, away, away, -1.0 / max(away, COINCIDENT)
 
 
 @kernel("clearance")
@@ -104,7 +103,7 @@ def locked_arcs(body, a, b, p, k, corner, row, kinematics):
         c, s = p[k + SPAN_COS], sense * p[k + SPAN_SIN]
         hx, hy = dx + kx + c * hx - s * hy, dy + ky + s * hx + c * hy
         fx, fy, away, over, curved = to_sector(cut_x * hx + cut_y * hy, cut_x * hy - cut_y * hx, ex, p[k + EDGE_Y])
-        if over - 2.0 * r < gap and away > TINY:
+        if over - 2.0 * r < gap and away > COINCIDENT:
             gap, bent, on_b, ox, oy = over - 2.0 * r, curved, True, hx, hy
             nx, ny = -(cut_x * fx - cut_y * fy) / away, -(cut_y * fx + cut_x * fy) / away
         # the edge, from the centre of the arc
@@ -113,7 +112,7 @@ def locked_arcs(body, a, b, p, k, corner, row, kinematics):
         wall = 1.0 if off <= hollow else -1.0
         if -(qx * kx + qy * ky) >= p[k + SPAN_COS] * off * distance and wall * (hollow - off) - r < gap:
             gap, on_b, ox, oy = wall * (hollow - off) - r, False, edge_x, edge_y
-            bent = wall / max(off, TINY)
+            bent = wall / max(off, COINCIDENT)
             nx, ny = -bent * qx, -bent * qy
         kx, ky = p[k + STEP_COS] * kx - p[k + STEP_SIN] * ky, p[k + STEP_SIN] * kx + p[k + STEP_COS] * ky
     write_disc(

@@ -27,7 +27,7 @@ from rattle.elements.roller_path import RollerPath
 from rattle.elements.rolling import ROLLER, roller_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.geometry import ends
+from rattle.jit.geometry import COINCIDENT, ends
 from rattle.language.local_jet import function_jet
 from rattle.registry import kind
 
@@ -64,7 +64,7 @@ def point_above(body, a, b, p, k, row, kinematics):
     cos, sin = body[a, at.COS], body[a, at.SIN]
     f, df, ddf = function_jet(p, k + 4, math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
     d = math.sqrt(dx * dx + dy * dy)
-    apart = d > 1e-150
+    apart = d > COINCIDENT
     inv = 1.0 / d if apart else 0.0
     ex, ey = (dx * inv, dy * inv) if apart else (1.0, 0.0)
     u = df * inv

@@ -57,8 +57,8 @@ class Strands(OneSidedKind):
     def parameters(fields: Mapping[str, Any], constants: Sequence[float]) -> Sequence[Any]:
         """Pulleys, phase and stretch at the start."""
         (a, b), (phase, distance, psi, near) = turning(fields), constants or (math.nan,) * 4
-        known = distance > abs(a + b)
-        slack = (length_of(distance, a + b) if known else math.nan) - fields["pretension"] / fields["stiffness"]
+        apart = distance > abs(a + b)
+        slack = (length_of(distance, a + b) if apart else math.nan) - fields["pretension"] / fields["stiffness"]
         size = a + abs(b)
         return Wrapped(a, b, phase, -1.0, slack, 1.0 if abs(a + b) < SMALL * size else near, psi, LEAST * size)
 

@@ -2,7 +2,6 @@
 
 import { pointAt } from "./data.js";
 import { handyUnit, niceStep, short } from "./units.js";
-import { pitchPoint } from "./wheels.js";
 
 const LONG = 0.17; // of the arrow of a usual force, as a share of the shorter side of the picture
 const MOST = 1.7; // times that length at which an arrow is cut, and gets two heads
@@ -58,7 +57,7 @@ export function drawForces(p, stage, known, pose, time, side) {
   for (const { name, form, kind, link } of known.forces) {
     const [a, b] = stage.ends(form, pose);
     if (kind === "joint") {
-      put(placeOf(stage, name, form, pose, a, b), value(`${name}.fx`), value(`${name}.fy`), link && value(`${name}.normal`) < 0 ? p.theme.red : p.theme.black);
+      put(stage.drawing.forces[name]?.map((place) => stage.values.get(place)) ?? a, value(`${name}.fx`), value(`${name}.fy`), link && value(`${name}.normal`) < 0 ? p.theme.red : p.theme.black);
       continue;
     }
     const angle = kind === "driver" ? pose[form.bodies[0]].angle + form.axis : Math.atan2(b[1] - a[1], b[0] - a[0]);
@@ -69,13 +68,6 @@ export function drawForces(p, stage, known, pose, time, side) {
   for (const { name, form, constant } of known.moments) {
     if (known.turn > 0) drawMoment(p, pointAt(pose, form.bodies[1], form.points[1]), (constant ?? value(`${name}.torque`)) / known.turn);
   }
-}
-
-// Where the force of a joint is drawn: at its bush, its block, or where wheels touch.
-function placeOf(stage, name, form, pose, a, b) {
-  const drawn = stage.kinds.joints[name];
-  if (drawn === "gear" || drawn === "rack") return pitchPoint(stage, form, pose);
-  return form.axis !== undefined || ["cam", "flat-follower", "belt"].includes(drawn) ? b : a;
 }
 
 // A moment as an arc about a point: its length is the share of the usual moment, three quarters of a turn at most.

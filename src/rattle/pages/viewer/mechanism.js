@@ -1,9 +1,9 @@
 // The mechanism to scale: bodies and parts, paths of points, another motion behind it, forces, and a scale bar.
 
-import { drawBody, drawGhost } from "./bodies.js";
 import { pathOf, pointAt } from "./data.js";
 import { drawForces, drawMoment, forcesOf, forceScale } from "./forces.js";
 import { FONT, Painter, sized } from "./painter.js";
+import { ghostPlayer, player } from "./play.js";
 import { pinsWithPlay, Stage } from "./stage.js";
 import { handyUnit, niceStep, short } from "./units.js";
 
@@ -20,11 +20,8 @@ export class MechanismView {
   setMotion(motion, scene, ghosts) {
     this.stage = new Stage(motion, scene);
     this.units = scene.units;
-    const { stage } = this, parts = stage.parts();
-    const instead = new Set(parts.flatMap((part) => part.drawing.instead(stage, part.form)));
-    const bodies = Object.keys(stage.bodies).filter((body) => stage.first?.[body] && !instead.has(body));
-    this.drawn = [...parts.flatMap((part) => part.drawing.prepare(stage, part)), ...bodies.flatMap((body) => drawBody(stage, body))];
-    this.drawn.sort((a, b) => a.z - b.z);
+    const { stage } = this;
+    this.drawn = stage.drawing.drawn.map((primitive) => player(stage, primitive));
     const before = this.ghosts ?? [];
     this.ghosts = ghosts.map(({ motion: other, name }) => before.find((one) => one.motion === other) ?? this.ghostOf(other, scene, name));
     this.forces = forcesOf(stage);
@@ -35,8 +32,8 @@ export class MechanismView {
   ghostOf(motion, scene, name) {
     const stage = new Stage(motion, scene), ideal = name === "ideal";
     const style = { dash: ideal ? [1, 5] : DASHED, own: !ideal };
-    const bodies = Object.keys(stage.bodies).filter((body) => stage.first?.[body]);
-    return { name, motion, stage, drawn: bodies.map((body) => drawGhost(stage, body, style)) };
+    const bodies = stage.drawing.drawn.filter((primitive) => primitive.body);
+    return { name, motion, stage, drawn: bodies.map((primitive) => ghostPlayer(stage, primitive, style)) };
   }
 
   // The box that is shown: it stays while a knob is turned, as long as the motion is inside and not much smaller.
@@ -85,11 +82,12 @@ export class MechanismView {
     const { stage } = this, pose = stage.motion.pose(time);
     this.grid(p);
     this.traces(p, time, show);
-    for (const one of this.drawn) one.draw(p, pose, time);
+    stage.values.set(pose, time, p.metres(1));
+    for (const draw of this.drawn) draw(p);
     for (const ghost of this.ghosts) { // on top: its bars lie within a bar's width
       if (ghost.name === "ideal" && !show.ghost) continue;
-      const there = ghost.motion.pose(time);
-      for (const one of ghost.drawn) one.draw(p, there);
+      ghost.stage.values.set(ghost.motion.pose(time), time, p.metres(1));
+      for (const draw of ghost.drawn) draw(p);
     }
     show.traces.forEach((name, n) => { // ends of the paths on top of what moves them
       const colour = theme.curve(n);

@@ -56,17 +56,7 @@ export class Painter {
     context.globalAlpha = 1;
   }
 
-  area(points, colour, opacity = 1) {
-    const { context } = this;
-    this.trail(points);
-    context.closePath();
-    context.fillStyle = colour;
-    context.globalAlpha = opacity;
-    context.fill();
-    context.globalAlpha = 1;
-  }
-
-  // A filled area of several rings, the further ones holes.
+  // A filled area of one or several rings, the further ones holes.
   plate(rings, colour, opacity = 1) {
     const { context } = this;
     context.beginPath();
@@ -167,15 +157,5 @@ export class Painter {
     }
     this.line(strokes, { colour, width: 0.8, opacity: 0.8 });
     this.line([a, b], { colour, width });
-  }
-
-  // The usual symbol of a fixed pivot; size in pixels.
-  foot([x, y], size) {
-    const s = this.metres(size);
-    const corners = [[x, y], [x - 0.62 * s, y - s], [x + 0.62 * s, y - s]];
-    this.area(corners, this.theme.paper);
-    this.area(corners, this.theme.steel, 0.7);
-    this.line(corners, { colour: this.theme.black, width: 1.3, closed: true });
-    this.wall([x - s, y - s], [x + s, y - s], { stroke: 0.34 * size, width: 1.3 });
   }
 }

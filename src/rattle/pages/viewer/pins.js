@@ -145,7 +145,7 @@ function drawBlock(p, motion, tile, time, side) {
   const middle = [-Math.sin(axis) * scale * off, Math.cos(axis) * scale * off];
   const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([i, j]) =>
     [middle[0] + i * long * u[0] - j * half * u[1], middle[1] + i * long * u[1] + j * half * u[0]]);
-  p.area(corners, p.theme.metal, 0.35);
+  p.plate([corners], p.theme.metal, 0.35);
   p.line(corners, { width: 1.8, closed: true });
   p.dot(middle, 3, { fill: p.theme.black });
   forceArrow(p, motion, tile, time, middle, side, p.theme.black);

@@ -2,7 +2,8 @@
 
 import { bodyColours } from "./colours.js";
 import { pointAt } from "./data.js";
-import { FORMS } from "./forms.js";
+import { placed } from "./play.js";
+import { Values } from "./values.js";
 
 const MOST_POSES = 400; // of those that tell how far things reach
 
@@ -18,64 +19,37 @@ export class Stage {
     for (let k = 0; k < motion.n; k += every) this.poses.push(motion.poseAt(k));
     if (motion.n && (motion.n - 1) % every) this.poses.push(motion.poseAt(motion.n - 1));
     this.first = this.poses[0];
+    this.drawing = motion.run.drawing ?? scene.drawing;
     this.size = 0; // until it is known: parts whose size follows from it then reach as far as their points
+    this.values = new Values(this.drawing.numbers, this);
     for (let round = 0; round < 2; round++) {
       [this.low, this.high] = this.extent();
-      this.size ||= Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1;
+      if (!round) this.size = Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1;
+      this.values.renew();
     }
   }
 
-  // All joints and loads that are drawn: {name, family, form, driven, drawing}.
+  // All joints and loads that are drawn: {name, form}.
   parts() {
-    const found = [];
-    for (const family of ["joints", "loads"]) {
-      for (const [name, form] of Object.entries(this.geometry[family] ?? {})) {
-        const drawing = FORMS[this.kinds[family]?.[name]];
-        if (drawing && form.bodies.every((body) => body === "ground" || this.first?.[body])) {
-          found.push({ name, family, form, driven: this.geometry.driven.includes(name), drawing });
-        }
-      }
-    }
-    return found;
+    return ["joints", "loads"].flatMap((family) => Object.entries(this.geometry[family] ?? {})
+      .filter(([name, form]) => this.kinds[family]?.[name] && form.bodies.every((body) => body === "ground" || this.first?.[body]))
+      .map(([name, form]) => ({ name, form })));
   }
-
-  points(body) { return Object.values(this.bodies[body]?.points ?? {}); }
-
-  // Points of a body up to which it is drawn because of slots and guides that it carries.
-  held(body) {
-    return this.parts().flatMap(({ form, drawing }) => drawing.holds?.(form, this) ?? []).filter(([one]) => one === body).map(([, point]) => point);
-  }
-
-  rings(body) { return this.bodies[body]?.outline ?? []; }
 
   ends(form, pose) { return form.bodies.map((body, k) => pointAt(pose, body, form.points[k])); }
 
-  // Lowest and highest value of a function of the pose over the motion.
-  range(value) {
-    let low = Infinity, high = -Infinity;
-    for (const pose of this.poses) {
-      const one = value(pose);
-      if (one < low) low = one;
-      if (one > high) high = one;
-    }
-    return Number.isFinite(low + high) ? [low, high] : [0, 0];
-  }
-
   // Lower left and upper right corner of the box that holds everything at every time; no smaller than a bush.
   extent() {
-    const reach = [];
-    for (const body of Object.keys(this.bodies)) {
-      if (!this.first?.[body]) continue;
-      for (const point of [...this.rings(body).flat(), ...this.points(body), [0, 0]]) reach.push([body, point]);
-    }
-    for (const part of this.parts()) reach.push(...part.drawing.reach(part.form, this));
+    const within = this.drawing.within.map(({ frame, path }) => placed(this.values, frame, path));
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
     for (const pose of this.poses) {
-      for (const [body, point] of reach) {
-        const at = pointAt(pose, body, point);
-        for (const k of [0, 1]) {
-          if (at[k] < low[k]) low[k] = at[k];
-          if (at[k] > high[k]) high[k] = at[k];
+      this.values.set(pose, NaN, 0);
+      for (const path of within) {
+        for (const at of path()) {
+          for (const k of [0, 1]) {
+            if (at[k] < low[k]) low[k] = at[k];
+            if (at[k] > high[k]) high[k] = at[k];
+          }
         }
       }
     }

@@ -11,8 +11,8 @@ from rattle.question import FormField, Tab, question
 if TYPE_CHECKING:
     import numpy as np
 
-    from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.mechanism import Mechanism
+    from rattle.questions.accuracy.compute import Accuracy
 
 
 @question(
@@ -40,6 +40,6 @@ def accuracy(
     Source: docs/theory.md, section 7; Ting, Zhu, Watkins, The effects of joint clearance on position and
     orientation deviation of linkages and manipulators, Mech. Mach. Theory 35 (2000) 391-401.
     """
-    from rattle.analyses.accuracy.clearance_error import accuracy
+    from rattle.questions.accuracy.compute import accuracy
 
     return accuracy(m.system, of, times(t_eval, "t_eval"), extremes=extremes, loaded=loaded)

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from rattle.cli.options import value
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+    from rattle.questions.accuracy.compute import Accuracy
+
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rattle.cli.command import Command
 from rattle.cli.instants import span_options, span_times
@@ -13,13 +22,12 @@ from rattle.cli.options import model_options, read_model
 from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, say_written
 from rattle.cli.requirements import (
-    check_deviations,
+    Verdict,
     finish_required,
-    judge_deviation,
 )
 
 if TYPE_CHECKING:
-    from rattle.analyses.accuracy.clearance_error import Accuracy
+    from rattle.questions.accuracy.compute import Accuracy
 
 
 @click.command(cls=Command)
@@ -85,3 +93,26 @@ def _accuracy_record(answer: Accuracy) -> dict[str, Any]:
     contributions = dict(zip(answer.joints, answer.contributions.T.tolist(), strict=True))
     record = {"of": answer.of, "unit": answer.unit, "share": answer.share, "tighten": answer.tighten}
     return {**record, **{key: getattr(answer, key).tolist() for key in keys}, "contributions": contributions}
+
+
+def check_deviations(m: Mechanism, curves: Sequence[str], limit: str | None) -> None:
+    """Refuse a limit that is no deviation of every curve, before anything runs.  Raises InputError."""
+    from rattle.studies.runs.limits import limit_of
+    from rattle.studies.runs.task import task_of
+
+    for curve in curves if limit is not None else ():
+        band = task_of(m, (), [f"max({curve}.worst)"], analysis="accuracy").outputs[0]
+        if limit_of(value(str(limit)), band.unit, f"--limit, for {curve}") < 0.0:
+            raise click.UsageError(f"--limit is a deviation to either side, so not negative; got {limit}")
+
+
+def judge_deviation(answer: Accuracy, limit: str) -> Verdict:
+    """Whether an output with play stays within a deviation to either side."""
+    from rattle.results.display import quantity
+    from rattle.studies.runs.limits import limit_of
+
+    allowed = limit_of(value(limit), answer.unit, "--limit")
+    kept = bool(answer.largest <= allowed)
+    deviation = quantity(answer.largest, answer.unit)
+    said = f"limit {limit}: {'kept' if kept else 'EXCEEDED'}, {answer.of} deviates by {deviation}"
+    return Verdict(kept, said, {"limit": allowed, "kept": kept, "largest": answer.largest})

@@ -11,8 +11,8 @@ from rattle.results.result import Result
 from rattle.studies.runs.analyses import Analysis, Stepping, table_of
 
 if TYPE_CHECKING:
-    from rattle.analyses.accuracy.clearance_error import Accuracy
     from rattle.mechanism import Mechanism
+    from rattle.questions.accuracy.compute import Accuracy
 
 BANDS = ("nominal", "low", "high", "worst", "rss")  # of an output with play, see `Accuracy`
 

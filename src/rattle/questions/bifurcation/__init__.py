@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rattle.mechanism import Mechanism
-    from rattle.studies.bifurcation import Bifurcation
+    from rattle.questions.bifurcation.compute import Bifurcation
 
 
 @question(
@@ -27,13 +27,13 @@ def bifurcation(
 ) -> Bifurcation:  # fmt: skip
     """Bifurcation diagram: an output [SI] once per turn of the driver, over the values of a parameter.
 
-    For all details see `rattle.studies.bifurcation`.
+    For all details see `rattle.questions.bifurcation.compute`.
     parameter, values: the parameter and its values [SI].  of: a name of the result.  period: time between two
     points [s] or an expression such as "2*pi/w", for every value anew (default: a turn of the driver).
     skip, points: points left out, points kept, for each value.
     method, rtol, atol, step: as in `simulate`.
     """
-    from rattle.studies.bifurcation import bifurcation
+    from rattle.questions.bifurcation.compute import bifurcation
 
     return bifurcation(
         m, parameter, values, of, period=period, skip=skip, points=points,

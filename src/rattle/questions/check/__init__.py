@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from rattle.question import question
 
 if TYPE_CHECKING:
-    from rattle.analyses.check import Check
     from rattle.mechanism import Mechanism
+    from rattle.questions.check.compute import Check
 
 
 @question(
@@ -23,7 +23,7 @@ def check(m: Mechanism) -> Check:
     Ranges of drivers in deg or m.  Raises ModelError, AssemblyError.
     """
     from rattle.analyses.assembly.computable import computable
-    from rattle.analyses.check import check
+    from rattle.questions.check.compute import check
 
     system, start = m.system, m.start
     with computable(m._file):

@@ -10,7 +10,7 @@ from rattle.question import question
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-    from rattle.studies.compare import Comparison
+    from rattle.questions.compare.compute import Comparison
 
 
 @question(
@@ -27,6 +27,6 @@ def compare(
     several (default: one of the last body).  t_end: [s] (default: one turn of the driver).  law: normal force law
     of the compliant run.  Raises ModelError if no joint has a clearance, UnknownName.
     """
-    from rattle.studies.compare import compare
+    from rattle.questions.compare.compute import compare
 
     return compare(m, joint=joint, curve=curve, t_end=seconds_or_none(t_end, "t_end"), law=law, progress=progress)

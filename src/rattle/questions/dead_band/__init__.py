@@ -8,9 +8,9 @@ from rattle.language.times import Seconds, seconds
 from rattle.question import question
 
 if TYPE_CHECKING:
-    from rattle.analyses.statics.dead_band import DeadBand
-    from rattle.analyses.statics.equilibrium import Equilibrium
     from rattle.mechanism import Mechanism
+    from rattle.questions.dead_band.compute import DeadBand
+    from rattle.questions.equilibrium.position import Equilibrium
 
 
 @question(
@@ -33,6 +33,6 @@ def dead_band(m: Mechanism, t: Seconds = 0.0, *, at: Equilibrium | None = None) 
     Source: docs/contact.md.
     """
     from rattle.analyses import arguments
-    from rattle.analyses.statics.dead_band import dead_band
+    from rattle.questions.dead_band.compute import dead_band
 
     return dead_band(m.system, arguments.number("t", seconds(t, "t")), at)

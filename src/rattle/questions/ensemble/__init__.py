@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from rattle.mechanism import Mechanism
-    from rattle.studies.ensemble.ensemble import Ensemble
-    from rattle.studies.ensemble.fields import Vary
+    from rattle.questions.ensemble.compute import Ensemble
+    from rattle.questions.ensemble.fields import Vary
 
 
 @question(
@@ -62,7 +62,7 @@ def ensemble(
     does not answer, WorkerError for workers that end, OSError if the folder cannot be written: what is finished
     is kept in the folder, and the same call goes on.
     """
-    from rattle.studies.ensemble.ensemble import ensemble
+    from rattle.questions.ensemble.compute import ensemble
 
     return ensemble(
         m, n, outputs, vary, seed=seed, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), design=design,

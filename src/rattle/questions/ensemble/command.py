@@ -7,15 +7,21 @@ from typing import TYPE_CHECKING
 import click
 
 from rattle.cli.command import Command
-from rattle.cli.many_runs import check_written, engine_options, keep_runs, question_options, tolerances
 from rattle.cli.options import model_options, read_model, shows_progress, value
 from rattle.cli.output import as_json
 from rattle.cli.requirements import (
     asked_outputs,
-    check_limits,
-    judge_share,
-    of_share,
     required_share,
+)
+from rattle.questions.ensemble.options import (
+    check_limits,
+    check_written,
+    engine_options,
+    judge_share,
+    keep_runs,
+    of_share,
+    question_options,
+    tolerances,
 )
 
 if TYPE_CHECKING:
@@ -92,7 +98,7 @@ def ensemble(
     m = read_model(file, settings, ideal)
     vary = tolerances(varied)
     if limit is not None:
-        from rattle.studies.ensemble.ensemble import require_limit
+        from rattle.questions.ensemble.compute import require_limit
 
         require_limit(m, outputs[0], value(limit), vary, analysis=analysis, t_end=t_end)
     check_limits(m, conditions, vary, analysis=analysis, t_end=t_end)

@@ -11,8 +11,8 @@ from rattle.question import FormField, Tab, question
 if TYPE_CHECKING:
     import numpy as np
 
-    from rattle.analyses.statics.equilibrium import Equilibria
     from rattle.mechanism import Mechanism
+    from rattle.questions.equilibrium.position import Equilibria
     from rattle.results.result import Result
 
 
@@ -74,9 +74,9 @@ def equilibrium(
 
     t = times(t, "t")
     if np.ndim(t) == 0:
-        from rattle.analyses.statics.equilibria import equilibria
+        from rattle.questions.equilibrium.compute import equilibria
 
         return equilibria(m.system, arguments.number("t", t), branches, arguments.effort(effort))
-    from rattle.analyses.statics.quasistatic import quasistatic
+    from rattle.questions.equilibrium.quasistatic import quasistatic
 
     return quasistatic(m.system, np.asarray(t, dtype=float), arguments.effort(effort))

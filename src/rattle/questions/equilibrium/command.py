@@ -18,7 +18,7 @@ from rattle.cli.requirements import (
     judge,
     require_option,
 )
-from rattle.questions.equilibrium.listing import entry, holding_record, listed
+from rattle.questions.equilibrium.listing import entry, listed
 
 if TYPE_CHECKING:
     pass
@@ -75,7 +75,7 @@ def equilibrium(
     m = read_model(file, settings, ideal)
     if load is not None:
         held = m.holds(load, t)
-        click.echo(to_json(holding_record(held)) if as_json else str(held))
+        click.echo(to_json(held.record()) if as_json else str(held))
         return
     if path:
         check_results(file, output, csv, fallback)

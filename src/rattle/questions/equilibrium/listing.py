@@ -9,9 +9,8 @@ import click
 from rattle.cli.output import zeroed
 
 if TYPE_CHECKING:
-    from rattle.analyses.statics.equilibrium import Equilibria, Equilibrium
-    from rattle.analyses.statics.holding_range import HoldingRange
     from rattle.mechanism import Mechanism
+    from rattle.questions.equilibrium.position import Equilibria, Equilibrium
 
 MOST_LINES = 20  # equilibria that are listed one by one
 MOST_BODIES = 5  # whose angles stand in such a line
@@ -84,13 +83,3 @@ def entry(one: Equilibrium) -> dict[str, Any]:
         "gap": one.gap,
     }
     return {**facts, "reactions_unique": one.reactions_unique, "nonunique": list(one.nonunique), "values": values}
-
-
-def holding_record(held: HoldingRange) -> dict[str, Any]:
-    """Values of one load that friction holds, in `unit` (SI), no number where there is no bound, and what they mean."""
-    numbers = {"low": held.low, "high": held.high, "free": held.free, "value": held.value}
-    facts = {"rests": held.rests, "self_locking": held.self_locking, "jams": held.jams}
-    return {
-        "load": held.load, "unit": held.unit, **numbers, **facts, "jams_from": list(held.jams_from), "t": held.t,
-        "notes": list(held.notes),
-    }  # fmt: skip

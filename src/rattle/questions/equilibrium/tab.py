@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from rattle.analyses.statics.equilibrium import Equilibrium
 from rattle.answers.blocks import Block, Content, content, drawing, table, words
 from rattle.errors import AssemblyError, ModelError
 from rattle.language.times import seconds
@@ -14,6 +13,7 @@ from rattle.mechanism import Mechanism
 from rattle.plots.curves import length_axes, new_figure, tidy
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, extent
+from rattle.questions.equilibrium.position import Equilibrium
 from rattle.results.display import quantity
 from rattle.studio.shelf import Shelf, Source
 

@@ -8,7 +8,7 @@ from rattle.question import question
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-    from rattle.studies.film.bearing import Film
+    from rattle.questions.film.bearing import Film
 
 
 @question(
@@ -21,8 +21,8 @@ def film(m: Mechanism, joint: str) -> Film:
     Raises UnknownName for a joint that is not there, ModelError for one without oil.
     """
     from rattle.errors import suggest
+    from rattle.questions.film.bearing import Film
     from rattle.results.result import UnknownName
-    from rattle.studies.film.bearing import Film
 
     joints = m.model.joints
     if joint not in joints:

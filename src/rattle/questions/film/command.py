@@ -17,9 +17,9 @@ from rattle.errors import InputError
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from rattle.questions.film.bearing import Film
+    from rattle.questions.film.journal import JournalPosition
     from rattle.results.result import Result
-    from rattle.studies.film.bearing import Film
-    from rattle.studies.film.journal import JournalPosition
 
 SHOWN = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # eccentricities of the table
 SIZES = ("viscosity", "length", "radius", "clearance")
@@ -121,7 +121,7 @@ def film(
 
 def _of_sizes(bearing: Mapping[str, str | None]) -> Film:
     """The film of a bearing that is given by itself.  Raises click.UsageError for sizes that are missing."""
-    from rattle.studies.film.bearing import Film
+    from rattle.questions.film.bearing import Film
 
     given = {name: one for name, one in bearing.items() if one is not None}
     missing = [f"--{name}" for name in SIZES if name not in given]
@@ -166,7 +166,7 @@ def _write(frame: DataFrame, path: str) -> None:
 
 def _locus(made: Film) -> list[str]:
     """The static positions, a line each."""
-    from rattle.studies.film.locus import locus
+    from rattle.questions.film.locus import locus
 
     columns = locus(made, SHOWN)
     heads = ("e/c", "S", "attitude", "f R/c", "p_max", "leakage", "m c w^2/W", "whirl/w")
@@ -186,9 +186,9 @@ def _number(value: float) -> str:
 
 def _position(made: Film, found: JournalPosition) -> list[str]:
     """Where the load comes to rest."""
+    from rattle.questions.film.journal import threshold
     from rattle.results.chosen_units import Shown, chosen
     from rattle.results.display import quantity
-    from rattle.studies.film.journal import threshold
 
     turned = quantity(found.attitude, "rad", 6) if chosen("rad") else f"{math.degrees(found.attitude):.3f} deg"
     film = quantity(found.film_thickness, "m", usual=Shown(1e6, "um"))

@@ -8,9 +8,9 @@ from rattle.language.times import Seconds, seconds
 from rattle.question import question
 
 if TYPE_CHECKING:
-    from rattle.analyses.statics.equilibrium import Equilibrium
-    from rattle.analyses.statics.holding_range import HoldingRange
     from rattle.mechanism import Mechanism
+    from rattle.questions.equilibrium.position import Equilibrium
+    from rattle.questions.holds.holding_range import HoldingRange
 
 
 @question(
@@ -37,6 +37,6 @@ def holds(m: Mechanism, load: str, t: Seconds = 0.0, *, at: Equilibrium | None =
     Source: docs/contact.md; Meriam, Kraige, Engineering Mechanics: Statics, chapter 6.
     """
     from rattle.analyses import arguments
-    from rattle.analyses.statics.holding import holding_range
+    from rattle.questions.holds.compute import holding_range
 
     return holding_range(m.system, load, arguments.number("t", seconds(t, "t")), at)

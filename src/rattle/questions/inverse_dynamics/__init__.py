@@ -43,7 +43,7 @@ def inverse_dynamics(
     Joints whose reactions are not unique (redundant constraints) are named in `trust.nonunique`.
     Raises what `kinematics` raises.
     """
-    from rattle.analyses.kinematics import kinematics
+    from rattle.questions.kinematics import compute as kinematics
 
     return kinematics.analyse(
         m.system, m._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict

@@ -31,6 +31,6 @@ def kinematics(m: Mechanism, t_eval: Seconds | Sequence[Seconds] | np.ndarray, *
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sections 3.6 and 4.5.
     """
-    from rattle.analyses.kinematics import kinematics
+    from rattle.questions.kinematics import compute as kinematics
 
     return kinematics.analyse(m.system, m._start_or_none(), times(t_eval, "t_eval"), forces=False, strict=strict)

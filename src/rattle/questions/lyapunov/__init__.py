@@ -9,7 +9,7 @@ from rattle.question import question
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-    from rattle.studies.lyapunov import Lyapunov
+    from rattle.questions.lyapunov.compute import Lyapunov
 
 
 @question(
@@ -25,6 +25,6 @@ def lyapunov(
     By exact variational equations where the model can be recorded, else by two neighbouring runs: see `.how`.
     t_end: end of the run [s].  stretch: time between two readings of the growth [s].  rtol: relative tolerance.
     """
-    from rattle.studies.lyapunov import lyapunov
+    from rattle.questions.lyapunov.compute import lyapunov
 
     return lyapunov(m, seconds_or_none(t_end, "t_end"), stretch=seconds_or_none(stretch, "stretch"), rtol=rtol)

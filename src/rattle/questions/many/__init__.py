@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rattle.mechanism import Mechanism
-    from rattle.studies.many import Many
+    from rattle.questions.many.compute import Many
 
 
 @question(
@@ -40,7 +40,7 @@ def many(
     Whether a massless link pulls is not checked: ask for "min(O3.normal)".
     Raises ModelError for an output that cannot be read, UnknownName for a parameter, ValueError.
     """
-    from rattle.studies.many import many
+    from rattle.questions.many.compute import many
 
     return many(
         m, samples, outputs, t_end=seconds_or_none(t_end, "t_end"), rtol=rtol, atol=atol, method=method,

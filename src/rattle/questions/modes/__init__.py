@@ -8,9 +8,9 @@ from rattle.language.times import Seconds, seconds
 from rattle.question import question
 
 if TYPE_CHECKING:
-    from rattle.analyses.statics.equilibrium import Equilibrium
-    from rattle.analyses.statics.modes import Modes
     from rattle.mechanism import Mechanism
+    from rattle.questions.equilibrium.position import Equilibrium
+    from rattle.questions.modes.compute import Modes
 
 
 @question(
@@ -29,8 +29,8 @@ def modes(m: Mechanism, t: Seconds = 0.0, equilibrium: Equilibrium | None = None
     Raises ValueError if there is no equilibrium, or the one given is not one of this mechanism.
     """
     from rattle.analyses import arguments
-    from rattle.analyses.statics.equilibria import static_problem
-    from rattle.analyses.statics.modes import modes, own_problem
+    from rattle.questions.equilibrium.compute import static_problem
+    from rattle.questions.modes.compute import modes, own_problem
 
     effort = arguments.effort(effort)
     if equilibrium is not None:

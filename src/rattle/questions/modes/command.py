@@ -21,9 +21,9 @@ from rattle.cli.requirements import (
 from rattle.questions.equilibrium.listing import entry
 
 if TYPE_CHECKING:
-    from rattle.analyses.statics.modes import Modes
     from rattle.cli.requirements import Verdict
     from rattle.mechanism import Mechanism
+    from rattle.questions.modes.compute import Modes
 
 
 @click.command(cls=Command)

@@ -11,8 +11,8 @@ from rattle.results.result import Result
 from rattle.studies.runs.analyses import Analysis, Stepping, names_from, table_of
 
 if TYPE_CHECKING:
-    from rattle.analyses.statics.modes import Modes
     from rattle.mechanism import Mechanism
+    from rattle.questions.modes.compute import Modes
 
 MODE = {"frequency": "Hz", "damping": "", "growth": "1/s"}  # of a mode, see `Modes`
 

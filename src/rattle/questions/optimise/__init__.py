@@ -10,7 +10,7 @@ from rattle.question import question
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-    from rattle.studies.optimise.optimum import Optimum
+    from rattle.questions.optimise.optimum import Optimum
 
 
 @question(
@@ -41,7 +41,7 @@ def optimise(
 
     Source: Nocedal, Wright, Numerical Optimization (2006), sections 10.3 and 18.1.
     """
-    from rattle.studies.optimise.optimise import optimise
+    from rattle.questions.optimise.compute import optimise
 
     return optimise(
         m, minimise, vary, subject_to, t_end=seconds_or_none(t_end, "t_end"), analysis=analysis, starts=starts,

@@ -48,7 +48,7 @@ def orbit(
 
     Source: Booth (1965), J. Basic Eng. 87, 187-198; docs/theory.md, section 11.
     """
-    from rattle.analyses.orbit import orbit
+    from rattle.questions.orbit import compute as orbit
 
     return orbit.orbit(
         m.system, m.start, joint, times(t_eval, "t_eval"), t_end=seconds_or_none(t_end, "t_end"), rtol=rtol,

@@ -9,7 +9,7 @@ from rattle.question import question
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-    from rattle.studies.poincare import Section
+    from rattle.questions.poincare.compute import Section
 
 
 @question(
@@ -23,12 +23,12 @@ def poincare(
 ) -> Section:  # fmt: skip
     """Poincare section: values [SI] once per turn of the driver, or each time a curve rises through a level.
 
-    For all details see `rattle.studies.poincare.section`.
+    For all details see `rattle.questions.poincare.compute.section`.
     period: time between two points [s] or an expression over parameters such as "2*pi/w".
     crossing, level: the curve and the level [SI] that it rises through.
     skip: points left out at the start.  points: how many are kept.  method, rtol, atol, step: as in `simulate`.
     """
-    from rattle.studies.poincare import section
+    from rattle.questions.poincare.compute import section
 
     return section(
         m, names, period=period, crossing=crossing, level=level, skip=skip,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from rattle.question import Tab, question
 
 if TYPE_CHECKING:
+    from rattle.questions.power.compute import Power
     from rattle.results.result import Result
-    from rattle.studies.power.power import Power
 
 
 @question(
@@ -25,6 +25,6 @@ def power(r: Result, t0: float | None = None, t1: float | None = None) -> Power:
     Raises InputError for a result of another analysis or times outside of the run, ModelError for a model with laws
     in Python that are not known here.
     """
-    from rattle.studies.power.power import power
+    from rattle.questions.power.compute import power
 
     return power(r, t0, t1)

@@ -12,10 +12,10 @@ from rattle.cli.command import Command
 from rattle.cli.options import read_result, run_laws, settings_option, time
 from rattle.cli.output import check_files, check_pictures, say_written
 from rattle.errors import InputError
-from rattle.studies.power.in_units import in_units, with_units
+from rattle.questions.power.in_units import in_units, with_units
 
 if TYPE_CHECKING:
-    from rattle.studies.power.power import Power
+    from rattle.questions.power.compute import Power
 
 SEEN = 1e-9  # share of the largest energy below which one is rounding
 WORDS = ("element", "kind", "body")

@@ -6,8 +6,8 @@ import numpy as np
 
 from rattle.pages.report_html import Section, figure, paragraph, said, table
 from rattle.pages.report_study import Study, tried
-from rattle.plots.power import Spacing, plot_cycle
-from rattle.studies.power.power import Power
+from rattle.questions.power.compute import Power
+from rattle.questions.power.pictures import Spacing, plot_cycle
 
 FLOW = Spacing(1.25, 0.75, 0.52, 7.2)  # of the flow of energy
 SEEN = 1e-6  # share of the largest energy below which one is not told

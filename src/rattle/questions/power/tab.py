@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.answers.blocks import Content, content, drawing, table
-from rattle.plots.power import plot_cycle
+from rattle.questions.power.pictures import plot_cycle
 from rattle.results.display import quantity
 from rattle.studio.shelf import Shelf, Source
 

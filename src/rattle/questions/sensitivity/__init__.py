@@ -53,7 +53,7 @@ def sensitivity(
 
     Source: docs/theory.md, section 10.
     """
-    from rattle.analyses.sensitivity.sensitivity import sensitivity
+    from rattle.questions.sensitivity.compute import sensitivity
 
     return sensitivity(
         m._document, m.system, m.start, outputs, parameters, times(t_eval, "t_eval"), analysis,

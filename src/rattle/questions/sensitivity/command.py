@@ -138,7 +138,7 @@ def _instants(m: Mechanism, analysis: str, t: float, t_end: float | None, points
 
 def _table(result: Result) -> str:
     """Per output a line for each parameter, those with the largest effect first."""
-    from rattle.analyses.sensitivity.effects import effects
+    from rattle.questions.sensitivity.effects import effects
 
     found = effects(result)
     rows = []
@@ -155,7 +155,7 @@ def _table(result: Result) -> str:
 
 
 def _record(result: Result) -> dict[str, object]:
-    from rattle.analyses.sensitivity.effects import effects
+    from rattle.questions.sensitivity.effects import effects
 
     entries = [
         {
@@ -177,7 +177,7 @@ def _write(result: Result, output: str, fallback: str | None, silent: bool) -> b
         csv = output.lower().endswith(".csv")
         return keep(result, None if csv else output, output if csv else None, fallback)
     from rattle.plots.curves import save_figure
-    from rattle.plots.sensitivity import plot_effects
+    from rattle.questions.sensitivity.pictures import plot_effects
 
     if len(result.t):
         save_figure(plot_effects(result), output)

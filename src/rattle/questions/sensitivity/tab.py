@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.analyses.sensitivity.effects import effects
 from rattle.answers.blocks import MOST_LINES, Content, bars, content, curves, line, table, words
 from rattle.errors import InputError, ModelError, SolverError, TraceError
 from rattle.plots.curves import axis_label
+from rattle.questions.sensitivity.effects import effects
 from rattle.results.handy_units import handy_unit
 from rattle.results.result import Result
 from rattle.studio.jobs.motion import usual_output

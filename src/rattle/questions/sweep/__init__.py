@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rattle.mechanism import Mechanism
-    from rattle.studies.ensemble.sweep import Sweep
+    from rattle.questions.sweep.compute import Sweep
 
 
 @question(
@@ -34,7 +34,7 @@ def sweep(
     values: by parameter, numbers in SI or texts such as "1 mm"; the last parameter changes fastest.
     All else as in `ensemble`.  `w.grid(output)` is an array with one axis per parameter.
     """
-    from rattle.studies.ensemble.sweep import sweep
+    from rattle.questions.sweep.compute import sweep
 
     return sweep(
         m, values, outputs, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), rtol=rtol, method=method,

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.options import value
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+    from rattle.questions.sweep.compute import Sweep
+
+from typing import TYPE_CHECKING
+
 from rattle.cli.command import Command
-from rattle.cli.many_runs import axes_of, check_written, engine_options, keep_runs, question_options
 from rattle.cli.options import model_options, read_model, shows_progress
 from rattle.cli.output import as_json
+from rattle.cli.over import axes_of
 from rattle.cli.requirements import (
+    ORDER,
+    Condition,
+    Verdict,
     asked_outputs,
-    check_every,
     finish_required,
-    judge_every,
 )
+from rattle.questions.ensemble.options import check_written, engine_options, keep_runs, question_options
 
 if TYPE_CHECKING:
     pass
@@ -66,3 +77,40 @@ def sweep(
     click.echo(as_json(found.record() | asked) if json_too else str(found))
     keep_runs(ctx, found, csv, picture, lambda: found.plot(outputs[0]))
     finish_required(ctx, verdicts, None if json_too else click.echo)
+
+
+def check_every(m: Mechanism, required: Sequence[str], varied: Sequence[str], **question: Any) -> None:
+    """Refuse requirements that cannot be asked of every combination, before anything runs."""
+    from rattle.studies.runs.limits import limit_of
+    from rattle.studies.runs.task import task_of
+
+    for text in required:
+        condition = Condition.read(text)
+        if condition.text != text.strip():
+            raise click.UsageError(
+                f"--require {text}: a share is one of an ensemble; of a sweep every combination counts"
+            )
+        output = task_of(m, varied, [condition.output], **question).outputs[0]
+        limit_of(value(condition.limit), output.unit, f"--require {text}", output.dimension)
+
+
+def judge_every(sweep: Sweep, required: Sequence[str]) -> list[Verdict]:
+    """Whether every combination of a sweep keeps what is required; one without a number does not."""
+    import numpy as np
+
+    from rattle.studies.runs.limits import limit_of
+
+    verdicts = []
+    for condition in map(Condition.read, required):
+        limit = limit_of(value(condition.limit), sweep.unit(condition.output))
+        keeps = ORDER[condition.comparison](sweep[condition.output], limit)
+        beyond = np.flatnonzero(~keeps)
+        kept = not len(beyond)
+        where = (
+            "in every combination"
+            if kept
+            else f"in {len(beyond)} of {len(sweep)}, first at {sweep.told(int(beyond[0]))}"
+        )
+        said = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'} {where}"
+        verdicts.append(Verdict(kept, said, {"condition": condition.text, "kept": kept, "not_kept": beyond.tolist()}))
+    return verdicts

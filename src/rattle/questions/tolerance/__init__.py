@@ -9,8 +9,8 @@ from rattle.question import question
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-    from rattle.studies.ensemble.fields import Vary
-    from rattle.studies.ensemble.tolerance import Tolerance
+    from rattle.questions.ensemble.fields import Vary
+    from rattle.questions.tolerance.report import Tolerance
 
 
 @question(
@@ -39,7 +39,7 @@ def tolerance(
     Source: Chase, Parkinson, Research in Engineering Design 3 (1991) 23-37; Saltelli et al., Comput. Phys. Comm.
     181 (2010) 259-270.
     """
-    from rattle.studies.ensemble.tolerance_study import tolerance
+    from rattle.questions.tolerance.compute import tolerance
 
     return tolerance(
         m, of, vary, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"), n=n, seed=seed, threads=threads,

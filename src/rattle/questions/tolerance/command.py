@@ -9,13 +9,13 @@ import click
 from click.core import ParameterSource
 
 from rattle.cli.command import Command
-from rattle.cli.many_runs import question_options, tolerances
 from rattle.cli.options import model_options, read_model, shows_progress, value
 from rattle.cli.output import as_json, check_pictures, say_written
 from rattle.cli.requirements import require_share_option, required_share, said_required
+from rattle.questions.ensemble.options import question_options, tolerances
 
 if TYPE_CHECKING:
-    from rattle.studies.ensemble.tolerance import Tolerance
+    from rattle.questions.tolerance.report import Tolerance
 
 
 @click.command(cls=Command)
@@ -88,7 +88,7 @@ def tolerance(
         click.echo(as_json(_together(listed)) if json_too else "\n\n".join(largest.report for largest in found))
         return
     if limit is not None:
-        from rattle.studies.ensemble.tolerance_study import require_limit
+        from rattle.questions.tolerance.compute import require_limit
 
         for output in outputs:
             require_limit(m, output, value(limit), cost, vary, analysis=analysis, t_end=t_end)

@@ -9,9 +9,9 @@ from rattle.question import question
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
-    from rattle.studies.ensemble.fields import Vary
-    from rattle.studies.ensemble.largest import Largest
-    from rattle.studies.ensemble.within import Within
+    from rattle.questions.ensemble.fields import Vary
+    from rattle.questions.tolerance.largest import Largest
+    from rattle.questions.tolerance.required_accuracy import Within
 
 
 @question(
@@ -37,7 +37,7 @@ def tolerance_for(
     Returns a float [SI], to 0.1 %, that also has `report`, `share` and `unit`.
     Raises what `tolerance` raises; ValueError if no value keeps the limits.
     """
-    from rattle.studies.ensemble.largest import tolerance_for
+    from rattle.questions.tolerance.largest import tolerance_for
 
     return tolerance_for(
         m, of, within, parameter, share, vary=vary, analysis=analysis, t_end=seconds_or_none(t_end, "t_end"),

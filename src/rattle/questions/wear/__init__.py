@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import os
 
     from rattle.mechanism import Mechanism
-    from rattle.studies.wear.worn import Worn
+    from rattle.questions.wear.worn import Worn
 
 
 @question(
@@ -44,6 +44,6 @@ def wear(
 
     Source: docs/wear.md; Archard, J. Appl. Phys. 24 (1953) 981-988.
     """
-    from rattle.studies.wear.wear import wear
+    from rattle.questions.wear.compute import wear
 
     return wear(m, cycles, jump, seconds_or_none(cycle, "cycle"), stop, out, rtol=rtol, progress=progress)

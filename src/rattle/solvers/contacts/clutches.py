@@ -103,13 +103,13 @@ def undecided_is_free(m, n):
 def overloaded(m, count):
     """Let active clutches slip that would need more than their largest torque; True if there are any."""
     contact, memory, active, side = m.contact, m.contact_memory, m.active, m.side
-    found = False
+    any_slips = False
     for k in range(count):
         n = active[k]
         if contact[n, at.LEVEL] == 1 and side[F, 2 * k] > (1.0 + OVER) * most_torque(m, n):
             memory[n, at.SLIPS] = 1.0
-            found = True
-    return found
+            any_slips = True
+    return any_slips
 
 
 @compiled
@@ -118,7 +118,7 @@ def held_back(m, broken):
 
     They were overloaded beside others that slip too.  broken: the clutch that has to slip, or -1.
     """
-    memory, acceleration, found = m.contact_memory, m.acceleration, False
+    memory, acceleration, any_held = m.contact_memory, m.acceleration, False
     for n in range(m.contact.shape[0]):
         if n == broken or memory[n, at.SLIPS] != 1.0 or gets_ahead(m, n):
             continue
@@ -126,8 +126,8 @@ def held_back(m, broken):
         parting = m.contact_kinematics[n, at.TURN] * (acceleration[a, 2] - acceleration[b, 2])
         if parting > BACK * (abs(acceleration[a, 2]) + abs(acceleration[b, 2])):
             memory[n, at.SLIPS] = 0.0
-            found = True
-    return found
+            any_held = True
+    return any_held
 
 
 @compiled
@@ -150,14 +150,14 @@ def pushed_on(m, count):
 @compiled
 def driven_on(m, count):
     """Let active clutches slip whose rows the joints fix and drive on; True if there are any."""
-    contact, memory, active, side, found = m.contact, m.contact_memory, m.active, m.side, False
+    contact, memory, active, side, any_slips = m.contact, m.contact_memory, m.active, m.side, False
     for k in range(count):
         n = active[k]
         limited = contact[n, at.LEVEL] == 1 and most_torque(m, n) < math.inf
         if limited and m.row_fixed[2 * n] != 0 and side[B, 2 * k] < 0.0:
             memory[n, at.SLIPS] = 1.0
-            found = True
-    return found
+            any_slips = True
+    return any_slips
 
 
 @compiled
@@ -175,7 +175,7 @@ def slips_changed(m, h, count, v):
     would be overrun at its end.  The step is to be repeated with them.
     """
     contact, memory, active, side, dv = m.contact, m.contact_memory, m.active, m.side, m.velocity_change
-    found, limited = False, False
+    changed, limited = False, False
     for n in range(contact.shape[0]):
         limited = limited or (contact[n, at.IMPACT] == 1 and not takes_impulses(m, n))
     if not limited:
@@ -186,13 +186,13 @@ def slips_changed(m, h, count, v):
             a, b = contact[n, at.A_BODY], contact[n, at.B_BODY]
             if rate_with(m, n, v) + m.contact_kinematics[n, at.TURN] * (dv[b, 2] - dv[a, 2]) > 0.0:
                 memory[n, at.SLIPS] = 0.0
-                found = True
+                changed = True
     for k in range(count):
         n = active[k]
         if contact[n, at.LEVEL] == 1 and side[F, 2 * k] > (1.0 + OVER) * h * most_torque(m, n):
             memory[n, at.SLIPS] = 1.0
-            found = True
-    return found
+            changed = True
+    return changed
 
 
 @compiled

@@ -22,19 +22,20 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.event_rows import note_end
 from rattle.solvers.contacts.gap_search import NONE, may_reach, rounding, search
-from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 
 PARTS = 16  # samples in a step of what is left of the mode of a clutch
 DIPS = 4  # parabolas through a least value between them
-GAUSS, WEIGHTS = (np.array(one) for one in np.polynomial.legendre.leggauss(8))
+GAUSS, WEIGHTS = (np.array(column) for column in np.polynomial.legendre.leggauss(8))
 PEAK_PARTS = 8  # samples of a force in a step
 FLAT = 0.1  # share by which the force between two samples may be larger than at them
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 PEAK_WIDTH = 1e-6  # share of a step in which the largest force is enclosed: its error is the square of that
-FIRST_STEP = (
-    0.01  # first step in a contact, as a share of its expected duration: its force starts with a fractional power
-)
+FIRST_STEP = 0.01  # of a contact, as a share of its expected duration: its force starts with a fractional power
 LATER = 1e-7  # largest share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
+LEFT = 1e-13  # share of what is left of the mode of a clutch at the start of a step, which is rounding below zero
+NEAR_PEAK = 0.7  # share of the peak so far that a force at an end of a step exceeds if a higher one may be inside
+AFTER_CONTACT = 0.3  # share of the last step before a contact that the step after it may have at once
 
 
 @native("void", "h", "f", "v")
@@ -184,9 +185,9 @@ def turn_between(m, h, n, low, high):
         share *= 0.5
     if left_at(m, h, n, low) <= 0.0:
         return low
-    for _ in range(60):
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if middle <= low or middle >= high or (high - low) * h <= 1e-16 * abs(m.clock[at.T]):
+        if middle <= low or middle >= high or (high - low) * h <= INSTANT * abs(m.clock[at.T]):
             break
         if left_at(m, h, n, middle) < 0.0:
             high = middle
@@ -202,7 +203,7 @@ def first_turn(m, h, n, until):
     Needs the dense output.  PARTS samples, and the least value between them where three samples show one.
     """
     first = before = here = left_at(m, h, n, 0.0)
-    wide, slight = until / PARTS, 1e-13 * abs(first)
+    wide, slight = until / PARTS, LEFT * abs(first)
     for part in range(1, PARTS + 1):
         value = left_at(m, h, n, part * wide)
         if part > 1 and here > 0.0 and value > 0.0 and here <= before and here <= value:
@@ -252,7 +253,7 @@ def near_peak(m):
     contact, memory = m.contact, m.contact_memory
     for n in range(memory.shape[0]):
         shut = contact[n, at.IMPACT] == 0 and memory[n, at.CLOSED] == at.SHUT
-        if shut and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
+        if shut and max(memory[n, at.N_0], memory[n, at.N_1]) > NEAR_PEAK * memory[n, at.PEAK]:
             return True
     return False
 
@@ -271,18 +272,18 @@ def highest_force(m, n, until):
     if high <= m.contact_memory[n, at.PEAK] * (1.0 - FLAT):
         return high
     low, top = until * max(best - 1, 0) / PEAK_PARTS, until * min(best + 1, PEAK_PARTS) / PEAK_PARTS
-    one, two = top - GOLDEN * (top - low), low + GOLDEN * (top - low)
-    first, second = normal_at(m, one, n), normal_at(m, two, n)
+    left, right = top - GOLDEN * (top - low), low + GOLDEN * (top - low)
+    first, second = normal_at(m, left, n), normal_at(m, right, n)
     while top - low > PEAK_WIDTH:
         high = max(high, first, second)
         if first > second:
-            top, two, second = two, one, first
-            one = top - GOLDEN * (top - low)
-            first = normal_at(m, one, n)
+            top, right, second = right, left, first
+            left = top - GOLDEN * (top - low)
+            first = normal_at(m, left, n)
         else:
-            low, one, first = one, two, second
-            two = low + GOLDEN * (top - low)
-            second = normal_at(m, two, n)
+            low, left, first = left, right, second
+            right = low + GOLDEN * (top - low)
+            second = normal_at(m, right, n)
     return max(high, first, second)
 
 
@@ -298,7 +299,7 @@ def find_peaks(m, until, sampled):
             continue
         memory[n, at.STEPS_IN] += 1.0
         high = max(memory[n, at.N_0], memory[n, at.N_1] if until >= 1.0 else 0.0)
-        if sampled and max(memory[n, at.N_0], memory[n, at.N_1]) > 0.7 * memory[n, at.PEAK]:
+        if sampled and max(memory[n, at.N_0], memory[n, at.N_1]) > NEAR_PEAK * memory[n, at.PEAK]:
             high = max(high, highest_force(m, n, until))
         memory[n, at.PEAK] = max(memory[n, at.PEAK], high)
 
@@ -362,7 +363,7 @@ def turn(m, who, t, y):
         clock[at.H_FREE] = max(clock[at.H], 0.5 * clock[at.H_FREE])
     change_contacts(m, who, t, y)
     if was_shut:
-        clock[at.H] = max(clock[at.H], 0.3 * clock[at.H_FREE])
+        clock[at.H] = max(clock[at.H], AFTER_CONTACT * clock[at.H_FREE])
         return
     lasting = contact_time(m, who)
     if lasting > 0.0:

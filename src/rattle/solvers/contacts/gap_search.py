@@ -31,16 +31,18 @@ import math
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_clearance
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.penetration import scale_of
+from rattle.solvers.contacts.penetration import OF_COORDINATES, OF_SCALE, scale_of
+from rattle.solvers.dense_output import HALVINGS, INSTANT, OF_STEP
 
 NONE = 2.0  # a share of the step that does not exist
 WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
 GAVE_UP = 3.0  # the same, of a search without result: the step is too long for its dense output to be trusted
 MOST_LOOKS = 1_000_000
 FEW_LOOKS = 20_000  # for contacts whose step may be repeated with a shorter length
-
-
 STILL_SHARE = 1e-12  # as that of the rows of contacts; test_a_start_in_contact_with_a_speed_of_rounding_is_no_impact
+SAME_TIME = 4e-16  # share of the time: an interval of two spacings of numbers is not halved
+SAME_SHARE = 1e-12  # share of a step that is not halved either
+ASIDE = 1e-3  # share of an interval by which the next place of a search for a zero stays away from its ends
 
 
 @compiled
@@ -55,7 +57,7 @@ def rounding(m, n):
             size += abs(y[3 * i - 1])
         elif i > 0:
             size += abs(y[3 * i - 3]) + abs(y[3 * i - 2]) + lever[n, end] * abs(y[3 * i - 1])
-    return 1e-12 * scale_of(m, n) + 1e-15 * size
+    return OF_SCALE * scale_of(m, n) + OF_COORDINATES * size
 
 
 @compiled
@@ -218,7 +220,7 @@ def first_below(m, h, n, side, left, gap, rate, right, end):
     t = m.clock[0]
     if gap <= rounding(m, n) and rate > 0.0:
         top = right
-        for _ in range(60):
+        for _ in range(HALVINGS):
             middle = 0.5 * (left + top)
             value, slope = gap_at(m, middle, n)
             if side * slope > 0.0:
@@ -228,11 +230,11 @@ def first_below(m, h, n, side, left, gap, rate, right, end):
     if gap <= 0.0:
         return left
     for turn in range(100):
-        if not (right - left) * h > 1e-16 * abs(t) + 1e-15 * h:
+        if not (right - left) * h > INSTANT * abs(t) + OF_STEP * h:
             break
         middle = 0.5 * (left + right)
         if turn % 3 < 2:
-            middle = left + min(max(gap / (gap - end), 1e-3), 0.999) * (right - left)
+            middle = left + min(max(gap / (gap - end), ASIDE), 1.0 - ASIDE) * (right - left)
         if middle <= left or middle >= right:
             break
         value = side * gap_at(m, middle, n)[0]
@@ -243,6 +245,44 @@ def first_below(m, h, n, side, left, gap, rate, right, end):
             left, gap = middle, value
             end *= 0.5 if turn % 3 == 1 else 1.0
     return right
+
+
+@compiled
+def signed_gap(m, theta, n, side):
+    """`gap_at` times side."""
+    gap, rate = gap_at(m, theta, n)
+    return side * gap, side * rate
+
+
+@compiled
+def judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least):
+    """What the ends of an interval of length dt [s] prove of the gap of contact n, there with these rates.
+
+    True if it becomes less than `least` and falls all the time; True if it does not become less between the ends; a
+    bound for its curvature; the angle by which the normal turns.  tiny: the interval is not divided further.
+    """
+    round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
+    curve = bend + round_ * round_ * distance
+    falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt
+    free = falling or rising or tiny or min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
+    return end < least and (falling or tiny), free, curve, max(turning, round_) * dt
+
+
+@compiled
+def cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
+    """True if the cubic through both ends of an interval of length dt [s], and what it may be off, is not below least.
+
+    value: gap in the middle.
+    """
+    missed = abs(value - 0.5 * (gap + end) - 0.125 * dt * (rate - end_rate))
+    margin = 2.0 * missed + curve * (wide * dt) ** 2 / 384.0
+    return lowest(gap, rate * dt, end, end_rate * dt) - margin >= least
+
+
+@compiled
+def is_tiny(share, h, t):
+    """True if a share of the step from t [s] of length h [s] is not divided further."""
+    return share * h <= SAME_TIME * abs(t) or share <= SAME_SHARE
 
 
 @native("f", "h", "f", "i", "f", "f")
@@ -259,28 +299,18 @@ def search(m, h, n, side, until):
     left, gap, rate, right = 0.0, side * memory[at.GAP_0], side * memory[at.DGAP_0], until
     least = min(gap, 0.0) - slight  # of all samples: between two a slow gap may fall by less than rounding
     begin, at_begin, rate_begin = left, gap, rate  # the last sample that was positive, or rising
-    end, end_rate = gap_at(m, right, n)
-    end, end_rate = side * end, side * end_rate
+    end, end_rate = signed_gap(m, right, n, side)
     for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
         dt = (right - left) * h
-        tiny = dt <= 4e-16 * abs(t) or right - left <= 1e-12
-        round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
-        curve = bend + round_ * round_ * distance
-        falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt
-        if end < least and (falling or tiny):
+        tiny = is_tiny(right - left, h, t)
+        below, free, curve, wide = judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least)
+        if below:
             return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)
-        free = falling or rising or tiny or min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
-        wide = max(turning, round_) * dt
         if end < least or not free:
             middle = 0.5 * (left + right)
-            value, slope = gap_at(m, middle, n)
-            value, slope = side * value, side * slope
-            free = False
-            if end >= least and value >= least and wide <= WHOLE_TURN:
-                missed = abs(value - 0.5 * (gap + end) - 0.125 * dt * (rate - end_rate))
-                margin = 2.0 * missed + curve * (wide * dt) ** 2 / 384.0
-                free = lowest(gap, rate * dt, end, end_rate * dt) - margin >= least
-            if not free:
+            value, slope = signed_gap(m, middle, n, side)
+            sampled = end >= least and value >= least and wide <= WHOLE_TURN
+            if not sampled or not cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
                 right, end, end_rate = middle, value, slope
                 continue
         if right >= until:
@@ -290,6 +320,5 @@ def search(m, h, n, side, until):
         if gap > 0.0 or rate > 0.0:
             begin, at_begin, rate_begin = left, gap, rate
         right = min(until, left + step)
-        end, end_rate = gap_at(m, right, n)
-        end, end_rate = side * end, side * end_rate
+        end, end_rate = signed_gap(m, right, n, side)
     return GAVE_UP

@@ -10,6 +10,8 @@ from rattle.jit.functions import compiled, native
 
 DEEP = 1e-6  # share of its scale that a gap may be below zero: errors of integration and rounding are far smaller
 ESCAPED = 21  # end of a run: a contact is inside its wall
+OF_SCALE = 1e-12  # share of the scale of a gap that may be rounding
+OF_COORDINATES = 1e-15  # the same of the coordinates of its bodies and the arms: a few spacings of numbers
 
 
 @compiled

@@ -10,12 +10,16 @@ import math
 
 from rattle.elements.worn_bins import BED, CHORD, COUNT, LEAST, around, depth_at, pin_place, shares, window
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.wear_sum import FORCE_X, FORCE_Y, SLIDING, TURNED
 
 MOST = 60  # steps of Newton's method
 CLOSE = 1e-6  # share of the load that may be left
 X, Y, XX, XY, YY = range(5)  # of `sums`: sum P u / k [m], and its derivative by e
+FLAT = 1e-9  # determinant, by the square of the trace, below which the contact bears in one direction only
+APPROACH = 0.1  # of the clearance: step along the load of a pin that does not touch
+FARTHEST = 0.2  # of the clearance: longest step
 
 
 @compiled
@@ -39,7 +43,7 @@ def bear(p, x, y, first, part, work, slide, sums):
             there = chord * (x * next_cos + y * next_sin) - play - depth_at(p, 0, following, first, part)
             left, right = shares(here, there)
             if left + right > 0.0:
-                reach = max(here, there, 0.0) / max(max(here, there) - min(here, there, 0.0), 1e-300)
+                reach = max(here, there, 0.0) / max(max(here, there) - min(here, there, 0.0), TINY)
                 mid_x, mid_y = 0.5 * (cos + next_cos), 0.5 * (sin + next_sin)
                 sums[XX] += reach * mid_x * mid_x
                 sums[XY] += reach * mid_x * mid_y
@@ -89,15 +93,15 @@ def slide_under(p, loads, places, work, sums):
                 break
             chord = p[CHORD]
             det = chord * (sums[XX] * sums[YY] - sums[XY] * sums[XY])
-            if det > 1e-9 * (sums[XX] + sums[YY]) ** 2:
+            if det > FLAT * (sums[XX] + sums[YY]) ** 2:
                 sx, sy = (dx * sums[YY] - dy * sums[XY]) / det, (dy * sums[XX] - dx * sums[XY]) / det
             elif sums[XX] + sums[YY] > 0.0:
                 sx, sy = dx / (chord * (sums[XX] + sums[YY])), dy / (chord * (sums[XX] + sums[YY]))
             else:  # it does not touch: out along the load
-                sx, sy = 0.1 * push * fx / size, 0.1 * push * fy / size
+                sx, sy = APPROACH * push * fx / size, APPROACH * push * fy / size
             far = math.sqrt(sx * sx + sy * sy)
-            if far > 0.2 * push:
-                sx, sy = sx * 0.2 * push / far, sy * 0.2 * push / far
+            if far > FARTHEST * push:
+                sx, sy = sx * FARTHEST * push / far, sy * FARTHEST * push / far
             x, y = x + sx, y + sy
         places[r, 0], places[r, 1] = x, y
         bear(p, x, y, first, part, work, slide, sums)

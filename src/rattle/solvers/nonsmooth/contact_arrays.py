@@ -12,7 +12,7 @@ from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth import event_search, impact_path, impact_phases, implicit_forces, uniqueness
-from rattle.solvers.peaks import glances
+from rattle.solvers.peaks import contact_samples
 
 
 def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str, Any]:
@@ -45,13 +45,13 @@ def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str,
         "multiplier_change": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
-        "looks": np.zeros((event_search.LOOKS_KEPT, glances.KINDS * nc + 2)),
+        "looks": np.zeros((event_search.LOOKS_KEPT, contact_samples.KINDS * nc + 2)),
         "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
         **(
             {
                 "closed_contacts_table": functions.entries([unilateral.closed_contacts]),
-                "glances": glances.table(nc, looks),
+                "glances": contact_samples.table(nc, looks),
             }
             if looks is not None
             else {}

@@ -66,10 +66,12 @@ TOGETHER, ALONE, KEPT = range(3)  # a contact opens: with all that are about to,
 MOST_RETURNS = 20  # times that clutches which begin to slip together are decided anew: once each but for cycles
 CREEP = 1e-6  # share of the largest slip at one instant below which the direction of a slip is not resolved
 AHEAD = 1e-6  # share by which the required friction force exceeds the limit shortly after a breakaway
-CREEPS = 30  # see regroup
+CREEPS, ANEW = 30, -1  # beside statuses, see `find_modes`
 NOT_LINEARISED = MOST_LINEARISED + 1  # rounds: the first solution is taken, linearised at no forces
 SLIGHT = 1e-7  # share of its largest force below which a contact opens together with another one
 SLOWLY = 1e-4  # largest acceleration with which it then opens, as a share of the largest acceleration
+OPENING = 1e-9  # share of its terms below which the acceleration of a gap is rounding
+AHEAD_OF_PRESSED = 1e-2  # share of AHEAD, of the largest normal force, where little tangential force is required
 
 
 @compiled
@@ -94,41 +96,59 @@ def against(m, n, sense):
 
 
 @compiled
+def gather(m, apart, attempt):
+    """Contacts that an attempt does not leave out and that may be closed become active. Returns their number."""
+    contact, mode, memory, count = m.contact, m.mode, m.contact_memory, 0
+    for n in range(contact.shape[0]):
+        left_out = contact[n, at.IMPACT] == 0 or memory[n, at.SLIPS] == 1.0 or leaves(m, n, apart, attempt)
+        if not left_out and (mode[n] != OFF or n == apart or at_wall(m, n)):
+            m.active[count] = n
+            count += 1
+    return count
+
+
+@compiled
+def sense_of_slip(m, k, n, apart, kind, pulling):
+    """Direction in which contact n, with the rows of the k-th active one, slips: 1, -1, or 0: it is open."""
+    if n == apart and kind == BREAK_AWAY:
+        return 1 if pulling > 0.0 else -1
+    u, kept = along(m, 2 * k + 1, n, m.body, at.VX), m.mode[n] != OFF and kind != HIT
+    still = (kept and m.mode[n] == STICK) or (n == apart and kind == TURN)
+    sense = 0
+    if not still and not at_rest(m, 2 * k + 1, n, u, m.contact_memory[n, at.ROUNDING]):
+        sense = 1 if u > 0.0 else -1
+    # a reversal would have been an event: such a slip is an error
+    return 0 if kept and against(m, n, sense) else sense
+
+
+@compiled
+def mode_to_try(m, n, sense):
+    """The first mode to try of contact n, which slips in a direction (1, -1, or 0: open)."""
+    if undecided_is_free(m, n):
+        return OFF
+    if m.mode[n] == OFF or sense != 0:
+        return FORWARD if sense >= 0 else BACKWARD
+    return m.mode[n]
+
+
+@compiled
 def choose_closed(m, apart, kind, attempt, pulling):
     """Choose the contacts that are closed and do not open, with their directions of slip and initial modes.
 
     The workspace holds the motion without their forces; pulling: tangential force [N] at contact `apart`.
     Returns their number.
     """
-    contact, mode, body, memory = m.contact, m.mode, m.body, m.contact_memory
-    active, candidate, slide = m.active, m.candidate, m.slide
-    count = 0
-    for n in range(contact.shape[0]):
-        left_out = contact[n, at.IMPACT] == 0 or memory[n, at.SLIPS] == 1.0 or leaves(m, n, apart, attempt)
-        if not left_out and (mode[n] != OFF or n == apart or at_wall(m, n)):
-            active[count] = n
-            count += 1
+    active = m.active
+    count = gather(m, apart, attempt)
     contact_rows(m, count)
     closed = 0
     for k in range(count):
         n = active[k]
-        kept = mode[n] != OFF and kind != HIT
-        if kept or at_rest(m, 2 * k, n, approach(m, k, n), memory[n, at.ROUNDING]):
+        kept = m.mode[n] != OFF and kind != HIT
+        if kept or at_rest(m, 2 * k, n, approach(m, k, n), m.contact_memory[n, at.ROUNDING]):
             active[closed] = n
-            u = along(m, 2 * k + 1, n, body, at.VX)
-            slide[closed] = 0
-            still = (kept and mode[n] == STICK) or (n == apart and kind == TURN)
-            if not still and not at_rest(m, 2 * k + 1, n, u, memory[n, at.ROUNDING]):
-                slide[closed] = 1 if u > 0.0 else -1
-            if kept and against(m, n, slide[closed]):  # a reversal would have been an event: this slip is an error
-                slide[closed] = 0
-            if n == apart and kind == BREAK_AWAY:
-                slide[closed] = 1 if pulling > 0.0 else -1
-            candidate[closed] = mode[n]
-            if mode[n] == OFF or slide[closed] != 0:
-                candidate[closed] = FORWARD if slide[closed] >= 0 else BACKWARD
-            if undecided_is_free(m, n):
-                candidate[closed] = OFF
+            m.slide[closed] = sense_of_slip(m, k, n, apart, kind, pulling)
+            m.candidate[closed] = mode_to_try(m, n, m.slide[closed])
             closed += 1
     if closed < count or m.dry.shape[0] > 0:
         lasting_rows(m, closed)
@@ -149,12 +169,96 @@ def part(m, count, apart, attempt):
             contact_rows_of_one(m, count, n)
             opening = kinematics[n, at.GAMMA_N] - along(m, 2 * count, n, acceleration, 0)
             size = turning(m, n) + largest_acceleration(m, n) + reach(m, 2 * count, n, acceleration, 0)
-            if opening < -1e-9 * size or (n != apart and opening > SLOWLY * size):
+            if opening < -OPENING * size or (n != apart and opening > SLOWLY * size):
                 return False
             m.candidate[count] = OFF
-            if opening < 1e-9 * size and held_by_closed(m, count + 1, count):
+            if opening < OPENING * size and held_by_closed(m, count + 1, count):
                 return False
     return True
+
+
+@compiled
+def first_attempt(m, apart, kind):
+    """Which contacts open first at an event: `apart` with all that are about to, itself, or none."""
+    if kind != LET_GO:
+        return KEPT
+    for n in range(m.contact_kinematics.shape[0]):
+        if goes_along(m, n, apart):
+            return TOGETHER
+    return ALONE
+
+
+@compiled
+def status_of(m, count, solved, apart, kind, pulling):
+    """Status of the problem of the active contacts, solved or not: OK, CREEPS, ANEW, or why there are no modes.
+
+    Without solution all modes are tried, or a clutch slips that is pushed on; other solutions are looked for.
+    """
+    if not solved and end_creep(m, count):
+        return CREEPS
+    status = OK
+    if not solved and not solve_by_trying(m, count):
+        if pushed_on(m, count):
+            return ANEW
+        status = ending(m)
+    elif is_rough(m, count) and count_solutions(m, count) > 1:
+        status = NOT_UNIQUE
+    if kind == BREAK_AWAY and (status != OK or linear(m, count) < 0 or not lasts(m, count)):
+        status = go_beyond(m, count, apart, pulling)
+    return status
+
+
+@compiled
+def solve_attempt(m, count, attempt, apart, kind, pulling, broken, slipping, returns):
+    """Solve the problem of the active contacts: status, or ANEW, and True with how often if clutches slip together."""
+    if driven_on(m, count):
+        return ANEW, slipping, returns
+    solved = solve_contacts(m, count)
+    if solved and overloaded(m, count):
+        return ANEW, True, returns
+    if solved and slipping and returns < MOST_RETURNS:
+        add_forces(m, count, m.acceleration, m.multiplier)
+        return ANEW, held_back(m, broken), returns + 1
+    if attempt == TOGETHER:
+        return (OK if solved else NO_SOLUTION), slipping, returns
+    return status_of(m, count, solved, apart, kind, pulling), slipping, returns
+
+
+@compiled
+def find_modes(m, t, y, apart, kind, pulling, broken, first):
+    """Modes into `candidate` by attempts from the first one on: status, number of active contacts, last attempt."""
+    attempt, slipping, returns, rounds = first, False, 0, 0
+    while True:
+        motion_without(m, t, y)
+        count = choose_closed(m, apart, kind, attempt, pulling)
+        linearised = 0 < rounds <= MOST_LINEARISED
+        if linearised and not linearise_at_expected(m, count):
+            rounds = NOT_LINEARISED
+            continue
+        lasting_side(m, count)
+        floor_of_accelerations(m)
+        status, slipping, returns = solve_attempt(m, count, attempt, apart, kind, pulling, broken, slipping, returns)
+        if status == ANEW:
+            continue
+        if status != OK and attempt != TOGETHER:
+            if linearised and status != CREEPS:
+                rounds = NOT_LINEARISED
+                continue
+            if attempt == KEPT or status == CREEPS:
+                return status, count, attempt
+        # without the contact that opens: with it the problem may have a solution, or one
+        if attempt == KEPT or (status == OK and part(m, count, apart, attempt)):
+            if not another_round(m, count, rounds):
+                return OK, count, attempt
+            rounds += 1
+        else:
+            attempt += 1
+
+
+@compiled
+def another_round(m, count, rounds):
+    """True if the problem beside joints that rub is to be linearised anew, at the solution that is now expected."""
+    return rounds < MOST_LINEARISED and rubs(m) and expect_solution(m, count)
 
 
 @native("i", "h", "f", "v", "i", "i")
@@ -167,64 +271,18 @@ def update_modes(m, t, y, apart, kind):
     `rubbing_contacts`.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, if some now stick and the caller
     must try again.
     """
-    kinematics, attempt, slipping, returns, rounds = m.contact_kinematics, KEPT, False, 0, 0
-    pulling = kinematics[apart, at.TANGENT] if apart >= 0 else 0.0
-    if kind == LET_GO:
-        attempt = ALONE
-        for n in range(kinematics.shape[0]):
-            attempt = TOGETHER if goes_along(m, n, apart) else attempt
-    clutch = apart >= 0 and m.contact[apart, at.LEVEL] == 1
-    broken = apart if clutch and kind == BREAK_AWAY else -1
+    pulling, attempt = m.contact_kinematics[apart, at.TANGENT] if apart >= 0 else 0.0, first_attempt(m, apart, kind)
+    broken = apart if apart >= 0 and m.contact[apart, at.LEVEL] == 1 and kind == BREAK_AWAY else -1
     settle_slips(m, broken)
-    kind = NOTHING if clutch and kind == BREAK_AWAY else kind
+    kind = NOTHING if broken >= 0 else kind
     expect_nothing(m)
-    while True:
-        motion_without(m, t, y)
-        closed = choose_closed(m, apart, kind, attempt, pulling)
-        if 0 < rounds <= MOST_LINEARISED and not linearise_at_expected(m, closed):
-            rounds = NOT_LINEARISED
-            continue
-        lasting_side(m, closed)
-        floor_of_accelerations(m)
-        if driven_on(m, closed):
-            continue
-        solved = solve_contacts(m, closed)
-        if solved and overloaded(m, closed):
-            slipping = True
-            continue
-        if solved and slipping and returns < MOST_RETURNS:
-            returns += 1
-            add_forces(m, closed, m.acceleration, m.multiplier)
-            slipping = held_back(m, broken)
-            continue
-        if attempt != TOGETHER:
-            if not solved and end_creep(m, closed):
-                return CREEPS
-            status = OK
-            if not solved and not solve_by_trying(m, closed):
-                if pushed_on(m, closed):
-                    continue
-                status = ending(m)
-            elif is_rough(m, closed) and count_solutions(m, closed) > 1:
-                status = NOT_UNIQUE
-            if kind == BREAK_AWAY and (status != OK or linear(m, closed) < 0 or not lasts(m, closed)):
-                status = go_beyond(m, closed, apart, pulling)
-            if status != OK and 0 < rounds <= MOST_LINEARISED:
-                rounds = NOT_LINEARISED
-                continue
-            if status != OK and attempt == KEPT:
-                return status
-            solved = status == OK  # without the contact that opens: with it the problem may have a solution, or one
-        if attempt == KEPT or (solved and part(m, closed, apart, attempt)):
-            if rounds < MOST_LINEARISED and rubs(m) and expect_solution(m, closed):
-                rounds += 1
-                continue
-            break
-        attempt += 1
-    if not agrees_with_joints(m, closed, attempt != KEPT):
+    status, count, attempt = find_modes(m, t, y, apart, kind, pulling, broken, attempt)
+    if status != OK:
+        return status
+    if not agrees_with_joints(m, count, attempt != KEPT):
         return NO_SOLUTION
-    let_idle(m, closed)
-    change_modes(m, t, y, closed)
+    let_idle(m, count)
+    change_modes(m, t, y, count)
     return OK
 
 
@@ -242,15 +300,15 @@ def go_beyond(m, count, apart, pulling):
     for j in range(count):
         largest = max(largest, m.contact_kinematics[m.active[j], at.NORMAL])
         k = j if m.active[j] == apart else k
-    more = max(AHEAD * abs(pulling), 1e-2 * AHEAD * largest)
+    more = max(AHEAD * abs(pulling), AHEAD_OF_PRESSED * AHEAD * largest)
     for r in range(2 * count):
         m.side[B, r] -= (more if pulling > 0.0 else -more) * m.delassus[r, 2 * k + 1]
     m.slide[k] = 0
-    found = call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
-    if found < 0:  # too many combinations to be tried
-        found = 1 if solve_contacts(m, count) and linear(m, count) > 0 else 2
-    m.held[at.OUTCOME] = SOLVED if found > 0 else IMPOSSIBLE
-    return OK if found == 1 else (NOT_UNIQUE if found > 1 else NO_SOLUTION)
+    solutions = call_problem(m.problem_table[TRY_ALL], (m, 2 * count + 1))
+    if solutions < 0:  # too many combinations to be tried
+        solutions = 1 if solve_contacts(m, count) and linear(m, count) > 0 else 2
+    m.held[at.OUTCOME] = SOLVED if solutions > 0 else IMPOSSIBLE
+    return OK if solutions == 1 else (NOT_UNIQUE if solutions > 1 else NO_SOLUTION)
 
 
 @compiled
@@ -262,15 +320,15 @@ def end_creep(m, count):
     friction ends it at once, with no more than CREEP^2 of the energy.
     """
     kinematics, mode, active, slide = m.contact_kinematics, m.mode, m.active, m.slide
-    largest, found = 0.0, False
+    largest, ended = 0.0, False
     for k in range(count):
         largest = max(largest, abs(kinematics[active[k], at.SLIP]))
     for k in range(count):
         n = active[k]
         if mode[n] != OFF and slide[k] != 0 and abs(kinematics[n, at.SLIP]) <= CREEP * largest:
             mode[n] = STICK
-            found = True
-    return found
+            ended = True
+    return ended
 
 
 @compiled
@@ -294,35 +352,48 @@ def contact_rows_of_one(m, k, n):
 @compiled
 def change_modes(m, t, y, count):
     """Accept the modes in `candidate` for the active contacts (all others are off) and record changes as events."""
-    contact, mode, memory = m.contact, m.mode, m.contact_memory
-    active, candidate, side = m.active, m.candidate, m.side
-    for n in range(contact.shape[0]):
-        if contact[n, at.IMPACT] == 0:
+    for n in range(m.contact.shape[0]):
+        if m.contact[n, at.IMPACT] == 0:
             continue
         new, pressed = OFF, 0.0
         for k in range(count):
-            if active[k] == n:
-                new, pressed = candidate[k], side[F, 2 * k]
-        old = mode[n]
-        account = account_at(m, n)
+            if m.active[k] == n:
+                new, pressed = m.candidate[k], m.side[F, 2 * k]
+        old = m.mode[n]
         if old == OFF and new != OFF:
-            memory[n, at.CLOSED], memory[n, at.SINCE], memory[n, at.PEAK] = (
-                at.SHUT,
-                max(t, memory[n, at.BOUNCES_END]),
-                pressed,
-            )
-            memory[n, at.IMPULSE_0], memory[n, at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
+            close(m, t, y, n, pressed)
         if old != OFF and new == OFF:
-            note_end(m, n, t, y, 0.0)
-            if memory[n, at.SLIPS] == 1.0 and m.tally[at.EVENT_COUNT] > 0:  # it still drives
-                m.events[m.tally[at.EVENT_COUNT] - 1, at.EVENT_KIND] = at.SLIP_EVENT
-            memory[n, at.CLOSED], memory[n, at.SPEED] = at.OPEN, 0.0
-        if old == OFF and new == OFF and contact[n, at.LEVEL] == 1:
+            release(m, t, y, n)
+        if old == OFF and new == OFF and m.contact[n, at.LEVEL] == 1:
             note_slip(m, n, t)
         if friction_of(m, n) > 0.0 and new != OFF and new != old:
-            if new == STICK:
-                note(m, at.STICK_EVENT, n, t, 0.0)
-            elif old != OFF:
-                note(m, at.SLIP_EVENT, n, t, 0.0)
-        mode[n] = new
-        memory[n, at.BOUNCES_END] = 0.0
+            note_friction(m, t, n, old, new)
+        m.mode[n] = new
+        m.contact_memory[n, at.BOUNCES_END] = 0.0
+
+
+@compiled
+def close(m, t, y, n, pressed):
+    """Enter into the memory of contact n that it closes, with the force `pressed` [N]."""
+    memory, account = m.contact_memory[n], account_at(m, n)
+    memory[at.CLOSED], memory[at.SINCE], memory[at.PEAK] = at.SHUT, max(t, memory[at.BOUNCES_END]), pressed
+    memory[at.IMPULSE_0], memory[at.LOSS_0] = y[account + IMPULSE], y[account + LOSS]
+
+
+@compiled
+def release(m, t, y, n):
+    """Record that contact n opens."""
+    memory = m.contact_memory[n]
+    note_end(m, n, t, y, 0.0)
+    if memory[at.SLIPS] == 1.0 and m.tally[at.EVENT_COUNT] > 0:  # it still drives
+        m.events[m.tally[at.EVENT_COUNT] - 1, at.EVENT_KIND] = at.SLIP_EVENT
+    memory[at.CLOSED], memory[at.SPEED] = at.OPEN, 0.0
+
+
+@compiled
+def note_friction(m, t, n, old, new):
+    """Record that contact n, closed and with friction, sticks or begins to slip."""
+    if new == STICK:
+        note(m, at.STICK_EVENT, n, t, 0.0)
+    elif old != OFF:
+        note(m, at.SLIP_EVENT, n, t, 0.0)

@@ -9,7 +9,7 @@ from rattle.equations.state import take_states
 from rattle.equations.unilateral import contact_rows, push_all, reach, shift, solve_modes, velocity_scale
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.penetration import scale_of
+from rattle.solvers.contacts.penetration import OF_COORDINATES, OF_SCALE, scale_of
 from rattle.solvers.projection import project
 
 NEAR = 100.0  # roundings of a gap within which a contact is at its wall
@@ -18,13 +18,14 @@ AT_ONCE_OF_GAP = 1e-6  # the same, as a share of the scale of the gap, where tha
 FAR = 100.0  # how far a contact may move along its wall, in gaps, when it is projected onto the wall
 EXACT = 1e-16  # share of the typical size of a gap to which closed ones are brought onto their walls
 STILL = 1e-12  # share of its terms below which a contact velocity counts as zero
+STILL_OF_GAP = 1e-14  # rate [1/s] that is rounding, by the typical size of a gap
 
 
 @compiled
 def noise(m, n):
     """Penetration of contact n that may be rounding [m or rad]: a wide gap does not make it larger."""
-    size = 1e-15 * m.lever[n, at.GAP_SIZE]
-    return min(1e-12 * scale_of(m, n), size) + size
+    size = OF_COORDINATES * m.lever[n, at.GAP_SIZE]
+    return min(OF_SCALE * scale_of(m, n), size) + size
 
 
 @compiled
@@ -166,4 +167,4 @@ def largest_acceleration(m, n):
 def at_rest(m, r, n, u, before):
     """True if the velocity u [m/s or rad/s] of row r of contact n is rounding; before: magnitude of its terms before
     an impact, and of those that its impulses add."""
-    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + 1e-14 * m.lever[n, at.GAP_SIZE]
+    return abs(u) <= STILL * max(velocity_scale(m, r, n), before) + STILL_OF_GAP * m.lever[n, at.GAP_SIZE]

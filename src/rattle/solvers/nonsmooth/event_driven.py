@@ -33,7 +33,7 @@ from rattle.solvers.nonsmooth.contact_modes import HIT, MEETS, NOTHING
 from rattle.solvers.nonsmooth.contact_projection import noise, project_on_contacts
 from rattle.solvers.nonsmooth.event_handling import handle_event, modes_with_friction, remember
 from rattle.solvers.nonsmooth.event_search import any_closed, first_event
-from rattle.solvers.peaks.glances import doubts, keep_forces, last_look, pass_look_on
+from rattle.solvers.peaks.contact_samples import doubts, keep_forces, last_look, pass_look_on
 from rattle.solvers.peaks.samples import START, gauge, stages_tell
 from rattle.solvers.projection import project
 from rattle.solvers.sign_watch import cross_at_once
@@ -44,6 +44,7 @@ START_NEAR = 1e-6  # share of its scale within which a contact given at its wall
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
 CROWDED = 1e-6
+SAME_INSTANT = 1e-14  # share of the run within which events are at one instant
 
 
 @native("i", "h", "f")
@@ -160,7 +161,7 @@ def first_of_rigid(m, t, h, low, high, calm):
 def take_event(m, t, h, t_end, who, what):
     """Event of contact `who` at t, in a step of length h; CHATTER if events follow each other without end."""
     stuck = m.stuck
-    again = t - stuck[at.EVENT_AT] <= 1e-14 * t_end
+    again = t - stuck[at.EVENT_AT] <= SAME_INSTANT * t_end
     stuck[at.EVENTS_THERE] = stuck[at.EVENTS_THERE] + 1.0 if again else 0.0
     stuck[at.EVENTS_IN_A_ROW] = stuck[at.EVENTS_IN_A_ROW] + 1.0 if t - stuck[at.EVENT_AT] <= CROWDED * t_end else 0.0
     stuck[at.EVENT_AT] = stuck[at.EVENT_AT] if again else t

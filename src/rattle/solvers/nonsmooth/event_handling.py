@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.complementarity import FORWARD, OFF, STICK
+from rattle.equations.complementarity import FORWARD, STICK
 from rattle.equations.dry_friction import rounding
 from rattle.equations.motion import OK, solve_motion
 from rattle.equations.state import take_states
@@ -54,6 +54,30 @@ def new_modes(m, t, y, who, what):
     return NOT_FOUND if status == CREEPS else status
 
 
+@compiled
+def hit(m, t, y, who):
+    """Impact of contact `who` at (t [s], y). Returns a status."""
+    project_on_contacts(m, t, y, who)
+    count_shift(m)
+    status = collide(m, t, y, who)
+    if status != OK:
+        return status
+    turn_clutches(m, t, y)
+    if m.dry.shape[0] > 0:
+        slip_as_they_move(m, t, y)
+    return OK
+
+
+@compiled
+def project_on_reversal(m, t, y, who):
+    """Project y at the reversal of contact `who`: there is no slip, the accelerations decide its sign."""
+    mode = m.mode
+    old = mode[who]
+    mode[who] = STICK if m.contact[who, at.LEVEL] == 0 else FORWARD
+    project_on_contacts(m, t, y, -1)
+    mode[who] = old
+
+
 @native("i", "h", "f", "v", "i", "i")
 def handle_event(m, t, y, who, what):
     """Event at (t [s], y): impact if contacts hit, then new modes; y is projected onto its constraints.
@@ -62,9 +86,9 @@ def handle_event(m, t, y, who, what):
     what: HIT, LET_GO, BREAK_AWAY or TURN of contact `who`, MEETS if it is compliant; or NOTHING: a run starts, `who`
     hits (-1: none does).
     """
-    memory, kinematics = m.contact_memory, m.contact_kinematics
-    for n in range(memory.shape[0]):
-        memory[n, at.GAP_1] = kinematics[n, at.GAP]
+    nq = m.change.shape[0]
+    for n in range(m.contact_memory.shape[0]):
+        m.contact_memory[n, at.GAP_1] = m.contact_kinematics[n, at.GAP]
     if m.dry.shape[0] > 0:
         stay_at_rest(m, t, y)
     if what == DROP:
@@ -76,31 +100,22 @@ def handle_event(m, t, y, who, what):
         turn(m, who, t, y)
         who, what = -1, NOTHING
     if what == HIT or (what == NOTHING and who >= 0):
-        project_on_contacts(m, t, y, who)
-        count_shift(m)
-        status = collide(m, t, y, who)
+        status = hit(m, t, y, who)
         if status != OK:
             return status
-        turn_clutches(m, t, y)
-        if m.dry.shape[0] > 0:
-            slip_as_they_move(m, t, y)
-        who = who if what == HIT else -1  # it is at its wall, even if another contact holds it off by rounding
-        what = HIT
-    else:
-        nq, mode = m.change.shape[0], m.mode
-        old = mode[who] if what == TURN else OFF
-        if what == TURN:  # at the reversal there is no slip; the accelerations decide its sign
-            mode[who] = STICK if m.contact[who, at.LEVEL] == 0 else FORWARD
+        # it is at its wall, even if another contact holds it off by rounding
+        return modes_with_friction(m, t, y, who if what == HIT else -1, HIT)
+    if what != TURN:
         project_on_contacts(m, t, y, -1)
-        if what == TURN:
-            mode[who] = old
-        if what == TURN and m.contact[who, at.LEVEL] == 1 and gets_ahead(m, who):
+    else:
+        project_on_reversal(m, t, y, who)
+        if m.contact[who, at.LEVEL] == 1 and gets_ahead(m, who):
             # closed contacts and drivers hold the rate of the clutch at less than zero, by the error of the step
             status = collide(m, t, y, who)
             turn_clutches(m, t, y)
             return modes_with_friction(m, t, y, -1, HIT) if status == OK else status
-        take_states(m, y)
-        solve_motion(m, t, y[:nq], y[nq : 2 * nq])
+    take_states(m, y)
+    solve_motion(m, t, y[:nq], y[nq : 2 * nq])
     return modes_with_friction(m, t, y, who, what)
 
 

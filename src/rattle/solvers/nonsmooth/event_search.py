@@ -2,8 +2,8 @@
 
 Hits of open contacts, and starts and ends of compliant ones, are found by `gap_search`; changes of closed ones are
 detected at sampling points on the dense output, then located.  The sampling points are few and not evenly spaced, so
-that no period of a load fits them all; where a force or slip may have been below zero between two of them (`glances`)
-the interval is halved.
+that no period of a load fits them all; where a force or slip may have been below zero between two of them
+(`contact_samples`) the interval is halved.
 If the stages of a step show that a contact condition is violated, its zero is located at once, starting from the zero
 of the polynomial through them; with the sample taken there they show whether anything may have happened before.
 """
@@ -21,11 +21,21 @@ from rattle.solvers.contacts.clutches import most_torque, rate_left, watched
 from rattle.solvers.contacts.contact_events import first_change as first_meeting
 from rattle.solvers.contacts.gap_search import NONE, may_reach, search
 from rattle.solvers.contacts.pawls import first_drop
-from rattle.solvers.dense_output import interpolate
+from rattle.solvers.dense_output import INSTANT, OF_STEP, interpolate
 from rattle.solvers.nonsmooth.contact_modes import BREAK_AWAY, DROP, HIT, LET_GO, MEETS, NOTHING, TURN
-from rattle.solvers.peaks.glances import KINDS, last_look, margin_of, matters, may_dip, slack_of, unseen, write_look
+from rattle.solvers.peaks.contact_samples import (
+    KINDS,
+    last_look,
+    margin_of,
+    matters,
+    may_dip,
+    slack_of,
+    unseen,
+    write_look,
+)
 from rattle.solvers.peaks.samples import LOOKS, gauge
 from rattle.solvers.peaks.stage_polynomial import told, zero_told
+from rattle.solvers.step_size import STANDSTILL
 
 # first sampling points of a step: evenly spaced ones, which peaks use too, and one that is not
 PLACES = np.array([0.0, 0.057, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
@@ -36,6 +46,8 @@ GUIDED = 6  # attempts to locate a zero where the stages predict it
 NARROW = 1e-6  # share of a step that is not halved further
 JUMPED = 1e-3  # share of an indicator that is left where it jumps below zero, as N where a wall ends
 BEYOND = 1e-12  # share of the time by which an event is later that is a jump: on its other side whatever the rounding
+GROWN = 1e-9  # share of an interval down to which the place is sought from which on a slip has its sign
+MOST_TURNS = 100  # values of an indicator in the search of one zero
 
 
 @compiled
@@ -83,33 +95,50 @@ def between(low, high, far, f_low, f_high, f_far):
 
 
 @compiled
-def locate(m, t, h, n, what, low, high, f_low, f_high, column):
-    """Share of the step between low and high at which an indicator, with these values there, becomes negative.
+def first_positive(m, t, h, n, what, low, high, f_low):
+    """Share between low and high, and value, from which on an indicator is positive, if it is not at low.
 
-    column: of the samples at the stages, which predict the zero; -1 if they do not.
+    Slip that has just reversed or begun starts from zero: its sign is that of later samples.
     """
-    # slip that has just reversed or begun starts from zero: its sign is that of later samples
     share = 0.5 * (high - low)
-    while f_low <= 0.0 and share > 1e-9 * (high - low) and share * h > 1e-15 * abs(t):
+    while f_low <= 0.0 and share > GROWN * (high - low) and share * h > STANDSTILL * abs(t):
         at_share(m, t, h, low + share)
         if indicator(m, n, what) > 0.0:
             low += share
             f_low = indicator(m, n, what)
         share *= 0.5
-    lift = (
-        unseen(m, n, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
-    )  # of a slip that is rounding: where it is larger than rounding
+    return low, f_low
+
+
+@compiled
+def locate(m, t, h, n, what, low, high, f_low, f_high, column):
+    """Share of the step between low and high at which an indicator, with these values there, becomes negative.
+
+    column: of the samples at the stages, which predict the zero; -1 if they do not.
+    """
+    low, f_low = first_positive(m, t, h, n, what, low, high, f_low)
+    # a slip that is rounding: where it is larger than rounding
+    lift = unseen(m, n, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
     f_low, f_high = f_low + lift, f_high + lift
     if f_low <= 0.0:
         return low
-    far, f_far, looks, near, shift, tilt = low, f_low, m.glances, low, lift, 0.0
     last, whole = high, f_low
-    for turn in range(100):
-        least = 1e-16 * abs(t) + 1e-15 * h
+    high, f_high = zero_of(m, t, h, n, what, low, high, f_low, f_high, lift, column)
+    if f_high < -JUMPED * whole:
+        high = min(high + BEYOND * abs(t) / h, last)
+    return high
+
+
+@compiled
+def zero_of(m, t, h, n, what, low, high, f_low, f_high, lift, column):
+    """Share between low and high at which an indicator plus `lift` becomes negative, and its value there."""
+    far, f_far, near, shift, tilt = low, f_low, low, lift, 0.0
+    least = INSTANT * abs(t) + OF_STEP * h
+    for turn in range(MOST_TURNS):
         if not (high - low) * h > least:
             break
         if turn < GUIDED and column >= 0:
-            share = (zero_told(m, looks, column, low, high, near, shift, tilt) - low) / (high - low)
+            share = (zero_told(m, m.glances, column, low, high, near, shift, tilt) - low) / (high - low)
         else:
             share = 0.5 if turn % 8 == 7 else between(low, high, far, f_low, f_high, f_far)
         aside = min(0.5, 0.75 * least / ((high - low) * h))  # to the other side of a zero that is nearly found
@@ -119,16 +148,14 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
         at_share(m, t, h, middle)
         value = indicator(m, n, what) + lift
         if column >= 0:
-            beside = value - told(m, looks, column, middle)
+            beside = value - told(m, m.glances, column, middle)
             tilt = (beside - shift) / (middle - near) if turn > 0 else 0.0
             near, shift = middle, beside
         if value < 0.0:
             far, f_far, high, f_high = high, f_high, middle, value
         else:
             far, f_far, low, f_low = low, f_low, middle, value
-    if f_high < -JUMPED * whole:
-        high = min(high + BEYOND * abs(t) / h, last)
-    return high
+    return high, f_high
 
 
 @compiled
@@ -258,21 +285,36 @@ def first_between(m, t, h, i, best, who, what, guided):
 
 
 @compiled
+def look_at_place(m, t, h, low, high, placed, places, count):
+    """Sample number `placed` of the first ones of an interval, into row `count`; of a whole step, for peaks too."""
+    narrow = places < PLACES.shape[0]
+    look(m, t, h, low + (high - low) * (placed / 3.0 if narrow else PLACES[placed]), count)
+    if not narrow and high == 1.0 and ODD < placed < PLACES.shape[0] - 1:
+        gauge(m, m.sample_order[LOOKS, placed - 1], t + PLACES[placed] * h)
+
+
+@compiled
+def note_largest(m, i):
+    """Largest normal force so far of every contact, with sample i + 1."""
+    contact, memory = m.contact, m.contact_memory
+    for n in range(contact.shape[0]):
+        if contact[n, at.IMPACT] == 1:
+            memory[n, at.PEAK] = max(memory[n, at.PEAK], m.looks[i + 1, 1 + KINDS * n]) if m.mode[n] != OFF else 0.0
+
+
+@compiled
 def first_change(m, t, h, low, high, places, best, who, what):
     """First event of closed contacts between two shares of the step, otherwise (best, who, what) unchanged.
 
     places: number of first sampling points, 4 or all of PLACES; these are the samples of LOOKS in a whole step.
     """
-    contact, mode, memory, looks = m.contact, m.mode, m.contact_memory, m.looks
+    looks = m.looks
     count, placed, i, seen, wide = 0, 0, 0, 0, high - low
-    whole, narrow = places == PLACES.shape[0] and high == 1.0, places < PLACES.shape[0]
     while True:
         while count < max(i + 3, 4) and placed < places:
             if count == looks.shape[0]:
                 i, count = make_room(looks, i, count)
-            look(m, t, h, low + wide * (placed / 3.0 if narrow else PLACES[placed]), count)
-            if whole and ODD < placed < PLACES.shape[0] - 1:
-                gauge(m, m.sample_order[LOOKS, placed - 1], t + PLACES[placed] * h)
+            look_at_place(m, t, h, low, high, placed, places, count)
             count += 1
             placed += 1
             seen += 1
@@ -289,11 +331,9 @@ def first_change(m, t, h, low, high, places, best, who, what):
             seen += 1
             i = max(i - 1, 0)
             continue
-        for n in range(contact.shape[0]):
-            if contact[n, at.IMPACT] == 1:
-                memory[n, at.PEAK] = max(memory[n, at.PEAK], looks[i + 1, 1 + KINDS * n]) if mode[n] != OFF else 0.0
+        note_largest(m, i)
         before = best
-        best, who, what = first_between(m, t, h, i, best, who, what, 1 if narrow else 0)
+        best, who, what = first_between(m, t, h, i, best, who, what, 1 if places < PLACES.shape[0] else 0)
         if best < before:
             break
         i += 1
@@ -362,13 +402,8 @@ def first_by_stages(m, t, h, low, high):
 
 
 @compiled
-def first_event(m, t, h, low, high):
-    """First event of the step: share (NONE if there is none, GAVE_UP if that is not known), contact and kind of event.
-
-    low, high: the stages between which the first change of closed contacts is, if there is one.
-    The dense output must be ready, gaps and rates at both ends in `contact_memory`.  The last value returned is True
-    if the stages have shown all changes of closed contacts; otherwise the samples may be those of the search.
-    """
+def first_besides(m, h):
+    """First event of the step but for changes of closed contacts: share (NONE if there is none), contact, kind."""
     best, who = first_hit(m, h)
     what = HIT if who >= 0 else NOTHING
     share, pawl = first_drop(m, h, min(best, 1.0))
@@ -378,6 +413,18 @@ def first_event(m, t, h, low, high):
         share, elastic = first_meeting(m, h, min(best, 1.0))
         if share < best:
             best, who, what = share, elastic, MEETS
+    return best, who, what
+
+
+@compiled
+def first_event(m, t, h, low, high):
+    """First event of the step: share (NONE if there is none, GAVE_UP if that is not known), contact and kind of event.
+
+    low, high: the stages between which the first change of closed contacts is, if there is one.
+    The dense output must be ready, gaps and rates at both ends in `contact_memory`.  The last value returned is True
+    if the stages have shown all changes of closed contacts; otherwise the samples may be those of the search.
+    """
+    best, who, what = first_besides(m, h)
     if not any_closed(m) or not 0.0 < best <= NONE:
         return best, who, what, False
     last, shares = last_look(m), m.glances

@@ -43,6 +43,31 @@ from rattle.solvers.nonsmooth.rubbing_impacts import rub
 # in expansion (second column)
 E, BEFORE, SO_FAR, NOW, WORK = range(5)
 ZERO = 1e-13  # share of the largest rate below which a rate is zero
+CREATED = 1e-14  # share of its terms below which the energy of an impact is rounding
+
+
+@compiled
+def way_of(g, mu, w):
+    """How rates and the tangential impulse of the only contact grow with its normal one, from its slip w on [m/s].
+
+    Slope of the rate of the gap, tangential impulse, and slope of w; the last one is 0 if it sticks.
+    """
+    if mu <= 0.0 or not g[1, 1] > 0.0:
+        return g[0, 0], 0.0, 0.0
+    if w != 0.0 or abs(g[0, 1]) > mu * g[1, 1]:
+        sense = (-1.0 if w > 0.0 else 1.0) if w != 0.0 else (-1.0 if g[0, 1] > 0.0 else 1.0)
+        return g[0, 0] + sense * mu * g[0, 1], sense * mu, g[0, 1] + sense * mu * g[1, 1]
+    return g[0, 0] - g[0, 1] * g[0, 1] / g[1, 1], -g[0, 1] / g[1, 1], 0.0
+
+
+@compiled
+def whole_phase(rate, slope, expands, rest):
+    """Normal impulse to the end of a phase: rate 0 in compression, the work `rest` [J] done in expansion; or inf."""
+    if not slope > 0.0:
+        return math.inf
+    if expands:
+        return (math.sqrt(rate * rate + 2.0 * slope * max(rest, 0.0)) - rate) / slope
+    return -rate / slope
 
 
 @compiled
@@ -58,19 +83,9 @@ def follow_path(m):
     for _ in range(8):  # slide, stick or reverse, before and after the end of compression: four pieces at most
         if rate >= 0.0 and not expands:
             break
-        if mu <= 0.0 or not g[1, 1] > 0.0:
-            slope, grip, turn = g[0, 0], 0.0, 0.0
-        elif w != 0.0 or abs(g[0, 1]) > mu * g[1, 1]:
-            sense = (-1.0 if w > 0.0 else 1.0) if w != 0.0 else (-1.0 if g[0, 1] > 0.0 else 1.0)
-            slope, grip, turn = g[0, 0] + sense * mu * g[0, 1], sense * mu, g[0, 1] + sense * mu * g[1, 1]
-        else:
-            slope, grip, turn = g[0, 0] - g[0, 1] * g[0, 1] / g[1, 1], -g[0, 1] / g[1, 1], 0.0
+        slope, grip, turn = way_of(g, mu, w)
         piece = -w / turn if w * turn < 0.0 else math.inf  # of N to where slip ends
-        whole = math.inf  # of N to where the phase ends
-        if slope > 0.0:
-            whole = -rate / slope
-            if expands:
-                whole = (math.sqrt(rate * rate + 2.0 * slope * max(target - work, 0.0)) - rate) / slope
+        whole = whole_phase(rate, slope, expands, target - work)
         ends = whole <= piece
         piece = min(piece, whole)
         if not piece < math.inf:
@@ -121,6 +136,15 @@ def sort_contacts(m, count, expands):
 
 
 @compiled
+def lead_of(m, n, expands, left):
+    """What drives the impulse of contact n [m/s]: its rate over the rest of compression, or its share in expansion."""
+    bounce = m.bounce
+    if not expands:
+        return bounce[NOW, 2 * n] / left
+    return bounce[E, 2 * n] * bounce[BEFORE, 2 * n] if bounce[WORK, 2 * n + 1] > 0.0 else 0.0
+
+
+@compiled
 def growth(m, moving, expands, left):
     """Solve for the rates at which impulses grow; 1 if they grow, 0 at the end of a phase, -1 without a solution.
 
@@ -131,9 +155,7 @@ def growth(m, moving, expands, left):
     drives = False
     for k in range(moving):
         n = active[k]
-        lead = bounce[NOW, 2 * n] / left
-        if expands:
-            lead = bounce[E, 2 * n] * bounce[BEFORE, 2 * n] if bounce[WORK, 2 * n + 1] > 0.0 else 0.0
+        lead = lead_of(m, n, expands, left)
         side[B, 2 * k], side[B, 2 * k + 1] = lead, 0.0
         drives = drives or lead < 0.0
         w = bounce[NOW, 2 * n + 1]
@@ -150,28 +172,36 @@ def growth(m, moving, expands, left):
 
 
 @compiled
+def piece_of_one(m, k, moving, expands):
+    """Length of the piece along which impulses grow until active contact k changes; its rates of change are in a."""
+    bounce, side, n = m.bounce, m.side, m.active[k]
+    now, w, rise = bounce[NOW, 2 * n], bounce[NOW, 2 * n + 1], side[A, 2 * k]
+    grows = side[F, 2 * k] if k < moving else 0.0
+    piece = math.inf
+    if k < moving and friction_of(m, n) > 0.0 and w * side[A, 2 * k + 1] < 0.0:
+        piece = -w / side[A, 2 * k + 1]
+    if now * rise < 0.0 and (k >= moving or not (expands or grows > 0.0)):
+        piece = min(piece, -now / rise)
+    if expands and k < moving and bounce[WORK, 2 * n + 1] > 0.0 and grows > 0.0:
+        rest = bounce[WORK, 2 * n + 1] - bounce[WORK, 2 * n]
+        whole = rest / (grows * now) if now > 0.0 else math.inf
+        if rise > 0.0:
+            whole = (math.sqrt(now * now + 2.0 * rise * max(rest, 0.0) / grows) - now) / rise
+        piece = min(piece, whole)
+    return piece
+
+
+@compiled
 def piece_of(m, count, moving, expands, left):
     """Length of the piece along which impulses grow until a contact changes; rates of change of contacts go to a."""
-    active, bounce, side, g = m.active, m.bounce, m.side, m.delassus
+    side, g = m.side, m.delassus
     piece = math.inf if expands else left
     for k in range(count):
-        n, rough = active[k], friction_of(m, active[k]) > 0.0
         for r in range(2 * k, 2 * k + 2):
             side[A, r] = 0.0
             for s in range(2 * moving):
                 side[A, r] += g[r, s] * side[F, s]
-        now, w, grows = bounce[NOW, 2 * n], bounce[NOW, 2 * n + 1], side[F, 2 * k] if k < moving else 0.0
-        if k < moving and rough and w * side[A, 2 * k + 1] < 0.0:
-            piece = min(piece, -w / side[A, 2 * k + 1])
-        if now * side[A, 2 * k] < 0.0 and (k >= moving or not (expands or grows > 0.0)):
-            piece = min(piece, -now / side[A, 2 * k])
-        rest = bounce[WORK, 2 * n + 1] - bounce[WORK, 2 * n]
-        if expands and k < moving and bounce[WORK, 2 * n + 1] > 0.0 and grows > 0.0:
-            rise = side[A, 2 * k]
-            whole = rest / (grows * now) if now > 0.0 else math.inf
-            if rise > 0.0:
-                whole = (math.sqrt(now * now + 2.0 * rise * max(rest, 0.0) / grows) - now) / rise
-            piece = min(piece, whole)
+        piece = min(piece, piece_of_one(m, k, moving, expands))
     return piece
 
 
@@ -218,51 +248,53 @@ def follow_phase(m, count, expands, zero):
 def gives_energy(m, count):
     """True if the impulses of an impact, f in `side`, would create energy; rates before it must be up to date."""
     side, g, kinematics, active = m.side, m.delassus, m.contact_kinematics, m.active
-    given, size = 0.0, 0.0
+    energy, size = 0.0, 0.0
     for r in range(2 * count):
         n = active[r // 2]
         before = kinematics[n, at.DGAP] if r % 2 == 0 else -kinematics[n, at.SLIP]
         after = before
         for s in range(2 * count):
             after += g[r, s] * side[F, s]
-        given += 0.5 * side[F, r] * (before + after)
+        energy += 0.5 * side[F, r] * (before + after)
         size += abs(side[F, r]) * (abs(before) + abs(after))
-    return given > 1e-14 * size
+    return energy > CREATED * size
+
+
+@compiled
+def follow_phases(m, count):
+    """Impulses and rates of several contacts, by compression and expansion; False if there are none."""
+    side, bounce, active, largest = m.side, m.bounce, m.active, 0.0
+    for k in range(count):
+        n = active[k]
+        for d in range(2):
+            bounce[NOW, 2 * n + d], bounce[SO_FAR, 2 * n + d] = side[B, 2 * k + d], 0.0
+            bounce[WORK, 2 * n + d] = 0.0
+            largest = max(largest, abs(side[B, 2 * k + d]))
+    for k in range(count):
+        for r in range(2 * active[k], 2 * active[k] + 2):
+            if abs(bounce[NOW, r]) <= ZERO * largest:
+                bounce[NOW, r] = 0.0
+    if not follow_phase(m, count, False, ZERO * largest):
+        return False
+    for k in range(count):
+        n = active[k]
+        e = bounce[E, 2 * n]
+        bounce[WORK, 2 * n + 1] = -e * e * min(bounce[WORK, 2 * n], 0.0)
+        bounce[WORK, 2 * n] = 0.0
+    follow_phase(m, count, True, ZERO * largest)  # at its end no contact approaches, no energy was created
+    for k in range(count):
+        for d in range(2):
+            side[F, 2 * k + d] = bounce[SO_FAR, 2 * active[k] + d]
+            side[A, 2 * k + d] = bounce[NOW, 2 * active[k] + d]
+    return not gives_energy(m, count)
 
 
 @kernel("problem")
 def path_kernel(m, count):
     """Impulses f of an impact under the energetic law, and rates a after it, from the rates in b; 0: none found."""
-    side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
-    if count == 1:
-        if not follow_path(m):
-            return 0
-    else:
-        largest = 0.0
-        for k in range(count):
-            n = active[k]
-            for d in range(2):
-                bounce[NOW, 2 * n + d], bounce[SO_FAR, 2 * n + d] = side[B, 2 * k + d], 0.0
-                bounce[WORK, 2 * n + d] = 0.0
-                largest = max(largest, abs(side[B, 2 * k + d]))
-        for k in range(count):
-            for r in range(2 * active[k], 2 * active[k] + 2):
-                if abs(bounce[NOW, r]) <= ZERO * largest:
-                    bounce[NOW, r] = 0.0
-        if not follow_phase(m, count, False, ZERO * largest):
-            return 0
-        for k in range(count):
-            n = active[k]
-            e = bounce[E, 2 * n]
-            bounce[WORK, 2 * n + 1] = -e * e * min(bounce[WORK, 2 * n], 0.0)
-            bounce[WORK, 2 * n] = 0.0
-        follow_phase(m, count, True, ZERO * largest)  # at its end no contact approaches, no energy was created
-        for k in range(count):
-            for d in range(2):
-                side[F, 2 * k + d] = bounce[SO_FAR, 2 * active[k] + d]
-                side[A, 2 * k + d] = bounce[NOW, 2 * active[k] + d]
-        if gives_energy(m, count):
-            return 0
+    side, active, candidate = m.side, m.active, m.candidate
+    if not (follow_path(m) if count == 1 else follow_phases(m, count)):
+        return 0
     for k in range(count):
         candidate[k] = OFF
         if side[F, 2 * k] > 0.0:

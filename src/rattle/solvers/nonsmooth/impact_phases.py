@@ -26,7 +26,7 @@ import math
 from rattle.equations.complementarity import BACKWARD, EXACT, FORWARD, OFF, STICK, A, B, F, friction_of
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.solvers.nonsmooth.impact_path import E, as_full_matrix
+from rattle.solvers.nonsmooth.impact_path import CREATED, E, as_full_matrix
 
 NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
 # rows of `bounce` after those of `impact_path` that stay: impulses and rates after compression, least impulse in
@@ -35,6 +35,13 @@ PRESSED, RATES, FLOOR, SHARE, KEPT = range(2, 7)
 LARGEST_SHARE = 4.0
 SWEEPS = 400  # of relaxation, before modes are read from it
 MOST_EXPANDED = 4  # contacts up to which all modes of expansion are tried where relaxation fails
+RELAXED = 1e-16  # share of the largest impulse: changes below it end the relaxation
+FITS = 1e-10  # share of the largest impulse or rate by which conditions may be violated by rounding
+FITS_AT_LAST = 1e-9  # the same where relaxation has not converged further
+RETURNED = 1e-9  # share by which a contact may return more than its bound, and that of the largest bound
+RETURNED_OF_LARGEST = 1e-13
+SAME_WORK = 1e-13  # share of its bound, and of its factor, within which the work of a contact is what it may be
+HALVINGS_OF_SHARE = 40  # of the common share of work in expansion
 
 
 @compiled
@@ -76,7 +83,7 @@ def relax(m, count, sweeps):
                 if step != 0.0:
                     for s in range(2 * count):
                         side[A, s] += g[s, r] * step
-        if change <= 1e-16 * largest:
+        if change <= RELAXED * largest:
             return 0.0
         change /= largest
     return change
@@ -207,12 +214,12 @@ def expansion(m, count, scale):
     rates_of(m, count)
     for turn in range(4):
         relax(m, count, SWEEPS * (1 + 4 * turn))
-        if polish(m, count) and fits(m, count, 1e-10):
+        if polish(m, count) and fits(m, count, FITS):
             return True
         for r in range(2 * count):
             side[F, r] = bounce[KEPT, r]
         rates_of(m, count)
-    return fits(m, count, 1e-9) or (count <= MOST_EXPANDED and try_expansions(m, count))
+    return fits(m, count, FITS_AT_LAST) or (count <= MOST_EXPANDED and try_expansions(m, count))
 
 
 @compiled
@@ -234,7 +241,7 @@ def try_expansions(m, count):
         combinations *= 6
     for code in range(combinations):
         keep_modes(m, count, code)
-        if solve_kept(m, count) and fits(m, count, 1e-9):
+        if solve_kept(m, count) and fits(m, count, FITS_AT_LAST):
             return True
     return False
 
@@ -267,9 +274,9 @@ def takes_energy(m, count):
         lost -= 0.5 * total * (side[B, r] + side[A, r])
         size += abs(total) * (abs(side[B, r]) + abs(side[A, r]))
     for k in range(count):
-        if work_in_expansion(m, k) > most_work(m, k) * (1.0 + 1e-9) + 1e-13 * largest:
+        if work_in_expansion(m, k) > most_work(m, k) * (1.0 + RETURNED) + RETURNED_OF_LARGEST * largest:
             return False
-    return lost >= -1e-14 * size
+    return lost >= -CREATED * size
 
 
 @compiled
@@ -284,14 +291,33 @@ def find_shares(m, count):
         converged = True
         for k in range(count):
             may, does = most_work(m, k), work_in_expansion(m, k)
-            if may == 0.0 or does <= 0.0 or abs(does - may) <= 1e-13 * may:
+            if may == 0.0 or does <= 0.0 or abs(does - may) <= SAME_WORK * may:
                 continue
             better = min(bounce[SHARE, 2 * k] * math.sqrt(may / does), LARGEST_SHARE)
-            converged = converged and abs(better - bounce[SHARE, 2 * k]) <= 1e-13 * better
+            converged = converged and abs(better - bounce[SHARE, 2 * k]) <= SAME_WORK * better
             bounce[SHARE, 2 * k] = better
         if converged:
             return takes_energy(m, count)
     return takes_energy(m, count)
+
+
+@compiled
+def expand_with_energy(m, count):
+    """Expansion in which contacts do the work they may, or the largest common share of it that creates no energy."""
+    side, bounce = m.side, m.bounce
+    if find_shares(m, count):
+        return
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS_OF_SHARE):
+        middle = 0.5 * (low + high)
+        if expansion(m, count, middle) and takes_energy(m, count):
+            low = middle
+        else:
+            high = middle
+    # no expansion at all: the state after compression is a solution
+    if not (expansion(m, count, low) and takes_energy(m, count)):
+        for r in range(2 * count):
+            side[F, r], side[A, r] = 0.0, bounce[RATES, r]
 
 
 @kernel("problem")
@@ -301,29 +327,16 @@ def expand_kernel(m, count):
     Writes f and a of the whole impact, and modes to `candidate`; returns 0 if no expansion was found.
     """
     side, bounce, active, candidate = m.side, m.bounce, m.active, m.candidate
-    energetic = law_of(m, active[0]) == ENERGETIC
     as_full_matrix(m, count)
     for r in range(2 * count):
         bounce[PRESSED, r], bounce[RATES, r] = side[F, r], side[A, r]
-    found = True
-    if energetic:
-        if not find_shares(m, count):
-            low, high = 0.0, 1.0
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                if expansion(m, count, middle) and takes_energy(m, count):
-                    low = middle
-                else:
-                    high = middle
-            if not (
-                expansion(m, count, low) and takes_energy(m, count)
-            ):  # no expansion at all: the state after compression is a solution
-                for r in range(2 * count):
-                    side[F, r], side[A, r] = 0.0, bounce[RATES, r]
+    expands = True
+    if law_of(m, active[0]) == ENERGETIC:
+        expand_with_energy(m, count)
     else:
         for k in range(count):
             bounce[SHARE, 2 * k] = bounce[E, 2 * active[k]]
-        found = expansion(m, count, 1.0)
+        expands = expansion(m, count, 1.0)
     for k in range(count):
         n, t = 2 * k, 2 * k + 1
         side[F, n] += bounce[PRESSED, n]
@@ -333,4 +346,4 @@ def expand_kernel(m, count):
             candidate[k] = STICK
         elif candidate[k] != OFF and side[A, t] > 0.0:
             candidate[k] = BACKWARD
-    return 1 if found else 0
+    return 1 if expands else 0

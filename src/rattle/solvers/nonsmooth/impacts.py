@@ -68,6 +68,20 @@ from rattle.solvers.ports import add_port_work
 NOTICED = 1e-11  # share of the largest impulse of an impact below which one is rounding and no event
 AHEAD = 1e-6  # share of the rates of its bodies, or rate [rad/s], up to which a clutch takes without an impact
 LOW = 1e-11  # bounces that rise less than this share of the scale of the gap are not followed
+LOW_OF_GAP = 4e-15  # the same, as a share of the typical size of the gap: its rounding
+
+
+@compiled
+def gather_touching(m, who):
+    """Contacts that touch, contact `who` (-1: none) included, and take impulses become active. Returns their number."""
+    contact, count = m.contact, 0
+    for n in range(contact.shape[0]):
+        touches = contact[n, at.IMPACT] == 1 and (n == who or m.mode[n] != OFF or at_wall(m, n))
+        if touches and takes_impulses(m, n):
+            m.active[count] = n
+            m.contact_memory[n, at.BOUNCES_END] = 0.0
+            count += 1
+    return count
 
 
 @native("i", "h", "f", "v", "i")
@@ -76,16 +90,11 @@ def collide(m, t, y, who):
 
     Bounces that are too low to follow get restitution 0.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE.
     """
-    contact, mode, memory = m.contact, m.mode, m.contact_memory
-    active, nq = m.active, m.change.shape[0]
+    nq = m.change.shape[0]
     v, before = y[nq : 2 * nq], m.rate_new
-    count = 0
-    for n in range(contact.shape[0]):
-        touches = contact[n, at.IMPACT] == 1 and (n == who or mode[n] != OFF or at_wall(m, n))
-        if touches and takes_impulses(m, n):
-            active[count] = n
-            memory[n, at.BOUNCES_END], memory[n, at.ROUNDING] = 0.0, 0.0
-            count += 1
+    count = gather_touching(m, who)
+    for k in range(count):
+        m.contact_memory[m.active[k], at.ROUNDING] = 0.0
     for c in range(nq):
         before[c] = v[c]
     for _ in range(2 * count + 1):
@@ -306,12 +315,10 @@ def rises(m, k, n):
     return rate > 0.0 and not at_rest(m, 2 * k, n, rate, m.contact_memory[n, at.ROUNDING])
 
 
-@native("i", "h", "f", "v", "i")
-def low_bounce(m, t, y, count):
-    """Mark contacts that rise after the impact, but too low to follow; True if there is a new one."""
-    kinematics, memory, active, side = m.contact_kinematics, m.contact_memory, m.active, m.side
-    values, contact, recent, bounce = m.values, m.contact, m.recent, m.bounce
-    found, lifted, end = False, False, t
+@compiled
+def force_afterwards(m, t, y, count):
+    """The motion after the impact, with the forces that press then; impulses stay in `side`."""
+    side = m.side
     motion_without(m, t, y)
     for r in range(2 * count):
         side[OTHER, r] = side[F, r]
@@ -319,29 +326,33 @@ def low_bounce(m, t, y, count):
     add_forces(m, count, m.acceleration, m.multiplier)
     for r in range(2 * count):
         side[F, r] = side[OTHER, r]
-    for k in range(count):
-        n = active[k]
-        if contact[n, at.LEVEL] == 1:
-            continue
-        least = max(LOW * scale_of(m, n), 4e-15 * m.lever[n, at.GAP_SIZE], rounding(m, n))
-        speed, came = kinematics[n, at.DGAP], -bounce[BEFORE, 2 * n]
-        if memory[n, at.BOUNCES_END] != 0.0 or not rises(m, k, n):
-            continue
-        pull = kinematics[n, at.GAMMA_N] - along(m, 2 * k, n, m.acceleration, 0)
-        if pull < 0.0 and speed * speed < -2.0 * pull * least:
-            found = True
-            if side[F, 2 * k] > 0.0 and came > 0.0:
-                e = values[contact[n, at.NORMAL_P] + at.RESTITUTION]
-                if law_of(m, n) != NEWTON:
-                    e = min(speed / came, 1.0)
-                memory[n, at.BOUNCES_END] = t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
-                m.tally[at.SERIES] += 1 if 0.0 < e < 1.0 else 0
-            else:
-                lifted = True
-                end = max(end, t - 2.0 * speed / pull)
-                memory[n, at.BOUNCES_END] = end
-    if not lifted:
-        return found
+
+
+@compiled
+def low_pull(m, k, n):
+    """Acceleration that brings contact n, the k-th active one, back from a bounce too low to follow; 0: none."""
+    if m.contact[n, at.LEVEL] == 1 or m.contact_memory[n, at.BOUNCES_END] != 0.0 or not rises(m, k, n):
+        return 0.0
+    least = max(LOW * scale_of(m, n), LOW_OF_GAP * m.lever[n, at.GAP_SIZE], rounding(m, n))
+    speed, pull = m.contact_kinematics[n, at.DGAP], m.contact_kinematics[n, at.GAMMA_N]
+    pull -= along(m, 2 * k, n, m.acceleration, 0)
+    return pull if pull < 0.0 and speed * speed < -2.0 * pull * least else 0.0
+
+
+@compiled
+def end_of_series(m, t, n, came, pull):
+    """Time [s] at which the bounces of contact n end that follow an impact at the speed `came` [m/s]."""
+    speed, e = m.contact_kinematics[n, at.DGAP], m.values[m.contact[n, at.NORMAL_P] + at.RESTITUTION]
+    if law_of(m, n) != NEWTON:
+        e = min(speed / came, 1.0)
+    m.tally[at.SERIES] += 1 if 0.0 < e < 1.0 else 0
+    return t + (2.0 * speed / (-pull * (1.0 - e)) if e < 1.0 else 0.0)
+
+
+@compiled
+def end_together(m, t, count, end):
+    """Bounces of contacts that press each other up end together, at `end` [s] or as the series of impacts tells."""
+    memory, active, side, recent = m.contact_memory, m.active, m.side, m.recent
     m.tally[at.SERIES] += 1
     for k in range(count):
         n = active[k]
@@ -352,7 +363,28 @@ def low_bounce(m, t, y, count):
         n = active[k]
         if memory[n, at.BOUNCES_END] != 0.0 or (side[F, 2 * k] > 0.0 and not rises(m, k, n)):
             memory[n, at.BOUNCES_END] = end
-    return found
+
+
+@native("i", "h", "f", "v", "i")
+def low_bounce(m, t, y, count):
+    """Mark contacts that rise after the impact, but too low to follow; True if there is a new one."""
+    memory, any_low, lifted, end = m.contact_memory, False, False, t
+    force_afterwards(m, t, y, count)
+    for k in range(count):
+        n = m.active[k]
+        pull, came = low_pull(m, k, n), -m.bounce[BEFORE, 2 * n]
+        if pull == 0.0:
+            continue
+        any_low = True
+        if m.side[F, 2 * k] > 0.0 and came > 0.0:
+            memory[n, at.BOUNCES_END] = end_of_series(m, t, n, came, pull)
+        else:
+            lifted = True
+            end = max(end, t - 2.0 * m.contact_kinematics[n, at.DGAP] / pull)
+            memory[n, at.BOUNCES_END] = end
+    if lifted:
+        end_together(m, t, count, end)
+    return any_low
 
 
 @compiled

@@ -41,6 +41,7 @@ LEAST = 1e-10  # and at least [m/s, rad/s]
 SAME = 1e-10  # change of rates by what the linear law leaves, as a share of them, that ends the iteration
 BEARABLE = 1e-4  # the same, which may remain after MOST rounds
 MOST = 40
+LEAST_OF_FILM = 1e-3  # of LEAST, for rates in a film
 
 
 @compiled
@@ -195,7 +196,7 @@ def differentiate(m, h):
         step = FORWARD * abs(u[r + 1]) + LEAST
         d[r + 1, 1] = min(-(tangent_at(m, n, u[r + 1] + step, -phi[r]) + phi[r + 1]) / step, 0.0)
         if m.contact[n, at.FILM_LAW] >= 0:
-            step = FORWARD * math.hypot(u[r + 2], u[r + 3]) + 1e-3 * LEAST
+            step = FORWARD * math.hypot(u[r + 2], u[r + 3]) + LEAST_OF_FILM * LEAST
             fx, fy = film_at(m, s, u[r + 2] + step, u[r + 3])
             d[r + 2, 2] = min((fx - phi[r + 2]) / step, 0.0)
             across = (fy - phi[r + 3]) / step
@@ -279,13 +280,12 @@ def add_base(m):
 
 
 @compiled
-def soften(m, h, count):
-    """Responses of the active contacts and their G as these forces change them."""
-    response, reaction, delassus, x = m.velocity_response, m.multiplier_response, m.delassus, m.soft_force[WORK]
-    contact, active, w = m.contact, m.active, m.contact_jacobian
+def soften_responses(m, h, count):
+    """Responses of the active contacts as these forces change them."""
+    response, reaction, x = m.velocity_response, m.multiplier_response, m.soft_force[WORK]
     size = m.soft_matrix.shape[0]
     for c in range(2 * count):
-        if c % 2 == 1 and friction_of(m, active[c // 2]) == 0.0:
+        if c % 2 == 1 and friction_of(m, m.active[c // 2]) == 0.0:
             continue
         for i in range(size):
             x[i] = row_on(m, i, response, c)
@@ -296,6 +296,13 @@ def soften(m, h, count):
                 response[c, k] += share * m.soft_response[i, k]
             for row in range(reaction.shape[1]):
                 reaction[c, row] += share * m.soft_reaction[i, row]
+
+
+@compiled
+def soften(m, h, count):
+    """Responses of the active contacts and their G as these forces change them."""
+    contact, active, w, response = m.contact, m.active, m.contact_jacobian, m.velocity_response
+    soften_responses(m, h, count)
     for r in range(2 * count):
         n = active[r // 2]
         for c in range(2 * count):
@@ -306,7 +313,7 @@ def soften(m, h, count):
                     for q in range(3):
                         total += w[r, 3 * end + q] * response[c, 3 * i - 3 + q]
             smooth = (r % 2 == 1 and friction_of(m, n) == 0.0) or (c % 2 == 1 and friction_of(m, active[c // 2]) == 0.0)
-            delassus[r, c] = 0.0 if smooth else total
+            m.delassus[r, c] = 0.0 if smooth else total
 
 
 @native("f", "h", "f")

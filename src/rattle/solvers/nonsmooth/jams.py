@@ -17,16 +17,14 @@ from rattle.equations.motion import OK
 from rattle.equations.unilateral import LOCKED, contact_rows, lasting_side, shift, solve_contacts, solve_modes
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.clutches import takes_impulses
 from rattle.solvers.nonsmooth.contact_projection import (
     at_rest,
-    at_wall,
     closed_contacts,
     motion_without,
     project_on_contacts,
 )
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
-from rattle.solvers.nonsmooth.impacts import count_impulses
+from rattle.solvers.nonsmooth.impacts import count_impulses, gather_touching
 from rattle.solvers.nonsmooth.rubbing_impacts import forget_rubbing
 
 ABOUT = 1e-6  # gap of a contact that is about to close, as a share of its size; rate of a clutch [rad/s]
@@ -98,6 +96,20 @@ def ends_slip(m, count):
     return False
 
 
+@compiled
+def solve_jam(m, count, whole):
+    """Solve for impulses after which contacts that pass jams stick; whole: 1 with all modes, 0 with these only."""
+    kinematics, side = m.contact_kinematics, m.side
+    for k in range(count):
+        n = m.active[k]
+        side[B, 2 * k], side[B, 2 * k + 1], m.slide[k] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP], 0
+        m.candidate[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else m.mode[n]
+    if whole == 1:
+        return solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)
+    solve_modes(m, count, 0)
+    return holds(m, count) and ends_slip(m, count)
+
+
 @native("i", "h", "f", "i")
 def pass_jam(m, t, late):
     """Impact without collision of the closed contacts that may pass a jam; rates jump in the present state.
@@ -105,35 +117,15 @@ def pass_jam(m, t, late):
     late: 1 if the state is that of an event whose new modes were not found.  Returns OK, or LOCKED if sticking at
     once needs more than friction can give: then nothing is changed.
     """
-    contact, kinematics, mode, memory = m.contact, m.contact_kinematics, m.mode, m.contact_memory
-    active, candidate, slide, side = m.active, m.candidate, m.slide, m.side
     y, y_new, before, nq = m.state, m.state_new, m.rate_new, m.change.shape[0]
     if late == 1:
         for c in range(y.shape[0]):
             y[c] = y_new[c]
     project_on_contacts(m, t, y, -1)
     motion_without(m, t, y)
-    count = 0
-    for n in range(contact.shape[0]):
-        touches = contact[n, at.IMPACT] == 1 and (mode[n] != OFF or at_wall(m, n))
-        if touches and takes_impulses(m, n):
-            active[count] = n
-            memory[n, at.BOUNCES_END] = 0.0
-            count += 1
+    count = gather_touching(m, -1)
     contact_rows(m, count)
-    for attempt in range(2):
-        for k in range(count):
-            n = active[k]
-            side[B, 2 * k], side[B, 2 * k + 1], slide[k] = kinematics[n, at.DGAP], -kinematics[n, at.SLIP], 0
-            candidate[k] = STICK if passes_jams(m, n) and friction_of(m, n) > 0.0 else mode[n]
-        if attempt == 0:
-            found = solve_contacts(m, count) and holds(m, count) and ends_slip(m, count)
-        else:
-            solve_modes(m, count, 0)
-            found = holds(m, count) and ends_slip(m, count)
-        if found:
-            break
-    if not found:
+    if not (solve_jam(m, count, 1) or solve_jam(m, count, 0)):
         return LOCKED
     v = y[nq : 2 * nq]
     for c in range(nq):

@@ -81,6 +81,7 @@ from rattle.solvers.step_audit import UNSOUND, keep_energies, stands
 from rattle.solvers.step_control import has_room
 
 MOST_CHANGES = 4  # times that a step is taken for clutches that begin or cease to slip
+REACHES = 1.0000001  # steps within which an output lies in this one: rounding of its instant
 
 
 @native("void", "h", "f")
@@ -109,7 +110,7 @@ def write_until(m, t, h, impact, t_out, out):
     tally, y, y_new, stage = m.tally, m.state, m.state_new, m.stage
     acceleration, nq, nc = m.acceleration, m.change.shape[0], m.contact_kinematics.shape[0]
     energies = energies_at(m)
-    while tally[at.OUTPUTS] < t_out.shape[0] and t_out[tally[at.OUTPUTS]] <= t + 1.0000001 * h:
+    while tally[at.OUTPUTS] < t_out.shape[0] and t_out[tally[at.OUTPUTS]] <= t + REACHES * h:
         k = tally[at.OUTPUTS]
         share = min(max((t_out[k] - t) / h, 0.0), 1.0)
         for c in range(y.shape[0]):

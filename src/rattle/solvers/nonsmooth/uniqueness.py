@@ -21,12 +21,49 @@ from rattle.equations.complementarity import (
     linear,
 )
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, kernel
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
 EDGE = 1e-5  # share of a limit within which a force is about to pass it: see test_rough_pins
 KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of `lemke`
+DEFINITE = 1e-9  # share of its diagonal above which a pivot is positive whatever the rounding
+APART = 1e-6  # share of the largest rate, or of both forces, by which two solutions differ: more than rounding
+
+
+@compiled
+def weaken(m, k, size):
+    """Subtract from `system` the bound for the friction of active contact k; False if there is none."""
+    system, delassus, n, t = m.system, m.delassus, 2 * k, 2 * k + 1
+    mu, slide = friction_of(m, m.active[k]), m.slide[k]
+    if mu > 0.0 and slide == 0:
+        weight = (delassus[n, n] * delassus[t, t]) ** 0.5
+        if not weight > 0.0:
+            return False
+        system[n, n] -= 0.5 * mu * weight
+        for r in range(size):
+            for s in range(size):
+                system[r, s] -= 0.5 * mu * delassus[t, r] * delassus[t, s] / weight
+    elif mu > 0.0:
+        for r in range(size):
+            system[r, n] += 0.5 * mu * slide * delassus[t, r]
+            system[n, r] += 0.5 * mu * slide * delassus[t, r]
+    return True
+
+
+@compiled
+def is_definite(m, size):
+    """True if `system` is positive definite; it is factored."""
+    system, delassus = m.system, m.delassus
+    for c in range(size):
+        if not system[c, c] > DEFINITE * max(delassus[c, c], TINY):
+            return False
+        for r in range(c + 1, size):
+            share = system[r, c] / system[c, c]
+            for s in range(c + 1, size):
+                system[r, s] -= share * system[c, s]
+    return True
 
 
 @compiled
@@ -38,39 +75,19 @@ def surely_one(m, count):
     a bound for the friction term, is positive definite.  If the direction of slip is known that term is exact;
     otherwise it is at most mu (g dN^2 + (G_t e)^2 / g) / 2 at each contact, with any g > 0.
     """
-    system, delassus, active, slide = m.system, m.delassus, m.active, m.slide
-    size = 2 * count
+    system, size = m.system, 2 * count
     for r in range(size):
         for s in range(size):
-            system[r, s] = delassus[r, s]
+            system[r, s] = m.delassus[r, s]
     for k in range(count):
-        n, t = 2 * k, 2 * k + 1
-        mu = friction_of(m, active[k])
-        if mu > 0.0 and slide[k] == 0:
-            weight = (delassus[n, n] * delassus[t, t]) ** 0.5
-            if not weight > 0.0:
-                return False
-            system[n, n] -= 0.5 * mu * weight
-            for r in range(size):
-                for s in range(size):
-                    system[r, s] -= 0.5 * mu * delassus[t, r] * delassus[t, s] / weight
-        elif mu > 0.0:
-            for r in range(size):
-                system[r, n] += 0.5 * mu * slide[k] * delassus[t, r]
-                system[n, r] += 0.5 * mu * slide[k] * delassus[t, r]
+        if not weaken(m, k, size):
+            return False
     for k in range(count):  # if the direction of slip is known, or without friction, dT - mu sigma dN = 0
-        if slide[k] != 0 or friction_of(m, active[k]) == 0.0:
+        if m.slide[k] != 0 or friction_of(m, m.active[k]) == 0.0:
             for r in range(size):
                 system[r, 2 * k + 1], system[2 * k + 1, r] = 0.0, 0.0
             system[2 * k + 1, 2 * k + 1] = 1.0
-    for c in range(size):
-        if not system[c, c] > 1e-9 * max(delassus[c, c], 1e-300):
-            return False
-        for r in range(c + 1, size):
-            share = system[r, c] / system[c, c]
-            for s in range(c + 1, size):
-                system[r, s] -= share * system[c, s]
-    return True
+    return is_definite(m, size)
 
 
 @compiled
@@ -103,7 +120,7 @@ def is_another(m, count):
     for k in range(count):
         candidate[k] = int(path[KEPT_MODES, k])
     linear(m, count)
-    return apart > 1e-6 * largest
+    return apart > APART * largest
 
 
 @compiled
@@ -161,7 +178,7 @@ def moves_otherwise(m, count):
     for r in range(2 * count):
         largest = max(largest, abs(side[B, r]))
         apart = max(apart, abs(side[A, r] - side[OTHER, r]))
-    return apart > 1e-6 * largest
+    return apart > APART * largest
 
 
 @compiled
@@ -169,7 +186,7 @@ def note_shared(m, count):
     """Note contacts whose force is not that of the first solution, although they move alike."""
     side, kept = m.side, m.path[KEPT_A]
     for k in range(count):
-        if abs(side[F, 2 * k] - kept[2 * k]) > 1e-6 * abs(kept[2 * k] + side[F, 2 * k]):
+        if abs(side[F, 2 * k] - kept[2 * k]) > APART * abs(kept[2 * k] + side[F, 2 * k]):
             m.contact_memory[m.active[k], at.UNSURE] = 1.0
 
 
@@ -214,8 +231,8 @@ def try_kernel(m, number):
     count, most = number // 2, 1 + number % 2
     if combinations(m, count) > MOST_COMBINED:
         return -1
-    found = try_combinations(m, count, most, 1.0) if count <= MOST_TRIED else 0
-    return try_combinations(m, count, most, LOOSE) if found == 0 else found
+    solutions = try_combinations(m, count, most, 1.0) if count <= MOST_TRIED else 0
+    return try_combinations(m, count, most, LOOSE) if solutions == 0 else solutions
 
 
 @kernel("problem")

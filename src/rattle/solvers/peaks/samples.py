@@ -18,7 +18,7 @@ from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.output_row import write_joints
-from rattle.solvers.peaks.glances import write_look
+from rattle.solvers.peaks.contact_samples import write_look
 from rattle.solvers.peaks.stage_polynomial import best_nodes, shape_arrays
 from rattle.solvers.tableau import Tableau
 
@@ -218,9 +218,9 @@ def summit(m, samples, layout, i):
 @compiled
 def rises(m, samples, layout, i):
     """True if the maximum near sample i may exceed the largest value so far."""
-    known = max(samples[BEST], at_end(samples))
+    highest = max(samples[BEST], at_end(samples))
     height = summit(m, samples, layout, i)[1]
-    least = known + SAME * abs(known) + samples[NOTHING]
+    least = highest + SAME * abs(highest) + samples[NOTHING]
     return height > 0.0 and samples[SAMPLE + m.sample_order[layout, i]] + 3.0 * height > least
 
 
@@ -228,8 +228,8 @@ def rises(m, samples, layout, i):
 def near_peak(peaks):
     """True if a quantity could reach its largest value by continuing to change as over the step."""
     for n in range(peaks.shape[0]):
-        one, two, known = peaks[n, SAMPLE + START], at_end(peaks[n]), peaks[n, BEST]
-        if max(one, two) + abs(one - two) > known + SAME * abs(known):
+        begin, finish, highest = peaks[n, SAMPLE + START], at_end(peaks[n]), peaks[n, BEST]
+        if max(begin, finish) + abs(begin - finish) > highest + SAME * abs(highest):
             return True
     return False
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from rattle.equations.schur import WEAK
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
-from rattle.solvers.peaks.climb import climb, crest_all, end_step, probe
+from rattle.solvers.peaks.peak_search import climb, crest_all, end_step, probe
 from rattle.solvers.peaks.samples import (
     BEST,
     LOOKS,
@@ -71,10 +71,10 @@ def higher(m, samples, i, until):
 
     Returns the place, the height of the polynomial there, and a bound for how much that is too low.
     """
-    value, known = samples[SAMPLE + m.sample_order[STAGES, i]], samples[BEST]
+    value, highest = samples[SAMPLE + m.sample_order[STAGES, i]], samples[BEST]
     shares, last = m.sample_shares, m.sample_count[STAGES] - 1
     low, high = shares[STAGES, max(i - 1, 0)], min(shares[STAGES, min(i + 1, last)], until)
-    height, least = summit(m, samples, STAGES, i)[1], known + SAME * abs(known) + samples[NOTHING]
+    height, least = summit(m, samples, STAGES, i)[1], highest + SAME * abs(highest) + samples[NOTHING]
     if not low < until or not (height > 0.0 and value + 3.0 * height > least):
         return -1.0, 0.0, 0.0
     top, best = crest(m, samples, low, min(shares[STAGES, i], high), high)
@@ -117,21 +117,21 @@ def measure_evenly(m, t, h, until):
 @compiled
 def new_peaks(m, until):
     """Number of places where quantities may have new peaks; counting stops above MANY."""
-    peaks, found = m.peaks, 0
+    peaks, count = m.peaks, 0
     for n in range(peaks.shape[0]):
         for i in range(m.sample_count[STAGES]):
             if higher(m, peaks[n], i, until)[0] > 0.0:
-                found += 1
-                if found > MANY:
-                    return found
-    return found
+                count += 1
+                if count > MANY:
+                    return count
+    return count
 
 
 @native("i", "h", "f", "f", "f")
 def end_by_stages(m, t, h, until):
     """Peaks and sums of the step from t [s] of length h [s] up to the share `until`, where an event ends it if < 1.
 
-    As `climb.end_step`, if the stages show all forces; needs the dense output.  Returns the states computed.
+    As `peak_search.end_step`, if the stages show all forces; needs the dense output.  Returns the states computed.
     """
     peaks, solved = m.peaks, 0
     if peaks.shape[0] == 0:

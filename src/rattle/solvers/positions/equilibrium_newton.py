@@ -2,15 +2,16 @@
 
     Z = null space of Phi_q,   g = Z^T Q,   H = Z^T K Z,   K = -d(Q - Phi_q^T lambda)/dq,   q += Z H^-1 g
 
-H is formed by differences along the columns of Z.  Coordinates are scaled, see `rattle.analyses.statics.balance`.
+H is formed by differences along the columns of Z.  Coordinates are scaled, see `rattle.questions.equilibrium.balance`.
 """
 
 from __future__ import annotations
 
 import math
 
-from rattle.equations.closure import close_position, merit_at
+from rattle.equations.closure import CLOSED, ITERATIONS, SHUT, close_position, merit_at
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.functions import compiled
 from rattle.jit.small_matrices import (
     out_of_basis,
@@ -39,6 +40,16 @@ HALVINGS = 30
 LOST, FOUND, KNOWN, GOING = range(4)
 # entries of `state`; MOST_TURN: largest rotation in one step [rad]; displacements as a share of the mechanism's size
 PHASE, ITERATION, SMALL, FORCE_SIZE, TRIALS, EXTENT, DOF, G_SIZE, G_LENGTH, MOST_TURN = range(10)
+SAME_SIDE = 0.7  # cosine of the angle by which a pin may move in its bush in one step
+FLAT = 1e-9  # stiffness, as a share of the largest, below which a way downhill is not one of Newton's method
+SINGULAR = 1e-13  # pivot, as a share of the largest, below which a stiffness is singular
+# reduced forces, as shares of a typical force: at an equilibrium if steps end, or are as short as EXACTLY says
+BALANCED, BALANCED_WELL, BALANCED_SLOWLY = 1e-8, 1e-12, 1e-11
+NO_STEP, SHORT_STEP = 1e-13, 1e-10  # sizes of the mechanism: steps that move nothing, that end the search in balance
+SLOW = 0.1  # share of the force that a step must leave at most, near rounding
+LESS = 1e-4  # share of the expected decrease of the force that a step must reach
+ALONG = 1e-8  # square of the share of a direction that the joints allow, below which a path ends
+AT_TARGET = 1e-13  # correction [m, rad] that ends `displace`
 
 
 @compiled
@@ -67,8 +78,8 @@ def changed_side(arm, links):
     count = links.shape[0]
     for n in range(count):
         x, y, x_new, y_new = arm[n, 0], arm[n, 1], arm[count + n, 0], arm[count + n, 1]
-        size = math.sqrt((x * x + y * y) * (x_new * x_new + y_new * y_new)) + 1e-300
-        if (x * x_new + y * y_new) / size < 0.7:
+        size = math.sqrt((x * x + y * y) * (x_new * x_new + y_new * y_new)) + TINY
+        if (x * x_new + y * y_new) / size < SAME_SIDE:
             return True
     return False
 
@@ -86,12 +97,12 @@ def largest_of(x, n):
 
 
 @compiled
-def is_known(q, known, count, near, scale):
+def is_known(q, positions, count, near, scale):
     """True if q is within `near` (scaled [m]) of one of the first `count` positions, angles compared modulo a turn."""
     for n in range(count):
         apart = 0.0
         for k in range(q.shape[0]):
-            value = q[k] - known[n, k]
+            value = q[k] - positions[n, k]
             if k % 3 == 2:
                 value -= 2.0 * math.pi * math.floor(value / (2.0 * math.pi) + 0.5)
             apart = max(apart, abs(value) / scale[k])
@@ -113,10 +124,10 @@ def newton_step(dof, downhill, order, pivot, line, small, null, state, size):
                 small[i, j] = value
                 small[j, i] = value
         rotate_columns(small, dof)
-        solve_downhill(small, dof, g, 1e-9, dz)
+        solve_downhill(small, dof, g, FLAT, dz)
     else:
-        solve_square(small, dof, order, pivot, g, 1e-13, line[WORK], dz)
-    turn, shift = 1e-300, 1e-300
+        solve_square(small, dof, order, pivot, g, SINGULAR, line[WORK], dz)
+    turn, shift = TINY, TINY
     for k in range(move.shape[0]):
         value = 0.0
         for j in range(dof):
@@ -151,8 +162,8 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
             return False
         for k in range(n):
             trial[k] = q[k] + share * move[k]
-        gap, _ = close_position(m, t, trial, line[START], 1e-13 * size, 60)
-        fine = gap < 1e-9 * size
+        gap, _ = close_position(m, t, trial, line[START], CLOSED * size, ITERATIONS)
+        fine = gap < SHUT * size
         if fine:
             offsets(m, links, links.shape[0], arm)
             fine = not changed_side(arm, links)
@@ -169,7 +180,7 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
                     along += force[k // 3 + 1, k % 3] * move[k]
                 fine = (along > -0.5 * ahead and length < math.inf) or length < state[G_LENGTH]
             else:
-                fine = length < state[G_LENGTH] * (1.0 - 1e-4 * share)
+                fine = length < state[G_LENGTH] * (1.0 - LESS * share)
             if fine:
                 for k in range(n):
                     q[k] = trial[k]
@@ -183,8 +194,8 @@ def advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot
 @compiled
 def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
     """Assemble the mechanism at a start and evaluate it; False if it cannot be assembled."""
-    gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
-    if not gap < 1e-9 * size:
+    gap, _ = close_position(m, t, q, line[START], CLOSED * size, ITERATIONS)
+    if not gap < SHUT * size:
         return False
     dof = reduce(m, t, q, scale, wide, norm, order, pivot, null, line)
     extent, square = size, 0.0
@@ -199,13 +210,31 @@ def begin(m, t, q, scale, size, wide, norm, order, pivot, null, line, state):
 
 
 @compiled
+def balanced(state, force):
+    """FOUND if reduced forces of this size [N] are those of an equilibrium, LOST otherwise."""
+    return FOUND if force <= BALANCED * state[FORCE_SIZE] else LOST
+
+
+@compiled
+def outcome_before(state, far, size):
+    """GOING if a step of length `far` [m] is worth it; otherwise what the search has come to."""
+    if not far < math.inf:
+        return LOST
+    if far < NO_STEP * size:  # if H vanishes the step is zero too
+        return balanced(state, state[G_SIZE])
+    if state[G_SIZE] <= BALANCED_WELL * state[FORCE_SIZE] and far < SHORT_STEP * size:
+        return FOUND
+    return GOING
+
+
+@compiled
 def find(
-    m, t, q, scale, size, step, downhill, rounds, known, count, near,
+    m, t, q, scale, size, step, downhill, rounds, positions, count, near,
     links, arm, wide, norm, order, pivot, null, line, small, state, order_h, pivot_h, most,
 ):  # fmt: skip
     """From a start q to an equilibrium, in place; to a stable one if `downhill`.
 
-    rounds: Newton steps after which the call returns GOING, to be called again.  known (k, 3 nb) [m, rad]: positions
+    rounds: Newton steps after which the call returns GOING, to be called again.  positions (k, 3 nb) [m, rad]: those
     that need not be found again, the first `count` of them, within `near`.  most: number of positions to try.
     state[PHASE] is 0 at the start.
     """
@@ -217,27 +246,23 @@ def find(
             return FOUND
         if not state[G_SIZE] < math.inf:
             return LOST
-        if is_known(q, known, count, near, scale):
+        if is_known(q, positions, count, near, scale):
             return KNOWN
         reduced_stiffness(m, t, q, step, dof, 2, null, line, small)
         far = newton_step(dof, downhill, order_h, pivot_h, line, small, null, state, size)
         before = state[G_SIZE]
-        if not far < math.inf:
-            return LOST
-        rest = before <= 1e-8 * state[FORCE_SIZE]
-        if far < 1e-13 * size:  # if H vanishes the step is zero too
-            return FOUND if rest else LOST
-        if before <= 1e-12 * state[FORCE_SIZE] and far < 1e-10 * size:
-            return FOUND
+        outcome = outcome_before(state, far, size)
+        if outcome != GOING:
+            return outcome
         if not advance(m, t, q, scale, size, downhill, links, arm, wide, norm, order, pivot, null, line, state, most):
-            return FOUND if rest else LOST
+            return balanced(state, before)
         state[ITERATION] += 1.0
-        slow = state[G_SIZE] <= 1e-11 * state[FORCE_SIZE] and state[G_SIZE] > 0.1 * before
+        slow = state[G_SIZE] <= BALANCED_SLOWLY * state[FORCE_SIZE] and state[G_SIZE] > SLOW * before
         state[SMALL] = state[SMALL] + 1.0 if slow else 0.0
         if state[SMALL] == 2.0:
             return FOUND
         if state[ITERATION] >= ROUNDS:
-            return FOUND if state[G_SIZE] <= 1e-8 * state[FORCE_SIZE] else LOST
+            return balanced(state, state[G_SIZE])
     return GOING
 
 
@@ -260,13 +285,13 @@ def walk(m, t, q, scale, size, stride, direction, wide, norm, order, pivot, null
         square += part * part
         for k in range(n):
             move[k] += part * null[j, k]
-    if not square > 1e-8:
+    if not square > ALONG:
         return math.inf, 0.0, 0.0
     for k in range(n):
         direction[k] = move[k] / math.sqrt(square)
         q[k] += stride * direction[k]
-    gap, _ = close_position(m, t, q, line[START], 1e-13 * size, 60)
-    if not gap < 1e-9 * size:
+    gap, _ = close_position(m, t, q, line[START], CLOSED * size, ITERATIONS)
+    if not gap < SHUT * size:
         return math.inf, 0.0, 0.0
     dof = reduce(m, t, q, scale, wide, norm, order, pivot, null, line)
     along = 0.0
@@ -298,5 +323,5 @@ def displace(m, q, target, scale, rounds, wide, norm, order, pivot, line):
             change[k] *= scale[k]
             q[k] += change[k]
             most = max(most, abs(change[k]))
-        if most < 1e-13:
+        if most < AT_TARGET:
             break

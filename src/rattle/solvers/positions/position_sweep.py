@@ -33,6 +33,16 @@ SHARE = 0.1  # the same as a share of the distance to another branch
 TURN = 0.2  # largest predicted motion in one step [rad, or share of the size]
 DEAD = 1e-11  # a motor that moves the driver by less, as a share of the rest of its motion, is at a dead centre
 LEAPS = 12  # doublings of a step across a singular position
+EXACT = 1e-16  # gap, as a share of the mechanism's size, that no correction makes smaller
+LAST = 1e-10  # correction [sizes, rad] after which positions are as good as the factor computed there
+SETTLED = 1e-12  # correction [sizes, rad] after which none is needed
+ROUNDING = 1e-13  # gap [sizes] that is rounding where a correction has not made it smaller
+CLOSED = 1e-12  # gap [sizes] with which positions are closed
+MOST_ROUNDS = 12  # of Newton's method
+FARTHEST = 0.5  # corrections [sizes, rad] with which it is given up
+NARROWS = 0.8  # share of the roots on both sides below which a minimum of the root is recorded
+LEAST_STEP = 1e-15  # share of the way to the target below which no step is tried
+EASY = 0.1  # share of the largest correction below which the next step may be twice as long
 
 
 @compiled
@@ -66,36 +76,39 @@ def largest(x, size):
 
 
 @compiled
-def closed_at(m, t, node, size):
-    """Solve positions, rates and accelerations at t [s], starting from the new rows of `node`.
-
-    Returns the magnitude of the correction (inf if it failed), the root of the smallest pivot share, the remaining
-    gap [m or rad] and the number of Newton iterations.
-    """
-    q, v, a = node[Q_NEW], node[V_NEW], node[A_NEW]
-    change, power = m.change, m.power
-    drive(m, t)
-    spare = m.rows.shape[0] - q.shape[0]  # rows that may be redundant
+def redundant(m, q):
+    """Number of rows that may be redundant at positions q."""
+    spare = m.rows.shape[0] - q.shape[0]
     for i in range(1, m.weight.shape[0]):
         if m.weight[i, 0] == 0.0:  # a body without a row stays where it is
             spare += 3
-    moved, last, gap = 0.0, math.inf, math.inf
+    return spare
+
+
+@compiled
+def close_there(m, q, v, size):
+    """Newton's method for the positions q (3 nb,), in place, at the time of the drivers.
+
+    Returns the magnitude of the correction (inf if it failed), the remaining gap [m or rad] and the iterations.
+    """
+    change, power, spare = m.change, m.power, redundant(m, q)
+    moved, last = 0.0, math.inf
     rounds = 0
     place(m, q, v)
     constraints(m)
     gap = residual(m)
-    while rounds < 12:
+    while rounds < MOST_ROUNDS:
         if not gap < math.inf:
-            return math.inf, 0.0, gap, rounds
+            return math.inf, gap, rounds
         power[at.PIVOT_SHARE] = 1.0
         if factorise(m) > spare:
             power[at.PIVOT_SHARE] = 0.0
-        if gap <= 1e-16 * size or last <= 1e-10:
+        if gap <= EXACT * size or last <= LAST:
             break
         correct(m)
         last = largest(change, size)
-        if not last < 0.5 or not moved < 0.5:
-            return math.inf, 0.0, gap, rounds
+        if not last < FARTHEST or not moved < FARTHEST:
+            return math.inf, gap, rounds
         moved += last
         rounds += 1
         for k in range(q.shape[0]):
@@ -104,11 +117,22 @@ def closed_at(m, t, node, size):
         constraints(m)
         before = gap
         gap = residual(m)
-        if last <= 1e-12 or (gap >= before and gap < 1e-13 * size):
+        if last <= SETTLED or (gap >= before and gap < ROUNDING * size):
             break  # the present factor is accurate enough
-    if not gap < 1e-12 * size:
-        return math.inf, 0.0, gap, rounds
-    if not rate_residual(m) < math.inf:
+    return (moved if gap < CLOSED * size else math.inf), gap, rounds
+
+
+@compiled
+def closed_at(m, t, node, size):
+    """Solve positions, rates and accelerations at t [s], starting from the new rows of `node`.
+
+    Returns the magnitude of the correction (inf if it failed), the root of the smallest pivot share, the remaining
+    gap [m or rad] and the number of Newton iterations.
+    """
+    q, v, a, change = node[Q_NEW], node[V_NEW], node[A_NEW], m.change
+    drive(m, t)
+    moved, gap, rounds = close_there(m, q, v, size)
+    if not moved < math.inf or not rate_residual(m) < math.inf:
         return math.inf, 0.0, gap, rounds
     correct(m)
     for k in range(q.shape[0]):
@@ -120,7 +144,7 @@ def closed_at(m, t, node, size):
     correct(m)
     for k in range(q.shape[0]):
         a[k] += change[k]
-    return moved, math.sqrt(power[at.PIVOT_SHARE]), gap, rounds
+    return moved, math.sqrt(m.power[at.PIVOT_SHARE]), gap, rounds
 
 
 @compiled
@@ -255,6 +279,15 @@ def between(node, theta, h):
 
 
 @compiled
+def note_spot(spots, tally, before, after):
+    """Note that the root has a minimum between two times [s]."""
+    if tally[FOUND] < spots.shape[0]:
+        spots[tally[FOUND], 0] = before
+        spots[tally[FOUND], 1] = after
+        tally[FOUND] += 1
+
+
+@compiled
 def arrive(node, clock, tally, spots, t, root):
     """Make the new rows the node at t [s]; records where the root has passed a minimum."""
     for k in range(node.shape[1]):
@@ -262,10 +295,8 @@ def arrive(node, clock, tally, spots, t, root):
             node[Q_OLD + n, k] = node[Q + n, k]
             node[Q + n, k] = node[Q_NEW + n, k]
     low = clock[ROOT] <= clock[ROOT_BEFORE] and clock[ROOT] <= root
-    if low and clock[ROOT] < 0.8 * max(root, clock[ROOT_BEFORE]) and tally[FOUND] < spots.shape[0]:
-        spots[tally[FOUND], 0] = clock[T_BEFORE]
-        spots[tally[FOUND], 1] = t
-        tally[FOUND] += 1
+    if low and clock[ROOT] < NARROWS * max(root, clock[ROOT_BEFORE]):
+        note_spot(spots, tally, clock[T_BEFORE], t)
     clock[T_BEFORE] = clock[NOW]
     clock[ROOT_BEFORE] = clock[ROOT]
     clock[NOW] = t
@@ -274,55 +305,87 @@ def arrive(node, clock, tally, spots, t, root):
 
 
 @compiled
+def keeps_branch(correction, root):
+    """True if a correction is too small to lead to another branch; root: of the smallest pivot share."""
+    return correction <= min(CORRECTION, SHARE * root)
+
+
+@compiled
+def predict_and_close(m, t, h, node, tally, size):
+    """A step of length h [s] from the node at t [s]: correction (inf if none), root and gap, as `closed_at`."""
+    if not predicted(node, h, size) <= TURN:
+        return math.inf, 0.0, 0.0
+    correction, root, gap, rounds = closed_at(m, t + h, node, size)
+    tally[NEWTON] += rounds
+    return correction, root, gap
+
+
+@compiled
+def leap(m, t, h, node, size):
+    """A step across a singular position, of a multiple of h [s]: its length (0: none), correction, root and gap."""
+    far = h
+    for _ in range(LEAPS):
+        far *= 2.0
+        if predicted(node, far, size) > TURN:
+            break
+        correction, root, gap, _rounds = closed_at(m, t + far, node, size)
+        if keeps_branch(correction, root) and root >= WEAK_ROOT:
+            return far, correction, root, gap
+    return 0.0, math.inf, 0.0, 0.0
+
+
+@compiled
 def stride(m, target, node, clock, tally, spots, size):
     """One step from the node towards the time `target` [s], across it if it is singular; False if no step succeeds."""
     t = clock[NOW]
     ahead = target - t
-    gap, rounds, far = 0.0, 0, 0.0
     while True:
         h = ahead if abs(ahead) <= clock[FREE] else math.copysign(clock[FREE], ahead)
-        if t + h == t or abs(h) < 1e-15 * abs(ahead):
+        if t + h == t or abs(h) < LEAST_STEP * abs(ahead):
             return False
-        move = predicted(node, h, size)
-        fine = move <= TURN
-        correction, root = math.inf, 0.0
-        if fine:
-            correction, root, gap, rounds = closed_at(m, t + h, node, size)
-            tally[NEWTON] += rounds
-            fine = correction <= min(CORRECTION, SHARE * root)
+        correction, root, gap = predict_and_close(m, t, h, node, tally, size)
+        fine = keeps_branch(correction, root)
         if fine and root >= WEAK_ROOT:
             break
-        crossed = False
         if clock[ROOT] >= WEAK_ROOT and correction < math.inf:
             if predicted(node, 2.0 * h, size) > TURN:  # too far away to step across
                 clock[FREE] = 0.5 * abs(h)
                 continue
-            far = h
-            for _ in range(LEAPS):
-                far *= 2.0
-                if predicted(node, far, size) > TURN:
-                    break
-                correction, root, gap, rounds = closed_at(m, t + far, node, size)
-                if correction <= min(CORRECTION, SHARE * root) and root >= WEAK_ROOT:
-                    crossed = True
-                    break
-            if not crossed and fine:  # no solution on the other side: go on into the singular position
+            far, correction, root, gap = leap(m, t, h, node, size)
+            if far != 0.0:
+                h = far
+                note_spot(spots, tally, t, t + far)
+                break
+            if fine:  # no solution on the other side: go on into the singular position
                 predicted(node, h, size)
-                correction, root, gap, rounds = closed_at(m, t + h, node, size)
-        if crossed:
-            h = far
-            if tally[FOUND] < spots.shape[0]:
-                spots[tally[FOUND], 0] = t
-                spots[tally[FOUND], 1] = t + far
-                tally[FOUND] += 1
-        if crossed or fine:
+                correction, root, gap, _rounds = closed_at(m, t + h, node, size)
+        if fine:
             break
         clock[FREE] = 0.5 * abs(h)
     clock[GAP] = max(clock[GAP], gap)
-    if correction < 0.1 * min(CORRECTION, SHARE * root):
+    if correction < EASY * min(CORRECTION, SHARE * root):
         clock[FREE] = max(clock[FREE], 2.0 * abs(h))
     arrive(node, clock, tally, spots, target if h == ahead else t + h, root)
     return True
+
+
+@compiled
+def stop_at(m, target, node, clock, stepped):
+    """Motion at the time `target` [s], which the node has reached or a step has crossed, to the new rows of `node`."""
+    if target == clock[NOW]:
+        for k in range(node.shape[1]):
+            for i in range(3):
+                node[Q_NEW + i, k] = node[Q + i, k]
+        if stepped:  # its rows and factor are in the workspace
+            return
+    else:
+        h = clock[NOW] - clock[T_BEFORE]
+        between(node, (target - clock[T_BEFORE]) / h, h)
+    drive(m, target)
+    place(m, node[Q_NEW], node[V_NEW])
+    constraints(m)
+    clock[GAP] = max(clock[GAP], residual(m))
+    factorise(m)
 
 
 @compiled
@@ -349,20 +412,7 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, o
             stepped = True
             if not stride(m, target, node, clock, tally, spots, size):
                 return STUCK
-        if target == clock[NOW]:
-            for k in range(node.shape[1]):
-                for i in range(3):
-                    node[Q_NEW + i, k] = node[Q + i, k]
-        else:  # a step has crossed it
-            h = clock[NOW] - clock[T_BEFORE]
-            between(node, (target - clock[T_BEFORE]) / h, h)
-            stepped = False
-        if not stepped:  # otherwise its rows and factor are in the workspace
-            drive(m, target)
-            place(m, node[Q_NEW], node[V_NEW])
-            constraints(m)
-            clock[GAP] = max(clock[GAP], residual(m))
-            factorise(m)
+        stop_at(m, target, node, clock, stepped)
         put(m, target, node[Q_NEW], node[V_NEW], node[A_NEW], forces, probe, line, raw[n])
         tally[COUNT] = n + 1
         if n == 0 and onward == 0.0 and times.shape[0] > 1:

@@ -15,6 +15,7 @@ from rattle.jit.small_matrices import into_basis, out_of_basis, solve_upper, tri
 RANK = 1e-9  # remainder of a row, as a share of the longest, below which it counts as dependent
 # rows of `line`
 OUT, G, DZ, MOVE, TRIAL, START, WORK = range(7)
+LEAST_FORCE = 1e-12  # [N] that forces are compared with where there are none
 
 
 @compiled
@@ -104,7 +105,7 @@ def reduced_stiffness(m, t, q, step, dof, points, null, line, small):
 def force_size(m, size):
     """A typical magnitude of the applied forces [N]; size: of the mechanism [m]."""
     rows, force, multiplier = m.rows, m.force, m.multiplier
-    most = 1e-12
+    most = LEAST_FORCE
     for r in range(rows.shape[0]):
         for k in range(6):
             most = max(most, abs(multiplier[r] * rows[r, at.AX + k]))

@@ -48,6 +48,7 @@ from rattle.solvers.shifted_matrices import (
 )
 from rattle.solvers.sign_watch import watched_change
 from rattle.solvers.state_switches import crossed
+from rattle.solvers.step_size import SAFETY
 from rattle.solvers.stepper import OILED, AdaptiveStepper
 
 # first rows of `newton` after Z in 0 to 2: Z of the step before, W, then dW or e and the slope that u lacks
@@ -59,10 +60,14 @@ FINE = 1e-8  # error of the iteration, as a share of the increments, that counts
 ROUNDING = 2e-15
 STUCK, ROUGH = 0.01, 1e-6  # of the tolerances and increments: corrections that rounding of stiff forces may cause
 SLOW_RATE = 0.03  # ratio of two corrections above which the next step takes a new Jacobian
-HALF = (0.9 / 0.5) ** 4  # error that makes the next attempt half as long
+HALF = (SAFETY / 0.5) ** 4  # error that makes the next attempt half as long
 BEARABLE = 0.15  # ratio of two corrections that the next step may have; it is proportional to the step at most
 REMEMBERED, REGROWTH = 0.6, 1.2  # share of a step that failed which the next ones may reach, and how that grows
 CONTINUED = 3.0  # growth of the step up to which stages are continued
+LEAST_OF_ITERATION = 10.0  # roundings, over the tolerance: smallest error of the iteration that counts
+MOST_OF_ITERATION = 0.03  # largest one [tolerances], below the square root of rtol, which is less at fine tolerances
+CONTRACTS = 1e-3  # least ratio of corrections by which the length that the next step may have is told
+WIDE, WIDE_POWER = 0.1, 2.0 / 3.0  # tolerance of the error estimate, whose order is lower: WIDE rtol^WIDE_POWER
 
 
 @compiled
@@ -76,10 +81,10 @@ def through(m, first, k, theta):
     """The polynomial through 0 and the increments of number k of y in rows first to first + 2, at the share theta."""
     z = m.newton
     end = z[first + 2, k]
-    one = (z[first, k] / C[0] - end) / (1.0 - C[0])
-    two = (z[first + 1, k] / C[1] - end) / (1.0 - C[1])
-    bend = (two - one) / (C[1] - C[0])
-    return theta * (end + (1.0 - theta) * (one + (theta - C[0]) * bend))
+    first_slope = (z[first, k] / C[0] - end) / (1.0 - C[0])
+    second_slope = (z[first + 1, k] / C[1] - end) / (1.0 - C[1])
+    bend = (second_slope - first_slope) / (C[1] - C[0])
+    return theta * (end + (1.0 - theta) * (first_slope + (theta - C[0]) * bend))
 
 
 @compiled
@@ -88,16 +93,16 @@ def guess(m, t, h):
     z, iteration = m.newton, m.iteration
     before = iteration[at.KEPT_H]
     again, onwards = t == iteration[at.KEPT_T], t == iteration[at.KEPT_T] + before
-    known = (again or onwards) and before > 0.0 and h <= CONTINUED * before
+    continues = (again or onwards) and before > 0.0 and h <= CONTINUED * before
     past = 1.0 if onwards else 0.0
     for c in range(numbers_acting(m)):
         k = acting(m, c)
-        origin = through(m, KEPT, k, past) if known else 0.0
+        origin = through(m, KEPT, k, past) if continues else 0.0
         for i in range(3):
-            z[i, k] = through(m, KEPT, k, past + C[i] * h / before) - origin if known else 0.0
+            z[i, k] = through(m, KEPT, k, past + C[i] * h / before) - origin if continues else 0.0
         for i in range(3):
             z[W + i, k] = TI[i, 0] * z[0, k] + TI[i, 1] * z[1, k] + TI[i, 2] * z[2, k]
-    return 1 if known else 0
+    return 1 if continues else 0
 
 
 @compiled
@@ -151,8 +156,8 @@ def correct_stages(m, h, rtol, atol):
 @native("ii", "h", "f", "f", "f", "f", "i")
 def iterate(m, t, h, rtol, atol, tame):
     """Solve for the stages of the step from t [s] of length h [s]: outcome, and 1 if monitored forces change signs."""
-    iteration, least = m.iteration, 10.0 * ROUNDING / rtol
-    enough = max(least, min(0.03, math.sqrt(rtol)))
+    iteration, least = m.iteration, LEAST_OF_ITERATION * ROUNDING / rtol
+    enough = max(least, min(MOST_OF_ITERATION, math.sqrt(rtol)))
     before, left, rate = 0.0, math.inf, 0.0
     changed = False
     guess(m, t, h)
@@ -239,12 +244,12 @@ def end_stages(m, t, h):
 def held_back(m, h, error):
     """The error of a step or a larger one, so that the next is not longer than the iteration is likely to bear."""
     iteration = m.iteration
-    bearable = BEARABLE / max(iteration[at.CONTRACTION], 1e-3)
+    bearable = BEARABLE / max(iteration[at.CONTRACTION], CONTRACTS)
     growth = 1.0 if iteration[at.FAILED] == 1.0 else max(1.0, min(bearable, iteration[at.BEARS] / h))
     if error <= 1.0:
         iteration[at.FAILED] = 0.0
         iteration[at.BEARS] *= REGROWTH
-    return max(error, (0.9 / growth) ** 4)
+    return max(error, (SAFETY / growth) ** 4)
 
 
 @kernel("stepper")
@@ -256,7 +261,7 @@ def step(m, t, h, rtol, atol, tame):
     y, f, stage, slopes = m.state, m.rate, m.stage, m.slopes
     for n in range(y.shape[0]):
         slopes[0, n] = f[n]
-    wide = 0.1 * rtol ** (2.0 / 3.0)
+    wide = WIDE * rtol**WIDE_POWER
     atol *= wide / rtol
     outcome, changed = solve_stages(m, t, h, wide, atol, tame)
     if outcome != CONVERGED:
@@ -331,10 +336,10 @@ def prepare_dense(m, t, h):
     unresolved_start(m, h)
     for n in range(dense.shape[1]):
         end = z[KEPT + 2, n]
-        one = (z[KEPT, n] / C[0] - end) / (1.0 - C[0])
-        two = (z[KEPT + 1, n] / C[1] - end) / (1.0 - C[1])
-        bend, first = (two - one) / (C[1] - C[0]), z[FIRST, n]
-        dense[1, n] = one - C[0] * bend + first
+        first_slope = (z[KEPT, n] / C[0] - end) / (1.0 - C[0])
+        second_slope = (z[KEPT + 1, n] / C[1] - end) / (1.0 - C[1])
+        bend, first = (second_slope - first_slope) / (C[1] - C[0]), z[FIRST, n]
+        dense[1, n] = first_slope - C[0] * bend + first
         dense[2, n] = bend - first
         dense[3, n] = -2.5 * first
         for row in range(4, 7):

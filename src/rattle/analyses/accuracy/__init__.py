@@ -1,1 +1,0 @@
-"""Kinematic accuracy: the effect of clearances on an output."""

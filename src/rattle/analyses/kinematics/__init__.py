@@ -1,1 +1,0 @@
-"""Kinematics and inverse dynamics of driven mechanisms, position by position."""

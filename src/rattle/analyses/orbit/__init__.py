@@ -1,1 +1,0 @@
-"""The orbit of a pin in its oil film under the forces of the mechanism without play."""

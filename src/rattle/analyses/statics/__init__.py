@@ -1,1 +1,0 @@
-"""Equilibrium, quasi-static motion, small vibrations."""

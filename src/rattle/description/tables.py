@@ -1,0 +1,289 @@
+"""The tables of the model file: every key once, with its unit, its limits and what it means.
+
+From these lists follow what is read (`read_fields`), the JSON Schema and with it what editors complete (`schema`), what
+`rattle kinds` tells (`reference`), and which keys a mechanism that is built in code takes (`builder`).  Joints, loads,
+drivers and laws have their own keys in the classes of their kinds, see `rattle.registry`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from rattle.registry import Field
+
+DISTRIBUTIONS = ("uniform", "normal", "triangular")
+CURVES = ("linear", "monotone", "spline")  # kinds of table
+LONGEST_LABEL = 60  # characters: what fits beside or above a slider; a description may be longer
+DEPTHS = "depths"  # key of `wear`: the numbers of a profile, where no file holds them
+SIDES = ("bush", "pin")
+
+
+@dataclass(frozen=True)
+class Form:
+    """A table with these keys: what may be written there, in this order.
+
+    ways: keys of which exactly one group is given besides; they come first if `ways_first`.
+    """
+
+    fields: dict[str, Part]
+    meaning: str = ""
+    ways: tuple[dict[str, Part], ...] = ()
+    ways_first: bool = False
+
+    @property
+    def keys(self) -> dict[str, Part]:
+        """All keys, those of every way too."""
+        first = self.ways[0] if self.ways else {}
+        keys = {**first, **self.fields} if self.ways_first else {**self.fields, **first}
+        for way in self.ways[1:]:
+            keys |= way
+        return keys
+
+
+@dataclass(frozen=True)
+class Either:
+    """What may be written in one of several forms."""
+
+    forms: tuple[Part, ...]
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class Named:
+    """A table whose keys are names that the user chooses, each for an entry of this form."""
+
+    entry: Part
+    meaning: str
+
+
+@dataclass(frozen=True)
+class OfKinds:
+    """An entry of one of the kinds of a family, with the fields of the kind, which is named under `key`."""
+
+    family: str
+    key: str = "type"
+
+
+Part = Field | Form | Either | Named | OfKinds
+
+
+def _points(meaning: str) -> Field:
+    return Field("m", meaning, None, shape="points")
+
+
+# ---------------------------------------------------------------- bodies and ground
+BAR = Form(
+    {
+        "bar": Field("", "names of the ends", shape="names", like='two end names like ["A", "B"]'),
+        "length": Field("m", "length", least="positive", missing="a bar needs a length in m"),
+        "points": _points("more points, from the mass centre, x axis along the bar"),
+        "mass": Field("kg", "mass", least="not negative", missing="needs a mass in kg"),
+        "inertia": Field("kg*m^2", "about the mass centre; default m l^2/12", None, least="not negative"),
+    },
+    "a uniform bar",
+)
+PLATE = Form(
+    {
+        "polygon": Field("m", "corners in order around, in any frame of the body", shape="ring"),
+        "holes": Field("m", "corners of each hole, in the same frame", None, shape="rings"),
+        "points": _points("points in the same frame"),
+    },
+    "a plate: its polygon says mass centre and inertia",
+    ways=(
+        {
+            "thickness": Field("m", "thickness", least="positive"),
+            "density": Field("kg/m^3", "density", least="positive"),
+        },
+        {"mass": Field("kg", "mass", least="positive")},
+    ),
+)
+BODY = Form(
+    {
+        "points": _points("points in any frame of the body"),
+        "center": Field("m", "mass centre in the same frame", None, shape="pair"),
+        "mass": Field("kg", "mass", least="not negative", missing="needs a mass in kg"),
+        "inertia": Field(
+            "kg*m^2", "about the mass centre", least="not negative",
+            missing="needs an inertia about its mass centre in kg*m^2 (only a bar has a default)",
+        ),
+    },
+    "a rigid body",
+)  # fmt: skip
+GROUND = Form({"points": _points("points of the ground")})
+
+# ---------------------------------------------------------------- names that expressions use
+DISTRIBUTION = Form(
+    {
+        "values": Field("", "", shape="numbers", fewest=1),
+        "weights": Field("", "", None, shape="numbers", fewest=1),
+    },
+    "single values, with weights unless all are as likely",
+)
+VALUE = Field("", "value", shape="quantity", missing="expected { value = ... }")
+PARAMETER = Form(
+    {
+        "value": VALUE,
+        "min": Field("", "least", None, shape="quantity"),
+        "max": Field("", "most", None, shape="quantity"),
+        "tol": Field("", "tolerance: half the width of its field", None, shape="quantity"),
+        "dist": Either(
+            (Field("", "", None, shape="choice", choices=DISTRIBUTIONS), DISTRIBUTION),
+            f"distribution: {' | '.join(DISTRIBUTIONS)} on value +- tol, or {{ values = [...], weights = [...] }}",
+        ),
+        "label": Field("", "what sliders and reports call it", None, shape="text", longest=LONGEST_LABEL),
+        "description": Field("", "what a reader should know of it", None, shape="text"),
+    }
+)
+TOLERANCES = Form(
+    {
+        "groups": Field(
+            "", 'parameters that are made together, [["l2", "l3"]]: one draw moves all of a group', None, shape="groups"
+        )
+    },
+    "how the fields of parameters hang together",
+)
+TABLE = Form(
+    {
+        "kind": Field(
+            "", "straight lines, cubics without overshoot, or cubics with continuous second derivative", CURVES[0],
+            shape="choice", choices=CURVES,
+        ),
+        "period": Field("", "of x, after which y repeats", None, shape="quantity", least="positive"),
+    },
+    ways=(
+        {
+            "x": Field("", "arguments, increasing", shape="numbers", fewest=2),
+            "y": Field("", "values", shape="numbers", fewest=2),
+            "units": Field(
+                "", "units of x and y where numbers have none", None, shape="texts",
+                like='the units of x and y, as in ["deg", "mm"]',
+            ),
+        },
+        {"file": Field("", "file beside the model file: two columns, the header may hold units", shape="file")},
+    ),
+    ways_first=True,
+)  # fmt: skip
+RATE = Field(
+    "",
+    "expression over parameters, t, the motion, signals and states, per second",
+    shape="quantity",
+    missing="needs rate: how fast it changes, an expression over parameters, t, states and all",
+)
+STATE = Form(
+    {
+        "rate": RATE,
+        "start": Field("", "value at the start, default 0", None, shape="quantity"),
+    }
+)
+
+# ---------------------------------------------------------------- joints and contacts, besides fields of their kinds
+JOINT = Form({"clearance": Field("m", "radial clearance", None, least="not negative")})
+CONTACT = Form(
+    {
+        "geometry": Field("", "formula for the stiffness from materials", None, shape="geometry"),
+        "bush_radius": Field(
+            "m", "radius of the bush; the pin radius is smaller by the clearance", None, least="positive"
+        ),
+        "friction": Either(
+            (Field("", "coefficient of friction", None, least="not negative"), OfKinds("friction", "model"))
+        ),
+    }
+)
+OIL = Form(
+    {
+        "film": Field("", "law of the oil film", "finite", shape="film"),
+        "dry": Field("", "the dry contact beside the film: the table of a compliant contact", None, shape="table"),
+        "roughness": Either(
+            (Field("m", "of both surfaces", None, least="not negative"), Field("", "", None, shape="each")),
+            "root mean square [m]",
+        ),
+    }
+)
+MATERIAL = Form({"E": Field("Pa", "modulus", least="positive"), "nu": Field("", "Poisson's ratio", 0.3)})
+COEFFICIENT = Form(
+    {
+        "coefficient": Field("", "of Archard's law, K_a", least="not negative"),
+        "hardness": Field("Pa", "H of the softer surface; k = K_a/H", least="positive"),
+    },
+    "Archard's coefficient over the hardness",
+)
+LAYER = Form(
+    {
+        "E": Field("Pa", "modulus of the layer", least="positive"),
+        "nu": Field("", "its Poisson's ratio", 0.3, least="not negative"),
+        "thickness": Field("m", "of the layer", least="positive"),
+    },
+    "thin layer { E, nu, thickness } from which the foundation follows",
+)
+WEAR = Form(
+    {
+        **{
+            side: Either(
+                (Field("m^2/N", "k", None, least="not negative"), COEFFICIENT),
+                f"k of the {side}, volume lost per force and distance [m^2/N], or {{ coefficient, hardness }}",
+            )
+            for side in SIDES
+        },
+        "foundation": Field(
+            "Pa/m", "K_w, pressure per penetration; default: fitted to the contact law at a hundredth of the clearance",
+            math.nan, least="positive",
+        ),
+        "bins": Field("", "of the circumference, in which depths are kept", 360.0, least="positive"),
+        "smooth": Field(
+            "", "D of h_i += D (h_{i-1} - 2 h_i + h_{i+1}) after every jump, 0 to 0.25", 0.0, least="not negative"
+        ),
+        "cycle": Field(
+            "s", "after which the motion repeats; default: one turn of the driver", math.nan, least="positive"
+        ),
+        "cycles": Field("", "how many", 1e4, least="positive"),
+        "wall": Field("m", "depth at which the bush or the pin is worn through", math.inf, least="positive"),
+        "jump": Either(
+            (Field("", "", None, shape="constant", choices=("auto",)), Field("", "cycles", None, least="positive")),
+            "size of jumps",
+        ),
+        "layer": LAYER,
+        "profile": Field("", "file beside the model file with the depths that are worn", None, shape="file"),
+        DEPTHS: Form(
+            {side: Field("", "", None, shape="numbers") for side in SIDES},
+            "the same, written out: a number for each bin [m]",
+        ),
+    },
+    "how pin and bush wear, for the study of wear",
+)  # fmt: skip
+
+# ---------------------------------------------------------------- start and run
+STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+START = Form({key: Field(unit, "at the start", None) for key, unit in STATE_UNITS.items()}, "start of a body")
+OFFSET = Form({"offset": Field("m", "pin centre minus bush centre", None, shape="pair")}, "start of a clearance joint")
+SIMULATE = Form(  # of the meanings, {adaptive} are the steppers that choose their steps, {equal} the others
+    {
+        "t_end": Field("s", "duration", None, least="positive"),
+        "rtol": Field("", "relative error allowed per step of {adaptive}", None, least="positive"),
+        "atol": Field("", "error per step that is always allowed to {adaptive}", None, least="positive"),
+        "step": Field("s", "length of all steps of {equal}, of the longest one of {adaptive}", None, least="positive"),
+        "output": Field("s", "interval between outputs", None, least="positive"),
+        "method": Field("", "", None, shape="stepper"),
+    }
+)
+
+# ---------------------------------------------------------------- the whole
+MODEL = Form(
+    {
+        "format": Field("", "version of the format", shape="version"),
+        "name": Field("", "title", None, shape="title"),
+        "gravity": Field("m/s^2", "acceleration of gravity", None, shape="pair"),
+        "parameters": Named(Either((VALUE, PARAMETER)), "values that expressions use"),
+        "tolerances": TOLERANCES,
+        "tables": Named(TABLE, "functions of one number that expressions use: lift(x)"),
+        "signals": Named(Field("", "expression over parameters, t and state", shape="quantity"), "recorded quantities"),
+        "states": Named(STATE, "first-order states of the model's own, usable like signals"),
+        "ground": GROUND,
+        "bodies": Named(Either((BAR, PLATE, BODY)), "rigid bodies"),
+        "joints": Named(OfKinds("joint"), "joints"),
+        "drivers": Named(OfKinds("driver"), "degrees of freedom that follow a function of time"),
+        "loads": Named(OfKinds("load"), "loads"),
+        "initial": Named(Either((START, OFFSET)), "start of bodies and of clearance joints"),
+        "simulate": SIMULATE,
+    }
+)

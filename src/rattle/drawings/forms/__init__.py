@@ -1,0 +1,82 @@
+"""Pictures of joints and loads, one form per file: a kind names its form as `drawn_as`, and is drawn so everywhere.
+
+A new form is a file with one function,
+
+    @drawing("wheel")
+    def wheel(sheet, part): ...
+
+It writes primitives on the sheet (see `rattle.drawings.sheet`), in frames of bodies, with numbers that follow from the
+dimensions of the part and from the motion.  Matplotlib, the canvas of pages and SVG play them.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import pkgutil
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from rattle import registry
+from rattle.drawings.sheet import Part, Sheet
+
+Draw = Callable[[Sheet, Part], None]
+
+
+class Drawing(NamedTuple):
+    """How a form is drawn."""
+
+    draw: Draw
+    name_at: float  # place of its name: 0 at the point on A, 1 at that on B
+
+
+_known: dict[str, Drawing] = {}
+
+
+def drawing(name: str, *, name_at: float = 0.5) -> Callable[[Draw], Draw]:
+    """Decorator: the function draws joints or loads whose kind says drawn_as = name; arguments as in `Drawing`."""
+
+    def enter(draw: Draw) -> Draw:
+        _known[name] = Drawing(draw, name_at)
+        return draw
+
+    return enter
+
+
+@functools.cache
+def drawings() -> Mapping[str, Drawing]:
+    """All forms by name."""
+    for module in pkgutil.iter_modules(__path__):
+        importlib.import_module(f"{__name__}.{module.name}")
+    return _known
+
+
+def form_of(family: str, kind: str) -> str:
+    """The form as which a kind of joint or load is drawn; "" if it is not, or not known."""
+    known = registry.kinds(family)
+    return str(getattr(known[kind].leaf, "drawn_as", "")) if kind in known else ""
+
+
+def drawing_of(family: str, kind: str) -> Drawing | None:
+    """How a kind of joint or load is drawn; None if it is not, or not known."""
+    return drawings().get(form_of(family, kind))
+
+
+def parts(sheet: Sheet) -> Iterator[tuple[Part, Drawing]]:
+    """All joints and loads that are drawn."""
+    for family in ("joint", "load"):
+        for name, form in sheet.geometry[f"{family}s"].items():
+            how = drawing_of(family, form["type"])
+            if how is not None:
+                yield Part(sheet, name, family, form, name in sheet.geometry["driven"]), how
+
+
+def display_list(geometry: Mapping[str, Any]) -> dict[str, Any]:
+    """All primitives of a mechanism as plain data, from the geometry of a result."""
+    sheet = Sheet(geometry)
+    for part, how in parts(sheet):
+        sheet.hold(part.bodies[0], part.point(0))
+        sheet.hold(part.bodies[1], part.point(1))
+        how.draw(sheet, part)
+    sheet.bodies()
+    return sheet.written()

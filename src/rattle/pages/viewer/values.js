@@ -1,0 +1,65 @@
+// Numbers of a drawing, which follow from dimensions, from the motion as a whole and from where the bodies are now: nodes of
+// a tape that name earlier ones by their place.  rattle/drawings/numbers.py writes them, and says what each means.
+
+import { pointAt } from "./data.js";
+
+const OPERATIONS = {
+  "+": (a, b) => a + b, "-": (a, b) => a - b, "*": (a, b) => a * b, "/": (a, b) => a / b, "<": (a, b) => (a < b ? 1 : 0),
+  min: Math.min, max: Math.max, abs: Math.abs, sin: Math.sin, cos: Math.cos, atan2: Math.atan2, hypot: Math.hypot,
+  acos: (a) => Math.acos(Math.max(-1, Math.min(1, a))), ceil: Math.ceil, round: Math.round, if: (a, b, c) => (a > 0 ? b : c),
+};
+const MOVING = ["x", "y", "angle", "curve", "pixel"];
+const OVER_TIME = {
+  least: (values) => values.reduce((low, value) => (value < low ? value : low), Infinity),
+  most: (values) => values.reduce((high, value) => (value > high ? value : high), -Infinity),
+  first: (values) => values[0],
+};
+const NOWHERE = { x: NaN, y: NaN, angle: NaN, cos: NaN, sin: NaN }; // a body that a motion does not have
+
+export class Values {
+  constructor(nodes, stage) {
+    Object.assign(this, { nodes, stage, still: [], now: [], pose: {}, time: NaN, pixel: NaN });
+    this.moves = [];
+    for (const node of nodes) {
+      const operation = Array.isArray(node) && node[0] in OPERATIONS;
+      this.moves.push(operation ? node.slice(1).some((place) => this.moves[place]) : MOVING.includes(node[0]));
+    }
+  }
+
+  // What follows is asked for at this time; pixel: of the picture [m].
+  set(pose, time, pixel) { Object.assign(this, { pose, time, pixel, now: [] }); }
+
+  // The size of the mechanism is another.
+  renew() { this.still = []; }
+
+  get(place) { return ((this.moves[place] ? this.now : this.still)[place] ??= this.find(this.nodes[place])); }
+
+  find(node) {
+    if (typeof node === "number") return node;
+    const [name, first, second, third] = node;
+    if (name in OPERATIONS) {
+      return OPERATIONS[name](...[first, second, third].filter((place) => place !== undefined).map((place) => this.get(place)));
+    }
+    if (name in OVER_TIME) return this.over(name, first);
+    if (name === "of") return node.slice(1).reduce((entry, key) => entry?.[key], this.stage.geometry) ?? NaN;
+    if (name === "size" || name === "pixel") return name === "size" ? this.stage.size : this.pixel;
+    if (name === "angle") return this.place(first).angle;
+    if (name === "curve") return this.stage.motion.has(first) ? this.stage.motion.value(first, this.time) : 0;
+    return this.at(first, [this.get(second), this.get(third)])[name === "x" ? 0 : 1];
+  }
+
+  // The least, largest or first of a number over the motion.
+  over(name, place) {
+    const { pose, time, pixel, now } = this;
+    const values = (name === "first" ? this.stage.poses.slice(0, 1) : this.stage.poses).map((there) => {
+      this.set(there, NaN, pixel);
+      return this.get(place);
+    });
+    Object.assign(this, { pose, time, pixel, now });
+    return OVER_TIME[name](values);
+  }
+
+  place(body) { return this.pose?.[body] ?? NOWHERE; }
+
+  at(body, point) { return pointAt({ [body]: this.place(body) }, body, point); }
+}

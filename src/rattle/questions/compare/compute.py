@@ -1,0 +1,310 @@
+"""Comparison of all contact models of one mechanism: motion, joint force, orbit, events, energy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rattle import registry
+from rattle.analyses.elastic_bushes import LEAST_RESTITUTION, rigid_restitution
+from rattle.description.switch_contact import recontact
+from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
+from rattle.results.chosen_units import Shown
+from rattle.results.contact_summary import contact_lines, readable
+from rattle.results.display import quantity, table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from rattle.mechanism import Mechanism
+    from rattle.results.result import Result
+
+IDEAL, LINK, IMPACT, COMPLIANT, OILED = "ideal", "massless link", "one-sided impact", "compliant", "lubricated"
+DEFAULT_LAW, DEFAULT_RESTITUTION = "exact", 0.5
+RADII = 10.0  # bush radius that is assumed if none is given, in clearances
+POINTS = 4000  # output intervals
+OIL = "50 mPa*s"  # viscosity that is assumed if none is given: an oil ISO VG 46 at 40 degrees
+BORE = 100.0  # bush radius around oil that is assumed if none is given, in clearances
+CORNER = 1e9  # stiffness of a guide's corner that is assumed if none is given [N/m^1.5]
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """Results of one mechanism by contact model; `str()` is a table, `figure()` a page of plots."""
+
+    name: str
+    results: Mapping[str, Result]  # model -> result
+    skipped: Mapping[str, str]  # model -> why there is no result
+    joint: str  # the joint that is shown
+    curves: tuple[str, ...]  # motions that are shown
+    assumed: tuple[str, ...]  # values that are not in the model file and were assumed
+
+    @property
+    def notes(self) -> dict[str, tuple[str, ...]]:
+        """Notes by model: the message of a run that ended early, and the notes of its trust."""
+        said = {
+            model: (*([r.message] if r.message else []), *contact_lines(r), *r.trust.notes, *r.trust.coarse())
+            for model, r in self.results.items()
+        }
+        return {model: notes for model, notes in said.items() if notes}
+
+    def __repr__(self) -> str:
+        return f"<rattle.Comparison: {self.name}, joint {self.joint}: {', '.join(self.results)}>"
+
+    def _repr_html_(self) -> str:
+        below = [f"{model}: {why}" for model, why in self.skipped.items()]
+        return table(HEAD, self.rows(), f"{self.name}: joint {self.joint}", [*below, *self.assumed], "c.plot()")
+
+    def __str__(self) -> str:
+        rows = [HEAD, *self.rows()]
+        wide = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
+        lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in rows]
+        lines += [f"{model}: left out: {why}" for model, why in self.skipped.items()]
+        by_note: dict[str, list[str]] = {}
+        for model, notes in self.notes.items():
+            for note in notes:
+                by_note.setdefault(note, []).append(model)
+        lines += [f"{', '.join(models)}: {note}" for note, models in by_note.items()]
+        return "\n".join([f"{self.name}: joint {self.joint}", *lines, *self.assumed])
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """The table: one row per model, cells as in HEAD."""
+        return [_row(model, result, self.joint) for model, result in self.results.items()]
+
+    @property
+    def reference(self) -> str:
+        """The model with which the others are compared: the ideal one if it can be assembled."""
+        return IDEAL if IDEAL in self.results else next(iter(self.results))
+
+    def plot(self) -> Figure:
+        """The page of plots; the same as `figure`."""
+        return self.figure()
+
+    def figure(self) -> Figure:
+        """The page of plots."""
+        from rattle.questions.compare.pictures import page
+
+        return page(self)
+
+
+HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "energy lost", "trusted up to")
+
+
+# a rigid contact has impulses, listed with the impacts; its force is that of lasting contact, where that can be read
+
+
+def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
+    found = result.contacts.get(joint)
+    peak = max(result.peak(f"{joint}.force")[0], found.peak if found else 0.0)
+    until, end = result.trust.trusted_until(), result.trust.t_end
+    reach = "-" if until is None else "the end" if until >= end else quantity(until, "s", 3)
+    pull = max(result.trust.pulled.values(), default=0.0)
+    if pull > 0.0:
+        reach += f" (pulls for {100.0 * pull:.2g} %)"
+    elif result.trust.unread or result.trust.coarse():
+        reach += " (not the peak)"
+    if not found or model == LINK:
+        touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
+    else:
+        oil = result.films.get(joint)  # its mean power has the dry friction beside it
+        lost = quantity(oil.mean_power * float(result.t[-1] - result.t[0]) if oil else found.energy_lost, "J", 3)
+        mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
+        hardest = max((event.impulse for event in mine), default=0.0)
+        hits = f"{found.impacts}, to {quantity(hardest, 'N*s', 2)}" if found.impacts else "0"
+        touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
+    shown = readable(result, f"{joint}.force")
+    forces = (newton(peak), newton(result.rms(f"{joint}.force"))) if shown else ("-", "-")
+    return (model, *forces, *touched, reach)
+
+
+def newton(force: float) -> str:
+    """A force [N] as text, in N or kN."""
+    return quantity(force, "N", usual=Shown(1.0, "N") if force < 1e4 else Shown(1e-3, "kN"))
+
+
+def compare(
+    m: Mechanism, *, joint: str | None = None, curve: str | Sequence[str] | None = None, t_end: float | None = None,
+    law: str | None = None, progress: bool = False,
+) -> Comparison:  # fmt: skip
+    """Run a mechanism ideal, with massless links, with one-sided impact, with compliant contacts and with oil.
+
+    joint: the joint to show (default: the first with clearance).  curve: the motion to show, or several (default:
+    the angle or position of the last body).  t_end: duration [s] (default: one turn of the driver if it turns steadily,
+    else what the model says).  law: the compliant law (default: that of the joint, else "exact").
+
+    Values that a compliant contact needs and the model does not give are assumed, and listed in `.assumed`: a
+    steel pin in a steel bush with a radius of 10 clearances, sphere in socket, restitution 0.5.  Oil goes into revolute
+    joints, with the compliant contact beside it; 50 mPa s, a bush as long as wide with a radius of 100 clearances.
+    Raises ModelError if no joint has clearance, or not the one to show, and ValueError for an unknown law.
+    """
+    from rattle.analyses.dynamics.methods import contacts_of
+    from rattle.questions.poincare.compute import driver_period
+    from rattle.solvers.stepper import usual_stepper
+
+    loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
+    if not loose:
+        raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
+    if joint is not None and joint not in loose:
+        raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
+    if law is not None and law not in registry.kinds("normal"):
+        raise InputError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
+    end = t_end if t_end is not None else min(driver_period(m.system) or math.inf, m.model.settings.t_end)
+    times = np.linspace(0.0, end, POINTS + 1)
+    compliant, assumed = _compliant(m, loose, law)
+    models: dict[str, Callable[[], Mechanism]] = {
+        IDEAL: m.ideal,
+        LINK: lambda: m.with_contact("massless-link"),
+        IMPACT: lambda: m.with_contact("impact"),
+    }
+    results: dict[str, Result] = {}
+    skipped: dict[str, str] = {}
+    changed: list[str] = []  # what became of given start values, in the first model in which that matters
+    models[COMPLIANT] = lambda: compliant
+    if any(m.model.joints[name].play.holds_oil for name in loose):
+        models[OILED] = lambda: _oiled(m, compliant, loose, assumed)
+    for model, make in models.items():
+        try:
+            loosened = make()
+            method = usual_stepper(contacts_of(loosened.system))
+            results[model] = loosened.simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
+            changed += _say_once(results[model], loosened, changed)
+            if results[model].cut_short:
+                skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
+                break
+        except ModelError as error:
+            skipped[model] = error.problems[0].message
+        except AssemblyError as error:
+            skipped[model] = str(error)
+            if len(skipped) == len(models):
+                raise
+    if COMPLIANT in results and (why := _too_soft(m, loose, results[COMPLIANT], assumed)):
+        skipped[COMPLIANT] = why
+        del results[COMPLIANT]
+    first = next(iter(results.values()))
+    shown = ((curve,) if isinstance(curve, str) else tuple(curve or ())) or (_motion(m, first),)
+    for name in shown:
+        _ = first.unit(name)  # raises UnknownName
+    return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
+
+
+def _say_once(result: Result, model: Mechanism, before: list[str]) -> list[str]:
+    """What became of the start values of a model; left out of its result if the same was said of another one."""
+    changed = [note for note in model.start.notes if note not in model.model.remarks]
+    if before:
+        result.trust = replace(result.trust, notes=tuple(note for note in result.trust.notes if note not in changed))
+    return changed
+
+
+def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> str:
+    """Why a compliant run with assumed bushes says nothing about this mechanism, in words; "" if it does."""
+    if not any("bush radius" in one for one in assumed):
+        return ""
+    for name in loose:
+        play = m.model.joints[name].clearance
+        deep = r.peak(f"{name}.penetration")[0] if f"{name}.penetration" in r else 0.0
+        if m.model.joints[name].play.from_materials and deep > play:
+            return (
+                f"the assumed bush, {RADII:g} clearances wide, is too small for these forces: the"
+                f" pin of {name} sinks {1e3 * deep:.3g} mm into it, more than its play of {1e3 * play:.3g} mm; give"
+                f" joints.{name}.contact a bush_radius and materials, or a stiffness"
+            )
+    return ""
+
+
+def _motion(m: Mechanism, ideal: Result) -> str:
+    """Name of the angle of the last body, or of its larger motion if it does not turn."""
+    body = list(m.model.bodies)[-1]
+    turned = ideal[f"{body}.angle"]
+    if float(turned.max() - turned.min()) > 1e-6:
+        return f"{body}.angle"
+    return max((f"{body}.x", f"{body}.y"), key=lambda name: float(ideal[name].max() - ideal[name].min()))
+
+
+def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechanism, list[str]]:
+    """The mechanism with compliant contacts, and the assumptions that were needed for them."""
+    made = m
+    assumed: dict[str, list[str]] = {}
+    for name in loose:
+        one = m.model.joints[name]
+        own = one.contact.normal.kind if one.contact and one.contact.normal else ""
+        given = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
+        written = {"model": given} if isinstance(given, str) else given
+        fields = registry.kinds("normal")[written["model"]].fields
+        more: dict[str, Any] = {}
+        said = []
+        if not any(key == "stiffness" or key.endswith("material") for key in written) and not _bedded(written):
+            if one.play.from_materials:
+                radius = written.get("bush_radius")
+                if radius is None:
+                    more["bush_radius"] = RADII * one.clearance
+                    said.append(f"bush radius {1e3 * RADII * one.clearance:.3g} mm")
+                more |= {"bush_material": "steel", "pin_material": "steel"}
+                said.append("steel on steel, sphere in socket")
+            else:
+                more |= {"stiffness": CORNER, "exponent": 1.5}
+                said.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
+        if "friction" in written and "bush_radius" not in written and "bush_radius" not in more and one.play.has_radius:
+            more["bush_radius"] = RADII * one.clearance
+        if (
+            "restitution" in fields
+            and fields["restitution"].default is registry.REQUIRED
+            and "restitution" not in written
+        ):
+            more["restitution"] = DEFAULT_RESTITUTION
+            said.append(f"restitution {DEFAULT_RESTITUTION:g}")
+        if "restitution" in written and one.contact is not None and one.contact.rigid:
+            own_restitution = rigid_restitution(one.contact.fields)
+            if own_restitution < LEAST_RESTITUTION:  # the same bushes as in the bracket of a rigid contact
+                more["restitution"] = LEAST_RESTITUTION
+                said.append(f"restitution {LEAST_RESTITUTION:g} in place of {own_restitution:g}")
+        made = made.set({f"joints.{name}.contact": {**written, **more}})
+        if said:
+            assumed.setdefault(", ".join(said), []).append(name)
+    return made, [f"assumed for the compliant {', '.join(names)}: {said}" for said, names in assumed.items()]
+
+
+def _bedded(written: Mapping[str, Any]) -> bool:
+    """True of a contact with a geometry whose stiffness needs no materials."""
+    known = registry.kinds("stiffness").get(str(written.get("geometry")))
+    return known is not None and "bush_material" not in known.fields
+
+
+def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[str]) -> Mechanism:
+    """The mechanism with oil in every clearance that holds it, beside the compliant contact; adds to `assumed`."""
+    changes: dict[str, Any] = {}
+    by_words: dict[str, list[str]] = {}
+    for name in loose:
+        one = m.model.joints[name]
+        if one.contact is not None and one.contact.film is not None:
+            changes[f"joints.{name}.contact"] = m.contact_of(name)
+            continue
+        if not one.play.holds_oil:
+            continue
+        made, said = recontact(compliant.contact_of(name), "lubricated"), [f"oil of {OIL}"]
+        assert isinstance(made, dict), "a compliant contact is a table"
+        if "bush_radius" not in m.contact_of(name):
+            made["bush_radius"] = BORE * one.clearance
+            if made["bush_radius"] > 0.5 * m.system.extent:
+                play, radius = f"{1e3 * one.clearance:.3g} mm", f"{made['bush_radius']:.3g} m"
+                words = (
+                    f"{name} has no bush_radius, and a usual one for {play} of play around oil, {radius}, does not fit"
+                    " this mechanism; give bush_radius, length and viscosity"
+                )
+                raise ModelError([Problem(("joints", name), words)])
+            said.append(f"bush radius {1e3 * BORE * one.clearance:.3g} mm")
+        if "length" not in made:
+            radius = made["bush_radius"]
+            made["length"] = f"2*({radius})" if isinstance(radius, str) else 2.0 * radius
+            said.append("a bush as long as wide")
+        changes[f"joints.{name}.contact"] = {"viscosity": OIL, **made}
+        if math.hypot(*m.model.initial.offsets.get(name, (0.0, 0.0))) > 0.9 * one.clearance:
+            changes[f"initial.{name}.offset"] = [0, 0]
+            said.append("it starts in the middle")
+        by_words.setdefault(", ".join(said), []).append(name)
+    oiled = compliant.set(changes)
+    assumed += [f"assumed for the lubricated {', '.join(names)}: {said}" for said, names in by_words.items()]
+    return oiled

@@ -1,0 +1,190 @@
+"""Who runs pieces of an ensemble outside of this process: any executor, or Dask on one or many machines.
+
+A worker gets a `Job`, plain data from which it makes its runner once, and the values of the parameters of a piece;
+what it sends back is the piece.  So a worker needs nothing but the package, and may die at any time.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.errors import InputError, WorkerError, WrongType
+from rattle.mechanism import Mechanism
+from rattle.questions.ensemble.identity import python_laws, unknown_laws
+from rattle.questions.ensemble.local_workers import local_workers
+from rattle.questions.ensemble.pieces import Piece, run_piece
+from rattle.results.archive import package
+from rattle.studies.runs.analyses import Stepping
+from rattle.studies.runs.runner import Runner
+from rattle.studies.runs.task import Task, task_of
+from rattle.version import __version__
+
+log = logging.getLogger("rattle")
+
+CONNECTION = 10.0  # seconds to wait for a scheduler
+MOST_WORKERS = 1024  # processes on one machine
+JOBS_KEPT = 4  # runners that a worker keeps
+
+
+@dataclass(frozen=True)
+class Job:
+    """A task as plain data."""
+
+    version: str  # of rattle
+    model: str  # text
+    laws: tuple[tuple[str, str], ...]  # written in Python, which the text only names; see `python_laws`
+    names: tuple[str, ...]
+    outputs: tuple[str, ...]
+    analysis: str
+    t_end: float  # [s]
+    how: Stepping
+    histories: tuple[str, ...]
+
+
+class Done(NamedTuple):
+    """A piece, and who ran it."""
+
+    piece: Piece
+    seconds: float  # without making the runner
+    worker: tuple[str, int, int]  # machine, process, thread
+
+
+class Engine(NamedTuple):
+    """Something that runs pieces elsewhere."""
+
+    executor: Executor
+    name: str
+
+
+def job_of(task: Task) -> Job:
+    """What a worker needs to run samples of a task."""
+    laws = tuple(python_laws(task.mechanism.model).items())
+    return Job(
+        __version__, task.mechanism.to_toml(), laws, task.names, tuple(task.texts), task.analysis, task.t_end, task.how,
+        task.histories,
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- in a worker
+_making = threading.Lock()
+
+
+def work(job: Job, first: int, parameters: np.ndarray) -> Done:
+    """Run the samples from `first` on, with values (k, c) [SI], in this process.  Raises WorkerError."""
+    with _making:
+        runner = _runner(job)
+    began = time.perf_counter()
+    piece = run_piece(runner, first, parameters)
+    return Done(piece, time.perf_counter() - began, (socket.gethostname(), os.getpid(), threading.get_ident()))
+
+
+@lru_cache(maxsize=JOBS_KEPT)
+def _runner(job: Job) -> Runner:
+    """The runner of a job.  Raises WorkerError if this process would run something else."""
+    here = f"worker process {os.getpid()} on {socket.gethostname()}"
+    if job.version != __version__:
+        raise WorkerError(f"{here} has rattle {__version__}, not {job.version}; install the same version there")
+    if unknown := unknown_laws(dict(job.laws)):
+        raise WorkerError(
+            f"{here} does not know the {unknown[0]} of the model, which is written in Python; run it with threads, or"
+            " define it in a module that every worker imports"
+        )
+    how = job.how
+    return Runner(
+        task_of(
+            Mechanism.from_text(job.model), job.names, job.outputs, analysis=job.analysis, t_end=job.t_end,
+            method=how.method, rtol=how.rtol, atol=how.atol, step=how.step, histories=job.histories,
+        )
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- the engines
+@contextmanager
+def engine(
+    executor: Executor | None, scheduler: str | None, workers: int | None, needed: bool = True
+) -> Iterator[Engine | None]:
+    """The engine that is asked for, None if it is this process or none is needed; what is started is closed again.
+
+    Raises InputError and TypeError for a question that makes no sense, ConnectionError, WorkerError, MissingPackage.
+    """
+    engines = {"executor": executor, "scheduler": scheduler, "workers": workers}
+    asked = [key for key, one in engines.items() if one is not None]
+    if len(asked) > 1:
+        raise InputError(f"{' and '.join(asked)} exclude each other; give one of them")
+    if executor is not None:
+        _require_executor(executor)
+    if scheduler is not None:
+        _require_address(scheduler)
+    if workers is not None:
+        arguments.whole("workers", workers, 1, MOST_WORKERS)
+    if executor is not None and needed:
+        yield Engine(executor, type(executor).__name__)
+    elif scheduler is not None and needed:
+        with _client(scheduler) as client:
+            yield Engine(client.get_executor(pure=False), f"Dask, {scheduler}")
+    elif workers is not None and needed:
+        with local_workers(workers) as address, _client(address) as client:
+            yield Engine(client.get_executor(pure=False), "Dask")
+    else:
+        yield None
+
+
+def _require_executor(executor: Any) -> None:
+    if isinstance(executor, Executor):
+        return
+    hint = (
+        "; of a Dask client give client.get_executor()" if type(executor).__module__.startswith("distributed") else ""
+    )
+    raise WrongType(f"executor: expected a concurrent.futures.Executor, got {executor!r:.60}{hint}")
+
+
+def _require_address(scheduler: Any) -> None:
+    if not isinstance(scheduler, str) or "://" not in scheduler:
+        raise InputError(f"scheduler: expected an address such as tcp://10.0.0.1:8786, got {scheduler!r:.60}")
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Any]:
+    """A client of the Dask scheduler at an address.  Raises ConnectionError, ValueError."""
+    distributed = package("distributed", "running on Dask")
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [one.level for one in loggers]
+    try:
+        for one in loggers:
+            one.setLevel(logging.CRITICAL)  # what goes wrong is said by our own errors
+        with _connected(distributed, address) as client:
+            yield client
+    finally:
+        for one, level in zip(loggers, levels, strict=True):
+            one.setLevel(level)
+
+
+@contextmanager
+def _connected(distributed: Any, address: str) -> Iterator[Any]:
+    """See `_client`."""
+    try:
+        client = distributed.Client(address, timeout=CONNECTION, set_as_default=False)
+    except (OSError, TimeoutError) as error:
+        raise ConnectionError(
+            f"no Dask scheduler answers at {address} within {CONNECTION:g} s; start one with `dask scheduler`, and"
+            f" workers with `dask worker {address}`"
+        ) from error
+    try:
+        if not client.scheduler_info()["workers"]:
+            log.warning(f"{address} has no workers yet: waiting for one; start it with `dask worker {address}`")
+        yield client
+    finally:
+        client.close()

@@ -1,0 +1,135 @@
+"""What the commands that run many mechanisms share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rattle.cli.options import value
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+    from rattle.questions.ensemble.compute import Ensemble
+    from rattle.questions.ensemble.statistics import Bounded
+
+from typing import TYPE_CHECKING
+
+from rattle.cli.options import time
+from rattle.cli.output import STOPPED, check_files, check_pictures, say_written
+from rattle.cli.requirements import Condition, Verdict, said_required
+from rattle.question import analysis_names
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
+    from rattle.questions.ensemble.runs import Samples
+
+
+def question_options(needed: bool = True) -> Callable[..., Any]:
+    """Add to a command what is asked of every mechanism: --of (needed: at least one), --analysis, --t-end."""
+
+    def add(function: Callable[..., Any]) -> Callable[..., Any]:
+        function = click.option(
+            "--t-end", type=time,
+            help="End of the runs, in s or as '20 ms'.  [default: as in the model; t = 0 for equilibrium and modes]",
+        )(function)  # fmt: skip
+        function = click.option(
+            "--analysis", type=click.Choice(analysis_names()), default="simulate", show_default=True,
+            help="What is run; accuracy has curves such as rocker.angle.high (band of play), modes mode1.frequency.",
+        )(function)  # fmt: skip
+        return click.option(
+            "--of", "outputs", multiple=True, required=needed, metavar="OUTPUT",
+            help='A number of a run, e.g. "max(O3.force)" or "at(rocker.angle, 0.3)"; may be given more than once.',
+        )(function)  # fmt: skip
+
+    return add
+
+
+def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add to a command where runs take place, and where they are kept."""
+    for option in (
+        click.option("--json", "json_too", is_flag=True, help="The answer as JSON, in SI units."),
+        click.option("--plot", "picture", metavar="FILE", help="Draw the first output (.svg, .png, .pdf)."),
+        click.option("--csv", metavar="FILE", help="Write one row per mechanism, in SI units."),
+        click.option(
+            "-o", "--output", "folder", metavar="FOLDER",
+            help="Keep the runs there as they come (Parquet); the same command goes on after any interruption.",
+        ),
+        click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster, e.g. tcp://host:8786."),
+        click.option("--workers", type=click.IntRange(1), metavar="N", help="Run in N processes of this machine."),
+        click.option("--threads", type=click.IntRange(1), metavar="N", help="Threads.  [default: one per core]"),
+    ):  # fmt: skip
+        function = option(function)
+    return function
+
+
+def check_written(file: str, csv: str | None, picture: str | None) -> None:
+    """Refuse files that cannot be written."""
+    if csv is not None:
+        from rattle.results.result import require_table
+
+        require_table(csv)
+    check_pictures(file, picture)
+    check_files(file, csv, picture)
+
+
+def keep_runs(ctx: click.Context, runs: Samples, csv: str | None, picture: str | None, draw: Callable[[], Any]) -> None:
+    """Write table and picture, and end with the exit status of the runs."""
+    if csv is not None:
+        runs.to_csv(csv)
+        say_written(csv)
+    if picture is not None:
+        from rattle.plots.curves import save_figure
+
+        save_figure(draw(), picture)
+        say_written(picture)
+    if runs.interrupted:
+        ctx.exit(STOPPED)
+    if not runs.counts()["ok"]:
+        ctx.exit(1)
+
+
+# ---------------------------------------------------------------- words of the command line
+def tolerances(varied: tuple[str, ...]) -> Any:
+    """What `vary` of an ensemble is: None, or parameters with what was said of them."""
+    if not varied:
+        return None
+    found: dict[str, Any] = {}
+    for given in varied:
+        for one in re.split(r",(?![^(]*\))", given):  # a tolerance may be an expression: min(a, b)
+            name, equals, text = (part.strip() for part in one.partition("="))
+            tol, _, dist = (part.strip() for part in text.partition(":"))
+            if not name or (equals and not tol):
+                raise click.UsageError(f"--vary needs NAME or NAME=TOL, as in r3,r4 or \"r3=0.1 mm\", got '{given}'")
+            if name in found:
+                raise click.UsageError(f"--vary: '{name}' is given twice")
+            found[name] = {"tol": value(tol)} | ({"dist": dist} if dist else {}) if equals else {}
+    return found
+
+
+def judge_share(ensemble: Ensemble, required: Sequence[str]) -> list[Verdict]:
+    """Whether enough mechanisms of an ensemble keep what is required."""
+    verdicts = []
+    for condition in map(Condition.read, required):
+        above = condition.comparison in (">", ">=")
+        share = (ensemble.yield_above if above else ensemble.yield_below)(condition.output, value(condition.limit))
+        verdicts.append(of_share(f"keep {condition.text}", share, condition.share))
+    return verdicts
+
+
+def of_share(what: str, share: Bounded, required: float) -> Verdict:
+    """Whether enough mechanisms keep something; share: of the mechanisms, with its bounds."""
+    kept = bool(share[0] >= required)
+    part, low, high = (100 * number for number in share)
+    said = f"{part:.4g} % of the mechanisms {what} (95 %: {low:.4g} to {high:.4g} %); {said_required(required, kept)}"
+    return Verdict(kept, said, {"condition": what, "kept": kept, "required": required, "share": share._asdict()})
+
+
+def check_limits(m: Mechanism, required: Sequence[str], vary: Any, **question: Any) -> None:
+    """Refuse limits of requirements that are no values of their outputs, before anything runs."""
+    from rattle.questions.ensemble.compute import require_limit
+
+    for condition in map(Condition.read, required):
+        require_limit(m, condition.output, value(condition.limit), vary, **question)

@@ -1,0 +1,125 @@
+"""Which values of one load dry friction in the joints holds at rest, at one position of one degree of freedom."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rattle import registry
+from rattle.analyses.load_forces import load_forces
+from rattle.analyses.travel import with_stops, without_stops
+from rattle.equations.dense import dense_rows
+from rattle.equations.placement import point_at
+from rattle.equations.system import System, compile_system
+from rattle.errors import InputError, suggest
+from rattle.jit import functions
+from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
+from rattle.questions.equilibrium.compute import position_at
+from rattle.questions.equilibrium.position import Equilibrium
+from rattle.questions.holds.holding_range import HoldingRange
+from rattle.questions.holds.impending_motion import yields_more
+from rattle.questions.holds.one_motion import Impending, Sought, evaluated, impending, one_motion, require_answerable
+
+GRAVITY = "gravity"  # the name by which it is asked for
+
+
+def holding_range(system: System, name: str, t: float, at_rest: Equilibrium | None) -> HoldingRange:
+    """The interval of values of a load, or of the effort of a driver, that friction holds; see `Mechanism.holds`."""
+    given, system, t, q = position_asked(system, t, at_rest)
+    workspace = evaluated(system, t, q)
+    sought = _sought(system, workspace, name, t, q)
+    motion = one_motion(system, workspace, sought)
+    low, high = (impending(system, workspace, motion, sense) for sense in (-1.0, 1.0))
+    doubtful = sorted({joint for one in (low, high) for joint in _doubtful(system, one)})
+    return HoldingRange(
+        sought.name, sought.unit, sought.value, low.load, high.load, motion.free,
+        (low.limit.jams_at, high.limit.jams_at), t, q, (*left_out(given), *_doubts(doubtful)),
+    )  # fmt: skip
+
+
+def position_asked(system: System, t: float, at_rest: Equilibrium | None) -> tuple[System, System, float, np.ndarray]:
+    """The mechanism as given and without stops, its time [s] and position (3 nb,) [m, m, rad].
+
+    Raises ModelError, AssemblyError, ValueError if friction holds nothing there or nothing is known of it.
+    """
+    functions.start()
+    require_answerable(system)
+    bare = compile_system(without_stops(system.model)) if with_stops(system.model) else system
+    if at_rest is None:
+        return system, bare, t, position_at(bare, t)
+    if len(at_rest.q) != 3 * bare.body_count:
+        raise InputError("at: this equilibrium belongs to another mechanism")
+    return system, bare, at_rest.t, at_rest.q
+
+
+def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.ndarray) -> Sought:
+    """The load or driver of that name.  Raises InputError."""
+    model = system.model
+    if name in model.drivers:
+        effort = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
+        row = system.first_row(name)
+        return Sought(f"{name}.{effort[0]}", dense_rows(system, workspace)[row], effort[1], math.nan, row)
+    if name == GRAVITY and name not in model.loads:
+        mass = system.arrays["mass"][1:, :1]
+        weight = np.zeros((system.body_count, 3))
+        weight[:, :2] = mass * system.arrays["gravity"]
+        return _scaled(name, weight.ravel(), "", 1.0)
+    if name not in model.loads:
+        known = [*model.loads, *model.drivers, GRAVITY]
+        raise InputError(f"no load or driver '{name}'{suggest(name, known)}")
+    load, force = model.loads[name], load_forces(system, t, q, np.zeros_like(q))[name]
+    end = force[0 if load.b.body == "ground" else 1 + system.bodies.index(load.b.body)]
+    kind = registry.kinds("load")[load.kind] if load.law is None else None
+    record = getattr(kind.leaf, "record", None) if kind else None
+    acts = next((one.unit for one in kind.fields.values() if one.live), "") if kind and record is None else ""
+    if record is not None and record.unit == "N":
+        line = point_at(system, q, load.b) - point_at(system, q, load.a)
+        value, unit = math.copysign(float(np.hypot(*end[:2])), record.power * float(line @ end[:2])), record.unit
+    elif record is not None:
+        value, unit = record.power * float(end[2]), record.unit
+    elif acts == "N":
+        value, unit = float(np.hypot(*end[:2])), acts
+    elif acts == "N*m":
+        value, unit = float(end[2]), acts
+    else:
+        value, unit = 1.0, ""
+    return _scaled(name, force[1:].ravel(), unit, value)
+
+
+def _scaled(name: str, force: np.ndarray, unit: str, value: float) -> Sought:
+    """A load of that force (3 nb,) at its present value."""
+    if not force.any() or value == 0.0:
+        raise InputError(
+            f"'{name}' exerts nothing at this position, so it has no direction; give it a value there, of any size"
+        )
+    return Sought(name, force / value, unit, value, -1)
+
+
+def _doubtful(system: System, one: Impending) -> list[str]:
+    """Joints whose friction need not be at its limit for the load to be largest."""
+    x = one.limit.x
+    if not np.isfinite(x).all() or not x.any():
+        return []
+    held = [name for name, law in zip(system.dry_joints, system.arrays["dry"][:, at.DRY_LAW], strict=True) if law < 0]
+    return [name for name, less in zip(held, yields_more(one.rubbing, x), strict=True) if less]
+
+
+def _doubts(doubtful: list[str]) -> tuple[str, ...]:
+    """A note on such joints."""
+    if not doubtful:
+        return ()
+    said = "would let the other joints hold more: just outside the interval rest and motion are both possible"
+    return (f"less friction in {', '.join(doubtful)} than its limit {said}",)
+
+
+def left_out(system: System) -> tuple[str, ...]:
+    """What of the model is left out where friction holds, in words."""
+    notes, stops = [], with_stops(system.model)
+    if stops:
+        notes.append(f"the stops of {stops} are left out")
+    creeping = [name for name, one in system.model.joints.items() if one.friction and one.friction.law is not None]
+    if creeping:
+        notes.append(f"friction in {', '.join(creeping)} is left out: its law does not hold at rest")
+    return tuple(notes)

@@ -1,0 +1,306 @@
+"""Sensitivities of curves to parameters: what is asked, which analysis answers it, and the result.
+
+Source: docs/theory.md, section 10; Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), ch. 10.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from rattle.analyses import arguments
+from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.dynamics.simulate import output_times
+from rattle.analyses.own_states import require_no_states
+from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
+from rattle.analyses.straight_line.machine_code import MachineFunctions
+from rattle.analyses.straight_line.recorded_model import RecordedModel, record_model, require_parameters
+from rattle.equations.system import System
+from rattle.errors import InputError, SolverError, TraceError, suggest
+from rattle.questions.equilibrium.compute import equilibria
+from rattle.questions.equilibrium.quasistatic import quasistatic
+from rattle.questions.kinematics.compute import analyse, instants
+from rattle.questions.sensitivity.at_rest import AtRest, record_rest
+from rattle.questions.sensitivity.driven import Driven, positions
+from rattle.questions.sensitivity.effects import derivative_name, quotient, usual_change
+from rattle.questions.sensitivity.functions import Functions
+from rattle.questions.sensitivity.growth import growth, horizon, linear_until
+from rattle.questions.sensitivity.motion import Motion
+from rattle.questions.sensitivity.parameters import Parameters
+from rattle.questions.sensitivity.start import counted, start
+from rattle.results.build import build_result
+from rattle.results.result import Result, UnknownName
+from rattle.results.trust import Trust
+from rattle.solvers.stepper import ATOL
+from rattle.trace.elementary import lower
+
+ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium")
+RTOL = 1e-10  # default relative tolerance of a motion with its derivatives
+SAME = 1e-6  # share of the largest of its unit by which a curve may differ from that of the analysis itself
+NUDGE = 1e-7  # change of a parameter, as a share, that must not change the parts of the model
+
+
+@dataclass
+class Found:
+    """Curves and derivatives at the first n of the instants."""
+
+    values: np.ndarray  # (n, nc)
+    derivatives: np.ndarray  # (n, nc, k)
+    trust: Trust
+    stats: dict[str, Any] = field(default_factory=dict)
+    message: str = ""
+    settings: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass
+class Asked:
+    """A question: derivatives of which curves, by which parameters, when."""
+
+    model: RecordedModel
+    parameters: Parameters
+    outputs: tuple[str, ...]
+    t_eval: np.ndarray  # (n,) [s]
+    rtol: float
+    atol: float  # [m, rad, m/s, rad/s]
+
+    def curves(self, columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+        """Symbols and SI units of the outputs.  columns: result columns by name."""
+        model, symbols, units = self.model, {}, {}
+        for name in self.outputs:
+            if name in columns:
+                symbols[name], units[name] = columns[name], model.units[name]
+                continue
+            made = derived_curve(model.graph, model.recorded, columns, name)
+            if made is None:
+                known = [*columns, *derived_names(model.recorded.model, columns)]
+                raise UnknownName(f"no curve '{name}' to take derivatives of{suggest(name, known)}")
+            symbols[name], units[name] = made
+        return symbols, units
+
+
+def sensitivity(
+    document: Mapping[str, Any], system: System, begin: Assembled, outputs: Sequence[str], parameters: Sequence[str],
+    t_eval: Any = None, analysis: str = "simulate", *, rtol: float | None = None, atol: float | None = None,
+    strict: bool = False,
+) -> Result:  # fmt: skip
+    """Curves and their derivatives by parameters; see `Mechanism.sensitivity`.
+
+    document: the tables of the model file, of which `system` was made; begin: its start.
+    """
+    began = time.perf_counter()
+    if analysis not in ANALYSES:
+        raise InputError(f"unknown analysis '{analysis}'{suggest(str(analysis), ANALYSES)}")
+    rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
+    atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
+    outputs, parameters = _names("outputs", outputs), _names("parameters", parameters)
+    require_parameters(system, parameters)
+    if analysis != "simulate":
+        require_no_states(system.model, analysis)
+    times = _times(system, t_eval, analysis)
+    arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
+    model = _recorded(document, system, begin, parameters)
+    asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol)
+    found, units = FIND[analysis](asked)
+    found.stats["wall_time"] = time.perf_counter() - began
+    result = _result(asked, analysis, found, units)
+    if strict and found.message:
+        raise SolverError(found.message, result)
+    return result
+
+
+# ---------------------------------------------------------------- the question
+def _names(what: str, given: Sequence[str]) -> tuple[str, ...]:
+    names = (given,) if isinstance(given, str) else tuple(dict.fromkeys(given or ()))
+    if not names or not all(isinstance(one, str) for one in names):
+        example = '["rocker.angle"]' if what == "outputs" else '["l2", "r3"]'
+        raise InputError(f"{what}: expected a list of names such as {example}")
+    return names
+
+
+def _times(system: System, t_eval: Any, analysis: str) -> np.ndarray:
+    """(n,) instants [s]."""
+    if t_eval is None:
+        return np.zeros(1) if analysis == "equilibrium" else output_times(system.model.settings, None, None)[1]
+    times = instants(t_eval)
+    return output_times(system.model.settings, None, times)[1] if analysis == "simulate" else times
+
+
+def _recorded(
+    document: Mapping[str, Any], system: System, begin: Assembled, parameters: Sequence[str]
+) -> RecordedModel:
+    """The recorded model.  Raises TraceError with what can be done, also where a parameter changes its parts."""
+    try:
+        model = record_model(document, system, begin, parameters)
+    except TraceError as error:
+        remedy = ""
+        if stopped := [f"joints.{name}.stop" for name, one in system.model.joints.items() if one.stop is not None]:
+            remedy = f"; take derivatives of the mechanism without stops (set {', '.join(stopped)} to None), or compare"
+            remedy += " two runs with set()"
+        elif len(system.arrays["contact"]):
+            remedy = (
+                "; take derivatives of the mechanism without play (ideal(), --ideal) or with massless links, or compare"
+                " two runs with set()"
+            )
+        raise TraceError(f"no sensitivities: {error}{remedy}") from None
+    functions = MachineFunctions()
+    readable = functions.add(*lower(model.graph, [model.readable]))
+    functions.compile()
+    for n, (name, value) in enumerate(model.parameters.items()):
+        columns = np.repeat(model.inputs(0.0, model.start_state)[:, None], 8, axis=1)
+        nudge = NUDGE * (abs(value) or 1.0)
+        columns[1 + model.state_size + n, :2] += (-nudge, nudge)
+        flags = np.empty((1, 8))
+        readable(columns, flags)
+        if not flags[0, :2].any():
+            raise TraceError(
+                f"no sensitivities: at its value {value:g} '{name}' decides which parts the model has; any other value"
+                " makes another model"
+            )
+    return model
+
+
+# ---------------------------------------------------------------- the analyses
+def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
+    model = asked.model
+    curves, units = asked.curves(model.curves)
+    compiled = MachineFunctions()
+    functions = Functions(model, asked.parameters, curves, compiled.add)
+    z, functions.parameters = start(model, asked.parameters, compiled)
+    run = Motion(functions, z, asked.t_eval, asked.rtol, asked.atol)
+    run.go()
+    notes, reach = _growth_notes(asked, run)
+    count, k = len(curves), len(model.parameters)
+    trust = Trust(
+        drift=run.drift, drift_angle=run.drift_angle, energy_balance=run.balance, energy_share=run.share, t_end=run.t,
+        horizon=reach, stopped=bool(run.message), notes=(*model.start.notes, *notes),
+    )  # fmt: skip
+    stats = {"steps": run.steps, "rejected": run.rejected, "switchings": run.switched}
+    if run.interrupted:
+        stats["interrupted"] = True
+    values = np.array(run.values).reshape(-1, count)
+    derivatives = np.array(run.derivatives).reshape(-1, count, k)
+    return Found(
+        values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol}
+    ), units
+
+
+def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
+    """Notes on exponential growth, and the time up to which curves can be trusted [s]."""
+    t = np.array([one[0] for one in run.history])
+    if len(t) < 2:
+        return [], run.t
+    sizes, notes = np.array([one[1] for one in run.history]), []
+    for name, size in zip(asked.parameters.names, sizes.T, strict=True):
+        found = growth(t, size)
+        if found is None:
+            continue
+        change = usual_change(asked.model.system, name)
+        until = linear_until(t, size, change["size"])
+        reach = f"linearly only until about t = {until:.2g} s" if until < t[-1] else "linearly over the whole run"
+        notes.append(
+            f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by"
+            f" {change['words']} acts {reach}"
+        )
+    return notes, horizon(t, sizes, asked.parameters.values, asked.rtol)
+
+
+def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, str]]:
+    model = asked.model
+    nominal = analyse(model.system, model.start, asked.t_eval, forces=forces)
+    curves, units = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
+    compiled = MachineFunctions()
+    driven = Driven(model, counted(model, asked.parameters), curves, compiled.add)
+    compiled.compile()
+    bodies = list(model.system.bodies)
+    found = [driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
+    trust = nominal.trust
+    return _checked(asked, nominal, found, trust), units
+
+
+def _inverse_dynamics(asked: Asked) -> tuple[Found, dict[str, str]]:
+    return _kinematics(asked, True)
+
+
+def _equilibrium(asked: Asked) -> tuple[Found, dict[str, str]]:
+    model, t_eval = asked.model, asked.t_eval
+    notes: tuple[str, ...] = ()
+    if len(t_eval) == 1:
+        first = equilibria(model.system, float(t_eval[0])).first_at(float(t_eval[0]))
+        nominal, notes = first.result, (f"the equilibrium is {first}",)
+        neutral = np.array([bool(first.neutral)])
+    else:
+        nominal = quasistatic(model.system, t_eval)
+        neutral = nominal["equilibrium.stiffness"] == 0.0
+    rest = record_rest(model)
+    curves, units = asked.curves({name: one for name, one in rest.curves.items() if name in nominal.stored})
+    compiled = MachineFunctions()
+    at_rest = AtRest(model, counted(model, asked.parameters), rest, curves, compiled.add)
+    compiled.compile()
+    bodies = list(model.system.bodies)
+    found = []
+    for k, t in enumerate(nominal.t):
+        q = np.array([nominal[f"{body}.{key}"][k] for body in bodies for key in ("x", "y", "angle")])
+        values, derivatives, sound = at_rest.at(float(t), q)
+        found.append((values, derivatives, sound and not neutral[k]))
+    made = _checked(asked, nominal, found, nominal.trust)
+    made.trust = replace(made.trust, notes=(*made.trust.notes, *notes))
+    return made, units
+
+
+Finding = Callable[[Asked], tuple[Found, dict[str, str]]]
+FIND: dict[str, Finding] = {
+    "simulate": _simulate, "kinematics": _kinematics, "inverse-dynamics": _inverse_dynamics,
+    "equilibrium": _equilibrium,
+}  # fmt: skip
+
+
+def _checked(asked: Asked, nominal: Result, found: list[tuple[np.ndarray, np.ndarray, bool]], trust: Trust) -> Found:
+    """What was found at every instant of the analysis itself, as far as it agrees with it and is sound."""
+    count, k = len(asked.outputs), len(asked.model.parameters)
+    values = np.array([one[0] for one in found]).reshape(-1, count)
+    derivatives = np.array([one[1] for one in found]).reshape(-1, count, k)
+    sound = np.array([one[2] for one in found], dtype=bool) & np.isfinite(derivatives).all(axis=(1, 2))
+    message = nominal.message
+    if not sound.all():
+        end = int(np.argmin(sound))
+        values, derivatives = values[:end], derivatives[:end]
+        message = (
+            f"no derivatives at t = {nominal.t[end]:.6g} s: the position is singular or free to change there, or a load"
+            " or expression has no finite value or derivative"
+        )
+    for n, name in enumerate(asked.outputs):
+        want = nominal[name][: len(values)]
+        scale = max(np.abs(want).max(initial=0.0), _typical(asked, nominal, name))
+        if (np.abs(values[:, n] - want) > SAME * scale).any():
+            raise TraceError(f"no sensitivities: the recorded '{name}' differs from the analysis; a fault of rattle")
+    return Found(values, derivatives, trust, {"positions": len(values)}, message)
+
+
+def _typical(asked: Asked, nominal: Result, name: str) -> float:
+    """The largest value of the curves of the same unit [SI]."""
+    unit = nominal.unit(name)
+    same = [one for one in nominal.stored if nominal.unit(one) == unit]
+    return max((float(np.nanmax(np.abs(nominal[one]), initial=0.0)) for one in same), default=0.0) or 1e-12
+
+
+# ---------------------------------------------------------------- the result
+def _result(asked: Asked, analysis: str, found: Found, units: Mapping[str, str]) -> Result:
+    model, n = asked.model.system.model, len(found.values)
+    names, columns = list(asked.outputs), [found.values[:, c] for c in range(len(asked.outputs))]
+    known = {name: units[name] for name in names}
+    changes = {name: usual_change(asked.model.system, name) for name in asked.model.parameters}
+    for c, output in enumerate(asked.outputs):
+        for k, parameter in enumerate(asked.model.parameters):
+            name = derivative_name(output, parameter)
+            names.append(name)
+            columns.append(found.derivatives[:, c, k])
+            known[name] = quotient(units[output], model.parameters[parameter].unit)
+    return build_result(
+        model, "sensitivity", t=asked.t_eval[:n], data=np.array(columns).T.reshape(n, len(names)), names=names,
+        units=known, trust=found.trust, stats=found.stats, message=found.message, drawn=False,
+        settings={"of": list(asked.outputs), "changes": changes, "along": analysis, **found.settings},
+    )  # fmt: skip

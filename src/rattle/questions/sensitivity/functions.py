@@ -1,0 +1,89 @@
+"""Functions of a recorded model that sensitivities need, each with its derivatives by state and parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.analyses.straight_line.linearised import Columns, Linearised, switching_functions
+from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.questions.sensitivity.parameters import Parameters
+from rattle.trace.lane_program import Compile
+
+ENERGIES = ("kinetic", "potential", "work", "dissipated")
+
+
+class Rates(NamedTuple):
+    """The right-hand side at one point."""
+
+    values: np.ndarray  # (ny, 1 + k) dy/dt, then dY/dt
+    sound: bool  # it stands on sound assumptions
+    sides: np.ndarray  # (ns,) on which side of its switch every expression is
+
+
+class Functions:
+    """Functions of one model at the values of its parameters.
+
+    A state with its derivatives is an array z (ny, 1 + k): y, then dy/dp for each of the k parameters.
+    """
+
+    def __init__(
+        self, model: RecordedModel, parameters: Parameters, curves: Mapping[str, Any], compile_function: Compile
+    ) -> None:  # fmt: skip
+        self.model, self.size, self.parameters = model, model.state_size, parameters
+        self.energy = 0.0  # at the start [J]
+        self.energy_rates = np.zeros(len(parameters.values))  # its derivatives
+        graph = model.graph
+        margins = switching_functions(graph, model.derivative[:-1])
+        self._rate = Linearised(graph, [*model.derivative, *(x < 0.0 for x in margins)], compile_function)
+        self._margins = Linearised(graph, margins, compile_function) if margins else None
+        self._project = Linearised(graph, model.projection, compile_function)
+        self._curves = Linearised(graph, [*curves.values(), model.sound_curves], compile_function)
+        energies = [*(model.curves[f"energy.{key}"] for key in ENERGIES), model.curves["energy.balance"]]
+        self._energies = Linearised(graph, [energies[-1]], compile_function)
+        self._energy_values = Columns(graph, energies, compile_function)
+
+    def start_energy(self, z: np.ndarray) -> None:
+        """Take the energy at the start, and its derivatives, from the state z there."""
+        self.energy, self.energy_rates = 0.0, np.zeros_like(self.energy_rates)
+        total, rates = self._energies(*self._at(0.0, z))
+        self.energy, self.energy_rates = float(total[0]), rates[0]
+
+    def inputs(self, t: float, y: np.ndarray) -> np.ndarray:
+        """(n_in,) inputs of the graph."""
+        return np.concatenate([[t], y, self.parameters.inputs, [self.energy]])
+
+    def _at(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        parameters = self.parameters.along
+        along = np.vstack([np.zeros((1, parameters.shape[1])), z[:, 1:], parameters, self.energy_rates[None]])
+        return self.inputs(t, z[:, 0]), along
+
+    def rates(self, t: float, z: np.ndarray) -> Rates:
+        """dz/dt."""
+        found, along = self._rate(*self._at(t, z))
+        n = self.size
+        return Rates(np.column_stack([found[:n], along[:n]]), found[n] == 1.0, found[n + 1 :])
+
+    def projected(self, t: float, z: np.ndarray) -> tuple[np.ndarray, bool]:
+        """z on the constraints, and whether that is sound."""
+        found, along = self._project(*self._at(t, z))
+        return np.column_stack([found[:-1], along[:-1]]), found[-1] == 1.0
+
+    def curves(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Curves (nc,), their derivatives (nc, k), and whether they are sound."""
+        found, along = self._curves(*self._at(t, z))
+        return found[:-1], along[:-1], found[-1] == 1.0
+
+    def energies(self, t: float, z: np.ndarray) -> np.ndarray:
+        """Kinetic and potential energy, work, energy dissipated, balance [J]."""
+        return self._energy_values(self.inputs(t, z[:, 0])[:, None])[:, 0]
+
+    def margins(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives (ns, k) of the switching functions, and their time derivatives (ns,) for dy/dt = rate (ny,)."""
+        assert self._margins is not None
+        x, along = self._at(t, z)
+        in_time = np.concatenate([[1.0], rate, np.zeros(len(x) - 1 - len(rate))])
+        _, found = self._margins(x, np.column_stack([along, in_time]))
+        return found[:, :-1], found[:, -1]

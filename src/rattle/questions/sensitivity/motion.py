@@ -1,0 +1,227 @@
+"""A motion together with its derivatives by parameters, by the variational equations.
+
+    Y = dy/dp,   dY/dt = f_y Y + f_p                           between switches
+    Y+ = Y- + (f- - f+) tau_p,   tau_p = -(g_y Y- + g_p)/(g_t + g_y f-)     where the switching function g is zero
+
+f is the recorded right-hand side, its derivatives are exact; y and Y are integrated by the same steps, whose errors
+are controlled for both.  After every step y is brought onto the constraints, and Y by the derivative of that.
+
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections I.14 and II.6.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from rattle.analyses.dynamics import run as runs
+from rattle.equations.state import state_layout
+from rattle.questions.sensitivity.functions import Functions, Rates
+from rattle.questions.sensitivity.step import POWER, Step, Tolerance, try_step
+from rattle.solvers.step_size import SAFETY, longer, shorter
+
+ENERGY = 1e-3  # share of the largest energy that may be unaccounted for, as for adaptive steppers
+TOO_SHORT = 1e-13  # share of the run below which steps do not get shorter
+ALIKE = 1e-9  # share of the right-hand side by which both sides of a switch may differ and yet be the same
+BESIDE = 4.0  # the other side of a switch is looked for so many shortest steps further, then twice as many ...
+DOUBLINGS = 20
+NEAR = 3  # a step is halved where a switch lies inside: it is met within two such steps
+SAME = 1e-6  # share by which the instants of two switches may depend differently on a parameter and yet be one
+
+
+class Motion:
+    """The motion from the state z (ny, 1 + k) at t = 0; `go` takes it to the end, or `message` says why not."""
+
+    def __init__(self, functions: Functions, z: np.ndarray, t_eval: np.ndarray, rtol: float, atol: float) -> None:
+        system = functions.model.system
+        self.functions, self.t_eval, self.t_end = functions, t_eval, float(t_eval[-1])
+        self.tolerance = _tolerance(functions, rtol, atol, self.t_end)
+        self.t, self.z = 0.0, z
+        self.message = ""
+        self.interrupted = False
+        self.values: list[np.ndarray] = []  # curves at the outputs
+        self.derivatives: list[np.ndarray] = []
+        self.history: list[tuple[float, np.ndarray]] = []  # times [s], sizes (k,) of the derivatives of positions
+        self.drift, self.drift_angle = 0.0, 0.0  # what the projection of an output corrects [m], [rad]
+        self.balance, self.share = 0.0, 0.0  # largest energy error [J], and as a share of the largest energy
+        self.steps = self.rejected = self.switched = 0
+        self.wall = 0.0
+        self._near = 0  # steps that must not become longer, because a switch was found ahead
+        self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
+        self._names = ", ".join(sorted({one.name for one in system.switches})) or "an expression"
+
+    def go(self) -> None:
+        """Take steps to the end."""
+        began = time.perf_counter()
+        try:
+            self._begin()
+            while not self.message and self.t < self.t_end:
+                if runs.stop.is_set():
+                    raise KeyboardInterrupt
+                self._advance()
+        except KeyboardInterrupt:
+            self.interrupted = True
+            self.message = f"stopped by the user at t = {self.t:.6g} s; the result holds what was computed before"
+        self.wall = time.perf_counter() - began
+
+    # ---------------------------------------------------------------- steps
+    def _begin(self) -> None:
+        self.functions.start_energy(self.z)
+        self._rates = self.functions.rates(self.t, self.z)
+        if not (self._rates.sound and np.isfinite(self._rates.values).all()):
+            self.message = f"at the start: {UNSOUND}"
+            return
+        some = self.tolerance.controlled
+        speed = np.abs(self._rates.values[some, 0] / self.tolerance.weight).max(initial=0.0)
+        self.h = min(1e-2 / speed if speed > 0.0 else math.inf, 1e-2 * self.t_end or 1.0)
+        self._keep_outputs([self.z] if self.t_eval[0] == 0.0 else [])
+        self._note(self.z)
+
+    def _advance(self) -> None:
+        """One step, or one attempt."""
+        ahead = self.t_end - self.t
+        last = 1.000001 * self.h >= ahead
+        h = ahead if last else self.h
+        step, trouble = try_step(self.functions, self.t, h, self.z, self._rates)
+        if trouble:
+            self._shorten(trouble, h, 0.5)
+            return
+        error = self.tolerance.error(step.z, step.z_new, h, step.slopes)
+        if not error <= 1.0:
+            self._shorten("error", h, shorter(1.0, error, POWER, SAFETY))
+            return
+        t_new = self.t_end if last else self.t + h
+        projected, sound = self.functions.projected(t_new, step.z_new)
+        rates = self.functions.rates(t_new, projected) if sound else self._rates
+        if not (sound and rates.sound and np.isfinite(rates.values).all()):
+            self._shorten("sound", h, 0.5)
+            return
+        if (rates.sides != self._rates.sides).any():
+            self._shorten("sides", h, 0.5)
+            return
+        self._accept(step, t_new, projected, rates)
+        self.h = h if self._near else longer(h, error, POWER, SAFETY)
+        self._near = max(0, self._near - 1)
+
+    def _accept(self, step: Step, t_new: float, z: np.ndarray, rates: Rates) -> None:
+        k = len(self.values)
+        inside = self.t_eval[k : np.searchsorted(self.t_eval, t_new, side="right")]
+        if len(inside) and inside[-1] == t_new:
+            states = [*step.states(self.functions, inside[:-1]), z]
+        else:
+            states = step.states(self.functions, inside)
+        self.steps += 1
+        self._keep_outputs(states)
+        self.t, self.z, self._rates = t_new, z, rates
+        self._note(z)
+
+    def _shorten(self, trouble: str, h: float, factor: float) -> None:
+        self.rejected += 1
+        self.h = h * factor
+        self._near = NEAR if trouble == "sides" else self._near
+        if self.h > TOO_SHORT * self.t_end:
+            return
+        if self._near:
+            self._cross()
+        else:
+            why = UNSOUND if trouble == "sound" else "steps became too short: the motion or its derivatives diverge"
+            self.message = f"stopped at t = {self.t:.6g} s: {why}"
+
+    # ---------------------------------------------------------------- switches
+    def _cross(self) -> None:
+        """Pass the switch that the motion has come to."""
+        before, t, z = self._rates, self.t, self.z
+        ahead = BESIDE * TOO_SHORT * self.t_end
+        for _ in range(DOUBLINGS):
+            beyond = z + ahead * before.values
+            after = self.functions.rates(t + ahead, beyond)
+            if (after.sides != before.sides).any():
+                break
+            ahead *= 2.0
+        else:
+            self.message = f"stopped at t = {t:.6g} s: {self._names} touches its switch there and turns back"
+            return
+        jump = before.values[:, 0] - after.values[:, 0]
+        scale = max(np.abs(before.values[:, 0]).max(), np.abs(after.values[:, 0]).max())
+        if np.abs(jump).max() > ALIKE * scale:
+            shift = self._shift(before, after)
+            if shift is None:
+                return
+            beyond[:, 1:] += jump[:, None] * shift
+        self.z, sound = self.functions.projected(t + ahead, beyond)
+        self._rates = self.functions.rates(t + ahead, self.z)
+        if not sound or (self._rates.sides != after.sides).any():
+            self.message = f"stopped at t = {t:.6g} s: {self._names} switches back and forth there"
+            return
+        self.t, self.h, self._near = t + ahead, 1e-6 * self.t_end, 0
+        self.switched += 1
+
+    def _shift(self, before: Rates, after: Rates) -> np.ndarray | None:
+        """(k,) derivatives of the instant of the switch [s] by the parameters; None, with a message, if it has none."""
+        flips = before.sides != after.sides
+        found = []
+        for rates in (before, after):
+            by_parameter, in_time = self.functions.margins(self.t, self.z, rates.values[:, 0])
+            found.append((by_parameter[flips], in_time[flips]))
+        (by_parameter, speed), (_, speed_after) = found
+        if not (speed * speed_after > 0.0).all():
+            self.message = (
+                f"stopped at t = {self.t:.6g} s: the motion stays on the switch of {self._names} (as in sticking);"
+                " use a smooth function, such as tanh for the sign"
+            )
+            return None
+        shifts = -by_parameter / speed[:, None]
+        if (np.abs(shifts - shifts[0]) > SAME * np.abs(shifts).max()).any():
+            self.message = f"stopped at t = {self.t:.6g} s: two expressions ({self._names}) switch at the same instant"
+            return None
+        return np.asarray(shifts[0])
+
+    # ---------------------------------------------------------------- outputs and checks
+    def _keep_outputs(self, states: list[np.ndarray]) -> None:
+        for z in states:
+            t = float(self.t_eval[len(self.values)])
+            closed, sound = self.functions.projected(t, z)
+            values, derivatives, sound_curves = self.functions.curves(t, closed)
+            if not (sound and sound_curves and np.isfinite(values).all() and np.isfinite(derivatives).all()):
+                self.message = f"stopped at t = {t:.6g} s: {UNSOUND}"
+                return
+            again, _ = self.functions.projected(t, closed)
+            off = np.abs(again - closed)[: 3 * self.functions.model.system.body_count, 0].reshape(-1, 3)
+            self.drift = max(self.drift, float(off[:, :2].max(initial=0.0)))
+            self.drift_angle = max(self.drift_angle, float(off[:, 2].max(initial=0.0)))
+            self.values.append(values)
+            self.derivatives.append(derivatives)
+
+    def _note(self, z: np.ndarray) -> None:
+        """Energy and size of the derivatives after a step."""
+        kinetic, potential, work, _, balance = self.functions.energies(self.t, z)
+        most, low, high, done = self._turnover
+        most, done = max(most, kinetic), max(done, abs(work))
+        low, high = min(low, potential), max(high, potential)
+        self._turnover[:] = most, low, high, done
+        turnover = max(most, done, high - low) + 1e-9 * abs(potential)
+        share = max(0.0, abs(balance) - 1e-14 * max(abs(low), abs(high))) / turnover if turnover > 0.0 else 0.0
+        self.balance, self.share = max(self.balance, abs(float(balance))), max(self.share, float(share))
+        if not share <= ENERGY:
+            self.message = (
+                f"stopped at t = {self.t:.6g} s: the energy error is {share:.2g} of the largest energy; a smaller"
+                " rtol reduces it unless a load works against its own potential"
+            )
+        nq = 3 * self.functions.model.system.body_count
+        size = np.abs(z[:nq, 1:]) / self.tolerance.weight[:nq, None]
+        self.history.append((self.t, size.max(axis=0, initial=0.0)))
+
+
+UNSOUND = "the mechanism comes next to a singular position, or a load or expression has no finite value or derivative"
+
+
+def _tolerance(functions: Functions, rtol: float, atol: float, t_end: float) -> Tolerance:
+    system = functions.model.system
+    layout = state_layout(system)
+    controlled = np.r_[layout.motion, layout.states]
+    weight = np.tile([system.extent, system.extent, 1.0], 2 * system.body_count)
+    weight = np.concatenate([weight, np.ones(len(controlled) - len(weight))])
+    given = np.abs(functions.parameters.values)
+    return Tolerance(rtol, atol, weight, controlled, np.where(given > 0.0, given, 1.0))

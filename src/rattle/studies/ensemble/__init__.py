@@ -1,1 +1,0 @@
-"""Many samples of one mechanism, whose parameters vary within their tolerances."""

@@ -1,1 +1,0 @@
-"""Values of parameters that make a number of a mechanism as small as possible: `Mechanism.optimise`."""

@@ -1,1 +1,0 @@
-"""Power between elements and bodies: instants, cycles, and where the energy goes."""

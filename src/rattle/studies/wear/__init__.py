@@ -1,1 +1,0 @@
-"""Wear of pins and bushes over many cycles."""
