@@ -1,5 +1,6 @@
 """The command `rattle studio`: what it says before it serves."""
 
+import subprocess
 import sys
 
 import pytest
@@ -41,3 +42,11 @@ def test_a_file_that_is_not_there_or_no_model_is_named(tmp_path, monkeypatch):
         done = CliRunner().invoke(main, ["studio", name, "--no-browser"])
         assert done.exit_code == 2
         assert name.partition(".")[0] in done.output
+
+
+def test_opening_the_studio_loads_nothing_that_takes_long():
+    """It is there in half a second; packages that compute and draw are loaded by the processes of its pages."""
+    pytest.importorskip("uvicorn")
+    program = "import rattle.cli.main, rattle.studio.serve, sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert not {"llvmlite", "matplotlib", "numba", "pandas", "scipy", "xarray"} & set(done.stdout.split())

@@ -89,6 +89,22 @@ def test_one_value_of_thousands_that_stands_out_is_seen(shown):
     assert page.evaluate(BLACK_OR_BLUE, [".curves > .layers canvas", x, y])
 
 
+@pytest.mark.parametrize("n", [201, 20001])
+def test_a_gap_stays_a_gap_and_a_value_alone_in_it_is_a_dot(shown, n):
+    """Where forces are not defined; at few rows, and at more than there are pixels."""
+    x = np.linspace(0.0, 1.0, n)
+    y = np.where(np.abs(x - 0.5) < 0.2, np.nan, 1.0)
+    y[n // 2] = 2.0
+    page = shown(curves("Gap", "time [s]", "force [N]", [line("force", x, y)]))
+    chart = "window.sheet.charts[0]"
+    places = page.evaluate(
+        f"[[0.1, 1], [0.9, 1], [0.5, 2], [0.4, 1], [0.45, 1.5]].map(([x, y]) => [{chart}.X(x), {chart}.Y(y)])"
+    )
+    assert [page.evaluate(BLACK_OR_BLUE, [".curves > .layers canvas", *at]) for at in places] == [True] * 3 + [
+        False
+    ] * 2
+
+
 def test_a_name_that_is_clicked_hides_its_curve_and_the_axis_fits_the_rest(shown):
     page = shown(waves())
     page.get_by_title("Hide or show large").click()

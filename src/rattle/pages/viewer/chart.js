@@ -240,18 +240,10 @@ export class Chart {
     c.lineWidth = dash ? 1.5 : 1.7;
     c.globalAlpha = dash ? 0.85 : 1;
     c.setLineDash(dash ?? []);
+    c.lineCap = dash ? "butt" : "round"; // a value alone between gaps is a dot
     c.beginPath();
     if (last - first > 4 * this.room) this.envelope(c, x, y, first, last);
-    else {
-      let down = false;
-      for (let k = first; k <= last; k++) {
-        const right = this.X(x[k]), top = this.Y(this.factor * y[k]);
-        if (!Number.isFinite(top)) { down = false; continue; }
-        if (down) c.lineTo(right, top);
-        else c.moveTo(right, top);
-        down = true;
-      }
-    }
+    else this.polyline(c, x, y, first, last);
     for (const burst of line.bursts) {
       if (!within(burst, from, to)) continue;
       c.moveTo(this.X(burst.x), this.Y(0));
@@ -262,17 +254,32 @@ export class Chart {
     c.globalAlpha = 1;
   }
 
+  polyline(c, x, y, first, last) {
+    let down = false;
+    for (let k = first; k <= last; k++) {
+      const right = this.X(x[k]), top = this.Y(this.factor * y[k]), there = Number.isFinite(top);
+      if (there && !down) c.moveTo(right, top);
+      if (there) c.lineTo(right, top);
+      down = there;
+    }
+  }
+
   envelope(c, x, y, first, last) {
-    let pixel = null, low = 0, high = 0;
+    let pixel = null, low = 0, high = 0, down = false;
     const put = () => {
       if (pixel === null) return;
+      if (!down) c.moveTo(pixel, this.Y(this.factor * low));
       c.lineTo(pixel, this.Y(this.factor * low));
       c.lineTo(pixel, this.Y(this.factor * high));
+      down = true;
     };
     for (let k = first; k <= last; k++) {
       const here = Math.round(this.X(x[k]));
-      if (!Number.isFinite(y[k])) continue;
-      if (here !== pixel) {
+      if (!Number.isFinite(y[k])) {
+        put();
+        pixel = null;
+        down = false;
+      } else if (here !== pixel) {
         put();
         [pixel, low, high] = [here, y[k], y[k]];
       } else if (y[k] < low) low = y[k];
