@@ -3,7 +3,7 @@
 import pytest
 
 import rattle as rt
-from rattle.description import tables
+from rattle.description import read_fields, schema_pieces, tables
 from rattle.description.file import dump, parse
 from rattle.description.reference import common, topics
 from rattle.description.schema import schema
@@ -106,6 +106,28 @@ def refused(text):
     with pytest.raises(rt.ModelError) as caught:
         rt.loads(text)
     return [str(problem) for problem in caught.value.problems]
+
+
+def declared_fields(part):
+    """All fields of a part of the model file."""
+    if isinstance(part, Field):
+        yield part
+    elif isinstance(part, tables.Form):
+        for entry in part.keys.values():
+            yield from declared_fields(entry)
+    elif isinstance(part, tables.Either):
+        for entry in part.forms:
+            yield from declared_fields(entry)
+    elif isinstance(part, tables.Named):
+        yield from declared_fields(part.entry)
+
+
+def test_every_shape_is_read_and_in_the_schema():
+    read = {*read_fields.SHAPES, *read_fields.OWN, "number"}
+    parts = [part for part in vars(tables).values() if isinstance(part, tables.Form)]
+    shapes = {field.shape for part in parts for field in declared_fields(part)}
+    assert shapes <= read
+    assert shapes <= {*schema_pieces.SHAPES, "number", "quantity"}
 
 
 @pytest.mark.parametrize("glowing", PLACES, indirect=True)
