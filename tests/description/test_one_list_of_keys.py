@@ -3,9 +3,9 @@
 import pytest
 
 import rattle as rt
-from rattle.description import tables
+from rattle.description import read_fields, schema_pieces, tables
 from rattle.description.file import dump, parse
-from rattle.description.reference import topics
+from rattle.description.reference import common, topics
 from rattle.description.schema import schema
 from rattle.registry import Field
 
@@ -58,7 +58,7 @@ offset = [0, 0]
 [simulate]
 t_end = 1
 """
-PLACES = {  # of the lists: a table that is written so, and the topic that tells its keys
+PLACES = {  # of the lists: a table that is written so, and the topic that tells its keys, "" if kinds of joints do
     "BAR": ("bodies.a", "bodies"),
     "BODY": ("bodies.b", "bodies"),
     "PLATE": ("bodies.c", "bodies"),
@@ -66,6 +66,7 @@ PLACES = {  # of the lists: a table that is written so, and the topic that tells
     "PARAMETER": ("parameters.r", "parameters"),
     "TABLE": ("tables.f", "tables"),
     "STATE": ("states.i", "states"),
+    "JOINT": ("joints.loose", ""),
     "WEAR": ("joints.loose.wear", "wear"),
     "START": ("initial.a", "initial"),
     "OFFSET": ("initial.loose", "initial"),
@@ -75,6 +76,7 @@ BUILT = {
     "BAR": lambda m, glow: m.bar("d", "A", "B", length=1, mass=1, **glow),
     "BODY": lambda m, glow: m.body("d", mass=1, inertia=1, points={"A": [0, 0]}, **glow),
     "PLATE": lambda m, glow: m.plate("d", [[0, 0], [1, 0], [0, 1]], mass=1, **glow),
+    "JOINT": lambda m, glow: m.revolute("d", "ground.O", "b.O", **glow),
     "PARAMETER": lambda m, glow: m.parameter("d", 1, **glow),
     "TABLE": lambda m, glow: m.table("d", [0, 1], [0, 1], **glow),
     "STATE": lambda m, glow: m.state("d", 1, **glow),
@@ -106,6 +108,28 @@ def refused(text):
     return [str(problem) for problem in caught.value.problems]
 
 
+def declared_fields(part):
+    """All fields of a part of the model file."""
+    if isinstance(part, Field):
+        yield part
+    elif isinstance(part, tables.Form):
+        for entry in part.keys.values():
+            yield from declared_fields(entry)
+    elif isinstance(part, tables.Either):
+        for entry in part.forms:
+            yield from declared_fields(entry)
+    elif isinstance(part, tables.Named):
+        yield from declared_fields(part.entry)
+
+
+def test_every_shape_is_read_and_in_the_schema():
+    read = {*read_fields.SHAPES, *read_fields.OWN, "number"}
+    parts = [part for part in vars(tables).values() if isinstance(part, tables.Form)]
+    shapes = {field.shape for part in parts for field in declared_fields(part)}
+    assert shapes <= read
+    assert shapes <= {*schema_pieces.SHAPES, "number", "quantity"}
+
+
 @pytest.mark.parametrize("glowing", PLACES, indirect=True)
 def test_the_reader_takes_it_and_refuses_wrong_values(glowing):
     place = PLACES[glowing][0]
@@ -128,7 +152,7 @@ def test_the_schema_and_what_kinds_tells_have_it(glowing):
     validator = jsonschema.Draft202012Validator(schema())
     assert validator.is_valid(parse(glow(place, "2 mm")))
     assert not validator.is_valid(parse(glow(place, -1)))
-    assert f"{KEY}: how far it shines [m]" in topics()[topic].lines
+    assert f"{KEY}: how far it shines [m]" in (topics()[topic].lines if topic else common("joint", "revolute"))
 
 
 @pytest.mark.parametrize("glowing", BUILT, indirect=True)

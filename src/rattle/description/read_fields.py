@@ -161,7 +161,9 @@ def _stepper(values: Values, field: Field, written: Any, path: Path) -> Any:
     return written
 
 
-OWN = ("constant", "file", "groups", "numbers", "quantity", "title", "version")  # shapes with readers of their own
+OWN = (  # shapes with readers of their own
+    "constant", "each", "file", "film", "geometry", "groups", "numbers", "quantity", "table", "title", "version",
+)  # fmt: skip
 SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers
     "choice": _choice,
     "flag": _flag,

@@ -45,22 +45,22 @@ NOWHERE = Point("", "", (math.nan, math.nan))
 
 def moved_joints(driver: str = "") -> list[str]:
     """Kinds of joints that a kind of driver moves; all that can be driven if `driver` is ""."""
-    found = registry.kinds("joint").items()
-    return sorted(name for name, one in found if one.leaf.motor and driver in ("", one.leaf.motor.driver))
+    kinds = registry.kinds("joint").items()
+    return sorted(name for name, kind in kinds if kind.leaf.motor and driver in ("", kind.leaf.motor.driver))
 
 
-def local_names(one: Field, a: Point, b: Point) -> dict[str, tuple[Node, Dimension]]:
+def local_names(field: Field, a: Point, b: Point) -> dict[str, tuple[Node, Dimension]]:
     """What the local names of a field stand for between two ends, and their dimensions."""
-    found: dict[str, tuple[Node, Dimension]] = {}
-    for local in one.local:
+    stand_for: dict[str, tuple[Node, Dimension]] = {}
+    for local in field.local:
         node = parse(local.formula)
         ends: dict[str, Node] = {}
         for word in names(node):
             letter, _, key = word.partition(".")
             body = {"A": a, "B": b}[letter].body
             ends[word] = Name(f"{body}.{key}", 0) if body != "ground" else Number(0.0, 0)
-        found[local.name] = replaced(node, ends), dimension_of(local.unit)
-    return found
+        stand_for[local.name] = replaced(node, ends), dimension_of(local.unit)
+    return stand_for
 
 
 def same_angle(joints: Iterable[Joint], a: str, b: str) -> list[str]:
@@ -68,8 +68,8 @@ def same_angle(joints: Iterable[Joint], a: str, b: str) -> list[str]:
     kept: dict[str, list[tuple[str, str]]] = {}
     for joint in joints:
         if joint.kept_angle is not None and (joint.contact is None or joint.contact.closed or joint.clearance == 0.0):
-            for one, other in ((joint.a.body, joint.b.body), (joint.b.body, joint.a.body)):
-                kept.setdefault(one, []).append((other, joint.name))
+            for body, other in ((joint.a.body, joint.b.body), (joint.b.body, joint.a.body)):
+                kept.setdefault(body, []).append((other, joint.name))
     reached: dict[str, list[str]] = {a: []}
     waiting = [a]
     while waiting:
@@ -131,12 +131,12 @@ class Parts(FieldReader):
                 self.vague.add(str(path[-1]))
         return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
 
-    def point(self, given: Any, path: Path, alone: bool = False) -> Point:
+    def point(self, written: Any, path: Path, alone: bool = False) -> Point:
         """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
-        if not isinstance(given, str):
-            self.values.wrong(path, f'expected "body.point", got {said(given)}')
+        if not isinstance(written, str):
+            self.values.wrong(path, f'expected "body.point", got {said(written)}')
             return NOWHERE
-        body, dot, point = given.partition(".")
+        body, dot, point = written.partition(".")
         if body != "ground" and body not in self.bodies:
             self.values.wrong(path, f"no body {said(body)}{suggest(body, ['ground', *self.bodies])}")
             return NOWHERE
@@ -148,25 +148,25 @@ class Parts(FieldReader):
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"
-            what = f"no point {said(point)} on {whose}" if point else f'expected "body.point", got {said(given)}'
+            what = f"no point {said(point)} on {whose}" if point else f'expected "body.point", got {said(written)}'
             self.values.wrong(path, what + hint)
             return NOWHERE
         return Point(body, point, points[point])
 
     def connect(
-        self, given: Mapping[str, Any], path: Path, alone: bool = False, bodies: bool = False
+        self, table: Mapping[str, Any], path: Path, alone: bool = False, bodies: bool = False
     ) -> tuple[Point, Point]:
         """The two ends of a joint or load; alone: also bodies without a point, bodies: whose points mean nothing."""
         form = '["body", "body"]' if bodies else '["body.point", "body.point"]'
-        if "connect" not in given:
+        if "connect" not in table:
             self.values.wrong(path, f"needs connect = {form}")
             return NOWHERE, NOWHERE
-        both = given["connect"]
+        both = table["connect"]
         here = (*path, "connect")
         if not isinstance(both, list | tuple) or len(both) != 2:
             self.values.wrong(here, f"expected {form}, got {said(both)}")
             return NOWHERE, NOWHERE
-        a, b = (self.point(one, (*here, k), alone) for k, one in enumerate(both))
+        a, b = (self.point(end, (*here, k), alone) for k, end in enumerate(both))
         if bodies:
             a, b = (Point(end.body, "", (0.0, 0.0)) for end in (a, b))
         if a.body and a.body == b.body:
@@ -174,66 +174,68 @@ class Parts(FieldReader):
         return a, b
 
     # ------------------------------------------------------------ joints
-    def add_joint(self, name: str, given: Mapping[str, Any]) -> None:
+    def add_joint(self, name: str, table: Mapping[str, Any]) -> None:
         """Read a joint with its clearance and contact."""
         values, path = self.values, ("joints", name)
         before = len(values.problems)
-        found = self.choose(given, "joint", path)
-        if found is None:
+        kind = self.choose(table, "joint", path)
+        if kind is None:
             self.broken_joints.add(name)
             return
-        a, b = self.connect(given, path, alone=found.leaf.bodies, bodies=found.leaf.bodies)
-        play = registry.play_of(found.name)
-        tables: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-        values.keys(given, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *tables, *found.fields], path)
-        fields = self.fields(found, given, path)
+        a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
+        play = registry.play_of(kind.name)
+        sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
+        values.keys(table, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *sizes, *kind.fields], path)
+        fields = self.fields(kind, table, path)
         if len(values.problems) == before:  # of fields that are sound
-            for key, fault in found.leaf.faults(given, fields):
+            for key, fault in kind.leaf.faults(table, fields):
                 values.wrong((*path, key) if key else path, fault)
-        if len(values.problems) == before and (fault := found.leaf.fault(fields)):
+        if len(values.problems) == before and (fault := kind.leaf.fault(fields)):
             values.wrong(path, fault)
-        clearance, contact, of_joint = 0.0, None, self.read(JOINT, given, path)
-        if "clearance" in given:
-            clearance = of_joint["clearance"]
-            contact = self._contact(given, found.name, clearance, path)
-        elif (law := found.leaf.strand(fields)) is not None:
-            if "contact" in given:
-                self.values.wrong(
-                    (*path, "contact"), f"a {found.name} has stiffness and damping of its own", at_key=True
-                )
-            static = Choice("power", {"stiffness": law.stiffness, "exponent": 1.0})
-            contact = Contact("compliant", normal=Choice("tension", {"damping": law.damping}), static=static)
-        elif "contact" in given and (sided := registry.one_sided_of(found.name)) is not None:
-            contact = read_contact(self, given["contact"], site_of_one_sided(sided), (*path, "contact"))
-        elif "contact" in given:
-            values.wrong((*path, "contact"), "needs a clearance of the joint (radial, in m)", at_key=True)
+        clearance = self.read(JOINT, table, path)["clearance"]
+        contact = self._contact(table, kind, fields, clearance, path)
+        clearance = 0.0 if clearance is None else clearance
         if len(values.problems) == before:
-            contact = self._passing(found, fields, clearance, contact, path)
-        stop = self._stop(given["stop"], found.name, (*path, "stop")) if "stop" in given else None
-        dimensions = {}
-        for key, wanted in tables.items():
-            if key in given:
-                dimensions[key] = self._dimensions(wanted, given[key], (*path, key))
-            elif contact is not None and not contact.closed and play is not None:
-                inside = ", ".join(wanted)
-                values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
+            contact = self._passing(kind, fields, clearance, contact, path)
+        stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
+        dimensions = self._dimensions(sizes, table, play, contact, path)
         friction, sound = None, len(values.problems) == before
-        if "friction" in given and "friction" not in found.fields:
+        if "friction" in table and "friction" not in kind.fields:
             block = next(iter(dimensions.values()), ())
+            here = (*path, "friction")
             friction = joint_friction(
-                self, given["friction"], found, fields if sound else None, block, clearance > 0.0, (*path, "friction")
+                self, table["friction"], kind, fields if sound else None, block, clearance > 0.0, here
             )
             if contact is not None and contact.acts and not clearance > 0.0:
-                lifts = f"a {found.name} joint with a contact may lift off, and has no friction; leave one of them out"
-                values.wrong((*path, "friction"), lifts, at_key=True)
-            elif why := found.leaf.friction_fault(fields):
-                values.wrong((*path, "friction"), why, at_key=True)
-        wear, contact = read_wear(self, given, found, clearance, contact, (*path, "wear"))
+                lifts = f"a {kind.name} joint with a contact may lift off, and has no friction; leave one of them out"
+                values.wrong(here, lifts, at_key=True)
+            elif why := kind.leaf.friction_fault(fields):
+                values.wrong(here, why, at_key=True)
+        wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
-            name, found.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear
+            name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear
         )
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _contact(
+        self, table: Mapping[str, Any], kind: registry.Kind, fields: Mapping[str, Any], clearance: float | None,
+        path: Path,
+    ) -> Contact | None:  # fmt: skip
+        """The contact of a joint: of its clearance, its strands or its one side; None without, or after a problem."""
+        here = (*path, "contact")
+        if clearance is not None:
+            return self._contact_of_play(table, kind.name, clearance, path)
+        if (law := kind.leaf.strand(fields)) is not None:
+            if "contact" in table:
+                self.values.wrong(here, f"a {kind.name} has stiffness and damping of its own", at_key=True)
+            static = Choice("power", {"stiffness": law.stiffness, "exponent": 1.0})
+            return Contact("compliant", normal=Choice("tension", {"damping": law.damping}), static=static)
+        if "contact" in table and (sided := registry.one_sided_of(kind.name)) is not None:
+            return read_contact(self, table["contact"], site_of_one_sided(sided), here)
+        if "contact" in table:
+            self.values.wrong(here, "needs a clearance of the joint (radial, in m)", at_key=True)
+        return None
 
     def _passing(
         self, kind: registry.Kind, fields: Mapping[str, Any], clearance: float, contact: Contact | None, path: Path
@@ -255,15 +257,26 @@ class Parts(FieldReader):
         )
         return replace(contact, bush_radius=radius)
 
-    def _dimensions(self, wanted: Mapping[str, Field], given: Any, path: Path) -> tuple[float, ...]:
-        """The lengths [m] in a table of dimensions of a joint with clearance."""
-        table = self.values.table(given, path)
-        self.values.keys(table, wanted, path)
-        return tuple(self.field(one, key, table, {}, path) for key, one in wanted.items())
+    def _dimensions(
+        self, sizes: Mapping[str, Mapping[str, Field]], table: Mapping[str, Any], play: registry.Kind | None,
+        contact: Contact | None, path: Path,
+    ) -> dict[str, tuple[float, ...]]:  # fmt: skip
+        """The lengths [m] in the tables of dimensions of a joint with clearance."""
+        dimensions = {}
+        for key, wanted in sizes.items():
+            here = (*path, key)
+            if key in table:
+                lengths = self.values.table(table[key], here)
+                self.values.keys(lengths, wanted, here)
+                dimensions[key] = tuple(self.field(size, name, lengths, {}, here) for name, size in wanted.items())
+            elif contact is not None and not contact.closed and play is not None:
+                inside = ", ".join(wanted)
+                self.values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
+        return dimensions
 
-    def _contact(self, given: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
-        if "contact" in given:
-            return read_contact(self, given["contact"], site_of_clearance(joint, clearance), (*path, "contact"))
+    def _contact_of_play(self, table: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
+        if "contact" in table:
+            return read_contact(self, table["contact"], site_of_clearance(joint, clearance), (*path, "contact"))
         suited = contact_models(joint) if registry.play_of(joint) is not None else []
         if DEFAULT_CONTACT in suited:
             return read_contact(self, DEFAULT_CONTACT, site_of_clearance(joint, clearance), path)
@@ -282,28 +295,28 @@ class Parts(FieldReader):
                 path, f"a {joint} joint has no coordinate that a stop could end; expected {where}", at_key=True
             )
             return None
-        given = values.table(written, path)
-        values.keys(given, (*kind.fields, "contact"), path)
-        if not any(key in given for key in kind.fields):
-            ends = " or ".join(f"{key} in {one.unit}" for key, one in kind.fields.items())
-            values.wrong(path, f"needs an end: {ends} ({', '.join(one.meaning for one in kind.fields.values())})")
-        least, largest = self.fields(kind, given, path).values()
+        table = values.table(written, path)
+        values.keys(table, (*kind.fields, "contact"), path)
+        if not any(key in table for key in kind.fields):
+            ends = " or ".join(f"{key} in {end.unit}" for key, end in kind.fields.items())
+            values.wrong(path, f"needs an end: {ends} ({', '.join(end.meaning for end in kind.fields.values())})")
+        least, largest = self.fields(kind, table, path).values()
         if least >= largest:
             unit = next(iter(kind.fields.values())).unit
             values.wrong(path, f"min = {least:g} {unit} must be less than max = {largest:g} {unit}")
-        contact = read_contact(self, given.get("contact", DEFAULT_STOP), site_of_stop(kind), (*path, "contact"))
+        contact = read_contact(self, table.get("contact", DEFAULT_STOP), site_of_stop(kind), (*path, "contact"))
         return Stop(least, largest, contact) if contact is not None else None
 
     # ------------------------------------------------------------ drivers and loads
-    def add_driver(self, name: str, given: Mapping[str, Any]) -> None:
+    def add_driver(self, name: str, table: Mapping[str, Any]) -> None:
         """Read a driver: a joint's degree of freedom or a coordinate of a body as a function of time."""
         values, path = self.values, ("drivers", name)
         functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
-        values.keys(given, ["joint", "body", "coordinate", *functions], path)
-        if "body" in given and "joint" in given:
+        values.keys(table, ["joint", "body", "coordinate", *functions], path)
+        if "body" in table and "joint" in table:
             values.wrong(path, "give a joint or a body to drive, not both")
             return
-        target = self._driven_body(given, path) if "body" in given else self._driven_joint(given, path)
+        target = self._driven_body(table, path) if "body" in table else self._driven_joint(table, path)
         if target is None:
             return
         kind, joint, point, what = target
@@ -313,21 +326,21 @@ class Parts(FieldReader):
             )
             return
         self.driven[what] = name
-        wrong = [other for other in functions if other in given and other not in kind.fields]
+        wrong = [other for other in functions if other in table and other not in kind.fields]
         (key,) = kind.fields
         for other in wrong:
             values.wrong((*path, other), f"{what} is driven by '{key}', not by '{other}'", at_key=True)
-        if key in given or not wrong:
-            self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, given, path)[key], point)
+        if key in table or not wrong:
+            self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, table, path)[key], point)
 
-    def _driven_joint(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, None, str] | None:
+    def _driven_joint(self, table: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, None, str] | None:
         """Kind of driver, joint, and what is driven, in words; None after a problem."""
-        if "coordinate" in given:
+        if "coordinate" in table:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
-        if "joint" not in given:
+        if "joint" not in table:
             self.values.wrong(path, f"needs joint: the joint to drive{suggest('', self.joints)}")
             return None
-        joint, here = given["joint"], (*path, "joint")
+        joint, here = table["joint"], (*path, "joint")
         if not isinstance(joint, str) or joint not in self.joints:
             if joint not in list(self.broken_joints):
                 self.values.wrong(here, f"no joint {said(joint)}{suggest(str(joint), self.joints)}")
@@ -339,51 +352,51 @@ class Parts(FieldReader):
         self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; expected {drivable}")
         return None
 
-    def _driven_body(self, given: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:
+    def _driven_body(self, table: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:
         """Kind of driver, no joint, the point, and what is driven, in words; None after a problem."""
-        known = registry.kinds("driver")
-        coordinates = [name.removeprefix("body-") for name in known if name.startswith("body-")]
-        point = self.point(given["body"], (*path, "body"), alone=True)
-        coordinate = given.get("coordinate")
+        kinds = registry.kinds("driver")
+        coordinates = [name.removeprefix("body-") for name in kinds if name.startswith("body-")]
+        point = self.point(table["body"], (*path, "body"), alone=True)
+        coordinate = table.get("coordinate")
         if coordinate not in coordinates:
-            where = (*path, "coordinate") if "coordinate" in given else path
-            got = f", got {said(coordinate)}" if "coordinate" in given else ""
+            where = (*path, "coordinate") if "coordinate" in table else path
+            got = f", got {said(coordinate)}" if "coordinate" in table else ""
             self.values.wrong(where, f"expected coordinate = one of {', '.join(coordinates)}{got}")
             return None
         if point.body == "ground":
             self.values.wrong((*path, "body"), "the ground does not move; expected a body")
         if not point.body or point.body == "ground":
             return None
-        return known[f"body-{coordinate}"], "", point, f"{coordinate} of '{given['body']}'"
+        return kinds[f"body-{coordinate}"], "", point, f"{coordinate} of '{table['body']}'"
 
-    def add_load(self, name: str, given: Mapping[str, Any]) -> None:
+    def add_load(self, name: str, table: Mapping[str, Any]) -> None:
         """Read a load of any kind."""
         path = ("loads", name)
-        found = self.choose(given, "load", path)
-        if found is None:
+        kind = self.choose(table, "load", path)
+        if kind is None:
             return
-        self.values.keys(given, ["type", *found.fields], path)
+        self.values.keys(table, ["type", *kind.fields], path)
         a = b = Point("ground", "", (0.0, 0.0))
         before = len(self.values.problems)
         written: list[Any] = []
         points = False
-        for key, one in found.fields.items():
-            if one.shape == "connect":
-                a, b = self.connect(given, path, alone=True)
+        for key, field in kind.fields.items():
+            if field.shape == "connect":
+                a, b = self.connect(table, path, alone=True)
                 points = True
                 written += [*a.at, *b.at]
-            elif one.shape in ("point", "body"):
-                b = self._place(one, key, given, path)
-                points = one.shape == "point"
+            elif field.shape in ("point", "body"):
+                b = self._place(field, key, table, path)
+                points = field.shape == "point"
                 written += b.at if points else ()
-            elif one.shape == "pair":
-                written += self.field(one, key, given, {}, path)
+            elif field.shape == "pair":
+                written += self.field(field, key, table, {}, path)
             else:
-                with self.values.within(local_names(one, a, b)):
-                    written.append(self.field(one, key, given, {}, path))
-            if one.turns and len(self.values.problems) == before and not self.broken_joints:
+                with self.values.within(local_names(field, a, b)):
+                    written.append(self.field(field, key, table, {}, path))
+            if field.turns and len(self.values.problems) == before and not self.broken_joints:
                 self._can_turn(a, b, (*path, key))
-        self.loads[name] = Load(name, found.name, a, b, tuple(written), points)
+        self.loads[name] = Load(name, kind.name, a, b, tuple(written), points)
 
     def _can_turn(self, a: Point, b: Point, path: Path) -> None:
         """Refuse two bodies that cannot turn against each other, and two that nothing holds."""
@@ -401,12 +414,12 @@ class Parts(FieldReader):
                 " against each other: a moment between them moves nothing; connect bodies that turn",
             )
 
-    def _place(self, one: Field, key: str, given: Mapping[str, Any], path: Path) -> Point:
+    def _place(self, field: Field, key: str, table: Mapping[str, Any], path: Path) -> Point:
         """The point at which a load on one body acts."""
-        if key not in given:
-            self.values.wrong(path, f"needs {key}: {one.meaning}")
+        if key not in table:
+            self.values.wrong(path, f"needs {key}: {field.meaning}")
             return NOWHERE
-        place = self.point(given[key], (*path, key), alone=one.shape == "body")
-        if one.shape == "body" and place.name:
-            self.values.wrong((*path, key), f"expected a body, got the point {said(given[key])}")
+        place = self.point(table[key], (*path, key), alone=field.shape == "body")
+        if field.shape == "body" and place.name:
+            self.values.wrong((*path, key), f"expected a body, got the point {said(table[key])}")
         return place

@@ -33,24 +33,12 @@ def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, flo
             values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {said(entry)}')
             continue
         FieldReader(values).form(STATE, entry, path)
-        starts[name], values.dimensions[name] = _start(values, entry.get("start", 0.0), (*path, "start"))
+        starts[name], values.dimensions[name] = values.any_number(entry.get("start", 0.0), (*path, "start"))
     rates = {name: _tree(table[name].get("rate")) for name in starts}
     signals = document.get("signals", {})
     trees = {name: _tree(written) for name, written in signals.items()} if isinstance(signals, Mapping) else {}
     _infer(values, {name: node for name, node in rates.items() if node is not None}, trees)
     return starts
-
-
-def _start(values: Values, written: Any, path: Path) -> tuple[float, Dimension | None]:
-    """Value at the start [SI] and its dimension: a number, a quantity or an expression over parameters."""
-    quantity = read_quantity(values, written, path)
-    if isinstance(quantity, tuple):
-        return quantity
-    if quantity is None:
-        return 0.0, None
-    node = values.expression(str(written), path, None, live=False)
-    number = values.constant(node, path) if node is not None else None
-    return (0.0, None) if node is None or number is None else (number, values.dimension(node))
 
 
 def _tree(written: Any) -> Node | None:

@@ -209,34 +209,34 @@ def with_files(
     stay as they are.  Raises ModelError with all problems.
     """
     tables = document.get("tables")
-    made = dict(document)
+    whole = dict(document)
     if not isinstance(tables, Mapping):
-        return made
+        return whole
     problems: list[Problem] = []
     filled: dict[str, Any] = {}
-    for name, given in tables.items():
-        filled[name] = given
-        if isinstance(given, Mapping) and "file" in given and given != (read or {}).get(name):
-            if both := [key for key in ("x", "y", "units") if key in given]:
+    for name, table in tables.items():
+        filled[name] = table
+        if isinstance(table, Mapping) and "file" in table and table != (read or {}).get(name):
+            if both := [key for key in ("x", "y", "units") if key in table]:
                 problems.append(Problem(("tables", name, both[0]), "give a file or x and y, not both", True))
                 continue
             try:
-                filled[name] = {**given, **_of_file(given["file"], folder)}
+                filled[name] = {**table, **_of_file(table["file"], folder)}
             except ValueError as error:
                 problems.append(Problem(("tables", name, "file"), str(error)))
     if problems:
         raise ModelError(problems, file)
-    made["tables"] = filled
-    return made
+    whole["tables"] = filled
+    return whole
 
 
-def _of_file(given: Any, folder: FilePath | None) -> dict[str, Any]:
+def _of_file(written: Any, folder: FilePath | None) -> dict[str, Any]:
     """x, y and units of a file.  Raises InputError that says what is wrong with the file."""
-    if not isinstance(given, str) or not given.strip():
-        raise InputError(f"expected {PLAIN_FILE}, got {said(given)}")
+    if not isinstance(written, str) or not written.strip():
+        raise InputError(f"expected {PLAIN_FILE}, got {said(written)}")
     if folder is None:
-        raise InputError(f"{said(given)}: a model that was not read from a file has no folder; write out x and y")
-    return read_points(inside(folder, given), given)
+        raise InputError(f"{said(written)}: a model that was not read from a file has no folder; write out x and y")
+    return read_points(inside(folder, written), written)
 
 
 def inside(folder: FilePath, name: str) -> FilePath:
@@ -283,7 +283,7 @@ def read_points(place: FilePath, name: str) -> dict[str, Any]:
     """
     text = text_of(place, name)
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    split = next((one for one in (";", "\t", ",") if one in first), ",")
+    split = next((sign for sign in (";", "\t", ",") if sign in first), ",")
     units = ["", ""]
     points: list[tuple[float, float]] = []
     header = True
@@ -319,10 +319,10 @@ def _cell(cell: str, name: str, number: int) -> float:
 
 def _unit(cell: str, where: str) -> str:
     """The unit in the header of a column, "" if it has none."""
-    found = HEADER.fullmatch(cell)
-    if found is None:
+    title = HEADER.fullmatch(cell)
+    if title is None:
         raise InputError(f"{where}: expected a header such as 'lift [mm]', found {said(cell)}")
-    unit = (found["unit"] or "").strip()
+    unit = (title["unit"] or "").strip()
     try:
         _scale(unit)
     except QuantityError as error:

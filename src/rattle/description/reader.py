@@ -48,31 +48,31 @@ def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
     """True if every key is a text and the nesting is not too deep."""
     waiting: list[tuple[Path, Any]] = [((), document)]
     while waiting:
-        path, given = waiting.pop()
+        path, written = waiting.pop()
         if len(path) > DEEPEST:
             values.wrong(path[:1], f"nested more than {DEEPEST} deep")
             return False
-        if isinstance(given, Mapping):
-            for key in given:
+        if isinstance(written, Mapping):
+            for key in written:
                 if not isinstance(key, str):
                     values.wrong(path, f"the key {said(key)} is not a text")
                     return False
-            waiting += [((*path, key), one) for key, one in given.items() if _holds(one)]
-        elif isinstance(given, list | tuple):
-            waiting += [((*path, k), one) for k, one in enumerate(given) if _holds(one)]
+            waiting += [((*path, key), value) for key, value in written.items() if _holds(value)]
+        elif isinstance(written, list | tuple):
+            waiting += [((*path, k), value) for k, value in enumerate(written) if _holds(value)]
     return True
 
 
-def _holds(given: Any) -> bool:
+def _holds(written: Any) -> bool:
     """True if something may be inside; the usual numbers and texts are told apart first, which is far quicker."""
-    return type(given) not in SCALARS and isinstance(given, Mapping | list | tuple)
+    return type(written) not in SCALARS and isinstance(written, Mapping | list | tuple)
 
 
 def _read(document: Mapping[str, Any], values: Values) -> Model:
     """The whole model; it is valid only if no problem was found."""
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
-    recording = {name: one for name, one in tables["loads"].items() if record_of(str(one.get("type")))}
+    recording = {name: load for name, load in tables["loads"].items() if record_of(str(load.get("type")))}
     others = {key: document.get(key, {}) for key in ("signals", "states")}
     _one_namespace(values, {**tables, "loads": recording, **others})
     read_tables(values, document, early=True)
@@ -80,11 +80,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     read_tables(values, document, early=False)
     _tables_are_no_names(values, parameters, document)
     groups = read_groups(values, document)
-    for name in tables["bodies"]:
-        for key, unit in STATE_UNITS.items():
-            values.live[f"{name}.{key}"] = None
-            values.dimensions[f"{name}.{key}"] = dimension_of(unit)
-            values.numbers.add(f"{name}.{key}")
+    _enter_motion(values, tables["bodies"])
     declare(values, document)
     starts = declare_states(values, document)
     signals, units = read_signals(values, document)
@@ -93,38 +89,46 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     gravity = parts.read(MODEL, document, ())["gravity"] or (0.0, 0.0)
     ground = values.table(document.get("ground", {}), ("ground",))
     parts.ground = parts.form(GROUND, ground, ("ground",))["points"] or {}
-    for name, given in tables["bodies"].items():
-        with values.at(("bodies", name)):
-            parts.add_body(name, given)
-    if not parts.bodies and not values.problems:
-        values.wrong(("bodies",), "a mechanism needs at least one body")
-    for name, given in tables["joints"].items():
-        with values.at(("joints", name)):
-            parts.add_joint(name, given)
-        if name not in parts.joints:
-            parts.broken_joints.add(name)
-    for name, given in tables["drivers"].items():
-        with values.at(("drivers", name)):
-            parts.add_driver(name, given)
-    for name, given in tables["loads"].items():
-        with values.at(("loads", name)):
-            parts.add_load(name, given)
+    _read_parts(parts, tables)
     initial, settings = _initial(values, document, parts), _settings(parts, document)
     require_mass_at_contacts(values, parts.bodies, parts.joints)
-    rates = [one.rate for one in states.values()]
+    rates = [state.rate for state in states.values()]
     pulls, of_pulls = forces(parts.loads)
-    values_ = [value for one in parts.loads.values() for value in one.values]
-    known = definitions(
+    of_loads = [value for load in parts.loads.values() for value in load.values]
+    stand_for = definitions(
         parts.ground, parts.bodies, parts.joints, parts.loads,
-        used_names(signals.values(), pulls.values(), rates, values_),
+        used_names(signals.values(), pulls.values(), rates, of_loads),
     )  # fmt: skip
-    signals = ordered(values, signals, pulls, known)
+    signals = ordered(values, signals, pulls, stand_for)
     _drivers_follow_time(values, parts.drivers, signals, states)
     return Model(
         title, gravity, parameters, signals, units | of_pulls, parts.ground, parts.bodies, parts.joints, parts.drivers,
         parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
-        known,
+        stand_for,
     )  # fmt: skip
+
+
+def _enter_motion(values: Values, bodies: Iterable[str]) -> None:
+    """Enter the names of the coordinates and velocities of bodies, with their dimensions."""
+    for name in bodies:
+        for key, unit in STATE_UNITS.items():
+            values.live[f"{name}.{key}"] = None
+            values.dimensions[f"{name}.{key}"] = dimension_of(unit)
+            values.numbers.add(f"{name}.{key}")
+
+
+def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> None:
+    """Read bodies, then joints, drivers and loads, which refer to them."""
+    values = parts.values
+    add = {"bodies": parts.add_body, "joints": parts.add_joint, "drivers": parts.add_driver, "loads": parts.add_load}
+    for key, read_part in add.items():
+        for name, table in tables[key].items():
+            with values.at((key, name)):
+                read_part(name, table)
+            if key == "joints" and name not in parts.joints:
+                parts.broken_joints.add(name)
+        if key == "bodies" and not parts.bodies and not values.problems:
+            values.wrong(("bodies",), "a mechanism needs at least one body")
 
 
 def _header(document: Mapping[str, Any], values: Values) -> str:
@@ -142,14 +146,14 @@ def _header(document: Mapping[str, Any], values: Values) -> str:
 
 def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, Mapping[str, Any]]:
     """The table `key`, whose entries are tables with names chosen by the user."""
-    found = {}
+    entries = {}
     for name, entry in values.table(document.get(key, {}), (key,)).items():
         if isinstance(entry, Mapping):
             values.name(name, (key, name))
-            found[name] = entry
+            entries[name] = entry
         else:
             values.wrong((key, name), f"expected a table, got {said(entry)}")
-    return found
+    return entries
 
 
 def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
@@ -177,9 +181,9 @@ def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initi
     bodies: dict[str, dict[str, float]] = {}
     offsets: dict[str, Vector] = {}
     play = [name for name, joint in parts.joints.items() if joint.contact is not None]
-    for name, given in values.table(document.get("initial", {}), ("initial",)).items():
+    for name, written in values.table(document.get("initial", {}), ("initial",)).items():
         path: Path = ("initial", name)
-        entry = values.table(given, path)
+        entry = values.table(written, path)
         if name in parts.bodies:
             read = parts.form(START, entry, path)
             bodies[name] = {key: number for key, number in read.items() if number is not None}
@@ -190,8 +194,8 @@ def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initi
             elif "offset" in entry:
                 offsets[name] = parts.read(OFFSET, entry, path)["offset"]
         else:
-            known = suggest(name, [*parts.bodies, *play])
-            values.wrong(path, f"no body or clearance joint {said(name)}{known}", at_key=True)
+            near = suggest(name, [*parts.bodies, *play])
+            values.wrong(path, f"no body or clearance joint {said(name)}{near}", at_key=True)
     return Initial(bodies, offsets)
 
 
@@ -213,7 +217,7 @@ def _drivers_follow_time(
             moving.add(name)
     for name, driver in drivers.items():
         if not isinstance(driver.value, float):
-            for one in sorted(names(driver.value) & moving):
-                why = "is a state" if one in states else "depends on the motion"
+            for word in sorted(names(driver.value) & moving):
+                why = "is a state" if word in states else "depends on the motion"
                 path = ("drivers", name, next(iter(registry.kinds("driver")[driver.kind].fields)))
-                values.wrong(path, f"a driver must depend on time only, but '{one}' {why}")
+                values.wrong(path, f"a driver must depend on time only, but '{word}' {why}")

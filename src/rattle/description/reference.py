@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from rattle import registry
 from rattle.description.coordinates import POINT
 from rattle.description.schema import schema
-from rattle.description.tables import MODEL, STATE_UNITS
+from rattle.description.tables import JOINT, MODEL, STATE_UNITS
 from rattle.language.composed import COMPOSED
 from rattle.language.materials import MATERIALS
 from rattle.language.operations import FUNCTIONS, record_of
@@ -40,7 +40,7 @@ def common(family: str, kind: str) -> list[str]:
     properties: Mapping[str, Any] = schema()["properties"]
     if family == "joint":
         one = _variant(properties["joints"], "type", kind)
-        return [_line(key, one[key]) for key in ("connect", "clearance", "contact", "wear") if key in one] + (
+        return [_line(key, one[key]) for key in ("connect", *JOINT.fields, "contact", "wear") if key in one] + (
             _dimensions(kind) + _stop(kind)
         )
     if family == "driver":

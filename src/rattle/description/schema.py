@@ -63,7 +63,7 @@ def _form(form: Form, way: Mapping[str, Part]) -> Schema:
 
 def steppers(adaptive: bool) -> str:
     """Names of the steppers that choose their steps, or of those whose steps are all equal: "rk4 and moreau"."""
-    return " and ".join(name for name, one in registry.kinds("stepper").items() if one.leaf.adaptive == adaptive)
+    return " and ".join(name for name, kind in registry.kinds("stepper").items() if kind.leaf.adaptive == adaptive)
 
 
 # ---------------------------------------------------------------- kinds
@@ -80,7 +80,7 @@ def _joint(kind: Kind) -> Schema:
     properties = {
         "type": of.choice(kind),
         **ends,
-        **{key: of.table({name: of.field(one) for name, one in wanted.items()}, wanted)
+        **{key: of.table({name: of.field(size) for name, size in wanted.items()}, wanted)
            for key, wanted in dimensions.items()},
         **_stop(kind),
         **_own_friction(kind),
@@ -117,10 +117,10 @@ def _own_friction(joint: Kind) -> dict[str, Schema]:
     if not joint.leaf.rubs:
         return {}
     more: Mapping[str, Field] = joint.leaf.rubs_with
-    needed = [key for key, one in more.items() if one.default is REQUIRED]
+    needed = [key for key, field in more.items() if field.default is REQUIRED]
     tables = []
     for name, fields in friction_models().items():
-        keys = {key: of.field(one) for key, one in {**fields, **more}.items()}
+        keys = {key: of.field(field) for key, field in {**fields, **more}.items()}
         tables.append(of.table({"model": {"const": name}, **keys}, ("model", *needed)))
     number = [] if needed else [of.number("", "coefficient of friction", "not negative")]
     return {"friction": {"anyOf": [*number, *tables], "description": "friction without play, by its own reaction"}}
@@ -133,8 +133,8 @@ def _contact(
 ) -> Schema:
     """The contact model: its name, or a table with its fields, which may also hold fields of other models."""
     laws, statics = registry.kinds("normal"), registry.kinds("stiffness")
-    plain = {name: one for name, one in registry.kinds("contact").items() if models is None or name in models}
-    oiled = [one for one in plain.values() if one.leaf.oiled]
+    plain = {name: kind for name, kind in registry.kinds("contact").items() if models is None or name in models}
+    oiled = [kind for kind in plain.values() if kind.leaf.oiled]
     own = _of(CONTACT)
     every: dict[str, Schema] = {"geometry": own["geometry"]}
     for kind in (*statics.values(), *laws.values(), *plain.values()):
@@ -145,8 +145,8 @@ def _contact(
     for kind in oiled:
         needed = ["model", "bush_radius", *_needed_by_all(registry.kinds("film").values())]
         tables.append(of.table({"model": of.choice(kind), **every, **of.fields(kind)}, dict.fromkeys(needed)))
-    for kind in (*(one for one in plain.values() if not one.leaf.oiled), *laws.values()):
-        own_fields = {key: one for key, one in of.fields(kind).items() if key != "friction" and key not in without}
+    for kind in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
+        own_fields = {key: field for key, field in of.fields(kind).items() if key != "friction" and key not in without}
         tables.append(of.table({"model": of.choice(kind), **every, **own_fields}, ("model", *of.needed(kind))))
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
 
@@ -161,7 +161,7 @@ def _oil() -> dict[str, Schema]:
 
 def _needed_by_all(kinds: Collection[Kind]) -> list[str]:
     every = [of.needed(kind) for kind in kinds]
-    return [key for key in every[0] if all(key in one for one in every)]
+    return [key for key in every[0] if all(key in needed for needed in every)]
 
 
 def _driver(kind: Kind) -> Schema:

@@ -62,50 +62,50 @@ def array(entry: Schema, fewest: int = 0, most: int = 0) -> Schema:
     return made | ({"minItems": fewest} if fewest else {}) | ({"maxItems": most} if most else {})
 
 
-def _material(one: Field) -> Schema:
+def _material(field: Field) -> Schema:
     return {"anyOf": [{"type": "string"}, fields_of(MATERIAL.fields)]}
 
 
-def _steppers(one: Field) -> Schema:
+def _steppers(field: Field) -> Schema:
     kinds = registry.kinds("stepper")
     summaries = "; ".join(f"{name}: {kind.summary.removesuffix('.')}" for name, kind in kinds.items())
     return {"enum": list(kinds), "description": summaries}
 
 
-def _group(one: Field) -> Schema:
+def _group(field: Field) -> Schema:
     return array({**array({"type": "string", "pattern": NAME}, 2), "uniqueItems": True})
 
 
 RING = array(vector("m", "corner"), 3)
 PLAIN: Schema = {"type": ["number", "string"]}  # a number or a text
 SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
-    "body": lambda one: {"type": "string", "pattern": NAME, "description": one.meaning, NAMES: "bodies"},
-    "choice": lambda one: {"enum": [*one.choices, *([False, True] if one.flags else [])]},
-    "connect": lambda one: connect({"type": "string", NAMES: "points"}),
-    "constant": lambda one: {"const": one.choices[0]},
-    "each": lambda one: array(PLAIN, 2, 2),
-    "file": lambda one: {"type": "string"},
-    "flag": lambda one: {"type": "boolean"},
-    "film": lambda one: {"enum": list(registry.kinds("film")), "default": one.default},
-    "geometry": lambda one: {"enum": [name for name in registry.kinds("stiffness") if name != "power"]},
+    "body": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "bodies"},
+    "choice": lambda field: {"enum": [*field.choices, *([False, True] if field.flags else [])]},
+    "connect": lambda field: connect({"type": "string", NAMES: "points"}),
+    "constant": lambda field: {"const": field.choices[0]},
+    "each": lambda field: array(PLAIN, 2, 2),
+    "file": lambda field: {"type": "string"},
+    "flag": lambda field: {"type": "boolean"},
+    "film": lambda field: {"enum": list(registry.kinds("film")), "default": field.default},
+    "geometry": lambda field: {"enum": [name for name in registry.kinds("stiffness") if name != "power"]},
     "groups": _group,
-    "joint": lambda one: {"type": "string", "pattern": NAME, "description": one.meaning, NAMES: "joints"},
+    "joint": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "joints"},
     "material": _material,
-    "names": lambda one: array({"type": "string"}, 2, 2),
-    "numbers": lambda one: array(PLAIN, one.fewest),
-    "pair": lambda one: vector(one.unit, one.meaning),
-    "point": lambda one: point(one.meaning),
-    "points": lambda one: points(one.meaning),
-    "ring": lambda one: RING,
-    "rings": lambda one: array(RING),
+    "names": lambda field: array({"type": "string"}, 2, 2),
+    "numbers": lambda field: array(PLAIN, field.fewest),
+    "pair": lambda field: vector(field.unit, field.meaning),
+    "point": lambda field: point(field.meaning),
+    "points": lambda field: points(field.meaning),
+    "ring": lambda field: RING,
+    "rings": lambda field: array(RING),
     "stepper": _steppers,
-    "table": lambda one: {"type": "object"},
-    "text": lambda one: (
-        {"type": "string", "description": one.meaning} | ({"maxLength": one.longest} if one.longest else {})
+    "table": lambda field: {"type": "object"},
+    "text": lambda field: (
+        {"type": "string", "description": field.meaning} | ({"maxLength": field.longest} if field.longest else {})
     ),
-    "texts": lambda one: array({"type": "string"}, 2, 2),
-    "title": lambda one: {"type": "string"},
-    "version": lambda one: {"const": 1},
+    "texts": lambda field: array({"type": "string"}, 2, 2),
+    "title": lambda field: {"type": "string"},
+    "version": lambda field: {"const": 1},
 }
 
 
@@ -128,17 +128,17 @@ def field(declared: Field) -> Schema:
 
 def fields_of(keys: Mapping[str, Part], meaning: str = "") -> Schema:
     """A table with these fields."""
-    declared = {key: one for key, one in keys.items() if isinstance(one, Field)}
-    needed = [key for key, one in declared.items() if one.default is REQUIRED]
-    return table({key: field(one) for key, one in declared.items()}, needed, meaning)
+    declared = {key: entry for key, entry in keys.items() if isinstance(entry, Field)}
+    needed = [key for key, entry in declared.items() if entry.default is REQUIRED]
+    return table({key: field(entry) for key, entry in declared.items()}, needed, meaning)
 
 
 def fields(kind: Kind) -> dict[str, Schema]:
-    return {key: field(one) for key, one in kind.fields.items()}
+    return {key: field(declared) for key, declared in kind.fields.items()}
 
 
 def needed(kind: Kind) -> list[str]:
-    return [key for key, one in kind.fields.items() if one.default is REQUIRED]
+    return [key for key, declared in kind.fields.items() if declared.default is REQUIRED]
 
 
 def choice(kind: Kind) -> Schema:
