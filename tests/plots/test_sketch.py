@@ -232,3 +232,25 @@ def test_an_actuator_reaches_from_point_to_point():
     share = np.hypot(*(end - foot)) / np.hypot(*(tip - foot))
     assert 0.0 < share < 1.0
     assert end - foot == pytest.approx(share * (tip - foot))
+
+
+@pytest.mark.nojit
+def test_a_slot_that_is_a_curve_is_drawn_as_this_curve():
+    """A parabola: the drawn walls are as far from it everywhere as the pin is thick, and the picture holds its ends."""
+    x = np.linspace(-1.0, 1.0, 101)
+    middle = np.column_stack([x, x**2])
+    form = {
+        "type": "slot", "bodies": ["ground", "arm"], "points": [[0.0, 0.5], [0.0, 0.0]], "clearance": 0.0,
+        "contact": "", "axis": 0.0, "bush_radius": 0.05, "outline": middle.tolist(), "fields": {},
+    }  # fmt: skip
+    geometry = {
+        "bodies": {"arm": {"points": {}}}, "ground": {"points": {}}, "joints": {"s": form}, "loads": {}, "driven": [],
+    }  # fmt: skip
+    sheet = Sheet(geometry)
+    drawings()["slot"].draw(sheet, Part(sheet, "s", "joint", form, False))
+    stage = Stage(sheet.written(), geometry, Scene(circling(3), np.array([0]), 1.0), 1.0)
+    (wall,) = [shape.rings[0][0] for shape in stage.shapes() if shape.style["z"] == 4.0]
+    away = np.hypot(*(wall[:, None] - np.array([0.0, 0.5]) - middle[None]).transpose(2, 0, 1)).min(axis=1)
+    assert away == pytest.approx(0.05, rel=0.02)  # a polygon
+    held = np.vstack([path[0] for path in stage.held()])
+    assert held[:, 1].max() > 1.5

@@ -135,7 +135,7 @@ def grown(points: Array, by: float) -> Array:
     """The outline (n, 2) of what lies at most so far from the convex hull of points (m, 2)."""
     corners = hull(points)
     if float(np.ptp(points, axis=0).max()) < SPOT * by:
-        turn = 2.0 * np.pi * np.linspace(0.0, 1.0, 25)[:-1]
+        turn = 2.0 * np.pi * np.linspace(0.0, 1.0, 25)
         return np.asarray(points[0] + by * np.column_stack([np.cos(turn), np.sin(turn)]))
     way = np.roll(corners, -1, axis=0) - corners
     after = np.arctan2(way[:, 1], way[:, 0]) - 0.5 * np.pi

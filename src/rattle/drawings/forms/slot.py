@@ -35,6 +35,10 @@ def _curved(sheet: Sheet, part: Part, edge: Piece) -> None:
     frame = Frame(part.at(0), sheet.angle(part.bodies[0]))
     sheet.path(frame, [edge], z=4.0, line="grey", width=1.8, fill="paper", opacity=0.85, closed=True)
     sheet.hold(frame, edge)
+    if part.bodies[0] != GROUND:
+        (x, y), last = part.point(0), len(part.form["outline"]) - 1
+        ends = ((x + part.number("outline", k, 0), y + part.number("outline", k, 1)) for k in (0, last))
+        sheet.reach_up_to(part.bodies[0], *ends)
 
 
 def _straight(sheet: Sheet, part: Part, half: Number, pin: Number) -> None:

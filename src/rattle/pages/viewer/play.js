@@ -89,9 +89,9 @@ export function placed(values, frame, path, thin = false) {
   const own = typeof frame === "string" ? null : frame;
   return () => {
     const points = still ?? pathNow(values, path, thin);
-    if (!own) return points.map((point) => point && values.at(frame, point));
-    const [x, y, angle, stretch] = own.map((place) => values.get(place)), c = Math.cos(angle), s = Math.sin(angle);
-    return points.map((point) => point && [x + c * stretch * point[0] - s * point[1], y + s * stretch * point[0] + c * point[1]]);
+    const [x, y, angle, stretch] = own ? own.map((place) => values.get(place)) : values.frame(frame);
+    const cos = Math.cos(angle), sin = Math.sin(angle);
+    return points.map((point) => point && [x + cos * stretch * point[0] - sin * point[1], y + sin * stretch * point[0] + cos * point[1]]);
   };
 }
 

@@ -24,7 +24,7 @@ export class Stage {
     this.values = new Values(this.drawing.numbers, this);
     for (let round = 0; round < 2; round++) {
       [this.low, this.high] = this.extent();
-      if (!round) this.size = Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1;
+      this.size = Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1;
       this.values.renew();
     }
   }

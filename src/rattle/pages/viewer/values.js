@@ -1,11 +1,10 @@
 // Numbers of a drawing, which follow from dimensions, from the motion as a whole and from where the bodies are now: nodes of
 // a tape that name earlier ones by their place.  rattle/drawings/numbers.py writes them, and says what each means.
 
-import { pointAt } from "./data.js";
-
 const OPERATIONS = {
   "+": (a, b) => a + b, "-": (a, b) => a - b, "*": (a, b) => a * b, "/": (a, b) => a / b, "<": (a, b) => (a < b ? 1 : 0),
-  min: Math.min, max: Math.max, abs: Math.abs, sin: Math.sin, cos: Math.cos, atan2: Math.atan2, hypot: Math.hypot,
+  min: (a, b) => (b < a ? b : a), max: (a, b) => (b > a ? b : a), hypot: (a, b) => Math.hypot(a, b), atan2: Math.atan2,
+  abs: Math.abs, sin: Math.sin, cos: Math.cos,
   acos: (a) => Math.acos(Math.max(-1, Math.min(1, a))), ceil: Math.ceil, round: Math.round, if: (a, b, c) => (a > 0 ? b : c),
 };
 const MOVING = ["x", "y", "angle", "curve", "pixel"];
@@ -37,15 +36,15 @@ export class Values {
   find(node) {
     if (typeof node === "number") return node;
     const [name, first, second, third] = node;
-    if (name in OPERATIONS) {
-      return OPERATIONS[name](...[first, second, third].filter((place) => place !== undefined).map((place) => this.get(place)));
-    }
+    const operation = OPERATIONS[name], next = (place) => (place === undefined ? NaN : this.get(place));
+    if (operation) return operation(this.get(first), next(second), next(third));
     if (name in OVER_TIME) return this.over(name, first);
     if (name === "of") return node.slice(1).reduce((entry, key) => entry?.[key], this.stage.geometry) ?? NaN;
     if (name === "size" || name === "pixel") return name === "size" ? this.stage.size : this.pixel;
     if (name === "angle") return this.place(first).angle;
     if (name === "curve") return this.stage.motion.has(first) ? this.stage.motion.value(first, this.time) : 0;
-    return this.at(first, [this.get(second), this.get(third)])[name === "x" ? 0 : 1];
+    const { x, y, cos, sin } = this.place(first), u = this.get(second), v = this.get(third);
+    return name === "x" ? x + cos * u - sin * v : y + sin * u + cos * v;
   }
 
   // The least, largest or first of a number over the motion.
@@ -61,5 +60,9 @@ export class Values {
 
   place(body) { return this.pose?.[body] ?? NOWHERE; }
 
-  at(body, point) { return pointAt({ [body]: this.place(body) }, body, point); }
+  // Origin, angle and stretch of the frame of a body.
+  frame(body) {
+    const { x, y, angle } = this.place(body);
+    return [x, y, angle, 1];
+  }
 }
