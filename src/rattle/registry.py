@@ -158,12 +158,12 @@ def kinds(family: str) -> Mapping[str, Kind]:
 
 def play_of(joint: str) -> Kind | None:
     """The kind of clearance of a kind of joint; None if it cannot have clearance."""
-    return next((kind for kind in kinds("clearance").values() if kind.leaf.joint == joint), None)
+    return next((entry for entry in kinds("clearance").values() if entry.leaf.joint == joint), None)
 
 
 def one_sided_of(joint: str) -> Kind | None:
     """The contacts that stand for the rows of a kind of joint without clearance; None if it has no such."""
-    return next((kind for kind in kinds("one-sided").values() if kind.leaf.joint == joint), None)
+    return next((entry for entry in kinds("one-sided").values() if entry.leaf.joint == joint), None)
 
 
 def stop_of(joint: str) -> Kind | None:

@@ -15,7 +15,7 @@ KINK = 0.02  # turn of the normal [rad] between them that the curvature does not
 
 Array = NDArray[np.float64]
 OVERLAP = 0.999  # of the radius of a roller, below which a second place of the cam is inside of it
-FOUND = 1e-9  # [rad] within which the search of `rolling.above` ends where the roller touches
+REACHED = 1e-9  # [rad] within which the search of `rolling.above` ends where the roller touches
 
 
 class RollerPath:
@@ -87,7 +87,7 @@ class RollerPath:
             step = (along * df + across * f) / bend
             a = a + step / np.sqrt(1.0 + (step / LONG) ** 2)
         missed = np.abs(np.remainder(a - touch + np.pi, 2.0 * np.pi) - np.pi)
-        if not len(missed) or not missed.max() > FOUND:
+        if not len(missed) or not missed.max() > REACHED:
             return ""
         return (
             f"roller: where it touches the cam at a = {degrees(touch[int(missed.argmax())])} is not found from the"

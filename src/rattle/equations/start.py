@@ -13,12 +13,11 @@ from rattle.equations.closure import ITERATIONS, SHUT, close_position, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins, keep_given, keep_given_rates
 from rattle.equations.motion import drive, solve_motion
-from rattle.equations.start_search import arm, copy_numbers, find_closing, least_open
+from rattle.equations.start_search import ALONG, arm, copy_numbers, find_closing, least_open
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
 TOO_FAR, NOT_HELD = range(4, 6)  # what became of positions, besides those of `kept_values`
-ALONG = 1e-12  # sizes of the mechanism to which Newton's method goes where pins have offsets
 FAR = 0.1  # rotation of a body that pins pressed on their bushes may cause [rad]
 BESIDE = 0.5  # change from a start near by [rad, mechanism sizes] up to which this one is on its branch, as recorded
 STEEP = 1e-6  # cosine of a line with an axis, from which on the place on that axis tells how far along the line

@@ -1,7 +1,7 @@
 """What a load written in Python acts on: one body, the line between two points, or two bodies at a point.
 
 A form makes of a law the kernel of its loads: it finds the arguments of the law and applies what it returns.  The
-source of a kernel serves plain Python and machine code.  `given` takes the values of the fields from the parameters p
+source of a kernel serves plain Python and machine code.  `fields` takes the values of the fields from the parameters p
 from k on.  Forces become nan first and stay so if the law raises: a run does not stop at an exception.
 """
 
@@ -15,20 +15,20 @@ from rattle.jit import layout as at
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field
 
-Made = Callable[..., Any]
+Function = Callable[..., Any]
 
 
 class Form(NamedTuple):
     """A form of laws."""
 
     place: dict[str, Field]  # the key of the model file that says where the load acts
-    kernel: Callable[[Made, Made], Made]  # from law and given
+    kernel: Callable[[Function, Function], Function]  # from law and fields
     sizes: tuple[int, ...]  # of the arguments of a law: 0 for a number, n for a tuple
     result: Any  # kind of what a law returns
 
 
 # ---------------------------------------------------------------- one body
-def _on_body(law: Made, fields: Made) -> Made:
+def _on_body(law: Function, fields: Function) -> Function:
     def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         kept = force[b, at.X]
         force[b, at.X] = math.nan
@@ -46,7 +46,7 @@ def _on_body(law: Made, fields: Made) -> Made:
 
 
 # ---------------------------------------------------------------- two points
-def _along_line(law: Made, fields: Made) -> Made:
+def _along_line(law: Function, fields: Function) -> Function:
     def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
         sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
         length = math.sqrt(dx * dx + dy * dy)
@@ -71,7 +71,7 @@ def _along_line(law: Made, fields: Made) -> Made:
 
 
 # ---------------------------------------------------------------- two bodies
-def _between_bodies(law: Made, fields: Made) -> Made:
+def _between_bodies(law: Function, fields: Function) -> Function:
     """The reaction acts on A at the point of B, so that angular momentum is kept."""
 
     def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:

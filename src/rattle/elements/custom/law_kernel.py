@@ -144,14 +144,16 @@ def _content(cell: Any) -> list[Any]:
         return []
 
 
-def taking(make: str, count: int, known: dict[str, Any] | None = None) -> Callable[[Any, Any], Any]:
-    """A function of an array p and a place k that makes something of the numbers from there; "": a tuple."""
+def taking(make: str, count: int, around: dict[str, Any] | None = None) -> Callable[[Any, Any], Any]:
+    """A function of an array p and a place k that makes something of the numbers from there; "": a tuple.
+
+    around: what its code may name.
+    """
     values = "".join(f"float(p[k + {n}]), " for n in range(count))
-    text = f"def given(p, k):\n    return {make}({values})\n"
+    text = f"def fields(p, k):\n    return {make}({values})\n"
     file = f"<fields {hashlib.sha256(text.encode()).hexdigest()[:16]}>"
-    space: dict[str, Any] = {"__name__": "fields", **(known or {})}
+    space: dict[str, Any] = {"__name__": "fields", **(around or {})}
     exec(compile(text, file, "exec"), space)
-    found: Any = space["given"]
-    found.source = text.splitlines(keepends=True)  # for the translation
-    made: Callable[[Any, Any], Any] = found
-    return made
+    space["fields"].source = text.splitlines(keepends=True)  # for the translation
+    function: Callable[[Any, Any], Any] = space["fields"]
+    return function
