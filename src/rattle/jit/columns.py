@@ -18,8 +18,8 @@ COLUMNS: dict[str, dict[str, Column]] = {}  # array -> name -> unit and meaning,
 
 def declare(array: str, text: str) -> None:
     """Enter the columns of an array from lines "NAME [unit] meaning"."""
-    found = (re.fullmatch(r"\s*(\w+) \[(.*?)\] (.+)", line) for line in text.strip().splitlines())
-    COLUMNS[array] = {one[1]: Column(one[2], one[3]) for one in found if one}
+    matches = (re.fullmatch(r"\s*(\w+) \[(.*?)\] (.+)", line) for line in text.strip().splitlines())
+    COLUMNS[array] = {line[1]: Column(line[2], line[3]) for line in matches if line}
 
 
 def width(array: str) -> int:
