@@ -67,8 +67,8 @@ def _reason(error: Exception) -> str:
 
 def _root() -> Path:
     """The folder that the environment names.  Raises RuntimeError if there is no home folder."""
-    given = os.environ.get("RATTLE_CACHE", "")
-    return Path(given).expanduser().absolute() if given else Path.home() / ".cache" / "rattle"
+    named = os.environ.get("RATTLE_CACHE", "")
+    return Path(named).expanduser().absolute() if named else Path.home() / ".cache" / "rattle"
 
 
 def _require_private(root: Path, folder: Path) -> None:

@@ -32,8 +32,8 @@ def compiled_sources() -> list[Path]:
 @cache
 def compiled_modules() -> tuple[str, ...]:
     """Modules that define compiled functions."""
-    found = (path for path in compiled_sources() if _DECORATED.search(path.read_text(encoding="utf-8")))
-    return tuple(sorted(".".join(("rattle", *path.relative_to(_HERE).with_suffix("").parts)) for path in found))
+    paths = (path for path in compiled_sources() if _DECORATED.search(path.read_text(encoding="utf-8")))
+    return tuple(sorted(".".join(("rattle", *path.relative_to(_HERE).with_suffix("").parts)) for path in paths))
 
 
 def code_folder() -> Folder:

@@ -54,18 +54,23 @@ class KernelFunction:
     def __call__(self, *args: Any) -> Any:
         if not _jit:
             return self.python(*args)
-        given = [getattr(one, "handle", one) for one in args]
-        for one in given:
-            if one is IN_PYTHON:
+        arguments = [getattr(argument, "handle", argument) for argument in args]
+        for argument in arguments:
+            if argument is IN_PYTHON:
                 return self.python(*args)
         if self.native:
             types = None
         else:
-            types = tuple([(one.dtype.char, one.ndim) if type(one) is np.ndarray else type(one) for one in given])
+            types = tuple(
+                [
+                    (argument.dtype.char, argument.ndim) if type(argument) is np.ndarray else type(argument)
+                    for argument in arguments
+                ]
+            )
         called = self._callers.get(types)
         if called is None:
-            called = self._callers[types] = self._caller(given)
-        return called(*given)
+            called = self._callers[types] = self._caller(arguments)
+        return called(*arguments)
 
     def _caller(self, args: Sequence[Any]) -> Callable[..., Any]:
         """The Python function that calls the machine code for arguments like these."""
@@ -75,7 +80,7 @@ class KernelFunction:
         with _lock:
             if kinds not in self._callers:
                 machine, kept = self._kept(kinds)
-                letters, address = kept.read(lambda found: (found[0], machine.load(machine.Code(*found[1])))) or (
+                letters, address = kept.read(lambda content: (content[0], machine.load(machine.Code(*content[1])))) or (
                     None,
                     0,
                 )
@@ -85,8 +90,8 @@ class KernelFunction:
                     address = machine.load(code)
                     kept.write(lambda: pickle.dumps((letters, tuple(code))))
                 self._callers[kinds] = machine.caller(self.__name__, address, letters)
-        found: Callable[..., Any] = self._callers[kinds]
-        return found
+        caller: Callable[..., Any] = self._callers[kinds]
+        return caller
 
     @property
     def address(self) -> int:
@@ -100,20 +105,20 @@ class KernelFunction:
     def trap(self) -> int:
         """Address of what stands for this kernel in a table whose run must not call it."""
         if self._trap == 0:
-            said = f"a kernel of the family '{self.family}' was called, but it is not in the table of this workspace"
-            self._trap = int(_machine().trap(f"{said}: {self.__module__}.{self.__name__}"))
+            words = f"a kernel of the family '{self.family}' was called, but it is not in the table of this workspace"
+            self._trap = int(_machine().trap(f"{words}: {self.__module__}.{self.__name__}"))
         return self._trap
 
     def _made(self) -> int:
         """Load kept machine code into memory, or compile it and keep it on disk; returns its address."""
         machine, kept = self._kept(self.letters)
-        found = kept.read(lambda code: machine.load(machine.Code(*code)))
-        if not found:
+        address = kept.read(lambda code: machine.load(machine.Code(*code)))
+        if not address:
             say_once("compiling kernels (once)")
             code = _translation().native(self.python, self._new_symbol, self.letters)
-            found = machine.load(code)
+            address = machine.load(code)
             kept.write(lambda: pickle.dumps(tuple(code)))
-        return int(found)
+        return int(address)
 
     def loaded(self, python: Callable[..., Any]) -> int:
         """Address of the machine code of a Python function with the types of this one; it is kept nowhere."""
@@ -151,8 +156,8 @@ def _announced() -> Any:
     """The module `machine`, which knows the addresses of all native functions that machine code may call."""
     machine = _machine()
     with _lock:
-        for one in _natives[len(_places) :]:
-            _places[one] = machine.announce(one.symbol, lambda one=one: one.address)
+        for kernel in _natives[len(_places) :]:
+            _places[kernel] = machine.announce(kernel.symbol, lambda kernel=kernel: kernel.address)
     return machine
 
 
@@ -219,21 +224,21 @@ def entries(functions: Iterable[KernelFunction]) -> Any:
     """A table of functions by number, for modules that cannot import them: places of their addresses, see `machine`."""
     if _jit:
         machine = _announced()
-        return np.array([machine.where(_places[one]) for one in functions], dtype=np.int64)
-    return tuple(one.python for one in functions)
+        return np.array([machine.where(_places[function]) for function in functions], dtype=np.int64)
+    return tuple(function.python for function in functions)
 
 
 def names_in_tables() -> dict[Any, str]:
     """Symbols of all kernels of the package, by what stands for them in tables: place, address or Python function."""
-    found: dict[Any, str] = {}
+    symbols: dict[Any, str] = {}
     for kernel in natives():
         if kernel.family and kernel.__module__.startswith("rattle."):
-            found[kernel.python] = kernel.symbol
+            symbols[kernel.python] = kernel.symbol
             if kernel._address:
-                found[kernel._address] = kernel.symbol
+                symbols[kernel._address] = kernel.symbol
             if kernel in _places:
-                found[_machine().where(_places[kernel])] = kernel.symbol
-    return found
+                symbols[_machine().where(_places[kernel])] = kernel.symbol
+    return symbols
 
 
 def jit_runs() -> bool:

@@ -79,10 +79,10 @@ def _called(unit: Unit, name: str, kernel: KernelFunction, letters: Sequence[str
     return told_where(translated, lambda: translated.written(name, outer=result))
 
 
-def _failing(name: str, letters: Sequence[str], said: str) -> str:
+def _failing(name: str, letters: Sequence[str], words: str) -> str:
     """The text of a function that fails with a RuntimeError."""
     _, kinds = kinds_of(letters)
-    types, words = ["ptr", *(type_ for kind in kinds for type_ in parts_of(kind))], f"RuntimeError: {said}"
+    types, words = ["ptr", *(type_ for kind in kinds for type_ in parts_of(kind))], f"RuntimeError: {words}"
     return f"""@"words.{name}" = private constant [{len(words) + 1} x i8] c"{words}\\00"
 define internal i32 @"{name}"({", ".join(types)}) noinline cold {{
   call void @"{machine.FAULT}"(ptr @"words.{name}")
@@ -92,19 +92,21 @@ define internal i32 @"{name}"({", ".join(types)}) noinline cold {{
 
 def _places(unit: Unit) -> set[str]:
     """Symbols of all natives that the functions of a unit call."""
-    found, seen, ahead = set(unit.declared), set(), list(unit.parts.values())
+    places, seen, ahead = set(unit.declared), set(), list(unit.parts.values())
     while ahead:
         part = ahead.pop()
         if part.name not in seen:
             seen.add(part.name)
-            found |= set(part.unit.declared)
+            places |= set(part.unit.declared)
             ahead += part.unit.parts.values()
-    return {name for name in found if name.startswith(PLACE)}
+    return {name for name in places if name.startswith(PLACE)}
 
 
 def _own_places(text: str, symbols: Iterable[str]) -> str:
     """A text whose places hold the functions that they stand for, and that does not declare FIND and FAULT."""
-    places = [f'@"{one}" = internal constant i64 ptrtoint (ptr @"code.{one}" to i64)' for one in sorted(symbols)]
+    places = [
+        f'@"{symbol}" = internal constant i64 ptrtoint (ptr @"code.{symbol}" to i64)' for symbol in sorted(symbols)
+    ]
     lines = [line for line in text.split("\n") if not line.endswith(" = external global i64")]
     outside = re.compile(rf'declare \w+ @"({re.escape(machine.FIND)}|{re.escape(machine.FAULT)})"')
     return "\n".join([*places, *(line for line in lines if not outside.match(line))])

@@ -64,8 +64,8 @@ def new_target() -> Any:
     """The processor and system for which machine code is made; each engine takes possession of one."""
     ready()
     triple, name, features = processor()
-    one = llvm.Target.from_triple(triple)
-    return one.create_target_machine(cpu=name, features=features, opt=1, reloc="default", codemodel="jitdefault")
+    target = llvm.Target.from_triple(triple)
+    return target.create_target_machine(cpu=name, features=features, opt=1, reloc="default", codemodel="jitdefault")
 
 
 @cache
@@ -175,9 +175,9 @@ def python_entry(function: Callable[..., Sequence[float]], result: Any, count: i
     """
     numbers = ctypes.c_double * _count(result)
 
-    def call(place: int, *given: float) -> int:
+    def call(place: int, *operands: float) -> int:
         try:
-            numbers.from_address(place)[:] = list(function(*given))
+            numbers.from_address(place)[:] = list(function(*operands))
             return 0
         except BaseException as error:
             _raised.error = error
@@ -222,25 +222,25 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
     room, several = _room(result), range(len(result)) if len(result) > 1 and result != "void" else None
     wanted = [(kind, *ARRAYS.get(kind, (None, 0))) for kind in kinds]
 
-    def call(*args: Any) -> Any:
+    def call(*args: Any) -> Any:  # in one piece: a function for each argument would take as long as a short kernel
         if len(args) != len(wanted):
             raise TypeError(f"{name} takes {len(wanted)} arguments, got {len(args)}")
         flat: list[Any] = []
-        for (kind, numbers, dimensions), one in zip(wanted, args, strict=True):
+        for (kind, numbers, dimensions), argument in zip(wanted, args, strict=True):
             if dimensions:
-                if one.dtype != numbers or one.ndim != dimensions or not one.flags.c_contiguous:
-                    steps = f"{one.dtype}, {one.shape} with steps of {one.strides} bytes"
+                if argument.dtype != numbers or argument.ndim != dimensions or not argument.flags.c_contiguous:
+                    steps = f"{argument.dtype}, {argument.shape} with steps of {argument.strides} bytes"
                     raise TypeError(f"{name} takes a contiguous array of {ARRAYS[kind]}, got {steps}")
-                flat += (address_of(one), *one.shape)
+                flat += (address_of(argument), *argument.shape)
             elif kind == "f":
-                flat.append(float(one))
+                flat.append(float(argument))
             elif kind == "i":
-                flat.append(int(one))
-                if flat[len(flat) - 1] != one:
-                    raise TypeError(f"{name} takes a whole number, got {one}")
+                flat.append(int(argument))
+                if flat[len(flat) - 1] != argument:
+                    raise TypeError(f"{name} takes a whole number, got {argument}")
             else:
-                if (place := getattr(one, "address", None)) is None:
-                    raise TypeError(f"{name} takes a workspace, got {type(one).__name__}")
+                if (place := getattr(argument, "address", None)) is None:
+                    raise TypeError(f"{name} takes a workspace, got {type(argument).__name__}")
                 flat.append(place)
         answer = room()
         if target(ctypes.addressof(answer), *flat):
@@ -257,5 +257,5 @@ def _room(result: str) -> Any:
     """A ctypes type that holds a result."""
     if result in RESULTS:
         return RESULTS[result]
-    fields = [(f"_{n}", RESULTS[one]) for n, one in enumerate(result)]
+    fields = [(f"_{n}", RESULTS[letter]) for n, letter in enumerate(result)]
     return type("Several", (ctypes.Structure,), {"_fields_": fields})

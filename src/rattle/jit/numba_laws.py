@@ -9,7 +9,7 @@ from typing import Any
 from rattle.jit import machine
 
 CALL = """
-def run(result, {given}):
+def run(result, {parameters}):
     try:
         {left} = law({arguments})
     except Exception:
@@ -32,41 +32,45 @@ def entry(law: Callable[..., Any], pack: Any, sizes: Sequence[int], result: Any)
     if not hasattr(law, "py_func"):
         law = numba.njit(error_model="numpy")(law)
     names = (f"x{n}" for n in range(sum(max(1, size) for size in sizes) + len(pack._fields)))
-    given: list[str] = []
+    parameters: list[str] = []
 
     def some(size: int) -> str:
-        given.extend(taken := [next(names) for _ in range(size)])
+        parameters.extend(taken := [next(names) for _ in range(size)])
         return f"{', '.join(taken)}"
 
     arguments = [f"({some(size)},)" if size else some(1) for size in sizes]
     arguments.append(f"pack({some(len(pack._fields))})")
-    found: list[str] = []
+    stores: list[str] = []
 
     def place(kind: Any, value: str = "") -> str:
         if isinstance(kind, tuple):
-            return f"({''.join(f'{place(one, value)}, ' for one in kind)})"
-        found.append(f"y{len(found)}")
-        return value or found[-1]
+            return f"({''.join(f'{place(part, value)}, ' for part in kind)})"
+        stores.append(f"y{len(stores)}")
+        return value or stores[-1]
 
-    left, results = place(result), len(found)
+    left, results = place(result), len(stores)
     kept = "\n".join(f"    result[{n}] = y{n}" for n in range(results))
     text = CALL.format(
-        given=", ".join(given), left=left, arguments=", ".join(arguments), nothing=place(result, "nan"), kept=kept
+        parameters=", ".join(parameters),
+        left=left,
+        arguments=", ".join(arguments),
+        nothing=place(result, "nan"),
+        kept=kept,
     )
     space: dict[str, Any] = {"law": law, "pack": pack, "nan": math.nan}
     exec(text, space)
     number = numba.types.float64
-    called = numba.cfunc(numba.types.int32(numba.types.CPointer(number), *[number] * len(given)))(space["run"])
+    called = numba.cfunc(numba.types.int32(numba.types.CPointer(number), *[number] * len(parameters)))(space["run"])
     compiled: Any = law
-    if any(_may_be_none(numba, one.return_type) for one in compiled.nopython_signatures):
+    if any(_may_be_none(numba, signature.return_type) for signature in compiled.nopython_signatures):
         raise TypeError("there is a way to its end without a value to return")
     machine.keep(called)
-    return machine.Entry(int(called.address), (result, *"f" * len(given)))
+    return machine.Entry(int(called.address), (result, *"f" * len(parameters)))
 
 
 def _may_be_none(numba: Any, kind: Any) -> bool:
     """True for a result that is None on some ways, or holds such a value."""
     parts = kind.types if isinstance(kind, numba.types.BaseTuple) else ()
     return isinstance(kind, numba.types.Optional | numba.types.NoneType) or any(
-        _may_be_none(numba, one) for one in parts
+        _may_be_none(numba, part) for part in parts
     )

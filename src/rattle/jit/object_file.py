@@ -33,14 +33,14 @@ def symbol(offered: str) -> str:
 
 def prototype(offered: str, letters: Sequence[str]) -> str:
     """The declaration in C of a function that is offered, with RATTLE_HIDDEN.  letters: see `families.SIGNATURE`."""
-    given = ["void *result"]
+    parameters = ["void *result"]
     for letter in letters[1:]:
         if letter in ARRAYS:
             dtype, dimensions = ARRAYS[letter]
-            given += [f"{'double' if dtype.kind == 'f' else 'int64_t'} *", *["int64_t"] * dimensions]
+            parameters += [f"{'double' if dtype.kind == 'f' else 'int64_t'} *", *["int64_t"] * dimensions]
         else:
-            given.append({"h": "void *", "f": "double", "i": "int64_t"}[letter])
-    return f"RATTLE_HIDDEN int32_t {symbol(offered)}({', '.join(given)});"
+            parameters.append({"h": "void *", "f": "double", "i": "int64_t"}[letter])
+    return f"RATTLE_HIDDEN int32_t {symbol(offered)}({', '.join(parameters)});"
 
 
 def object_file(linked: Linked) -> bytes:
@@ -50,10 +50,13 @@ def object_file(linked: Linked) -> bytes:
         text = text.replace(f'@"call.{name}"', f"@{symbol(name)}")
     text = re.sub(r"^define (?=i32 @rattle_)", "define hidden ", text, flags=re.MULTILINE)
     kernels = [
-        f"{'rattle.place' if family in families.BY_PLACE else 'code.rattle.place'}{one.removeprefix('rattle.place')}"
-        for one, family in linked.kernels.items()
+        f"{'rattle.place' if family in families.BY_PLACE else 'code.rattle.place'}{place.removeprefix('rattle.place')}"
+        for place, family in linked.kernels.items()
     ]
-    tables = [_table("rattle_kernels", kernels), _table("rattle_traps", [f"trap.{one}" for one in families.SIGNATURE])]
+    tables = [
+        _table("rattle_kernels", kernels),
+        _table("rattle_traps", [f"trap.{family}" for family in families.SIGNATURE]),
+    ]
     module = machine.parsed("\n".join([MISSING, text, *tables, ABOUT]))
     target = machine.ready().Target.from_triple(llvm.get_process_triple()).create_target_machine(opt=2, reloc="pic")
     module.triple, module.data_layout = llvm.get_process_triple(), str(target.target_data)
@@ -65,5 +68,5 @@ def object_file(linked: Linked) -> bytes:
 
 
 def _table(name: str, functions: Iterable[str]) -> str:
-    every = [f'ptr @"{one}"' for one in functions]
+    every = [f'ptr @"{function}"' for function in functions]
     return f"@{name} = hidden constant [{len(every)} x ptr] [{', '.join(every)}]"

@@ -131,13 +131,13 @@ def rotate_columns(small, n):
 
 
 @compiled
-def rotate_pair(one, other, v_one, v_other, n):
+def rotate_pair(first, other, v_first, v_other, n):
     """Make two columns orthogonal by a rotation, applied to those of V too; False if they are orthogonal already."""
     alpha, beta, gamma = 0.0, 0.0, 0.0
     for k in range(n):
-        alpha += one[k] * one[k]
+        alpha += first[k] * first[k]
         beta += other[k] * other[k]
-        gamma += one[k] * other[k]
+        gamma += first[k] * other[k]
     if not abs(gamma) > FINE * math.sqrt(alpha * beta):
         return False
     zeta = (beta - alpha) / (2.0 * gamma)
@@ -145,11 +145,11 @@ def rotate_pair(one, other, v_one, v_other, n):
     c = 1.0 / math.sqrt(1.0 + tangent * tangent)
     s = c * tangent
     for k in range(n):
-        x, y = one[k], other[k]
-        one[k] = c * x - s * y
+        x, y = first[k], other[k]
+        first[k] = c * x - s * y
         other[k] = s * x + c * y
-        x, y = v_one[k], v_other[k]
-        v_one[k] = c * x - s * y
+        x, y = v_first[k], v_other[k]
+        v_first[k] = c * x - s * y
         v_other[k] = s * x + c * y
     return True
 

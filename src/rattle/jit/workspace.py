@@ -301,7 +301,7 @@ ARRAYS = {
 
 PLACE = {name: place for place, name in enumerate(ARRAYS)}  # of an array in the table of a handle
 FLOAT, INTEGER = np.dtype(np.float64), np.dtype(np.int64)
-TYPES = {name: (FLOAT if one.kind[0] == "f" else INTEGER, int(one.kind[1])) for name, one in ARRAYS.items()}
+TYPES = {name: (FLOAT if array.kind[0] == "f" else INTEGER, int(array.kind[1])) for name, array in ARRAYS.items()}
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]  # by name
 
 
@@ -316,10 +316,10 @@ class Layout(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def _layout(given: Shapes, others: Shapes) -> Layout:
+def _layout(shapes: Shapes, others: Shapes) -> Layout:
     places: dict[str, tuple[int, tuple[int, ...]]] = {}
     ends, size = [], 0
-    parts = ([one for one in given if TYPES[one[0]][0] is kind] for kind in (FLOAT, INTEGER))
+    parts = ([field for field in shapes if TYPES[field[0]][0] is kind] for kind in (FLOAT, INTEGER))
     for part in (*parts, others):
         for name, shape in part:
             places[name] = size, shape
@@ -338,21 +338,21 @@ class Image:
     given: arrays of numbers.  others: shapes of those that begin with zeros.
     """
 
-    def __init__(self, given: Mapping[str, np.ndarray], others: Shapes) -> None:
-        _check(given)
-        shapes = tuple((name, array.shape) for name, array in given.items())
+    def __init__(self, arrays: Mapping[str, np.ndarray], others: Shapes) -> None:
+        _check(arrays)
+        shapes = tuple((name, array.shape) for name, array in arrays.items())
         self.layout = _layout(shapes, others)
         self.block = np.zeros(self.layout.size)
         for kind, part in ((FLOAT, self.layout.floats), (INTEGER, self.layout.integers)):
-            numbers = [array.ravel() for array in given.values() if array.dtype == kind]
+            numbers = [array.ravel() for array in arrays.values() if array.dtype == kind]
             if numbers:
                 np.concatenate(numbers, out=self.block[part].view(kind))
 
     def copied(self) -> Image:
         """One of the same arrays, whose numbers may be changed."""
-        made = object.__new__(Image)
-        made.layout, made.block = self.layout, self.block.copy()
-        return made
+        copy = object.__new__(Image)
+        copy.layout, copy.block = self.layout, self.block.copy()
+        return copy
 
     def array(self, name: str, block: np.ndarray) -> np.ndarray:
         """One of the arrays, in a block of memory; an empty one if there is none of this name."""

@@ -30,6 +30,7 @@ NEIGHBOURS = 1e-18  # share of the whole time below which no instant is sought
 SAME = 1e-13  # share of the whole time within which two instants count as one
 HALVINGS = 128  # of a span, at most: NARROW ends them long before
 SEARCHES = 400  # values of a switching function in the search of one instant, at most
+ROUNDING = 1e-12  # share of a bound that its computation may be off: some thousand roundings
 NEEDED = 4  # column of `signal_spans` after those of a span
 INF = math.inf
 
@@ -217,7 +218,7 @@ def look(m, n, low, high, narrow):
     here = value_at(m, n, 0.5 * (low + high))
     steepest = most(abs(s.slow), abs(s.fast))
     if steepest < INF:  # by the mean value, with a little for rounding
-        reach = 0.5 * (high - low) * steepest * (1.0 + 1e-12)
+        reach = 0.5 * (high - low) * steepest * (1.0 + ROUNDING)
         if here - reach > 0.0 or here + reach < 0.0 or reach == 0.0:
             return -1
     monotone = (s.slow > 0.0 or s.fast < 0.0) and s.low > -INF and s.high < INF  # without a pole

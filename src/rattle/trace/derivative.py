@@ -22,18 +22,19 @@ from typing import Any
 from rattle.errors import TraceError
 from rattle.jit.functions import KernelFunction
 from rattle.language.operations import OPERATIONS
-from rattle.trace.graph import FLAGS, Graph, Symbol, select
+from rattle.trace.graph import FLAGS, Graph, Operand, Symbol, select
 from rattle.trace.recorded_language import Copies
 
-Rule = Callable[[Any, Sequence[Any], Any], Any]  # (v, operands, result): slope by one operand, times v
+Rule = Callable[[Operand, Sequence[Operand], Symbol], Any]  # (v, operands, result): slope by one operand, times v
 Case = frozenset[tuple[int, bool]]  # flags that are so: places and truth values
 When = frozenset[Case]  # where a number counts: any of these cases
+Share = tuple[When, Operand]  # where it counts, and the number
 
 ALWAYS: When = frozenset([frozenset()])
 CASES = 8  # more of them become one new flag
 
 
-def tangent(graph: Graph, outputs: Sequence[Any], seeds: Mapping[int, Any]) -> list[Any]:
+def tangent(graph: Graph, outputs: Sequence[Operand], seeds: Mapping[int, Any]) -> list[Any]:
     """Derivatives (n_out,) of the outputs in one direction, forward: operations of the same graph, or numbers.
 
     seeds: what each input changes by, a symbol of the graph or a number, by the input's place; the others do not
@@ -48,7 +49,7 @@ def tangent(graph: Graph, outputs: Sequence[Any], seeds: Mapping[int, Any]) -> l
     return [rates.get(graph.place(x), 0.0) for x in outputs]
 
 
-def gradient(graph: Graph, output: Any, with_respect_to: Sequence[Symbol]) -> list[Any]:
+def gradient(graph: Graph, output: Operand, with_respect_to: Sequence[Symbol]) -> list[Any]:
     """Derivatives (n_in,) of one output by inputs, in reverse: operations of the same graph, or numbers.
 
     Raises TraceError for a graph that `elementary.lower` has taken apart.
@@ -60,7 +61,7 @@ def gradient(graph: Graph, output: Any, with_respect_to: Sequence[Symbol]) -> li
         if any(k in changing for k in graph.operands[place]):
             changing.add(place)
     slopes: dict[int, Any] = {}
-    arriving: dict[int, list[tuple[When, Any]]] = {graph.place(output): [(ALWAYS, 1.0)]}
+    arriving: dict[int, list[Share]] = {graph.place(output): [(ALWAYS, 1.0)]}
     for place in reversed(order):
         if place not in changing or place not in arriving:
             continue
@@ -74,7 +75,7 @@ def gradient(graph: Graph, output: Any, with_respect_to: Sequence[Symbol]) -> li
     return [slopes.get(place, 0.0) for place in wanted]
 
 
-def jacobian(graph: Graph, outputs: Sequence[Any], inputs: Sequence[Symbol]) -> list[list[Any]]:
+def jacobian(graph: Graph, outputs: Sequence[Operand], inputs: Sequence[Symbol]) -> list[list[Any]]:
     """d outputs/d inputs (n_out, n_in): forward or in reverse, by the fewer of the inputs and outputs that count."""
     used = set(graph.live(outputs))
     columns = sum(x.place in used for x in inputs)
@@ -91,11 +92,11 @@ def _input(graph: Graph, place: int) -> int:
     return place
 
 
-def _value(x: Any) -> Any:
+def _value(x: Operand) -> Any:
     return x if isinstance(x, Symbol) else float(x)
 
 
-def _zero(x: Any) -> bool:
+def _zero(x: Operand) -> bool:
     return not isinstance(x, Symbol) and x == 0.0
 
 
@@ -108,7 +109,7 @@ def _step(graph: Graph, place: int) -> tuple[tuple[Rule, ...], list[Any], Symbol
 
 
 # ---------------------------------------------------------------- forward
-def _forward(graph: Graph, place: int, changes: Sequence[Any]) -> Any:
+def _forward(graph: Graph, place: int, changes: Sequence[Operand]) -> Any:
     """Change of one operation's result for changes of its operands."""
     op = graph.ops[place]
     if op == "select":
@@ -125,12 +126,12 @@ def _forward(graph: Graph, place: int, changes: Sequence[Any]) -> Any:
     return total
 
 
-def _sum(graph: Graph, a: Any, b: Any) -> Any:
+def _sum(graph: Graph, a: Operand, b: Operand) -> Any:
     return graph.apply("add", a, b)
 
 
 # ---------------------------------------------------------------- reverse
-def _shares(graph: Graph, place: int, when: When, value: Any, changing: set[int]) -> list[tuple[int, tuple[When, Any]]]:
+def _shares(graph: Graph, place: int, when: When, value: Operand, changing: set[int]) -> list[tuple[int, Share]]:
     """What an operation hands on to those of its operands that change: their places, where it counts, how much."""
     op, places = graph.ops[place], graph.operands[place]
     if op in FLAGS:
@@ -145,9 +146,9 @@ def _shares(graph: Graph, place: int, when: When, value: Any, changing: set[int]
     return [(k, (when, rule(value, operands, result))) for rule, k in zip(rules, places, strict=True) if k in changing]
 
 
-def _gathered(graph: Graph, arriving: Sequence[tuple[When, Any]]) -> tuple[When, Any]:
+def _gathered(graph: Graph, arriving: Sequence[Share]) -> Share:
     """The sum of what arrives, and where it counts.  Elsewhere it may be anything: nobody reads it there."""
-    sums: dict[When, Any] = {}
+    sums: dict[When, Operand] = {}
     for when, value in arriving:
         sums[when] = _sum(graph, sums[when], value) if when in sums else value
     while (pair := _halves(sums)) is not None:  # the two branches of a choice, chosen in one operation
@@ -163,7 +164,7 @@ def _gathered(graph: Graph, arriving: Sequence[tuple[When, Any]]) -> tuple[When,
     return anywhere, total
 
 
-def _halves(sums: Mapping[When, Any]) -> tuple[When, When, int, When] | None:
+def _halves(sums: Mapping[When, Operand]) -> tuple[When, When, int, When] | None:
     """Two single cases that differ in one flag alone: where it is true, where not, the flag, and what they share."""
     for when in sums:
         if len(when) == 1:
@@ -175,7 +176,7 @@ def _halves(sums: Mapping[When, Any]) -> tuple[When, When, int, When] | None:
     return None
 
 
-def _guarded(graph: Graph, when: When, inside: When, value: Any) -> Any:
+def _guarded(graph: Graph, when: When, inside: When, value: Operand) -> Any:
     """A value that counts only in some cases, made zero in the others of those `inside`."""
     if when == inside:
         return value
@@ -223,12 +224,12 @@ def _simple(cases: Sequence[Case]) -> When:
 
 
 # ---------------------------------------------------------------- slopes
-def _over(v: Any, x: Any, r: Symbol) -> Any:
+def _over(v: Operand, x: Operand, r: Symbol) -> Any:
     """v/x; 1/x is one operation for all directions."""
     return v * (1.0 / x) if isinstance(x, Symbol) else r.graph.apply("div", v, x)
 
 
-def _base(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
+def _base(v: Operand, xy: Sequence[Operand], r: Symbol) -> Any:
     """x^y by x: y x^(y - 1); 0 for y = 0, where x = 0 too."""
     x, y = xy
     if isinstance(y, Symbol):
@@ -245,7 +246,7 @@ def _base(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
     return v * (y * product)
 
 
-def _exponent(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
+def _exponent(v: Operand, xy: Sequence[Operand], r: Symbol) -> Any:
     """x^y by y: x^y ln x; 0 for x = 0 < y.  For x < 0 nan, unless y does not change there."""
     x, y = xy
     slope = r * r.graph.apply("log", x)
@@ -254,18 +255,18 @@ def _exponent(v: Any, xy: Sequence[Any], r: Symbol) -> Any:
     return r.graph.apply("select", r.graph.apply("either", vanishes, still), 0.0, v * slope)
 
 
-def _copied(v: Any, xs: Sequence[Any], r: Symbol) -> Any:
+def _copied(v: Operand, xs: Sequence[Operand], r: Symbol) -> Any:
     """|x| with the sign of s, by x."""
     x, s = xs
     size = _size(v, [x], r)
     return select(r.graph.apply("less", r.graph.apply("copysign", 1.0, s), 0.0), -size, size)
 
 
-def _size(v: Any, x: Sequence[Any], r: Symbol) -> Any:
+def _size(v: Operand, x: Sequence[Operand], r: Symbol) -> Any:
     return select(r.graph.apply("less", x[0], 0.0), -v, v)
 
 
-def _none(v: Any, x: Sequence[Any], r: Symbol) -> Any:
+def _none(v: Operand, x: Sequence[Operand], r: Symbol) -> Any:
     return 0.0
 
 

@@ -15,7 +15,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -37,6 +37,9 @@ FUNCTIONS = {
 FLAGS = frozenset(("less", "at_most", "equal", "both", "either", "not"))  # their results are true or false
 COMMUTE = frozenset(("add", "mul", "equal", "both", "either"))
 ROUND = 6755399441055744.0  # 1.5 * 2^52: added to |x| < 2^51 it leaves the nearest integer in the lowest bits
+
+
+Operand: TypeAlias = "Symbol | float"  # or a flag, which Python takes for a number
 
 
 class Symbol:
@@ -64,28 +67,28 @@ class Symbol:
     def __repr__(self) -> str:
         return f"<Symbol {self.place}: {self.op}>"
 
-    def __add__(self, other: Any) -> Any:
+    def __add__(self, other: Operand) -> Any:
         return self.graph.apply("add", self, other)
 
-    def __radd__(self, other: Any) -> Any:
+    def __radd__(self, other: Operand) -> Any:
         return self.graph.apply("add", other, self)
 
-    def __sub__(self, other: Any) -> Any:
+    def __sub__(self, other: Operand) -> Any:
         return self.graph.apply("sub", self, other)
 
-    def __rsub__(self, other: Any) -> Any:
+    def __rsub__(self, other: Operand) -> Any:
         return self.graph.apply("sub", other, self)
 
-    def __mul__(self, other: Any) -> Any:
+    def __mul__(self, other: Operand) -> Any:
         return self.graph.apply("mul", self, other)
 
-    def __rmul__(self, other: Any) -> Any:
+    def __rmul__(self, other: Operand) -> Any:
         return self.graph.apply("mul", other, self)
 
-    def __truediv__(self, other: Any) -> Any:
+    def __truediv__(self, other: Operand) -> Any:
         return self.graph.apply("div", self, other)
 
-    def __rtruediv__(self, other: Any) -> Any:
+    def __rtruediv__(self, other: Operand) -> Any:
         return self.graph.apply("div", other, self)
 
     def __neg__(self) -> Any:
@@ -97,7 +100,7 @@ class Symbol:
     def __abs__(self) -> Any:
         return self.graph.apply("abs", self)
 
-    def __pow__(self, other: Any) -> Any:
+    def __pow__(self, other: Operand) -> Any:
         if isinstance(other, int) and 0 < other <= 4:
             product: Any = self
             for _ in range(other - 1):
@@ -105,34 +108,34 @@ class Symbol:
             return product
         return self.graph.apply("pow", self, other)
 
-    def __rpow__(self, other: Any) -> Any:
+    def __rpow__(self, other: Operand) -> Any:
         return self.graph.apply("pow", other, self)
 
-    def __mod__(self, other: Any) -> Any:
+    def __mod__(self, other: Operand) -> Any:
         return self - other * self.graph.apply("floor", self / other)
 
-    def __lt__(self, other: Any) -> Any:
+    def __lt__(self, other: Operand) -> Any:
         return self.graph.apply("less", self, other)
 
-    def __le__(self, other: Any) -> Any:
+    def __le__(self, other: Operand) -> Any:
         return self.graph.apply("at_most", self, other)
 
-    def __gt__(self, other: Any) -> Any:
+    def __gt__(self, other: Operand) -> Any:
         return self.graph.apply("less", other, self)
 
-    def __ge__(self, other: Any) -> Any:
+    def __ge__(self, other: Operand) -> Any:
         return self.graph.apply("at_most", other, self)
 
-    def __and__(self, other: Any) -> Any:
+    def __and__(self, other: Operand) -> Any:
         return self.graph.apply("both", self, other)
 
-    def __rand__(self, other: Any) -> Any:
+    def __rand__(self, other: Operand) -> Any:
         return self.graph.apply("both", other, self)
 
-    def __or__(self, other: Any) -> Any:
+    def __or__(self, other: Operand) -> Any:
         return self.graph.apply("either", self, other)
 
-    def __ror__(self, other: Any) -> Any:
+    def __ror__(self, other: Operand) -> Any:
         return self.graph.apply("either", other, self)
 
     def __invert__(self) -> Any:
@@ -147,21 +150,21 @@ class Symbol:
     __hash__ = None  # type: ignore[assignment]  # places are what dictionaries hold
 
 
-def select(condition: Any, yes: Any, no: Any) -> Any:
+def select(condition: Operand, yes: Operand, no: Operand) -> Any:
     """`yes` where the condition holds, `no` elsewhere; both are computed."""
     if isinstance(condition, Symbol):
         return condition.graph.apply("select", condition, yes, no)
     return yes if condition else no
 
 
-def apply(op: str, *operands: Any) -> Any:
+def apply(op: str, *operands: Operand) -> Any:
     """An operation of the graph of its operands; of numbers alone an exact one is done."""
     symbols = [x.symbol if isinstance(x, Recorded) else x for x in operands]
     graph = next((x.graph for x in symbols if isinstance(x, Symbol)), None)
     return graph.apply(op, *symbols) if graph is not None else fold(op, *symbols)
 
 
-def both(graph: Graph, flags: Iterable[Any]) -> Any:
+def both(graph: Graph, flags: Iterable[Operand]) -> Any:
     """A flag: all of these are true."""
     result: Any = True
     for flag in flags:
@@ -204,7 +207,7 @@ class Graph:
             self.numbers[place] = value
         return place
 
-    def place(self, x: Any) -> int:
+    def place(self, x: Operand) -> int:
         """Place of a symbol or number."""
         if isinstance(x, Recorded):
             x = symbol_of(x)
@@ -214,7 +217,7 @@ class Graph:
             return x.place
         return self.number(x)
 
-    def apply(self, op: str, *operands: Any) -> Any:
+    def apply(self, op: str, *operands: Operand) -> Any:
         """The result of an operation: a number if it is known, the operand it leaves as it is, or a symbol."""
         numbers, held, constant = self.numbers, [], True
         for x in operands:
@@ -243,7 +246,7 @@ class Graph:
             place = self._known[key] = self._put(op, places)
         return place
 
-    def live(self, outputs: Iterable[Any]) -> list[int]:
+    def live(self, outputs: Iterable[Operand]) -> list[int]:
         """Places that the outputs depend on, in order; inputs among them only if they are used."""
         seen: set[int] = set()
         ahead = [self.place(x) for x in outputs]
@@ -254,11 +257,11 @@ class Graph:
                 ahead += self.operands[place]
         return sorted(seen)
 
-    def count(self, outputs: Iterable[Any]) -> int:
+    def count(self, outputs: Iterable[Operand]) -> int:
         """Number of operations that the outputs take."""
         return sum(self.ops[place] not in ("input", "number") for place in self.live(outputs))
 
-    def evaluate(self, outputs: Sequence[Any], inputs: Any) -> np.ndarray:
+    def evaluate(self, outputs: Sequence[Operand], inputs: Any) -> np.ndarray:
         """Outputs (n_out, n) for inputs (n_in, n), by NumPy: the reference for every target; flags are 0 or 1.
 
         The graph must be of exact operations alone, see `elementary.lower`.
@@ -303,22 +306,22 @@ NUMPY: dict[str, Callable[..., Any]] = {
 }  # fmt: skip
 
 
-def fold(op: str, *operands: Any) -> Any:
+def fold(op: str, *operands: Operand) -> Any:
     """An exact operation on numbers."""
     with np.errstate(all="ignore"):
         result = NUMPY[op](*(x if isinstance(x, bool) else np.float64(x) for x in operands))
     return bool(result) if op in FLAGS else float(result)
 
 
-def _is(x: Any, value: float) -> bool:
+def _is(x: Operand, value: float) -> bool:
     return not isinstance(x, Symbol) and x == value
 
 
-def _is_negative(x: Any) -> bool:
+def _is_negative(x: Operand) -> TypeGuard[Symbol]:
     return type(x) is Symbol and x.op == "neg"
 
 
-def _without_signs(graph: Graph, op: str, a: Any, b: Any) -> Any:
+def _without_signs(graph: Graph, op: str, a: Operand, b: Operand) -> Any:
     """A product or quotient of which one or both are negated: the sign goes outwards, where a sum may take it."""
     inner = [Symbol(graph, graph.operands[x.place][0]) if _is_negative(x) else x for x in (a, b)]
     if _is_negative(a) and _is_negative(b):
@@ -335,7 +338,7 @@ def _negated(graph: Graph, x: Symbol) -> Symbol:
     return Symbol(graph, graph.operands[x.place][0])
 
 
-def _simple_sum(graph: Graph, a: Any, b: Any) -> Any:
+def _simple_sum(graph: Graph, a: Operand, b: Operand) -> Any:
     if _is(a, 0.0):
         return b
     if _is(b, 0.0):
@@ -345,7 +348,7 @@ def _simple_sum(graph: Graph, a: Any, b: Any) -> Any:
     return graph.apply("sub", a, _negated(graph, b)) if _is_negative(b) else None
 
 
-def _simple_difference(graph: Graph, a: Any, b: Any) -> Any:
+def _simple_difference(graph: Graph, a: Operand, b: Operand) -> Any:
     if _is(b, 0.0):
         return a
     if _is(a, 0.0):
@@ -353,7 +356,7 @@ def _simple_difference(graph: Graph, a: Any, b: Any) -> Any:
     return graph.apply("add", a, _negated(graph, b)) if _is_negative(b) else None
 
 
-def _simple_product(graph: Graph, a: Any, b: Any) -> Any:
+def _simple_product(graph: Graph, a: Operand, b: Operand) -> Any:
     if _is_negative(a) or _is_negative(b):
         return _without_signs(graph, "mul", a, b)
     for factor, other in ((a, b), (b, a)):
@@ -366,7 +369,7 @@ def _simple_product(graph: Graph, a: Any, b: Any) -> Any:
     return None
 
 
-def _simple_quotient(graph: Graph, a: Any, b: Any) -> Any:
+def _simple_quotient(graph: Graph, a: Operand, b: Operand) -> Any:
     if _is_negative(a) or _is_negative(b):
         return _without_signs(graph, "div", a, b)
     if _is(b, 1.0):
@@ -374,10 +377,10 @@ def _simple_quotient(graph: Graph, a: Any, b: Any) -> Any:
     return 0.0 if _is(a, 0.0) else None
 
 
-def _simple_flag(op: str) -> Callable[[Graph, Any, Any], Any]:
+def _simple_flag(op: str) -> Callable[[Graph, Operand, Operand], Any]:
     stays = op == "both"  # True and x is x; False or x is x
 
-    def simple(graph: Graph, a: Any, b: Any) -> Any:
+    def simple(graph: Graph, a: Operand, b: Operand) -> Any:
         for flag, other in ((a, b), (b, a)):
             if not isinstance(flag, Symbol):
                 return other if bool(flag) == stays else not stays
@@ -386,7 +389,7 @@ def _simple_flag(op: str) -> Callable[[Graph, Any, Any], Any]:
     return simple
 
 
-def _simple_choice(graph: Graph, condition: Any, yes: Any, no: Any) -> Any:
+def _simple_choice(graph: Graph, condition: Operand, yes: Operand, no: Operand) -> Any:
     if not isinstance(condition, Symbol):
         return yes if condition else no
     return yes if graph.place(yes) == graph.place(no) else None

@@ -18,8 +18,11 @@ from typing import Any, NamedTuple
 from rattle.solvers import step_size
 from rattle.solvers.tableau import Tableau
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, both, select
+from rattle.trace.graph import Graph, Operand, apply, both, select
 from rattle.trace.recording import Recorder
+
+SHORTEST, SHORTEST_OF_RUN = 1e-15, 1e-16  # steps that a float can hardly tell from none: shares of t, of the run
+WHOLE = 1e-9  # share of a step by which a span may be longer than so many of them: rounding of both
 
 Recorded = tuple[Graph, list[Any]]  # a graph of exact operations, and its outputs
 
@@ -62,7 +65,7 @@ class Tolerances(NamedTuple):
     h_max: float = math.inf  # [s]
 
 
-def weighted(weights: Sequence[float], terms: Sequence[Any]) -> Any:
+def weighted(weights: Sequence[float], terms: Sequence[Operand]) -> Any:
     """The sum of terms with weights, from left to right; zero weights take no operation."""
     total: Any = 0.0
     for weight, term in zip(weights, terms, strict=False):
@@ -71,27 +74,27 @@ def weighted(weights: Sequence[float], terms: Sequence[Any]) -> Any:
     return total
 
 
-def total(terms: Sequence[Any]) -> Any:
+def total(terms: Sequence[Operand]) -> Any:
     """The sum of terms from left to right."""
     return weighted([1.0] * len(terms), terms)
 
 
-def root(x: Any) -> Any:
+def root(x: Operand) -> Any:
     """Square root."""
-    return x.graph.apply("sqrt", x)
+    return apply("sqrt", x)
 
 
-def least(a: Any, b: Any) -> Any:
+def least(a: Operand, b: Operand) -> Any:
     """The smaller one."""
     return select(b < a, b, a)
 
 
-def largest(a: Any, b: Any) -> Any:
+def largest(a: Operand, b: Operand) -> Any:
     """The larger one."""
     return select(b > a, b, a)
 
 
-def extremes(terms: Sequence[Any]) -> tuple[Any, Any]:
+def extremes(terms: Sequence[Operand]) -> tuple[Any, Any]:
     """The least and the largest one."""
     return functools.reduce(least, terms), functools.reduce(largest, terms)
 
@@ -134,7 +137,7 @@ def inside(method: Method) -> Recorded:
     return graph, [_inside(theta, y, rows)]
 
 
-def _inside(theta: Any, y: Any, rows: Sequence[Any]) -> Any:
+def _inside(theta: Operand, y: Operand, rows: Sequence[Operand]) -> Any:
     rest = 1.0 - theta
     value: Any = 0.0
     for n in reversed(range(len(rows))):  # factors theta and 1 - theta in turn
@@ -175,7 +178,7 @@ def plan(method: Method, t_end: float) -> Recorded:
         return graph, [ahead, select(last, stop, base + (done + 1.0) * ahead), last, 0.0, ahead]
     last = t + 1.000001 * ahead >= stop
     h = select(last, stop - t, ahead)
-    short = (h <= 1e-15 * abs(t)) | (h <= 1e-16 * t_end) | ~(t + h > t)
+    short = (h <= SHORTEST * abs(t)) | (h <= SHORTEST_OF_RUN * t_end) | ~(t + h > t)
     return graph, [h, select(last, stop, t + h), last, short, ahead]
 
 
@@ -199,12 +202,12 @@ def judge(method: Method, tolerances: Tolerances, ny: int, controlled: Sequence[
     return lower(graph, [select(accepted, longer, shorter), accepted])
 
 
-def finite_flag(graph: Graph, terms: Sequence[Any]) -> Any:
+def finite_flag(graph: Graph, terms: Sequence[Operand]) -> Any:
     """A flag: none of the terms is inf or nan."""
     return both(graph, [graph.apply("equal", x - x, 0.0) for x in terms])
 
 
-def flag(graph: Graph, x: Any) -> Any:
+def flag(graph: Graph, x: Operand) -> Any:
     """A number as a flag: it is not 0."""
     return ~graph.apply("equal", x, 0.0)
 
@@ -264,5 +267,5 @@ def first_step(method: Method, tolerances: Tolerances, ny: int, motion: int, t_e
 def segments(stops: Sequence[float], step: float) -> tuple[list[int], list[float]]:
     """Numbers and lengths [s] of the equal steps that end at each stop in turn, none longer than `step`."""
     spans = [b - a for a, b in itertools.pairwise((0.0, *stops))]
-    counts = [max(1, math.ceil(span / step - 1e-9)) for span in spans]
+    counts = [max(1, math.ceil(span / step - WHOLE)) for span in spans]
     return counts, [span / count for span, count in zip(spans, counts, strict=True)]

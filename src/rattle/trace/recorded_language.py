@@ -19,7 +19,7 @@ from rattle.jit.functions import KernelFunction
 from rattle.language import arithmetic, jets
 from rattle.language import bytecode as code
 from rattle.language.recorded import Recorded, symbol_of
-from rattle.trace.graph import FUNCTIONS, Symbol, apply, select
+from rattle.trace.graph import FUNCTIONS, Operand, Symbol, apply, select
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import Column
 
@@ -84,7 +84,7 @@ def _or_plain(op: str, plain: Plain) -> Plain:
     return call
 
 
-def _as_it_is(x: Any) -> Any:
+def _as_it_is(x: Operand) -> Any:
     if isinstance(x, Recorded):  # of a model, among columns of symbols
         return Column([symbol_of(x)])
     return x if isinstance(x, Symbol | Column) else float(x)
@@ -112,7 +112,7 @@ BUILTINS = {**vars(builtins), "float": _as_it_is, "min": _smaller, "max": _large
 
 
 # ---------------------------------------------------------------- the language of expressions
-def _chosen(condition: Any, yes: Any, no: Any) -> Any:
+def _chosen(condition: Operand, yes: Operand, no: Operand) -> Any:
     plain = not isinstance(condition, Symbol)
     return code.chosen.python(condition, yes, no) if plain else select(condition > 0.0, yes, no)
 
@@ -126,11 +126,11 @@ def _choose_jet(stack: Any, top: int) -> None:
         stack[top + n] = select(holds, stack[top + 3 + n], stack[top + 6 + n])
 
 
-def _read_table(table: Any, k: int, side: int, x: Any, dx: Any, ddx: Any) -> Any:
+def _read_table(table: Any, k: int, side: int, x: Operand, dx: Operand, ddx: Operand) -> Any:
     return recorded_table(table, k, x)
 
 
-def _heading(s: Any, ds: Any, dds: Any) -> int:
+def _heading(s: Operand, ds: Operand, dds: Operand) -> int:
     if any(isinstance(x, Symbol) for x in (s, ds, dds)):
         return 0  # the values of the definition: where s = 0 itself counts, runs are left to the generic kernels
     return int(arithmetic.heading.python(s, ds, dds))

@@ -24,7 +24,7 @@ from rattle.jit.workspace import ARRAYS
 from rattle.language import bytecode as code
 from rattle.language.operations import CHOICES, CHOOSE, OPERATIONS
 from rattle.language.recorded import Recorded, symbol_of
-from rattle.trace.graph import Graph, Symbol, both, select
+from rattle.trace.graph import Graph, Operand, Symbol, both, select
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
@@ -47,7 +47,7 @@ class Recorder:
         """A number of a model that stands for a symbol and is `value` [SI] where the record is made."""
         return Recorded(value, symbol, self)
 
-    def table(self, block: Sequence[Any], x: Any) -> Any:
+    def table(self, block: Sequence[Operand], x: Operand) -> Any:
         """Symbol of the value of a table at x, of which numbers may be recorded."""
         return recorded_table([symbol_of(number) for number in block], 0, symbol_of(x))[0]
 
@@ -55,26 +55,26 @@ class Recorder:
         """Symbol of an operation of `language.bytecode` on constants of a model."""
         return self._copies.of(code.RECORDS[op].value.python)(*operands)
 
-    def assume(self, condition: Any, holds: bool) -> None:
+    def assume(self, condition: Operand, holds: bool) -> None:
         """Keep what reading the model has found to be true, or false, of its parameters."""
         if isinstance(condition, Symbol):
             assumption = condition if holds else ~condition
             self.assumed[assumption.place] = assumption
 
-    def largest(self, values: Sequence[Any]) -> Any:
+    def largest(self, values: Sequence[Operand]) -> Any:
         """The largest of some symbols and numbers; nan if one of them is."""
         result: Any = 0.0
         for value in values:
             result = select(value <= result, result, value)
         return result
 
-    def _assume(self, condition: Any) -> Any:
+    def _assume(self, condition: Operand) -> Any:
         if isinstance(condition, Symbol):
             self.guards.append(condition)
             return True
         return condition
 
-    def _usually(self, condition: Any) -> Any:
+    def _usually(self, condition: Operand) -> Any:
         return self._assume(condition) if self.usual or not isinstance(condition, Symbol) else False
 
     def recorded(self, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -157,13 +157,13 @@ class Recording:
         """A copy of a function over NumPy arrays that takes arrays of symbols."""
         return self._recorder.recorded(function)
 
-    def derivative(self, t: Any, y: np.ndarray) -> list[Any]:
+    def derivative(self, t: Operand, y: np.ndarray) -> list[Any]:
         """dy/dt [SI/s], (ny,)."""
         rate = np.zeros(len(y), dtype=object)
         self.run(motion.derivative, t, y, rate)
         return list(rate)
 
-    def projection(self, t: Any, y: np.ndarray) -> list[Any]:
+    def projection(self, t: Operand, y: np.ndarray) -> list[Any]:
         """y brought onto the constraints, (ny,): two corrections of positions and one of rates.
 
         The corrections are those of `solvers.projection` next to the constraints, where it takes at most two.  A guard
@@ -181,7 +181,7 @@ class Recording:
         closing.close_rates(v)
         return list(y)
 
-    def closing(self, t: Any, prepare: Callable[[Any], None] = lambda workspace: None) -> Closing:
+    def closing(self, t: Operand, prepare: Callable[[Any], None] = lambda workspace: None) -> Closing:
         """What brings positions and rates onto the constraints at the time t."""
         return Closing(self.system, self._recorder, t, prepare)
 
@@ -193,7 +193,7 @@ class Closing:
     """
 
     def __init__(
-        self, system: System, recorder: Recorder, t: Any, prepare: Callable[[Any], None] = lambda workspace: None
+        self, system: System, recorder: Recorder, t: Operand, prepare: Callable[[Any], None] = lambda workspace: None
     ) -> None:
         self.workspace, self._recorder = recorder.workspace(system), recorder
         self._t, self._prepare = t, prepare

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.trace.graph import Graph, Symbol, fold, select
+from rattle.trace.graph import Graph, Operand, Symbol, fold, select
 
 
 class Column:
@@ -37,7 +37,7 @@ class Column:
     def __getitem__(self, part: int | slice) -> Any:
         return Column(self.values[part]) if isinstance(part, slice) else self.values[part]
 
-    def __setitem__(self, place: int, value: Any) -> None:
+    def __setitem__(self, place: int, value: Operand) -> None:
         self.values[place] = value
 
     def clip(self, low: float, high: float) -> Column:
@@ -84,7 +84,7 @@ class Column:
         return self.each(operator.gt, self, other)
 
 
-def _quotient(a: Any, b: Any) -> Any:
+def _quotient(a: Operand, b: Operand) -> Any:
     return a / b if isinstance(a, Symbol) or isinstance(b, Symbol) else fold("div", a, b)
 
 
@@ -129,7 +129,7 @@ def arrays(graph: Graph) -> SimpleNamespace:
     def each(op: str) -> Callable[..., Column]:
         return lambda *columns: Column.each(lambda *row: graph.apply(op, *row), *columns)
 
-    def chosen(a: Any, b: Any, first: Any) -> Any:  # as NumPy: nan if one of them is
+    def chosen(a: Operand, b: Operand, first: Operand) -> Any:  # as NumPy: nan if one of them is
         return select(first | (a != a), a, b) if isinstance(first, Symbol) else a if first or a != a else b
 
     return SimpleNamespace(

@@ -36,11 +36,8 @@ def pieces(
     computed = [place for place in live if graph.ops[place] not in ("number", "input")]
     parts = [computed[n : n + size] for n in range(0, len(computed), size)] or [[]]
     piece = {place: n for n, part in enumerate(parts) for place in part}
-    slots: dict[int, int] = {}
-    for place in computed:
-        for k in graph.operands[place]:
-            if k in piece and piece[k] < piece[place]:
-                slots.setdefault(k, len(slots))
+    passed = (k for place in computed for k in graph.operands[place] if piece.get(k, piece[place]) < piece[place])
+    slots = {place: slot for slot, place in enumerate(dict.fromkeys(passed))}
     rank = {place: n for n, place in enumerate(graph.inputs)}
     write = _Writer(graph, forms, number, declare, source, names, rank, slots)
     wanted = [graph.place(x) for x in outputs]

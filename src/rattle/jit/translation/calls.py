@@ -29,108 +29,110 @@ def kinds_of(letters: Sequence[Any]) -> tuple[Any, tuple[Any, ...]]:
 
     A result may also be given by its kind: a tuple.
     """
-    result, *given = letters
+    result, *arguments = letters
     if result == "void":
-        found: Any = NOTHING
+        kind: Any = NOTHING
     elif isinstance(result, tuple):
-        found = result
+        kind = result
     else:
-        found = LETTERS[result] if len(result) == 1 else tuple(LETTERS[one] for one in result)
-    return found, tuple(LETTERS[one] for one in given)
+        kind = LETTERS[result] if len(result) == 1 else tuple(LETTERS[letter] for letter in result)
+    return kind, tuple(LETTERS[letter] for letter in arguments)
 
 
 def letters_of(result: Any, kinds: Sequence[Any]) -> tuple[str, ...]:
     """The letters of the result and of the arguments.  Raises TranslationError for a result that is an array."""
     letters = {kind: letter for letter, kind in LETTERS.items()}
     several = result if isinstance(result, tuple) else (result,) if result else ()
-    if any(one not in ("f", "i", "b") for one in several):
+    if any(letter not in ("f", "i", "b") for letter in several):
         raise TranslationError(f"it returns {said(result)}, which cannot be passed to Python")
-    return "".join(several) or "void", *(letters[one] for one in kinds)
+    return "".join(several) or "void", *(letters[kind] for kind in kinds)
 
 
 def structure(kind: Any) -> str:
     """LLVM's type of a result that is left at a place for it."""
-    return f"{{ {', '.join('i8' if one == 'i1' else one for one in parts_of(kind))} }}"
+    return f"{{ {', '.join('i8' if part == 'i1' else part for part in parts_of(kind))} }}"
 
 
 class Calls(LocalArrays, Expressions):
     """What turns calls of compiled functions into instructions."""
 
-    def kernel(self, called: Any, given: list[Value], node: ast.Call) -> Value:
+    def kernel(self, called: Any, arguments: list[Value], node: ast.Call) -> Value:
         """The result of another compiled function, of a function of the user or of one from outside."""
-        family = next((name for name, one in families.CALLERS.items() if one is called), "")
-        if family and len(given) == 2 and isinstance(given[1].kind, tuple):
-            return self._of_table(family, given[0], members(given[1]))
+        family = next((name for name, caller in families.CALLERS.items() if caller is called), "")
+        if family and len(arguments) == 2 and isinstance(arguments[1].kind, tuple):
+            return self._of_table(family, arguments[0], members(arguments[1]))
         if isinstance(called, machine.Entry):
-            return self._at(str(called.address), called.letters, flattened(given))
+            return self._at(str(called.address), called.letters, flattened(arguments))
         if isinstance(called, type) and issubclass(called, tuple) and hasattr(called, "_fields"):
-            made = self.together(given)
-            return Value(Record(made.kind, called._fields), made.parts)
+            packed = self.together(arguments)
+            return Value(Record(packed.kind, called._fields), packed.parts)
         if isinstance(called, functions.KernelFunction) and called.native:
             name = f'@"{called.symbol}"'
             self.unit.declare(called.symbol, f"{name} = external global i64")
-            return self._at(self._found(name), called.letters, given)
+            return self._at(self._found(name), called.letters, arguments)
         if not isinstance(called, functions.KernelFunction) and python_function(called) is None:
             raise TranslationError(f"'{ast.unparse(node)}': {called!r} is no compiled function; {SAID}")
-        return self._inside(called, given)
+        return self._inside(called, arguments)
 
-    def _inside(self, called: Any, given: list[Value]) -> Value:
+    def _inside(self, called: Any, values: list[Value]) -> Value:
         """Call of a function of the same unit."""
-        name, result, fails = self.unit.part(called, [one.kind for one in given])
+        name, result, fails = self.unit.part(called, [value.kind for value in values])
         arguments = [
-            f"{type_} {part}" for one in given for type_, part in zip(parts_of(one.kind), one.parts, strict=True)
+            f"{type_} {part}" for value in values for type_, part in zip(parts_of(value.kind), value.parts, strict=True)
         ]
         whole = f"{{ {', '.join(['i32', *parts_of(result)])} }}"
-        found = self.put(f'call {whole} @"{name}"({", ".join(arguments)})')
+        returned = self.put(f'call {whole} @"{name}"({", ".join(arguments)})')
         if fails:
-            status = self.put(f"extractvalue {whole} {found}, 0")
+            status = self.put(f"extractvalue {whole} {returned}, 0")
             self.fail_if(self.put(f"icmp ne i32 {status}, 0"))
-        some = (f"extractvalue {whole} {found}, {n + 1}" for n, _ in enumerate(parts_of(result)))
-        return Value(result, tuple(self.put(one) for one in some))
+        some = (f"extractvalue {whole} {returned}, {n + 1}" for n, _ in enumerate(parts_of(result)))
+        return Value(result, tuple(self.put(instruction) for instruction in some))
 
-    def _of_table(self, family: str, entry: Value, given: list[Value]) -> Value:
+    def _of_table(self, family: str, entry: Value, arguments: list[Value]) -> Value:
         """Call of a kernel at an address from a table, or at a place that holds its address."""
         address = self.converted(entry, "i").parts[0]
         if family in families.BY_PLACE:
             address = self._found(self.put(f"inttoptr i64 {address} to ptr"))
-        return self._at(address, families.SIGNATURE[family], given)
+        return self._at(address, families.SIGNATURE[family], arguments)
 
     def _found(self, place: str) -> str:
         """The address at a place; it is requested if there is none yet."""
-        known = self.put(f"load i64, ptr {place}")
+        address = self.put(f"load i64, ptr {place}")
         asked, done = self.label(), self.label()
-        missing = self.put(f"icmp eq i64 {known}, 0")
-        self.keep((place, "address"), Value("i", (known,)))
+        missing = self.put(f"icmp eq i64 {address}, 0")
+        self.keep((place, "address"), Value("i", (address,)))
         self.do(f"br i1 {missing}, label %{asked}, label %{done}, !prof !5")
         self.begin(asked)
-        made = self.called("i64", machine.FIND, [("i64", self.put(f"ptrtoint ptr {place} to i64"))])
-        self.keep((place, "address"), Value("i", (made,)))
+        address = self.called("i64", machine.FIND, [("i64", self.put(f"ptrtoint ptr {place} to i64"))])
+        self.keep((place, "address"), Value("i", (address,)))
         self.jump(done)
         self.begin(done)
         return self.kept((place, "address")).parts[0]
 
-    def _at(self, address: str, letters: Sequence[Any], given: list[Value]) -> Value:
+    def _at(self, address: str, letters: Sequence[Any], values: list[Value]) -> Value:
         """Call of the function at an address; what it fails with is passed on."""
         result, wanted = kinds_of(letters)
-        if len(wanted) != len(given):
-            raise TranslationError(f"{len(wanted)} arguments are expected, {len(given)} are given")
+        if len(wanted) != len(values):
+            raise TranslationError(f"{len(wanted)} arguments are expected, {len(values)} are given")
         room = self.room(structure(result))
         arguments = [f"ptr {room}"]
-        for kind, one in zip(wanted, given, strict=True):
-            if is_array(kind) and one.kind != kind:
-                raise TranslationError(f"{said(one.kind)} where {said(kind)} is needed")
-            parts = self.converted(one, kind).parts
+        for kind, value in zip(wanted, values, strict=True):
+            if is_array(kind) and value.kind != kind:
+                raise TranslationError(f"{said(value.kind)} where {said(kind)} is needed")
+            parts = self.converted(value, kind).parts
             arguments += [f"{type_} {part}" for type_, part in zip(parts_of(kind), parts, strict=True)]
         target = self.put(f"inttoptr i64 {address} to ptr")
         status = self.put(f"call i32 {target}({', '.join(arguments)})")
         self.fail_if(self.put(f"icmp ne i32 {status}, 0"))
-        found = []
+        results = []
         for n, type_ in enumerate(parts_of(result)):
             at = self.put(f"getelementptr {structure(result)}, ptr {room}, i32 0, i32 {n}")
-            found.append(self.put(f"load {type_}, ptr {at}"))
-        return Value(result, tuple(found))
+            results.append(self.put(f"load {type_}, ptr {at}"))
+        return Value(result, tuple(results))
 
 
-def flattened(given: Sequence[Value]) -> list[Value]:
+def flattened(values: Sequence[Value]) -> list[Value]:
     """Values with the members of tuples in their places."""
-    return [part for one in given for part in (flattened(members(one)) if isinstance(one.kind, tuple) else [one])]
+    return [
+        part for value in values for part in (flattened(members(value)) if isinstance(value.kind, tuple) else [value])
+    ]

@@ -61,31 +61,31 @@ class Expressions(Writing, ABC):
     def value(self, node: ast.expr) -> Value:
         """The value of an expression."""
         self.line = node.lineno
-        made = getattr(self, f"_{type(node).__name__.lower()}", None)
-        if made is None:
+        method = getattr(self, f"_{type(node).__name__.lower()}", None)
+        if method is None:
             raise TranslationError(f"'{ast.unparse(node)}' is not known here: {SAID}")
-        found: Value = made(node)
-        return found
+        value: Value = method(node)
+        return value
 
     def number(self, node: ast.expr, kind: str = "") -> Value:
         """The value of an expression that must be a number, converted to a kind if one is given."""
-        found = self.value(node)
-        if not is_number(found.kind):
-            raise TranslationError(f"'{ast.unparse(node)}' is {said(found.kind)}; a number is needed here")
-        return self.converted(found, kind) if kind else found
+        value = self.value(node)
+        if not is_number(value.kind):
+            raise TranslationError(f"'{ast.unparse(node)}' is {said(value.kind)}; a number is needed here")
+        return self.converted(value, kind) if kind else value
 
     def index(self, node: ast.expr, size: str = "") -> str:
         """An index, checked against the size of its dimension, or a limit of a part."""
-        found = self.number(node)
-        if found.kind == "f":
+        value = self.number(node)
+        if value.kind == "f":
             raise TranslationError(f"'{ast.unparse(node)}' is a float; an index must be an integer")
-        place = self.converted(found, "i").parts[0]
-        if self.careful and not isinstance(found.thing, int):
+        place = self.converted(value, "i").parts[0]
+        if self.careful and not isinstance(value.thing, int):
             if not size:
                 raise TranslationError(f"'{ast.unparse(node)}': parts of an array have known limits here")
             below, moved = self.put(f"icmp slt i64 {place}, 0"), self.put(f"add i64 {place}, {size}")
             place = self.put(f"select i1 {below}, i64 {moved}, i64 {place}")
-        elif isinstance(found.thing, int) and found.thing < 0:
+        elif isinstance(value.thing, int) and value.thing < 0:
             if not (self.careful and size):
                 raise TranslationError(f"'{ast.unparse(node)}': an index cannot count from the end")
             place = self.put(f"add i64 {place}, {size}")
@@ -101,10 +101,10 @@ class Expressions(Writing, ABC):
     def _constant(self, node: ast.Constant) -> Value:
         if isinstance(node.value, int) and abs(node.value) >= 2**63:
             raise TranslationError(f"{node.value} has more than 64 bits")
-        found = Value(NOTHING, (), node.value) if isinstance(node.value, str) else known(node.value)
-        if found is None:
+        value = Value(NOTHING, (), node.value) if isinstance(node.value, str) else known(node.value)
+        if value is None:
             raise TranslationError(f"{node.value!r} is not known here: {SAID}")
-        return found
+        return value
 
     def _name(self, node: ast.Name) -> Value:
         if node.id in self.variables:
@@ -117,13 +117,13 @@ class Expressions(Writing, ABC):
 
     def _outside(self, thing: Any, node: ast.expr) -> Value:
         """Something from outside of the function that does not change."""
-        if (found := known(thing)) is not None:
-            return found
+        if (value := known(thing)) is not None:
+            return value
         if isinstance(thing, np.ndarray):
             return self.unit.constant(thing)
-        if isinstance(thing, tuple) and all(isinstance(one, tuple) or known(one) is not None for one in thing):
-            made = self.together([self._outside(one, node) for one in thing])
-            return made._replace(kind=Record(made.kind, thing._fields)) if hasattr(thing, "_fields") else made
+        if isinstance(thing, tuple) and all(isinstance(member, tuple) or known(member) is not None for member in thing):
+            record = self.together([self._outside(member, node) for member in thing])
+            return record._replace(kind=Record(record.kind, thing._fields)) if hasattr(thing, "_fields") else record
         if isinstance(thing, list) and self.careful and np.asarray(thing).dtype.kind in "iubf":
             return self.unit.constant(np.asarray(thing))
         if callable(thing) or isinstance(thing, ModuleType | Entry):
@@ -139,31 +139,31 @@ class Expressions(Writing, ABC):
         if isinstance(owner.kind, Record) and node.attr in owner.kind.names:
             return members(owner)[owner.kind.names.index(node.attr)]
         if is_array(owner.kind) and node.attr == "shape":
-            return self.together([Value("i", (one,)) for one in owner.parts[1:]])
+            return self.together([Value("i", (size,)) for size in owner.parts[1:]])
         raise TranslationError(f"'{ast.unparse(node)}' is not known here: {SAID}")
 
     def _tuple(self, node: ast.Tuple) -> Value:
-        return self.together([self.value(one) for one in node.elts])
+        return self.together([self.value(element) for element in node.elts])
 
     def _list(self, node: ast.List) -> Value:
         if not self.careful:
             raise TranslationError(f"'{ast.unparse(node)}' is not known here: {SAID}")
-        return self.together([self.value(one) for one in node.elts])
+        return self.together([self.value(element) for element in node.elts])
 
     # ---------------------------------------------------------------- arithmetic
     def _unaryop(self, node: ast.UnaryOp) -> Value:
-        given = self.number(node.operand)
+        operand = self.number(node.operand)
         if isinstance(node.op, ast.Not):
-            return Value("b", (self.put(f"xor i1 {self.true(given)}, true"),))
+            return Value("b", (self.put(f"xor i1 {self.true(operand)}, true"),))
         if isinstance(node.op, ast.UAdd):
-            return self.converted(given, joined(given.kind, "i"))
+            return self.converted(operand, joined(operand.kind, "i"))
         if not isinstance(node.op, ast.USub):
             raise TranslationError(f"'{ast.unparse(node)}' is not known here: {SAID}")
-        if given.thing is not None and given.kind != "b":
-            return known(-given.thing) or given
-        if given.kind == "f":
-            return Value("f", (self.put(f"fneg double {given.parts[0]}"),))
-        return Value("i", (self.put(f"sub i64 0, {self.converted(given, 'i').parts[0]}"),))
+        if operand.thing is not None and operand.kind != "b":
+            return known(-operand.thing) or operand
+        if operand.kind == "f":
+            return Value("f", (self.put(f"fneg double {operand.parts[0]}"),))
+        return Value("i", (self.put(f"sub i64 0, {self.converted(operand, 'i').parts[0]}"),))
 
     def _binop(self, node: ast.BinOp) -> Value:
         return self.combined(node.op, self.number(node.left), self.number(node.right))
@@ -171,17 +171,11 @@ class Expressions(Writing, ABC):
     def combined(self, op: ast.operator, a: Value, b: Value) -> Value:
         """Two numbers combined by an operator."""
         if type(op) in ON_BITS:
-            kind = joined(a.kind, b.kind)
-            if isinstance(op, ast.LShift | ast.RShift):
-                kind = joined(kind, "i")
-            if kind == "f":
-                raise TranslationError("bits of a float cannot be combined")
-            x, y = (self.converted(one, kind).parts[0] for one in (a, b))
-            return Value(kind, (self.put(f"{ON_BITS[type(op)]} {parts_of(kind)[0]} {x}, {y}"),))
+            return self._of_bits(op, a, b)
         if isinstance(op, ast.Pow):
             return self._power(a, b)
         kind = "f" if isinstance(op, ast.Div) else joined(joined(a.kind, b.kind), "i")
-        x, y = (self.converted(one, kind).parts[0] for one in (a, b))
+        x, y = (self.converted(operand, kind).parts[0] for operand in (a, b))
         if isinstance(op, ast.Div):
             return Value("f", (self.put(f"fdiv double {x}, {y}"),))
         if type(op) in ARITHMETIC:
@@ -199,25 +193,35 @@ class Expressions(Writing, ABC):
             return Value("i", (rest if isinstance(op, ast.Mod) else quotient,))
         raise TranslationError(f"{type(op).__name__} of {said(a.kind)} and {said(b.kind)} is not known here: {SAID}")
 
+    def _of_bits(self, op: ast.operator, a: Value, b: Value) -> Value:
+        """Two numbers combined bit by bit."""
+        kind = joined(a.kind, b.kind)
+        if isinstance(op, ast.LShift | ast.RShift):
+            kind = joined(kind, "i")
+        if kind == "f":
+            raise TranslationError("bits of a float cannot be combined")
+        x, y = (self.converted(operand, kind).parts[0] for operand in (a, b))
+        return Value(kind, (self.put(f"{ON_BITS[type(op)]} {parts_of(kind)[0]} {x}, {y}"),))
+
     def _power(self, a: Value, b: Value) -> Value:
         """a ** b; a whole power that is written as such is a product."""
         if b.kind == "i" and b.thing is not None and b.thing >= 0:
-            kind, left, found = joined(a.kind, "i"), b.thing, None
+            kind, left, product = joined(a.kind, "i"), b.thing, None
             word, factor = ("fmul double" if kind == "f" else "mul i64"), self.converted(a, kind).parts[0]
             while left:
                 if left & 1:
-                    found = factor if found is None else self.put(f"{word} {found}, {factor}")
+                    product = factor if product is None else self.put(f"{word} {product}, {factor}")
                 left >>= 1
                 if left:
                     factor = self.put(f"{word} {factor}, {factor}")
-            return Value(kind, (found or ("1" if kind == "i" else number(1.0)),))
+            return Value(kind, (product or ("1" if kind == "i" else number(1.0)),))
         return self._library("pow", a, b)
 
     def _remainder(self, x: str, y: str) -> Value:
         """x % y of floats, with the sign of y."""
         rest = self.put(f"frem double {x}, {y}")
         none = self.put(f"fcmp oeq double {rest}, {number(0.0)}")
-        below, negative = (self.put(f"fcmp olt double {one}, {number(0.0)}") for one in (rest, y))
+        below, negative = (self.put(f"fcmp olt double {side}, {number(0.0)}") for side in (rest, y))
         unlike = self.put(f"xor i1 {below}, {negative}")
         moved = self.put(f"select i1 {unlike}, double {self.put(f'fadd double {rest}, {y}')}, double {rest}")
         zero = self.called("double", "llvm.copysign.f64", [("double", number(0.0)), ("double", y)])
@@ -244,13 +248,13 @@ class Expressions(Writing, ABC):
         down = self.put(f"and i1 {self.put(f'icmp ne i64 {rest}, 0')}, {unlike}")
         lower = self.put(f"sub i64 {quotient}, {self.put(f'zext i1 {down} to i64')}")
         moved = self.put(f"add i64 {rest}, {self.put(f'select i1 {down}, i64 {divisor}, i64 0')}")
-        lower, moved = (self.put(f"select i1 {nothing}, i64 0, i64 {one}") for one in (lower, moved))
+        lower, moved = (self.put(f"select i1 {nothing}, i64 0, i64 {part}") for part in (lower, moved))
         return lower, moved
 
-    def _library(self, name: str, *given: Value) -> Value:
-        if len(given) != (2 if name in WITH_TWO else 1):
-            raise TranslationError(f"{name} with {len(given)} arguments is not known here")
-        numbers = [("double", self.converted(one, "f").parts[0]) for one in given]
+    def _library(self, name: str, *arguments: Value) -> Value:
+        if len(arguments) != (2 if name in WITH_TWO else 1):
+            raise TranslationError(f"{name} with {len(arguments)} arguments is not known here")
+        numbers = [("double", self.converted(argument, "f").parts[0]) for argument in arguments]
         return Value("f", (self.called("double", name, numbers, "readnone nounwind willreturn"),))
 
     # ---------------------------------------------------------------- choices
@@ -279,16 +283,16 @@ class Expressions(Writing, ABC):
     def _among(self, node: ast.Compare, left: Value, right: Value) -> str:
         if not isinstance(right.kind, tuple):
             raise TranslationError(f"'{ast.unparse(node)}': `in` is for tuples, not for {said(right.kind)}")
-        found = "false"
-        for one in members(right):
-            found = self.put(f"or i1 {found}, {self._compared(ast.Eq(), left, one)}")
-        return found
+        among = "false"
+        for member in members(right):
+            among = self.put(f"or i1 {among}, {self._compared(ast.Eq(), left, member)}")
+        return among
 
     def _compared(self, op: ast.cmpop, a: Value, b: Value) -> str:
         if type(op) not in COMPARISONS or not (is_number(a.kind) and is_number(b.kind)):
             raise TranslationError(f"{said(a.kind)} and {said(b.kind)} cannot be compared like this: {SAID}")
         kind, word = joined(joined(a.kind, b.kind), "i"), COMPARISONS[type(op)]
-        x, y = (self.converted(one, kind).parts[0] for one in (a, b))
+        x, y = (self.converted(operand, kind).parts[0] for operand in (a, b))
         if kind == "f":
             return self.put(f"fcmp {'u' if word == 'ne' else 'o'}{word} double {x}, {y}")
         return self.put(f"icmp {word if word in ('eq', 'ne') else 's' + word} i64 {x}, {y}")
@@ -296,13 +300,13 @@ class Expressions(Writing, ABC):
     def _boolop(self, node: ast.BoolOp) -> Value:
         """`and`, `or`: the first value that decides; the rest is not computed."""
         done = self.label()
-        for place, one in enumerate(node.values):
-            given = self.value(one)
-            self.keep(node, given)
+        for place, operand in enumerate(node.values):
+            value = self.value(operand)
+            self.keep(node, value)
             if place == len(node.values) - 1:
                 break
             more = self.label()
-            truth = self.true(given)
+            truth = self.true(value)
             self.branch(truth, *((more, done) if isinstance(node.op, ast.And) else (done, more)))
             self.begin(more)
         self.jump(done)
@@ -312,9 +316,9 @@ class Expressions(Writing, ABC):
     def _ifexp(self, node: ast.IfExp) -> Value:
         yes, no, done = self.label(), self.label(), self.label()
         self.branch(self.truth(node.test), yes, no)
-        for start, one in ((yes, node.body), (no, node.orelse)):
+        for start, branch in ((yes, node.body), (no, node.orelse)):
             self.begin(start)
-            self.keep(node, self.value(one))
+            self.keep(node, self.value(branch))
             self.jump(done)
         self.begin(done)
         return self.kept(node)
@@ -349,7 +353,7 @@ class Expressions(Writing, ABC):
         places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         if len(places) != int(owner.kind[1]):
             raise TranslationError(f"'{ast.unparse(node)}' is no element of {said(owner.kind)}")
-        at = [self.index(one, size) for one, size in zip(places, owner.parts[1:], strict=True)]
+        at = [self.index(index, size) for index, size in zip(places, owner.parts[1:], strict=True)]
         if len(at) == 1:
             return self.address(owner, at[0])
         return self.address(owner, self.put(f"add i64 {self.put(f'mul i64 {at[0]}, {owner.parts[2]}')}, {at[1]}"))
@@ -358,16 +362,16 @@ class Expressions(Writing, ABC):
         """The member of a tuple of numbers at a place that is computed."""
         several = members(owner)
         kind = joined(several[0].kind, several[len(several) - 1].kind) if several else NOTHING
-        for one in several:
-            kind = joined(kind, one.kind)
+        for value in several:
+            kind = joined(kind, value.kind)
         if not is_number(kind):
             raise TranslationError(f"'{ast.unparse(node)}': a member of {said(owner.kind)} is chosen by a known number")
         place, type_ = self.index(node.slice, str(len(several))), parts_of(kind)[0]
-        found, *others = (self.converted(one, kind).parts[0] for one in several)
+        chosen, *others = (self.converted(value, kind).parts[0] for value in several)
         for n, other in enumerate(others, 1):
             here = self.put(f"icmp eq i64 {place}, {n}")
-            found = self.put(f"select i1 {here}, {type_} {other}, {type_} {found}")
-        return Value(kind, (found,))
+            chosen = self.put(f"select i1 {here}, {type_} {other}, {type_} {chosen}")
+        return Value(kind, (chosen,))
 
     def _sliced(self, owner: Value, part: ast.Slice, node: ast.expr) -> Value:
         """Part of a vector, as far as the vector goes."""
@@ -386,80 +390,88 @@ class Expressions(Writing, ABC):
         called = self.value(node.func).thing
         if called is None:
             raise TranslationError(f"'{ast.unparse(node)}': kernels are called by name")
-        given = self._arguments(node)
+        arguments = self._arguments(node)
         user = python_function(called)
         if user is not None:
-            return self.kernel(user, self._in_order(user, given, node), node)
+            return self.kernel(user, self._in_order(user, arguments, node), node)
         if called in MAKING:
-            return self.made_array(called, given, node.keywords, node)
+            return self.made_array(called, arguments, node.keywords, node)
         if node.keywords and called is not zip:  # which may be strict
             raise TranslationError(f"'{ast.unparse(node)}': kernels are called with arguments in order")
         try:
-            found = self._known(called, given, node)
+            result = self._known(called, arguments, node)
         except IndexError:
             raise TranslationError(f"'{ast.unparse(node)}': arguments are missing") from None
-        return self.kernel(called, given, node) if found is None else found
+        return self.kernel(called, arguments, node) if result is None else result
 
     def _arguments(self, node: ast.Call) -> list[Value]:
-        given = []
-        for one in node.args:
-            if not isinstance(one, ast.Starred):
-                given.append(self.value(one))
-            elif isinstance((several := self.value(one.value)).kind, tuple):
-                given += members(several)
+        arguments = []
+        for argument in node.args:
+            if not isinstance(argument, ast.Starred):
+                arguments.append(self.value(argument))
+            elif isinstance((several := self.value(argument.value)).kind, tuple):
+                arguments += members(several)
             else:
-                raise TranslationError(f"'{ast.unparse(one)}': only a tuple is passed as several arguments")
-        return given
+                raise TranslationError(f"'{ast.unparse(argument)}': only a tuple is passed as several arguments")
+        return arguments
 
-    def _in_order(self, user: FunctionType, given: list[Value], node: ast.Call) -> list[Value]:
+    def _in_order(self, user: FunctionType, arguments: list[Value], node: ast.Call) -> list[Value]:
         """The arguments of a function of the user in order, with those that have their defaults."""
         code = user.__code__
         names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
         values = dict(user.__kwdefaults__ or {})
         values |= zip(names[: code.co_argcount][::-1], (user.__defaults__ or ())[::-1], strict=False)
-        named = {one.arg: self.value(one.value) for one in node.keywords}
-        found = list(given)
-        for name in names[len(given) :]:
+        named = {keyword.arg: self.value(keyword.value) for keyword in node.keywords}
+        ordered = list(arguments)
+        for name in names[len(arguments) :]:
             if name in named:
-                found.append(named.pop(name))
+                ordered.append(named.pop(name))
             elif name in values:
-                found.append(self._outside(values[name], node))
-        if len(found) != len(names) or None in named or named:
+                ordered.append(self._outside(values[name], node))
+        if len(ordered) != len(names) or None in named or named:
             raise TranslationError(f"'{ast.unparse(node)}': its arguments are not those of {user.__name__}")
-        return found
+        return ordered
 
-    def _known(self, called: Any, given: list[Value], node: ast.Call) -> Value | None:
+    def _known(self, called: Any, arguments: list[Value], node: ast.Call) -> Value | None:
         """The result of a function of Python, `math` or NumPy; None if it is none of these."""
         if called in ABSOLUTE or called in INTRINSIC:
-            return self._intrinsic(called, [self._of_number(one, node) for one in given])
-        if called is math.log and len(given) == 2:
-            return self.kernel(_logarithm, given, node)
+            return self._intrinsic(called, [self._of_number(argument, node) for argument in arguments])
+        if called is math.log and len(arguments) == 2:
+            return self.kernel(_logarithm, arguments, node)
         if called in LIBRARY:
-            return self._library(LIBRARY[called], *(self._of_number(one, node) for one in given))
-        if called in EXTREMES and len(given) == 1 and is_array(given[0].kind):
-            return self.kernel(_smallest if EXTREMES[called] == "lt" else _largest, given, node)
+            return self._library(LIBRARY[called], *(self._of_number(argument, node) for argument in arguments))
         if called in EXTREMES:
-            if called not in (min, max) and len(given) != 1:
-                raise TranslationError(f"'{ast.unparse(node)}': the second argument of NumPy is an axis")
-            several = members(given[0]) if len(given) == 1 and isinstance(given[0].kind, tuple) else given
-            return self._extreme(EXTREMES[called], [self._of_number(one, node) for one in several])
-        if called in CONVERSIONS and len(given) == 1:
-            if isinstance(given[0].thing, str) and called is float:
-                return known(float(given[0].thing))
-            return self._as(CONVERSIONS[called], self._of_number(given[0], node))
+            return self._extreme_of(called, arguments, node)
+        if called in CONVERSIONS and len(arguments) == 1:
+            if isinstance(arguments[0].thing, str) and called is float:
+                return known(float(arguments[0].thing))
+            return self._as(CONVERSIONS[called], self._of_number(arguments[0], node))
         if called in WRITTEN:
-            return self.kernel(WRITTEN[called], given, node)
-        if called is np.logical_not and len(given) == 1:
-            return Value("b", (self.put(f"xor i1 {self.true(given[0])}, true"),))
-        if called is len and isinstance(given[0].kind, tuple):
-            return known(len(given[0].kind))
-        if called is len and is_array(given[0].kind):
-            return Value("i", (given[0].parts[1],))
-        if called is enumerate and isinstance(given[0].kind, tuple) and len(given) == 1:
-            pairs = enumerate(members(given[0]))
-            return self.together([self.together([known(n) or one, one]) for n, one in pairs])
-        if called is zip and given and all(isinstance(one.kind, tuple) for one in given):
-            return self.together([self.together(some) for some in zip(*map(members, given), strict=False)])
+            return self.kernel(WRITTEN[called], arguments, node)
+        if called is np.logical_not and len(arguments) == 1:
+            return Value("b", (self.put(f"xor i1 {self.true(arguments[0])}, true"),))
+        return self._of_several(called, arguments)
+
+    def _extreme_of(self, called: Any, arguments: list[Value], node: ast.Call) -> Value:
+        """The smallest or largest number of an array, of a tuple, or of the arguments."""
+        if len(arguments) == 1 and is_array(arguments[0].kind):
+            return self.kernel(_smallest if EXTREMES[called] == "lt" else _largest, arguments, node)
+        if called not in (min, max) and len(arguments) != 1:
+            raise TranslationError(f"'{ast.unparse(node)}': the second argument of NumPy is an axis")
+        several = members(arguments[0]) if len(arguments) == 1 and isinstance(arguments[0].kind, tuple) else arguments
+        return self._extreme(EXTREMES[called], [self._of_number(value, node) for value in several])
+
+    def _of_several(self, called: Any, arguments: list[Value]) -> Value | None:
+        """The result of `len`, `enumerate` or `zip`; None if it is none of these."""
+        if called is len and isinstance(arguments[0].kind, tuple):
+            return known(len(arguments[0].kind))
+        if called is len and is_array(arguments[0].kind):
+            return Value("i", (arguments[0].parts[1],))
+        if called is enumerate and isinstance(arguments[0].kind, tuple) and len(arguments) == 1:
+            pairs = enumerate(members(arguments[0]))
+            return self.together([self.together([known(n) or member, member]) for n, member in pairs])
+        if called is zip and arguments and all(isinstance(argument.kind, tuple) for argument in arguments):
+            return self.together([self.together(some) for some in zip(*map(members, arguments), strict=False)])
         return None
 
     def _of_number(self, value: Value, node: ast.expr) -> Value:
@@ -469,43 +481,43 @@ class Expressions(Writing, ABC):
             )
         return value
 
-    def _intrinsic(self, called: Any, given: list[Value]) -> Value:
-        if given[0].kind != "f" and (called in ABSOLUTE or called in WHOLE):
-            x = self.converted(given[0], "i").parts[0]
+    def _intrinsic(self, called: Any, arguments: list[Value]) -> Value:
+        if arguments[0].kind != "f" and (called in ABSOLUTE or called in WHOLE):
+            x = self.converted(arguments[0], "i").parts[0]
             if called in WHOLE:
                 return Value("i", (x,))
             below = self.put(f"icmp slt i64 {x}, 0")
             return Value("i", (self.put(f"select i1 {below}, i64 {self.put(f'sub i64 0, {x}')}, i64 {x}"),))
         name = "fabs" if called in ABSOLUTE else INTRINSIC[called]
-        if len(given) != (2 if name in WITH_TWO else 1):
-            raise TranslationError(f"{name} with {len(given)} arguments is not known here")
-        numbers = [("double", self.converted(one, "f").parts[0]) for one in given]
-        found = Value("f", (self.called("double", f"llvm.{name}.f64", numbers),))
-        return self.whole_number(found) if called in WHOLE else found
+        if len(arguments) != (2 if name in WITH_TWO else 1):
+            raise TranslationError(f"{name} with {len(arguments)} arguments is not known here")
+        numbers = [("double", self.converted(argument, "f").parts[0]) for argument in arguments]
+        result = Value("f", (self.called("double", f"llvm.{name}.f64", numbers),))
+        return self.whole_number(result) if called in WHOLE else result
 
-    def _extreme(self, word: str, given: list[Value]) -> Value:
+    def _extreme(self, word: str, values: list[Value]) -> Value:
         """The largest or smallest of several numbers, as Python finds it, also with nan."""
         kind = "i"
-        for one in given:
-            kind = joined(kind, one.kind)
+        for value in values:
+            kind = joined(kind, value.kind)
         word = ("fcmp o" if kind == "f" else "icmp s") + word
         type_ = parts_of(kind)[0]
-        best, *others = (self.converted(one, kind).parts[0] for one in given)
+        best, *others = (self.converted(value, kind).parts[0] for value in values)
         for other in others:
             best = self.put(f"select i1 {self.put(f'{word} {type_} {other}, {best}')}, {type_} {other}, {type_} {best}")
         return Value(kind, (best,))
 
-    def _as(self, kind: str, given: Value) -> Value:
+    def _as(self, kind: str, value: Value) -> Value:
         if kind == "b":
-            return Value("b", (self.true(given),))
-        if kind == "i" and given.kind == "f":
-            return self.whole_number(given)
-        return self.converted(given, kind)
+            return Value("b", (self.true(value),))
+        if kind == "i" and value.kind == "f":
+            return self.whole_number(value)
+        return self.converted(value, kind)
 
     @abstractmethod
-    def kernel(self, called: Any, given: list[Value], node: ast.Call) -> Value:
+    def kernel(self, called: Any, arguments: list[Value], node: ast.Call) -> Value:
         """The result of another compiled function."""
 
     @abstractmethod
-    def made_array(self, called: Any, given: list[Value], keywords: Sequence[ast.keyword], node: ast.Call) -> Value:
+    def made_array(self, called: Any, arguments: list[Value], keywords: Sequence[ast.keyword], node: ast.Call) -> Value:
         """The array that a call of NumPy makes."""

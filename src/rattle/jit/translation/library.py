@@ -112,26 +112,26 @@ def _heaviside(x: Any, middle: Any) -> Any:
 
 
 def _total(values: Any) -> Any:
-    found = 0
-    for one in values:
-        found += one
-    return found
+    total = 0
+    for value in values:
+        total += value
+    return total
 
 
 def _smallest(values: Any) -> Any:
-    found = values[0]
-    for one in values:
-        if one < found:
-            found = one
-    return found
+    smallest = values[0]
+    for value in values:
+        if value < smallest:
+            smallest = value
+    return smallest
 
 
 def _largest(values: Any) -> Any:
-    found = values[0]
-    for one in values:
-        if one > found:
-            found = one
-    return found
+    largest = values[0]
+    for value in values:
+        if value > largest:
+            largest = value
+    return largest
 
 
 def _interp(x: Any, places: Any, values: Any) -> Any:

@@ -44,9 +44,9 @@ class Function(Calls):
     ) -> None:
         super().__init__(unit, function, careful)
         self.tree, self.given = tree, tuple(kinds)
-        self.names = [one.arg for one in (*tree.args.posonlyargs, *tree.args.args, *tree.args.kwonlyargs)]
+        self.names = [argument.arg for argument in (*tree.args.posonlyargs, *tree.args.args, *tree.args.kwonlyargs)]
         self.assigned = {
-            one.id for one in ast.walk(tree) if isinstance(one, ast.Name) and not isinstance(one.ctx, ast.Load)
+            node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load)
         }
         self.outer = False  # whether it is called by its address
 
@@ -60,8 +60,8 @@ class Function(Calls):
         for _ in range(MOST):
             self.restart()
             parameters = self._parameters()
-            for one in self.tree.body:
-                self.statement(one)
+            for node in self.tree.body:
+                self.statement(node)
             if self.open:
                 self._left(Value(NOTHING))
             if self.fails:
@@ -76,13 +76,13 @@ class Function(Calls):
     def _parameters(self) -> list[str]:
         """Parameters in LLVM's text; the arguments become variables."""
         parameters = []
-        for place, (kind, one) in enumerate(zip(self.given, self.names, strict=True)):
+        for place, (kind, name) in enumerate(zip(self.given, self.names, strict=True)):
             types = parts_of(kind)
             parts = tuple(f"%a{place}.{n}" for n in range(len(types)))
-            if one in self.assigned:
-                self.keep(one, Value(kind, parts))
+            if name in self.assigned:
+                self.keep(name, Value(kind, parts))
             else:
-                self.fixed[one] = Value(kind, parts)
+                self.fixed[name] = Value(kind, parts)
             parameters += [f"{type_} {part}" for type_, part in zip(types, parts, strict=True)]
         return parameters
 
@@ -94,7 +94,7 @@ class Function(Calls):
         """The instruction that returns without a result."""
         if self.outer:
             return "ret i32 1"
-        zeros = ", ".join(f"{one} {ZEROS[one]}" for one in parts_of(self.result or NOTHING))
+        zeros = ", ".join(f"{part} {ZEROS[part]}" for part in parts_of(self.result or NOTHING))
         return f"ret {self.whole()} {{ i32 1{', ' * bool(zeros)}{zeros} }}"
 
     def _left(self, value: Value) -> None:
@@ -107,15 +107,23 @@ class Function(Calls):
                 raise TranslationError(f"it returns {said(kind)}, not {said(self.result or NOTHING)}")
             self.changed |= self.result is not None
             self.result = kind
-        parts = [ZEROS[one] for one in parts_of(kind)]  # where the end is reached without a value
+        parts = [ZEROS[part] for part in parts_of(kind)]  # where the end is reached without a value
         if value.kind != NOTHING or kind == NOTHING:
             parts = list(self.converted(value, kind).parts)
-        if not self.outer:
-            made = "{ i32 0" + "".join(f", {one} undef" for one in parts_of(kind)) + " }"
-            for n, (type_, part) in enumerate(zip(parts_of(kind), parts, strict=True)):
-                made = self.put(f"insertvalue {self.whole()} {made}, {type_} {part}, {n + 1}")
-            self.end(f"ret {self.whole()} {made}")
-            return
+        if self.outer:
+            self._return_to_caller(kind, parts)
+        else:
+            self._return_inside(kind, parts)
+
+    def _return_inside(self, kind: Any, parts: Sequence[str]) -> None:
+        """Return within the unit: a structure of the status and the result."""
+        returned = "{ i32 0" + "".join(f", {part} undef" for part in parts_of(kind)) + " }"
+        for n, (type_, part) in enumerate(zip(parts_of(kind), parts, strict=True)):
+            returned = self.put(f"insertvalue {self.whole()} {returned}, {type_} {part}, {n + 1}")
+        self.end(f"ret {self.whole()} {returned}")
+
+    def _return_to_caller(self, kind: Any, parts: Sequence[str]) -> None:
+        """Return from a function that is called by its address: the result goes to its place."""
         for n, (type_, part) in enumerate(zip(parts_of(kind), parts, strict=True)):
             at = self.put(f"getelementptr {structure(kind)}, ptr %result, i32 0, i32 {n}")
             whole = self.put(f"zext i1 {part} to i8") if type_ == "i1" else part
@@ -128,14 +136,14 @@ class Function(Calls):
         if not self.open:
             return
         self.line = node.lineno
-        made = getattr(self, f"_{type(node).__name__.lower()}_", None)
-        if made is None:
+        method = getattr(self, f"_{type(node).__name__.lower()}_", None)
+        if method is None:
             raise TranslationError(f"'{ast.unparse(node).splitlines()[0]}' is not known here: {SAID}")
-        made(node)
+        method(node)
 
     def _all(self, nodes: Sequence[ast.stmt]) -> None:
-        for one in nodes:
-            self.statement(one)
+        for node in nodes:
+            self.statement(node)
 
     def _expr_(self, node: ast.Expr) -> None:
         if not isinstance(node.value, ast.Constant):  # a docstring
@@ -159,8 +167,8 @@ class Function(Calls):
     def _assign_(self, node: ast.Assign) -> None:
         value = self.value(node.value)
         self.require_own(value, node.value, self._makes(node.value) and len(node.targets) == 1)
-        for one in node.targets:
-            self._set(one, value)
+        for target in node.targets:
+            self._set(target, value)
 
     def _annassign_(self, node: ast.AnnAssign) -> None:
         if node.value is not None:
@@ -187,8 +195,8 @@ class Function(Calls):
             and isinstance(value.kind, tuple)
             and len(target.elts) == len(value.kind)
         ):
-            for one, part in zip(target.elts, members(value), strict=True):
-                self._set(one, part)
+            for element, part in zip(target.elts, members(value), strict=True):
+                self._set(element, part)
         elif isinstance(target, ast.Subscript) and is_array((owner := self.value(target.value)).kind):
             self.write(owner.kind[0], self.element(owner, target), value)
         else:
@@ -219,10 +227,10 @@ class Function(Calls):
 
     # ---------------------------------------------------------------- failures
     def _raise_(self, node: ast.Raise) -> None:
-        given = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
-        name = ast.unparse(given) if given is not None else ""
+        raised = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+        name = ast.unparse(raised) if raised is not None else ""
         known_here = isinstance(kind := getattr(builtins, name, None), type) and issubclass(kind, Exception)
-        words = [one.value for one in getattr(node.exc, "args", ()) if isinstance(one, ast.Constant)]
+        words = [argument.value for argument in getattr(node.exc, "args", ()) if isinstance(argument, ast.Constant)]
         told = f"{name if known_here else 'RuntimeError'}: {str(words[0]) if words else ast.unparse(node)}"
         self.fail(self.fault(f"{told} ({self.whereabouts()})"))
 
@@ -284,13 +292,13 @@ class Function(Calls):
         if not isinstance(over.kind, tuple):
             raise TranslationError(f"'{ast.unparse(node.iter)}': a loop goes over a range, a tuple or a vector")
         done = self.label()
-        for one in members(over):
+        for member in members(over):
             following = self.label()
             start = self.label()
             self.jump(start)
             self.begin(start)
-            self.require_own(one, node.iter, False)
-            self._set(node.target, one)
+            self.require_own(member, node.iter, False)
+            self._set(node.target, member)
             body = self.label()
             self.jump(body)
             self._turn(body, following, done, node)
@@ -302,7 +310,7 @@ class Function(Calls):
     def _counted(self, node: ast.For, over: Value | None = None) -> None:
         """A loop over a range, or over the numbers of a vector."""
         if over is None and isinstance(node.iter, ast.Call):
-            numbers = [self.converted(self.number(one), "i") for one in node.iter.args]
+            numbers = [self.converted(self.number(argument), "i") for argument in node.iter.args]
         elif over is not None:
             numbers = [Value("i", (over.parts[1],))]
         first, last = numbers[:2] if len(numbers) > 1 else (Value("i", ("0",), 0), numbers[0])

@@ -27,7 +27,7 @@ from rattle.jit.translation.statements import Function
 from rattle.jit.translation.values import TranslationError, Value, number
 from rattle.jit.workspace import ARRAYS
 
-PLACES = {name: (place, one.kind) for place, (name, one) in enumerate(ARRAYS.items())}
+PLACES = {name: (place, array.kind) for place, (name, array) in enumerate(ARRAYS.items())}
 FLOATS, WHOLE = ("double", number), ("i64", str)  # LLVM's type, and how a number is written
 # the same for all functions: what may share memory, what is seldom
 ABOUT = """
@@ -59,14 +59,14 @@ class Unit:
             raise TranslationError(f"an array of {array.dtype} with {array.ndim} dimensions is not known here")
         kept = np.ascontiguousarray(array, np.int64 if whole else np.float64)
         type_, write = WHOLE if whole else FLOATS
-        numbers = ", ".join(f"{type_} {write(one)}" for one in kept.ravel().tolist())
+        numbers = ", ".join(f"{type_} {write(entry)}" for entry in kept.ravel().tolist())
         name = self._named(f"private constant [{kept.size} x {type_}] [{numbers}], align 16")
         return Value(f"{'i' if whole else 'f'}{kept.ndim}", (name, *map(str, kept.shape)))
 
-    def text(self, said: str) -> str:
+    def text(self, words: str) -> str:
         """The address of a text."""
-        code = said.encode() + b"\0"
-        written = "".join(f"\\{one:02X}" for one in code)
+        code = words.encode() + b"\0"
+        written = "".join(f"\\{byte:02X}" for byte in code)
         return self._named(f'private constant [{len(code)} x i8] c"{written}"')
 
     def _named(self, what: str) -> str:
@@ -81,35 +81,41 @@ class Unit:
 
     def part(self, called: Any, kinds: Sequence[Any]) -> tuple[str, Any, bool]:
         """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
-        key, known = (called, tuple(kinds), self.checks), _users_parts if isfunction(called) else _parts
-        if key not in known:
+        key, parts = (called, tuple(kinds), self.checks), _users_parts if isfunction(called) else _parts
+        if key not in parts:
             if key in _under_way:
                 raise TranslationError(f"{called.__name__} calls itself; a function that does needs fixed types")
             _under_way.append(key)
             try:
                 name = f"{called.__module__}.{called.__name__}.{next(_numbers)}"
-                made = function(Unit(), getattr(called, "python", called), kinds, careful=isfunction(called))
-                text = told_where(made, lambda: made.written(name))
-                known[key] = Part(name, made.result if made.result is not None else "", made.fails, text, made.unit)
+                translation = function(Unit(), getattr(called, "python", called), kinds, careful=isfunction(called))
+                text = told_where(translation, lambda: translation.written(name))
+                parts[key] = Part(
+                    name,
+                    translation.result if translation.result is not None else "",
+                    translation.fails,
+                    text,
+                    translation.unit,
+                )
             finally:
                 _under_way.pop()
-        found = known[key]
-        self.parts[found.name] = found
-        return found.name, found.result, found.fails
+        part = parts[key]
+        self.parts[part.name] = part
+        return part.name, part.result, part.fails
 
     def whole(self, text: str) -> str:
         """The text of a function with all that it needs."""
         needed, ahead, declared = {}, list(self.parts.values()), dict(self.declared)
         while ahead:
-            one = ahead.pop()
-            if one.name not in needed:
-                needed[one.name] = one.text
-                declared |= one.unit.declared
-                ahead += one.unit.parts.values()
+            part = ahead.pop()
+            if part.name not in needed:
+                needed[part.name] = part.text
+                declared |= part.unit.declared
+                ahead += part.unit.parts.values()
         calls = Counter(_NAMED.findall("\n".join([*needed.values(), text])))  # and one for its own text
         inside = [
-            one.replace(") #0 {", ") #1 {", 1) if one.count("\n") < SMALL or calls[name] == 2 else one
-            for name, one in needed.items()
+            part.replace(") #0 {", ") #1 {", 1) if part.count("\n") < SMALL or calls[name] == 2 else part
+            for name, part in needed.items()
         ]
         return "\n".join([*declared.values(), *inside, text, ABOUT])
 
@@ -145,15 +151,15 @@ def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any], caref
     return Function(unit, python, tree, kinds, careful)
 
 
-def told_where(made: Function, write: Callable[[], str]) -> str:
+def told_where(translation: Function, write: Callable[[], str]) -> str:
     """The text of a function; an error says where it is."""
     try:
         return write()
     except TranslationError as error:
         if ", line " in str(error):
             raise
-        python = made.function
-        raise TranslationError(f"{python.__module__}.{python.__name__}, line {made.place}: {error}") from None
+        python = translation.function
+        raise TranslationError(f"{python.__module__}.{python.__name__}, line {translation.place}: {error}") from None
 
 
 def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> str:
@@ -164,8 +170,8 @@ def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) 
     _users_parts.clear()
     unit = Unit()
     result, kinds = kinds_of(letters)
-    made = function(unit, python, kinds)
-    return unit.whole(told_where(made, lambda: made.written(symbol, outer=result)))
+    translation = function(unit, python, kinds)
+    return unit.whole(told_where(translation, lambda: translation.written(symbol, outer=result)))
 
 
 def with_result(python: Callable[..., Any], kinds: Sequence[Any] | None) -> tuple[str, ...]:
@@ -173,9 +179,9 @@ def with_result(python: Callable[..., Any], kinds: Sequence[Any] | None) -> tupl
     if kinds is None:
         raise TranslationError(f"{python.__name__} takes numbers and contiguous arrays of float64 or int64")
     _users_parts.clear()
-    made = function(Unit(), python, kinds)
-    told_where(made, lambda: made.written("any"))
-    return letters_of(made.result or "", kinds)
+    translation = function(Unit(), python, kinds)
+    told_where(translation, lambda: translation.written("any"))
+    return letters_of(translation.result or "", kinds)
 
 
 def native(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> machine.Code:
@@ -197,7 +203,7 @@ def _compiled(text: str, symbol: str) -> machine.Code:
     So did unrolled and vectorised loops, and made a run no faster: most go over three coordinates or a few bodies.
     """
     module, target = machine.parsed(text), machine.target()
-    needs = [one.name for one in (*module.functions, *module.global_variables) if one.is_declaration]
+    needs = [part.name for part in (*module.functions, *module.global_variables) if part.is_declaration]
     module.triple, module.data_layout = llvm.get_process_triple(), str(target.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=1)
     options.loop_unrolling = options.loop_vectorization = options.slp_vectorization = False
@@ -208,20 +214,20 @@ def _compiled(text: str, symbol: str) -> machine.Code:
     together.add_post_order_function_attributes_pass()
     together.run(module, builder)
     each = builder.getFunctionPassManager()
-    for one in module.functions:
-        if not one.is_declaration:
-            each.run(one, builder)
-    made = bytes(target.emit_object(module))
-    return machine.Code(symbol, made, tuple(one for one in needs if not one.startswith("llvm.")))
+    for part in module.functions:
+        if not part.is_declaration:
+            each.run(part, builder)
+    object_code = bytes(target.emit_object(module))
+    return machine.Code(symbol, object_code, tuple(name for name in needs if not name.startswith("llvm.")))
 
 
 # ---------------------------------------------------------------- a small test
 def _look_up(table: np.ndarray, k: int) -> float:
-    found = math.inf
+    value = math.inf
     for n in range(table.shape[0]):
         if n == k:
-            found = 2.0 * table[n, 1]
-    return found + 1.0
+            value = 2.0 * table[n, 1]
+    return value + 1.0
 
 
 def check() -> None:
@@ -267,7 +273,7 @@ def _require_loaded(python: Callable[..., Any], tree: ast.FunctionDef) -> None:
     Functions with `assert` are let pass: tools that run tests load something else than their source.
     """
     code: Any = python.__code__
-    if any(isinstance(one, ast.Assert) for one in ast.walk(tree)):
+    if any(isinstance(node, ast.Assert) for node in ast.walk(tree)):
         return
     text = "".join(linecache.getlines(code.co_filename, getattr(python, "__globals__", None)))
     flags = code.co_flags & FUTURE
@@ -276,31 +282,31 @@ def _require_loaded(python: Callable[..., Any], tree: ast.FunctionDef) -> None:
     except (SyntaxError, ValueError):
         ahead = []
     while ahead:
-        one = ahead.pop()
-        if one.co_name == code.co_name and one.co_firstlineno == code.co_firstlineno and _alike(one, code):
+        node = ahead.pop()
+        if node.co_name == code.co_name and node.co_firstlineno == code.co_firstlineno and _alike(node, code):
             return
-        ahead += [part for part in one.co_consts if isinstance(part, CodeType)]
+        ahead += [part for part in node.co_consts if isinstance(part, CodeType)]
     raise TranslationError("its source is not the one that was loaded: it was changed since")
 
 
-def _alike(one: CodeType, other: CodeType) -> bool:
+def _alike(first: CodeType, other: CodeType) -> bool:
     """True for the same instructions on the same names and constants."""
-    parts = [[repr(x) for x in code.co_consts if not isinstance(x, CodeType)] for code in (one, other)]
-    return one.co_code == other.co_code and one.co_names == other.co_names and parts[0] == parts[1]
+    parts = [[repr(x) for x in code.co_consts if not isinstance(x, CodeType)] for code in (first, other)]
+    return first.co_code == other.co_code and first.co_names == other.co_names and parts[0] == parts[1]
 
 
 def _source_of_lambda(python: Callable[..., Any], text: str, line: int) -> ast.FunctionDef:
     """The same for a lambda that is the only one of its line with these arguments."""
     names = python.__code__.co_varnames[: python.__code__.co_argcount]
-    found = [
-        one
-        for one in ast.walk(ast.parse(text))
-        if isinstance(one, ast.Lambda) and one.lineno == line and tuple(arg.arg for arg in one.args.args) == names
+    lambdas = [
+        node
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Lambda) and node.lineno == line and tuple(arg.arg for arg in node.args.args) == names
     ]
-    if len(found) != 1:
+    if len(lambdas) != 1:
         raise TranslationError(f"line {line} has several functions without a name")
-    made = ast.FunctionDef("lambda", found[0].args, [ast.Return(found[0].body, lineno=1)], [])
-    for part in ast.walk(made):
+    tree = ast.FunctionDef("lambda", lambdas[0].args, [ast.Return(lambdas[0].body, lineno=1)], [])
+    for part in ast.walk(tree):
         if isinstance(part, ast.expr):
             part.lineno -= line - 1
-    return made
+    return tree

@@ -37,9 +37,9 @@ class Record(tuple[Any, ...]):
         """Kinds and names in the same order."""
         if len(kinds) != len(names):
             raise TranslationError(f"{len(names)} fields are expected ({', '.join(names)}), {len(kinds)} are given")
-        made = super().__new__(cls, kinds)
-        made.names = tuple(names)
-        return made
+        record = super().__new__(cls, kinds)
+        record.names = tuple(names)
+        return record
 
     def __eq__(self, other: object) -> bool:
         return tuple.__eq__(self, other) is True and self.names == getattr(other, "names", None)
@@ -66,7 +66,7 @@ class Value(NamedTuple):
 def parts_of(kind: Any) -> list[str]:
     """LLVM's types of the parts of a kind."""
     if isinstance(kind, tuple):
-        return [part for one in kind for part in parts_of(one)]
+        return [part for member in kind for part in parts_of(member)]
     return list(PARTS[kind])
 
 
@@ -85,25 +85,25 @@ def is_array(kind: Any) -> bool:
     return isinstance(kind, str) and len(kind) == 2
 
 
-def joined(one: Any, other: Any) -> Any:
+def joined(kind: Any, other: Any) -> Any:
     """The kind to which both can be converted.  Raises TranslationError if there is none."""
-    if one == other:
-        return one
-    if is_number(one) and is_number(other):
-        return max(one, other, key=NUMBERS.index)
-    if isinstance(one, tuple) and isinstance(other, tuple) and len(one) == len(other):
-        return tuple(joined(a, b) for a, b in zip(one, other, strict=True))
-    raise TranslationError(f"a value is {said(one)} in one place and {said(other)} in another")
+    if kind == other:
+        return kind
+    if is_number(kind) and is_number(other):
+        return max(kind, other, key=NUMBERS.index)
+    if isinstance(kind, tuple) and isinstance(other, tuple) and len(kind) == len(other):
+        return tuple(joined(a, b) for a, b in zip(kind, other, strict=True))
+    raise TranslationError(f"a value is {said(kind)} in one place and {said(other)} in another")
 
 
 def members(value: Value) -> list[Value]:
     """The members of a tuple."""
-    found, first = [], 0
+    values, first = [], 0
     for kind in value.kind:
         last = first + len(parts_of(kind))
-        found.append(Value(kind, value.parts[first:last]))
+        values.append(Value(kind, value.parts[first:last]))
         first = last
-    return found
+    return values
 
 
 def number(x: float) -> str:
@@ -124,25 +124,25 @@ def known(thing: Any) -> Value | None:
 
 def kinds_given(args: Sequence[Any]) -> tuple[Any, ...] | None:
     """The kinds of arguments from Python; None if one is of no kind."""
-    found = []
-    for one in args:
-        value = known(one)
+    kinds = []
+    for argument in args:
+        value = known(argument)
         if value is not None:
-            found.append("i" if value.kind == "b" else value.kind)
-        elif isinstance(one, np.ndarray) and one.ndim in (1, 2) and one.dtype in (np.float64, np.int64):
-            found.append(f"{'f' if one.dtype == np.float64 else 'i'}{one.ndim}")
-        elif hasattr(one, "address"):
-            found.append("h")
+            kinds.append("i" if value.kind == "b" else value.kind)
+        elif isinstance(argument, np.ndarray) and argument.ndim in (1, 2) and argument.dtype in (np.float64, np.int64):
+            kinds.append(f"{'f' if argument.dtype == np.float64 else 'i'}{argument.ndim}")
+        elif hasattr(argument, "address"):
+            kinds.append("h")
         else:
             return None
-    return tuple(found)
+    return tuple(kinds)
 
 
 def python_function(called: Any) -> FunctionType | None:
     """The Python function of a user that is called, also within one of Numba's; None for anything else."""
     inside = getattr(called, "py_func", called)
-    known = isinstance(inside, FunctionType) and not _OURS.match(inside.__module__ or "")
-    return inside if known else None
+    foreign = isinstance(inside, FunctionType) and not _OURS.match(inside.__module__ or "")
+    return inside if foreign else None
 
 
 _OURS = re.compile(

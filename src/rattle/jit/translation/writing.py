@@ -38,7 +38,7 @@ class Unit(Protocol):
     def constant(self, array: np.ndarray) -> Value:
         """An array that does not change."""
 
-    def text(self, said: str) -> str:
+    def text(self, words: str) -> str:
         """The address of a text."""
 
     def declare(self, name: str, line: str) -> None:
@@ -97,9 +97,9 @@ class Writing:
 
     def put(self, instruction: str) -> str:
         """An instruction with a result; returns its name."""
-        found = self.name()
-        self.lines.append(f"  {found} = {instruction}")
-        return found
+        name = self.name()
+        self.lines.append(f"  {name} = {instruction}")
+        return name
 
     def do(self, instruction: str) -> None:
         """An instruction without a result."""
@@ -129,11 +129,11 @@ class Writing:
         """Go on at one of two labels."""
         self.end(f"br i1 {truth}, label %{yes}, label %{no}")
 
-    def called(self, result: str, name: str, given: Sequence[tuple[str, str]], marks: str = "") -> str:
+    def called(self, result: str, name: str, arguments: Sequence[tuple[str, str]], marks: str = "") -> str:
         """Call of a function from outside; returns its result."""
-        types = ", ".join(kind for kind, _ in given)
+        types = ", ".join(kind for kind, _ in arguments)
         self.unit.declare(name, f'declare {result} @"{name}"({types}) {marks}')
-        return self.put(f'call {result} @"{name}"({", ".join(" ".join(one) for one in given)})')
+        return self.put(f'call {result} @"{name}"({", ".join(" ".join(argument) for argument in arguments)})')
 
     def fail_if(self, truth: str, before: str = "") -> None:
         """Fail where something is true, after an instruction."""
@@ -171,7 +171,7 @@ class Writing:
         """The present value of a variable."""
         kind = self.kinds[key]
         loads = (f"load {type_}, ptr {place}" for type_, place in zip(parts_of(kind), self._places(key), strict=True))
-        return Value(kind, tuple(self.put(one) for one in loads))
+        return Value(kind, tuple(self.put(load) for load in loads))
 
     def load(self, name: str) -> Value:
         """The value of a variable of the function."""
@@ -183,16 +183,16 @@ class Writing:
 
     def stack(self) -> list[str]:
         """Instructions that make room for all variables, with zeros."""
-        found = [f"  %r{n} = alloca {type_}" for n, type_ in enumerate(self.rooms)]
+        lines = [f"  %r{n} = alloca {type_}" for n, type_ in enumerate(self.rooms)]
         for key, places in self.places.items():
             for place, type_ in zip(places, parts_of(self.kinds[key]), strict=True):
-                found += [f"  {place} = alloca {type_}", f"  store {type_} {ZEROS[type_]}, ptr {place}"]
-        return found
+                lines += [f"  {place} = alloca {type_}", f"  store {type_} {ZEROS[type_]}, ptr {place}"]
+        return lines
 
     # ---------------------------------------------------------------- values
     def together(self, values: Sequence[Value]) -> Value:
         """A tuple of values."""
-        return Value(tuple(one.kind for one in values), tuple(part for one in values for part in one.parts))
+        return Value(tuple(value.kind for value in values), tuple(part for value in values for part in value.parts))
 
     def converted(self, value: Value, kind: Any) -> Value:
         """A value as another kind: numbers from truth to integer to float, and tuples of them."""
@@ -233,7 +233,7 @@ class Writing:
             for n in range(1 + int(kind[1]))
         )
         first = self.put(f"load ptr, ptr {address}, align 8, !invariant.load !4")
-        sizes = (self.put(f"load i64, ptr {one}, align 8, !invariant.load !4") for one in shape)
+        sizes = (self.put(f"load i64, ptr {size}, align 8, !invariant.load !4") for size in shape)
         return Value(kind, (first, *sizes))
 
     def address(self, array: Value, place: str) -> str:

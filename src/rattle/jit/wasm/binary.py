@@ -98,10 +98,10 @@ class Reader:
         """A number that is not negative."""
         value = shift = 0
         while True:
-            one = self.byte()
-            value |= (one & 0x7F) << shift
+            byte = self.byte()
+            value |= (byte & 0x7F) << shift
             shift += 7
-            if one < 0x80:
+            if byte < 0x80:
                 return value
             if shift > 63:
                 raise BrokenModule("a number of a WebAssembly module is too long")
@@ -150,7 +150,7 @@ def sections(module: bytes) -> Iterator[Section]:
 
 def written(parts: Iterable[Section]) -> bytes:
     """A module of these sections."""
-    return MAGIC + b"".join(bytes([one.kind]) + sized(one.body) for one in parts)
+    return MAGIC + b"".join(bytes([part.kind]) + sized(part.body) for part in parts)
 
 
 def custom(name: str, content: bytes) -> Section:
@@ -160,24 +160,24 @@ def custom(name: str, content: bytes) -> Section:
 
 def custom_sections(module: bytes) -> dict[str, bytes]:
     """What stands in the sections that the machine ignores, by name."""
-    found = {}
+    sections_by_name = {}
     for section in sections(module):
         if section.kind == CUSTOM:
             reader = Reader(section.body)
             name = reader.name()
-            found[name] = reader.content[reader.at :]
-    return found
+            sections_by_name[name] = reader.content[reader.at :]
+    return sections_by_name
 
 
 def imports(module: bytes) -> list[tuple[str, int]]:
     """Names and kinds of what a module needs from outside."""
-    found = []
+    entries = []
     for body in (section.body for section in sections(module) if section.kind == IMPORT):
         reader = Reader(body)
         for _ in range(reader.unsigned()):
             reader.name()  # of a module
             name, kind = reader.name(), reader.byte()
-            found.append((name, kind))
+            entries.append((name, kind))
             if kind == OF_FUNCTION:
                 reader.unsigned()
             elif kind == OF_GLOBAL:
@@ -186,7 +186,7 @@ def imports(module: bytes) -> list[tuple[str, int]]:
                 if kind == OF_TABLE:
                     reader.byte()
                 _limits(reader)
-    return found
+    return entries
 
 
 def _limits(reader: Reader) -> tuple[int, int]:
@@ -197,29 +197,29 @@ def _limits(reader: Reader) -> tuple[int, int]:
 
 def exports(module: bytes) -> list[str]:
     """Names of what a module offers."""
-    found = []
+    entries = []
     for body in (section.body for section in sections(module) if section.kind == EXPORT):
         reader = Reader(body)
         for _ in range(reader.unsigned()):
-            found.append(reader.name())
+            entries.append(reader.name())
             reader.byte()
             reader.unsigned()
-    return found
+    return entries
 
 
 def segments(body: bytes) -> list[tuple[int, bytes]]:
     """Pieces of memory of a section of data: where each begins, and its bytes."""
-    reader, found = Reader(body), []
+    reader, entries = Reader(body), []
     for _ in range(reader.unsigned()):
         if reader.unsigned() != 0:
             raise BrokenModule("a piece of data of a WebAssembly module has no place")
-        found.append((reader.constant(), reader.sized()))
-    return found
+        entries.append((reader.constant(), reader.sized()))
+    return entries
 
 
 def symbols(linking: bytes, pieces: list[tuple[int, bytes]]) -> dict[str, Symbol]:
     """Functions and data that an object defines, by name; linking: its section of that name."""
-    reader, found = Reader(linking), {}
+    reader, table = Reader(linking), {}
     reader.unsigned()  # version
     while reader:
         kind, part = reader.unsigned(), Reader(reader.sized())
@@ -231,7 +231,7 @@ def symbols(linking: bytes, pieces: list[tuple[int, bytes]]) -> dict[str, Symbol
                 name = part.name()
                 if not flags & NOT_DEFINED:
                     piece, offset, _ = part.unsigned(), part.unsigned(), part.unsigned()
-                    found[name] = Symbol(1, offset if flags & ABSOLUTE else pieces[piece][0] + offset)
+                    table[name] = Symbol(1, offset if flags & ABSOLUTE else pieces[piece][0] + offset)
             elif what == 3:
                 part.unsigned()
             else:
@@ -239,8 +239,8 @@ def symbols(linking: bytes, pieces: list[tuple[int, bytes]]) -> dict[str, Symbol
                 if not flags & NOT_DEFINED or flags & NAMED:
                     name = part.name()
                     if what == 0 and not flags & NOT_DEFINED:
-                        found[name] = Symbol(0, number)
-    return found
+                        table[name] = Symbol(0, number)
+    return table
 
 
 # ---------------------------------------------------------------- from an object to a module
@@ -256,32 +256,32 @@ class Linked(NamedTuple):
         return int.from_bytes(self.memory[place : place + 4], "little")
 
 
-def linked(made: bytes) -> Linked:
+def linked(object_code: bytes) -> Linked:
     """An object of LLVM taken apart.  Raises BrokenModule, with their names, for functions that it does not have."""
-    missing = sorted(name for name, kind in imports(made) if kind == OF_FUNCTION)
+    missing = sorted(name for name, kind in imports(object_code) if kind == OF_FUNCTION)
     if missing:
         raise BrokenModule(f"functions are needed from outside: {', '.join(missing)}")
-    parts = {one.kind: one.body for one in sections(made) if one.kind != CUSTOM}
+    parts = {section.kind: section.body for section in sections(object_code) if section.kind != CUSTOM}
     pieces = segments(parts.get(DATA, b"\0"))
     memory = bytearray(max([start + len(piece) for start, piece in pieces], default=0))
     for start, piece in pieces:
         memory[start : start + len(piece)] = piece
-    return Linked(parts, symbols(custom_sections(made)["linking"], pieces), bytes(memory))
+    return Linked(parts, symbols(custom_sections(object_code)["linking"], pieces), bytes(memory))
 
 
-def top(one: Linked, stack: int) -> int:
+def top(linked_module: Linked, stack: int) -> int:
     """The first free place in the memory of a module, behind its data and a stack of so many bytes."""
-    return -(-(len(one.memory) + stack) // 16) * 16
+    return -(-(len(linked_module.memory) + stack) // 16) * 16
 
 
-def module(one: Linked, offered: Mapping[str, str], stack: int, extra: Iterable[Section]) -> bytes:
+def module(linked_module: Linked, offered: Mapping[str, str], stack: int, extra: Iterable[Section]) -> bytes:
     """The module that offers its memory and these functions, names by symbols.
 
     stack: its size in bytes; it is filled from its end.
     """
-    end = top(one, stack)
+    end = top(linked_module, stack)
     pages = -(-end // PAGE)
-    elements = Reader(one.parts.get(ELEMENT, b"\0"))
+    elements = Reader(linked_module.parts.get(ELEMENT, b"\0"))
     entries = 1  # the first stands for no function
     for _ in range(elements.unsigned()):
         if elements.unsigned() != 0:
@@ -289,10 +289,10 @@ def module(one: Linked, offered: Mapping[str, str], stack: int, extra: Iterable[
         entries = max(entries, elements.constant() + (count := elements.unsigned()))
         for _ in range(count):
             elements.unsigned()
-    numbers = ((name, one.symbols[symbol].value) for name, symbol in sorted(offered.items()))
+    numbers = ((name, linked_module.symbols[symbol].value) for name, symbol in sorted(offered.items()))
     functions = [sized(name.encode()) + bytes([OF_FUNCTION]) + unsigned(number) for name, number in numbers]
     offers = [sized(b"memory") + bytes([OF_MEMORY]) + unsigned(0), *functions]
-    data = listed([b"\0" + _placed(0) + sized(one.memory)])
+    data = listed([b"\0" + _placed(0) + sized(linked_module.memory)])
     own = {
         TABLE: listed([bytes([FUNCREF, 1]) + unsigned(entries) + unsigned(entries)]),
         MEMORY: listed([b"\0" + unsigned(pages)]),
@@ -300,7 +300,7 @@ def module(one: Linked, offered: Mapping[str, str], stack: int, extra: Iterable[
         EXPORT: listed(offers),
         DATA: data,
     }
-    kept = {kind: body for kind, body in one.parts.items() if kind not in (IMPORT, DATA_COUNT)} | own
+    kept = {kind: body for kind, body in linked_module.parts.items() if kind not in (IMPORT, DATA_COUNT)} | own
     ordered = [Section(kind, kept[kind]) for kind in ORDER if kind in kept]
     return written([*ordered, *extra])
 

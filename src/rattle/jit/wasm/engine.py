@@ -38,7 +38,10 @@ REMAINDER = re.compile(r"frem double (\S+), (\S+)")
 
 def layout() -> str:
     """What a workspace is in memory, as a short text: another one means another engine."""
-    about = [(name, one.kind) for name, one in ARRAYS.items()], {name: len(one) for name, one in COLUMNS.items()}
+    about = (
+        [(name, array.kind) for name, array in ARRAYS.items()],
+        {name: len(columns) for name, columns in COLUMNS.items()},
+    )
     return hashlib.sha256(repr((about, families.SIGNATURE, families.BY_PLACE)).encode()).hexdigest()[:16]
 
 
@@ -111,36 +114,36 @@ def engine(linked: Linked, library: str, more: Mapping[str, Any]) -> bytes:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(TRIPLE).create_target_machine(opt=2, features=FEATURES, reloc="static")
-    made = binary.linked(bytes(target.emit_object(_optimised(whole_text(linked, library), target))))
-    if made.symbols["rattle.nothing"].value != 0:
+    linked_module = binary.linked(bytes(target.emit_object(_optimised(whole_text(linked, library), target))))
+    if linked_module.symbols["rattle.nothing"].value != 0:
         raise binary.BrokenModule("something stands at address 0 of the engine")
-    numbers = {symbol: _number(made, symbol, family) for symbol, family in linked.kernels.items()}
+    numbers = {symbol: _number(linked_module, symbol, family) for symbol, family in linked.kernels.items()}
     told = {
         "layout": layout(),
         "llvmlite": importlib.import_module("llvmlite").__version__,
         "calls": {name: list(letters) for name, letters in linked.offered.items()},
-        "arrays": [[name, one.kind] for name, one in ARRAYS.items()],
+        "arrays": [[name, array.kind] for name, array in ARRAYS.items()],
         "kernels": numbers,
-        "traps": {family: _number(made, f"trap.{family}", family) for family in families.SIGNATURE},
-        "told": made.symbols[TOLD].value,
+        "traps": {family: _number(linked_module, f"trap.{family}", family) for family in families.SIGNATURE},
+        "told": linked_module.symbols[TOLD].value,
         **more,
     }
     offered = {f"call {name}": f"call.{name}" for name in linked.offered}
-    told["free"] = binary.top(made, STACK)
+    told["free"] = binary.top(linked_module, STACK)
     section = binary.custom(SECTION, json.dumps(told, separators=(",", ":")).encode())
-    return binary.module(made, offered, STACK, [section])
+    return binary.module(linked_module, offered, STACK, [section])
 
 
-def _number(made: binary.Linked, name: str, family: str) -> int:
+def _number(linked_module: binary.Linked, name: str, family: str) -> int:
     """What stands for a kernel of a family in tables."""
-    slot = made.symbols[f"slot.{name}"].value
-    return slot if family in families.BY_PLACE else made.word(slot)
+    slot = linked_module.symbols[f"slot.{name}"].value
+    return slot if family in families.BY_PLACE else linked_module.word(slot)
 
 
 def about(module: bytes) -> dict[str, Any]:
     """What an engine says of itself.  Raises BrokenModule for another module."""
-    found = binary.custom_sections(module)
-    if SECTION not in found:
+    custom = binary.custom_sections(module)
+    if SECTION not in custom:
         raise binary.BrokenModule("this WebAssembly module is no engine of rattle")
-    told: dict[str, Any] = json.loads(found[SECTION])
+    told: dict[str, Any] = json.loads(custom[SECTION])
     return told
