@@ -50,9 +50,9 @@ class AnalysedModel(WrittenModel):
         run once: its start has no notes, and its results do not hold the model.  Raises ModelError.
         """
         beside = self._beside_its_start
-        made = beside._of_its_form(values, told) or beside.set(values)
-        made._told = told
-        return made
+        neighbour = beside._of_its_form(values, told) or beside.set(values)
+        neighbour._told = told
+        return neighbour
 
     def _of_its_form(self, values: Mapping[str, Any], told: bool) -> Self | None:
         """As `neighbour` for numbers of parameters, without reading; None where the model has to be read.
@@ -61,7 +61,7 @@ class AnalysedModel(WrittenModel):
         """
         from rattle.analyses.model_form import FORM_PAYS
 
-        if not values or not all(isinstance(one, float) and math.isfinite(one) for one in values.values()):
+        if not values or not all(isinstance(value, float) and math.isfinite(value) for value in values.values()):
             return None
         names = tuple(values)
         form, asked = self._forms.get(names, (None, 0))
@@ -69,13 +69,13 @@ class AnalysedModel(WrittenModel):
             if asked + 1 == FORM_PAYS:
                 form = self._form(names)
             self._forms[names] = form, asked + 1
-        if form is None or (found := form.at(list(values.values()))) is None:
+        if form is None or (formed := form.at(list(values.values()))) is None:
             return None
-        made = self._changed(values, shared=not told)
-        made.__dict__["model"] = found.model
-        if found.system is not None:
-            made.__dict__["system"] = found.system
-        return made
+        mechanism = self._changed(values, shared=not told)
+        mechanism.__dict__["model"] = formed.model
+        if formed.system is not None:
+            mechanism.__dict__["system"] = formed.system
+        return mechanism
 
     @cached_property
     def _forms(self) -> dict[tuple[str, ...], tuple[ModelForm | None, int]]:
@@ -86,12 +86,12 @@ class AnalysedModel(WrittenModel):
         """What is left of this model without the numbers that follow from these parameters; None if that is unknown."""
         from rattle.analyses.model_form import ModelForm
 
-        known = self.parameters
-        if not set(names) <= known.keys():
+        parameters = self.parameters
+        if not set(names) <= parameters.keys():
             return None
         try:
-            made = self.set({name: known[name] for name in names})
-            return ModelForm(made._document, made.model, names)
+            mechanism = self.set({name: parameters[name] for name in names})
+            return ModelForm(mechanism._document, mechanism.model, names)
         except (TraceError, ModelError):
             return None
 
@@ -103,9 +103,9 @@ class AnalysedModel(WrittenModel):
             return self
         from rattle.analyses.assembly.assembly import near_places
 
-        made = self.set()
-        made._near, made._near_shut = near_places(self.system, start)
-        return made
+        mechanism = self.set()
+        mechanism._near, mechanism._near_shut = near_places(self.system, start)
+        return mechanism
 
     def recorded(self, parameters: Sequence[str] = ()) -> RecordedModel:
         """The model as a graph whose inputs are time, state and these parameters.

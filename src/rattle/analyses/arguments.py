@@ -20,43 +20,43 @@ def number(name: str, value: Any) -> float:
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         raise WrongType(f"{name} must be a number, got {value!r:.60}")
     try:
-        found = float(value)
+        result = float(value)
     except OverflowError:
-        found = math.inf
-    if not math.isfinite(found):
-        raise InputError(f"{name} must be a finite number, got {found}")
-    return found
+        result = math.inf
+    if not math.isfinite(result):
+        raise InputError(f"{name} must be a finite number, got {result}")
+    return result
 
 
 def positive(name: str, value: Any) -> float:
     """The value as a positive, finite float (any unit).  Raises as `number` does."""
     try:
-        found = number(name, value)
+        result = number(name, value)
     except WrongType:
         raise
     except InputError:
-        found = math.nan
-    if not found > 0.0:
+        result = math.nan
+    if not result > 0.0:
         raise InputError(f"{name} must be positive and finite, got {value!s:.60}")
-    return found
+    return result
 
 
 def relative_tolerance(value: Any) -> float:
     """A relative tolerance [-] within the range of double precision.  Raises as `number` does."""
-    found = positive("rtol", value)
-    if found < TIGHTEST:
-        raise InputError(f"rtol = {found:g} is below the digits that numbers have; expected {TIGHTEST:g} or more")
-    if found >= 1.0:
-        raise InputError(f"rtol = {found:g} leaves no correct digit; 1e-3 is coarse, 1e-8 the default")
-    return found
+    tolerance = positive("rtol", value)
+    if tolerance < TIGHTEST:
+        raise InputError(f"rtol = {tolerance:g} is below the digits that numbers have; expected {TIGHTEST:g} or more")
+    if tolerance >= 1.0:
+        raise InputError(f"rtol = {tolerance:g} leaves no correct digit; 1e-3 is coarse, 1e-8 the default")
+    return tolerance
 
 
 def effort(value: Any) -> float:
     """Work of a search [-], 1 being the usual amount.  Raises as `number` does, and ValueError above MOST_EFFORT."""
-    found = positive("effort", value)
-    if found > MOST_EFFORT:
-        raise InputError(f"effort must be at most {MOST_EFFORT:g} (1 is the usual work of a search), got {found:g}")
-    return found
+    work = positive("effort", value)
+    if work > MOST_EFFORT:
+        raise InputError(f"effort must be at most {MOST_EFFORT:g} (1 is the usual work of a search), got {work:g}")
+    return work
 
 
 def whole(name: str, value: Any, least: int, most: int = MOST_POINTS) -> int:

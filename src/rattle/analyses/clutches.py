@@ -34,11 +34,11 @@ def require_known_torques(system: System, what: str, also_smooth: bool = False) 
     names = [name for name, _, smooth in _clutches(system) if also_smooth or not smooth]
     if names:
         listed = ", ".join(f"'{name}'" for name in names)
-        said = (
+        words = (
             f"{what} does not determine the torque of {listed}: a clutch that holds passes whatever torque the motion"
             " has led to, one that is overrun none; use simulate, or put a torsion-spring load in the place of each"
         )
-        raise ModelError([Problem(("joints", names[0]), said)])
+        raise ModelError([Problem(("joints", names[0]), words)])
 
 
 def run_backwards(system: System, t: np.ndarray, raw: np.ndarray) -> list[str]:

@@ -60,7 +60,7 @@ def elastic_bushes(m: Loosened, t_end: float) -> tuple[dict[str, tuple[float, fl
             f"joints.{name}.contact": _with_stiffness(stiff.contact_of(name), SOFTER * _stiffness(stiff, name))
             for name in words
         }
-        peaks = [_peaks(one, t_end, list(words)) for one in (stiff.set(softer), stiff)]
+        peaks = [_peaks(mechanism, t_end, list(words)) for mechanism in (stiff.set(softer), stiff)]
     except (ModelError, AssemblyError, InputError):
         return {}, {}
     if not all(peaks):
@@ -80,21 +80,21 @@ def _stiff(m: Loosened) -> tuple[Loosened, dict[str, str]]:
         written: dict[str, Any] = {"model": table} if isinstance(table, str) else dict(table)
         own = rigid_restitution(joint.contact.fields)
         written["restitution"] = max(own, LEAST_RESTITUTION)
-        given = any(key == "stiffness" or key.endswith("material") for key in written)
-        if given:
-            said = "of the stated material"
+        stated = any(key == "stiffness" or key.endswith("material") for key in written)
+        if stated:
+            bush = "of the stated material"
         elif joint.play.from_materials:
             radius = joint.contact.bush_radius or RADII * joint.clearance
             assumed = "" if joint.contact.bush_radius else f", assumed bush radius {1e3 * radius:.3g} mm"
             written |= {"bush_radius": radius, "bush_material": "steel", "pin_material": "steel"}
-            said = f"steel{assumed}"
+            bush = f"steel{assumed}"
         else:
             written |= {"stiffness": CORNER, "exponent": 1.5}
-            said = f"assumed stiffness {CORNER:.0e} N/m^1.5"
+            bush = f"assumed stiffness {CORNER:.0e} N/m^1.5"
         changes[f"joints.{name}.contact"] = written
         if own < LEAST_RESTITUTION:
-            said += f", restitution {LEAST_RESTITUTION:g} in place of {own:g}"
-        words[name] = f"{said}; full stiffness of Hertz and a hundredth of it"
+            bush += f", restitution {LEAST_RESTITUTION:g} in place of {own:g}"
+        words[name] = f"{bush}; full stiffness of Hertz and a hundredth of it"
     return (m.set(changes) if changes else m), words
 
 

@@ -26,8 +26,8 @@ _known: dict[Any, str] = {}
 
 def law_faults(model: Model) -> list[str]:
     """Faults of the user's laws of a model in words, joint by joint; empty if there are none."""
-    found = []
-    for name, contact in ((name, one) for name, joint in model.joints.items() for one in joint.contacts):
+    faults = []
+    for name, contact in ((name, contact) for name, joint in model.joints.items() for contact in joint.contacts):
         if contact.normal is None:
             continue
         laws = (("normal", contact.normal), ("friction", contact.friction))
@@ -35,8 +35,8 @@ def law_faults(model: Model) -> list[str]:
             if choice is not None and isinstance(_kind(family, choice.kind).kernel, ContactLaw):
                 fault = _fault(family, choice, contact)
                 if fault:
-                    found.append(f"{name}: {family} law '{choice.kind}' {fault}")
-    return found
+                    faults.append(f"{name}: {family} law '{choice.kind}' {fault}")
+    return faults
 
 
 def _kind(family: str, name: str) -> registry.Kind:
@@ -93,8 +93,8 @@ def _least(law: Any, kernel: Any, static: Any, p: np.ndarray, q: np.ndarray, dee
     """Smallest force [N] of the user's function during the approach, and the penetration [m] there."""
     values = kernel.pack(*p[: len(kernel.pack._fields)])
     going = [(float(d), float(r)) for d, r in zip(deep, rate, strict=True) if r >= 0.0][:: max(1, POINTS // 40)]
-    found = [(float(law(static(d, q, 0), d, r, v0, values)), d) for d, r in going]
-    return min(found, default=(0.0, 0.0))
+    forces = [(float(law(static(d, q, 0), d, r, v0, values)), d) for d, r in going]
+    return min(forces, default=(0.0, 0.0))
 
 
 def friction_fault(kernel: Any, p: np.ndarray, states: int) -> str:

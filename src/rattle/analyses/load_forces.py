@@ -15,12 +15,12 @@ def load_forces(system: System, t: float, q: np.ndarray, v: np.ndarray) -> dict[
 
     t [s]; q, v: (3 nb,) positions and rates.
     """
-    found = {}
+    forces = {}
     for n, name in enumerate(system.model.loads):
         arrays = {**system.arrays, "gravity": np.zeros(2), "contact": system.arrays["contact"][:0]}
         arrays["load"] = system.arrays["load"][n : n + 1]
         workspace = replace(system, arrays=arrays).workspace()
         place(workspace, q, v)
         loads(workspace, t)
-        found[name] = workspace.force.copy()
-    return found
+        forces[name] = workspace.force.copy()
+    return forces

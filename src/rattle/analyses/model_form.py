@@ -110,15 +110,15 @@ class ModelForm:
         tried = 0
         for share in (0.0, *TRIED):
             values = [x + share * (x or 1.0) / (1.0 + 0.1 * n) for n, x in enumerate(own)]
-            made = self.at(values)
-            if made is None:
+            formed = self.at(values)
+            if formed is None:
                 continue
             wanted = _read_at(document, dict(zip(self._names, values, strict=True)), self._model)
-            if wanted is None or not alike(made.model, wanted):
+            if wanted is None or not alike(formed.model, wanted):
                 raise TraceError("numbers of the model follow from parameters in a way that is not recorded")
-            if made.system is not None and not _alike_systems(made.system, compile_system(wanted)):
+            if formed.system is not None and not _alike_systems(formed.system, compile_system(wanted)):
                 self._system = None
-            shut = made.system.__dict__.get("shut") if made.system is not None else None
+            shut = formed.system.__dict__.get("shut") if formed.system is not None else None
             if shut is not None and not _alike_systems(shut, compile_system(ideal_model(wanted))):
                 self._shut = None
             tried += 1
@@ -136,20 +136,20 @@ def read_watched(document: Mapping[str, Any], names: Sequence[str], recorder: Re
         return Watched(value, symbol, recorder, watch)
 
     inputs = [recorder.graph.input() for _ in names]
-    made = read(document, chosen={x: functools.partial(watched, symbol=y) for x, y in zip(names, inputs, strict=True)})
+    model = read(document, chosen={x: functools.partial(watched, symbol=y) for x, y in zip(names, inputs, strict=True)})
     watch.require_record()
-    return made
+    return model
 
 
 def recorded_places(system: System) -> dict[str, tuple[np.ndarray, list[Any]]]:
     """Where numbers that follow stand in the arrays of a system, as flat indices, and their symbols."""
-    found = {}
+    recorded = {}
     for name, array in system.arrays.items():
         flat = array.ravel()
-        where = [k for k, one in enumerate(flat) if isinstance(one, Recorded)] if array.dtype == object else []
+        where = [k for k, entry in enumerate(flat) if isinstance(entry, Recorded)] if array.dtype == object else []
         if where:
-            found[name] = np.array(where), [flat[k].symbol for k in where]
-    return found
+            recorded[name] = np.array(where), [flat[k].symbol for k in where]
+    return recorded
 
 
 def _read_at(document: Mapping[str, Any], values: Mapping[str, float], like: Model) -> Model | None:
@@ -183,17 +183,17 @@ def plan_of(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
     if isinstance(recorded, Mapping):
         if list(recorded) != list(plain):
             raise TraceError("reading again gives other parts")
-        parts = {key: (one, plain[key]) for key, one in recorded.items()}
+        parts = {key: (part, plain[key]) for key, part in recorded.items()}
     elif isinstance(recorded, tuple | list):
         if len(recorded) != len(plain):
             raise TraceError("reading again gives other parts")
         parts = dict(enumerate(zip(recorded, plain, strict=True)))
     elif dataclasses.is_dataclass(recorded):
-        keys = [one.name for one in dataclasses.fields(recorded)]
+        keys = [field.name for field in dataclasses.fields(recorded)]
         parts = {key: (getattr(recorded, key), getattr(plain, key)) for key in keys}
     elif not alike(recorded, plain):
         raise TraceError("reading again gives other parts")
-    plans = {key: plan for key, (one, other) in parts.items() if (plan := plan_of(one, other, follow)) is not None}
+    plans = {key: plan for key, (part, other) in parts.items() if (plan := plan_of(part, other, follow)) is not None}
     return plans or None
 
 
@@ -237,7 +237,7 @@ def _only_play(plan: Plan) -> bool:
     joints = plan.get("joints") or {}
     of_play = {"clearance", "contact", "dimensions", "stop", "wear"}
     return plan.keys() <= {"parameters", "constants", "joints"} and all(
-        one.keys() <= of_play for one in joints.values()
+        joint.keys() <= of_play for joint in joints.values()
     )
 
 
@@ -246,22 +246,22 @@ def _filled(plain: Any, plan: Plan, numbers: Sequence[float]) -> Any:
     if isinstance(plan, int):
         return numbers[plan]
     if isinstance(plain, Mapping):
-        return {**plain, **{key: _filled(plain[key], one, numbers) for key, one in plan.items()}}
+        return {**plain, **{key: _filled(plain[key], part, numbers) for key, part in plan.items()}}
     if isinstance(plain, tuple):
         parts = list(plain)
-        for k, one in plan.items():
-            parts[k] = _filled(parts[k], one, numbers)
+        for k, part in plan.items():
+            parts[k] = _filled(parts[k], part, numbers)
         return type(plain)._make(parts) if hasattr(plain, "_make") else tuple(parts)
     if not hasattr(plain, "__dict__"):
         return dataclasses.replace(
-            plain, **{key: _filled(getattr(plain, key), one, numbers) for key, one in plan.items()}
+            plain, **{key: _filled(getattr(plain, key), part, numbers) for key, part in plan.items()}
         )
-    made = object.__new__(type(plain))
-    known = vars(plain)
-    made.__dict__.update(known)
-    for key, one in plan.items():
-        made.__dict__[key] = _filled(known[key], one, numbers)
-    return made
+    copy = object.__new__(type(plain))
+    attributes = vars(plain)
+    copy.__dict__.update(attributes)
+    for key, part in plan.items():
+        copy.__dict__[key] = _filled(attributes[key], part, numbers)
+    return copy
 
 
 def _function(graph: Graph, outputs: Sequence[Any]) -> Callable[..., Any]:
@@ -271,48 +271,48 @@ def _function(graph: Graph, outputs: Sequence[Any]) -> Callable[..., Any]:
         raise TraceError(f"its {len(live)} operations are more than the {MOST} up to which a form pays")
     rank = {place: n for n, place in enumerate(graph.inputs)}
     names = {place: f"p{rank[place]}" if place in rank else f"x{place}" for place in live}
-    known: dict[str, Any] = {f"f_{name}": one for name, one in CALLED.items()}
+    space: dict[str, Any] = {f"f_{name}": function for name, function in CALLED.items()}
     lines = [f"def numbers({', '.join(f'p{n}' for n in range(len(graph.inputs)))}):"]
     for place in live:
         op = graph.ops[place]
         operands = [names[k] for k in graph.operands[place]]
         if place in graph.numbers:
-            known[names[place]] = graph.numbers[place]
+            space[names[place]] = graph.numbers[place]
         elif op in TEXTS:
             lines.append(f" {names[place]} = {TEXTS[op].format(*operands)}")
         elif op in CALLED:
             lines.append(f" {names[place]} = f_{op}({', '.join(operands)})")
         elif op != "input":
             raise TraceError(f"the operation {op} has no form in Python")
-    lines.append(f" return ({''.join(f'{names[graph.place(one)]}, ' for one in outputs)})")
-    exec("\n".join(lines), known)  # of names and operations of a graph alone
-    made: Callable[..., Any] = known["numbers"]
-    return made
+    lines.append(f" return ({''.join(f'{names[graph.place(output)]}, ' for output in outputs)})")
+    exec("\n".join(lines), space)  # of names and operations of a graph alone
+    function: Callable[..., Any] = space["numbers"]
+    return function
 
 
 # ---------------------------------------------------------------- whether two are the same
-def alike(one: Any, other: Any) -> bool:
+def alike(first: Any, other: Any) -> bool:
     """Whether two things that were read say the same: numbers with the same bits, expressions with the same trees."""
-    if one is other:
+    if first is other:
         return True
-    if isinstance(one, float | int) and isinstance(other, float | int):
-        return one == other or (one != one and other != other)
-    if type(one) is not type(other):
+    if isinstance(first, float | int) and isinstance(other, float | int):
+        return first == other or (first != first and other != other)
+    if type(first) is not type(other):
         return False
-    if isinstance(one, np.ndarray):
-        return one.shape == other.shape and bool(((one == other) | ((one != one) & (other != other))).all())
-    if isinstance(one, Mapping):
-        return list(one) == list(other) and all(alike(one[key], other[key]) for key in one)
-    if isinstance(one, tuple | list):
-        return len(one) == len(other) and all(map(alike, one, other))
-    if dataclasses.is_dataclass(one):
-        return all(alike(getattr(one, x.name), getattr(other, x.name)) for x in dataclasses.fields(one))
-    return bool(one == other)
+    if isinstance(first, np.ndarray):
+        return first.shape == other.shape and bool(((first == other) | ((first != first) & (other != other))).all())
+    if isinstance(first, Mapping):
+        return list(first) == list(other) and all(alike(first[key], other[key]) for key in first)
+    if isinstance(first, tuple | list):
+        return len(first) == len(other) and all(map(alike, first, other))
+    if dataclasses.is_dataclass(first):
+        return all(alike(getattr(first, x.name), getattr(other, x.name)) for x in dataclasses.fields(first))
+    return bool(first == other)
 
 
-def _alike_systems(one: System, other: System) -> bool:
+def _alike_systems(first: System, other: System) -> bool:
     """Whether two systems are the same, and new workspaces of them begin with the same numbers."""
     same = all(
-        alike(getattr(one, x.name), getattr(other, x.name)) for x in dataclasses.fields(System) if x.name != "model"
+        alike(getattr(first, x.name), getattr(other, x.name)) for x in dataclasses.fields(System) if x.name != "model"
     )
-    return same and alike(one.plain_workspace()._block, other.plain_workspace()._block)
+    return same and alike(first.plain_workspace()._block, other.plain_workspace()._block)

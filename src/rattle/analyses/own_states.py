@@ -10,8 +10,8 @@ from rattle.language.expression import Node, names
 def acting_states(model: Model) -> list[str]:
     """Names of the states on which a load depends, directly or through signals and other states."""
     seen: set[str] = set()
-    values = [one for load in model.loads.values() for one in load.values]
-    nodes: list[Node] = [one for one in values if not isinstance(one, float | int)]
+    values = [value for load in model.loads.values() for value in load.values]
+    nodes: list[Node] = [value for value in values if not isinstance(value, float | int)]
     while nodes:
         for name in names(nodes.pop()) - seen:
             seen.add(name)

@@ -107,11 +107,11 @@ def _require_no_leap(system: System, leap: np.ndarray) -> None:
     for name, row in zip(system.model.drivers, leap.tolist(), strict=False):
         if row[at.LEAP_COUNT]:
             unit, more = system.rows[system.first_row(name)].unit, int(row[at.LEAP_COUNT]) - 1
-            said = SENTENCES["leap"].format(
+            words = SENTENCES["leap"].format(
                 driver=name, size=row[at.LEAP_SIZE], unit=unit, t=row[at.LEAP_AT],
                 more=f" (and {more} more times)" if more else "",
             )  # fmt: skip
-            problems.append(Problem(("drivers", name), said))
+            problems.append(Problem(("drivers", name), words))
     if problems:
         raise ModelError(problems)
 
@@ -127,28 +127,28 @@ def _jumps(system: System, rows: np.ndarray) -> Iterator[Jump]:
 def jolt_events(jolts: Sequence[Jolt]) -> list[Event]:
     """Jolts as events: `joint` is the driver, `normal_speed` its jump [rad/s, m/s], `energy_lost` minus work [J]."""
     return [
-        Event(one.jump.t, one.jump.driver, "jolt", one.jump.size, impulse=one.impulse, energy_lost=-one.work)
-        for one in jolts
+        Event(jolt.jump.t, jolt.jump.driver, "jolt", jolt.jump.size, impulse=jolt.impulse, energy_lost=-jolt.work)
+        for jolt in jolts
     ]
 
 
 def jolt_notes(jolts: Sequence[Jolt], table: Timetable) -> tuple[str, ...]:
     """Notes of a run on its jolts, and on expressions with too many switching instants."""
-    said = []
-    for name in dict.fromkeys(one.jump.driver for one in jolts):
-        own = [one for one in jolts if one.jump.driver == name]
-        for one in own if len(own) <= FEW else own[:1]:
-            _, rate, impulse = UNITS[one.jump.unit]
-            said.append(
+    notes = []
+    for name in dict.fromkeys(jolt.jump.driver for jolt in jolts):
+        own = [jolt for jolt in jolts if jolt.jump.driver == name]
+        for jolt in own if len(own) <= FEW else own[:1]:
+            _, rate, impulse = UNITS[jolt.jump.unit]
+            notes.append(
                 SENTENCES["jolt"].format(
-                    driver=name, size=one.jump.size, rate=rate, t=one.jump.t, impulse=one.impulse, unit=impulse,
-                    work=one.work,
+                    driver=name, size=jolt.jump.size, rate=rate, t=jolt.jump.t, impulse=jolt.impulse, unit=impulse,
+                    work=jolt.work,
                 )
             )  # fmt: skip
         if len(own) > FEW:
-            total = sum(one.work for one in own)
-            said.append(SENTENCES["jolts"].format(driver=name, count=len(own), work=total))
-    return (*said, *unresolved_notes(table))
+            total = sum(jolt.work for jolt in own)
+            notes.append(SENTENCES["jolts"].format(driver=name, count=len(own), work=total))
+    return (*notes, *unresolved_notes(table))
 
 
 def unresolved_notes(table: Timetable) -> tuple[str, ...]:

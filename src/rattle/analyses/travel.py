@@ -78,7 +78,7 @@ def unfit(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
         apart = np.flatnonzero(off > UNFIT * abs(fit.distance))
         if len(apart):
             k = int(np.nanargmax(off))
-            needed, there = (f"{one:.6g} m" for one in (fit.distance, float(distance[k])))
+            needed, there = (f"{length:.6g} m" for length in (fit.distance, float(distance[k])))
             notes.append(
                 f"joint '{name}': {fit.why.format(needed)}; it is {there} at t = {float(t[k]):.4g} s. Nothing holds it,"
                 f" and the joint acts as if it were right (first at t = {float(t[apart[0]]):.4g} s)"
@@ -114,7 +114,7 @@ PARTS = 8  # of an interval between two instants, in which a coordinate is follo
 
 def without_stops(model: Model) -> Model:
     """The same mechanism without stops."""
-    return replace(model, joints={name: replace(one, stop=None) for name, one in model.joints.items()})
+    return replace(model, joints={name: replace(joint, stop=None) for name, joint in model.joints.items()})
 
 
 def past_stops(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[str, ...]:
@@ -190,30 +190,34 @@ def _path(system: System, q: np.ndarray, point: Point) -> np.ndarray:
 
 def with_ends(model: Model) -> str:
     """Names of the joints of limited travel, in quotes; "" if there are none."""
-    return ", ".join(f"'{name}'" for name, one in model.joints.items() if math.isfinite(one.leaf.travel(one.fields)))
+    return ", ".join(
+        f"'{name}'" for name, joint in model.joints.items() if math.isfinite(joint.leaf.travel(joint.fields))
+    )
 
 
 def with_stops(model: Model) -> str:
     """Names of the joints with stops, in quotes; "" if there are none."""
-    return ", ".join(f"'{name}'" for name, one in model.joints.items() if one.stop is not None)
+    return ", ".join(f"'{name}'" for name, joint in model.joints.items() if joint.stop is not None)
 
 
 def with_friction(model: Model) -> str:
     """Names of the joints whose own friction holds at rest, in quotes; "" if there are none."""
-    return ", ".join(f"'{name}'" for name, one in model.joints.items() if one.friction and one.friction.law is None)
+    return ", ".join(
+        f"'{name}'" for name, joint in model.joints.items() if joint.friction and joint.friction.law is None
+    )
 
 
 def stop_lines(model: Model) -> list[str]:
     """The stops of every joint that has them, in words."""
-    found = []
-    for name, one in model.joints.items():
-        if one.stop is None:
+    lines = []
+    for name, joint in model.joints.items():
+        if joint.stop is None:
             continue
-        scale, unit = (180.0 / math.pi, "deg") if one.stops_angle else (1.0, "m")
-        ends = (("from", one.stop.minimum), ("to", one.stop.maximum))
-        said = " ".join(f"{word} {scale * end:.6g} {unit}" for word, end in ends if math.isfinite(end))
-        found.append(f"{name} {said}, {one.stop.contact.title}")
-    return found
+        scale, unit = (180.0 / math.pi, "deg") if joint.stops_angle else (1.0, "m")
+        ends = (("from", joint.stop.minimum), ("to", joint.stop.maximum))
+        limits = " ".join(f"{word} {scale * end:.6g} {unit}" for word, end in ends if math.isfinite(end))
+        lines.append(f"{name} {limits}, {joint.stop.contact.title}")
+    return lines
 
 
 def left_out(model: Model) -> str:

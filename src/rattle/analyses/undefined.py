@@ -70,5 +70,5 @@ def evaluated(system: System, workspace: Workspace) -> Iterator[tuple[int, np.nd
     for table, (array, count) in where.items():
         for first, _, place in system.arrays[table]:
             values = getattr(workspace, array)
-            found = values[place] if count == 0 else values[place : place + count]
-            yield int(first), np.atleast_1d(found)
+            present = values[place] if count == 0 else values[place : place + count]
+            yield int(first), np.atleast_1d(present)

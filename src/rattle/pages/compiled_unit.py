@@ -6,7 +6,7 @@ in C is that of `model_in_c`; what calls it stands in `trace/fmu_sources`.
 
 from __future__ import annotations
 
-from rattle.analyses.straight_line.mock_up import MockUp, said
+from rattle.analyses.straight_line.mock_up import MockUp, meaning_of
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import kernels_of_platform
 from rattle.pages.live_model import LiveModel, live_model
@@ -51,4 +51,4 @@ def _variables(live: LiveModel) -> list[Variable]:
         about = one.description or one.label or "parameter"
         found.append(Variable(name, Kind.PARAMETER, one.unit, about, one.value, one.minimum, one.maximum))
     units = live.data["result"]["units"]
-    return found + [Variable(name, Kind.CURVE, units[name], said(name)) for name in live.names]
+    return found + [Variable(name, Kind.CURVE, units[name], meaning_of(name)) for name in live.names]

@@ -70,14 +70,14 @@ def assemble(system: System, t: float = 0.0, ideal: Assembled | None = None, tol
     ideal: the assembled ideal mechanism at t, if it is known already.  told: whether notes are made.
     Raises AssemblyError if the joints cannot be closed; the message names the loop and the gap.
     """
-    made = consistent_start(system, t, ideal)
-    require_digits(system, made.q)
-    _require_held(system, made)
+    start = consistent_start(system, t, ideal)
+    require_digits(system, start.q)
+    _require_held(system, start)
     if t != 0.0 or not told:
-        return made
+        return start
     shut = without_play(system, t)[0] if has_play(system.model) else system
-    remarks, said = system.model.remarks, start_notes(system, shut, t, made.q, made.v)
-    return replace(made, notes=(*remarks, *said.brief), changes=(*remarks, *said.all))
+    remarks, notes = system.model.remarks, start_notes(system, shut, t, start.q, start.v)
+    return replace(start, notes=(*remarks, *notes.brief), changes=(*remarks, *notes.all))
 
 
 def without_play(system: System, t: float = 0.0) -> tuple[System, Assembled | AssemblyError]:
@@ -97,7 +97,7 @@ def without_play(system: System, t: float = 0.0) -> tuple[System, Assembled | As
 
 def has_play(model: Model) -> bool:
     """True if the assembly of a model begins at the start of the mechanism without play."""
-    return any(is_link(one) or holds_by_contacts(one) for one in model.joints.values())
+    return any(is_link(joint) or holds_by_contacts(joint) for joint in model.joints.values())
 
 
 def near_places(system: System, start: Assembled) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -105,16 +105,16 @@ def near_places(system: System, start: Assembled) -> tuple[dict[str, Any], dict[
     near = places(system, start.q)
     if not has_play(system.model):
         return near, {}
-    shut, found = without_play(system)
-    return near, places(shut, found.q) if isinstance(found, Assembled) else {}
+    shut, ideal = without_play(system)
+    return near, places(shut, ideal.q) if isinstance(ideal, Assembled) else {}
 
 
-def _require_held(system: System, made: Assembled) -> None:
+def _require_held(system: System, start: Assembled) -> None:
     """Raise AssemblyError if a body without mass can move while all others rest."""
     if not len(system.arrays["massless"]):
         return
     workspace = system.workspace()
-    open_by(workspace, made.t, made.q, made.v)
+    open_by(workspace, start.t, start.q, start.v)
     if loose := loose_without_mass(system, workspace):
         name, turns = loose[0]
         what, which = ("inertia", "its angle") if turns else ("mass", "its motion")
@@ -133,8 +133,8 @@ def put_together(model: Model) -> System:
     if not counting:
         return compile_system(model)
     q = _start_without(model, counting)
-    found = constants_at(compile_system(with_constants(model, dict.fromkeys(counting, 0.0))), q)
-    system = compile_system(with_constants(model, found))
+    constants = constants_at(compile_system(with_constants(model, dict.fromkeys(counting, 0.0))), q)
+    system = compile_system(with_constants(model, constants))
     require_fit(system, q)
     return system
 
@@ -148,8 +148,8 @@ def _start_without(model: Model, counting: list[str]) -> np.ndarray:
     offsets = dict(model.initial.offsets)
     missing = [
         name
-        for name, one in loose.joints.items()
-        if is_link(one) and math.hypot(*offsets.get(name, (0.0, 0.0))) < 1e-9 * one.clearance
+        for name, joint in loose.joints.items()
+        if is_link(joint) and math.hypot(*offsets.get(name, (0.0, 0.0))) < 1e-9 * joint.clearance
     ]
     if missing:
         shut, ideal = ideal_start(model, 0.0, put_together, consistent_start)
@@ -173,11 +173,11 @@ def consistent_start(
     workspace = system.assembly_workspace() if workspace is None else workspace
     _require_values(system, workspace, t)
     play = _play(system, t, ideal)
-    given, rates, ideal = given_in_one_turn(system, t, workspace), given_values(system, 1), play.ideal
-    found = None
+    wanted, rates, ideal = given_in_one_turn(system, t, workspace), given_values(system, 1), play.ideal
+    near = None
     if system.row_count <= LARGE and t == 0.0 and system.model.initial.near and ideal is None and not play.joints:
-        found = _near_by(system, workspace, given)
-    q, iterations = found or _searched(system, workspace, t, given, play)
+        near = _near_by(system, workspace, wanted)
+    q, iterations = near or _searched(system, workspace, t, wanted, play)
     if t == 0.0:  # the instant for which offsets are given
         _refuse_offsets_along(system, q)
     v = np.where(np.isnan(rates), 0.0 if ideal is None else ideal.v, rates)
@@ -203,7 +203,7 @@ def _partly_closed(model: Model, t: float, names: list[str], why: AssemblyError)
     for name in names:
         joints[name] = replace(joints[name], contact=Contact("ideal", {}), stop=None)
     closed = replace(model, joints=joints)
-    if not any(holds_by_contacts(one) or is_link(one) for one in joints.values()):
+    if not any(holds_by_contacts(joint) or is_link(joint) for joint in joints.values()):
         raise why
     try:
         system = put_together(closed)
@@ -228,25 +228,27 @@ def _play(system: System, t: float, ideal: Assembled | None) -> _Play:
     links, open_ = system.fact("play", lambda: with_play(model))
     if not (links or open_):
         return _Play([], [], [], system, ideal)
-    shut, found = without_play(system, t)
-    if isinstance(found, Assembled):
-        ideal = found
+    shut, start = without_play(system, t)
+    if isinstance(start, Assembled):
+        ideal = start
     near = first_guess(system, t) if ideal is None else ideal.q
     held = undetermined(system, t, near, {name: model.joints[name] for name in open_})
-    if isinstance(found, AssemblyError) and (links or held):  # it need not close if given values determine all
-        shut, ideal = _partly_closed(model, t, [*links, *held], found)
+    if isinstance(start, AssemblyError) and (links or held):  # it need not close if given values determine all
+        shut, ideal = _partly_closed(model, t, [*links, *held], start)
     return _Play([*links, *open_], [*links, *held] if ideal is not None else [], pressed(model, links), shut, ideal)
 
 
-def _searched(system: System, workspace: Workspace, t: float, given: np.ndarray, play: _Play) -> tuple[np.ndarray, int]:
+def _searched(
+    system: System, workspace: Workspace, t: float, wanted: np.ndarray, play: _Play
+) -> tuple[np.ndarray, int]:
     """Closed positions (3 nb,), and the number of iterations; the workspace gets the arrays of the search."""
     model, ideal, held = system.model, play.ideal, play.held
     places = {} if ideal is None else {"start_q": ideal.q, "start_v": ideal.v}
     every = list(dict.fromkeys([*held, *(name for name in play.joints if holds_by_contacts(model.joints[name]))]))
-    arrays = search_arrays(system, given, model.initial.offsets) | {
+    arrays = search_arrays(system, wanted, model.initial.offsets) | {
         **play_arrays(system, play.shut, held, every, play.missing, ideal is not None),
         "start_least": np.array([math.nextafter(*least) for least in least_gaps(system)]),
-        "start_q": np.zeros(len(given)), "start_v": np.zeros(len(given)),
+        "start_q": np.zeros(len(wanted)), "start_v": np.zeros(len(wanted)),
     }  # fmt: skip
     workspace.put(arrays)
     closed, shut = _closed(system, play, held, places, workspace) if held else (system, workspace)
@@ -282,7 +284,9 @@ def _closed(
 
     places: the start without play.
     """
-    joints = {name: replace(one, contact=None) if name in held else one for name, one in system.model.joints.items()}
+    joints = {
+        name: replace(joint, contact=None) if name in held else joint for name, joint in system.model.joints.items()
+    }
     model = replace(system.model, joints=joints)
     alike = len(held) == len(play.joints) and not constants_of(model)  # its own start sets those of `shut`
     closed = play.shut if alike else compile_system(model)
@@ -310,7 +314,7 @@ def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
 
 
 # ---------------------------------------------------------------- positions
-def _near_by(system: System, workspace: Workspace, given: np.ndarray) -> tuple[np.ndarray, int] | None:
+def _near_by(system: System, workspace: Workspace, wanted: np.ndarray) -> tuple[np.ndarray, int] | None:
     """Closed positions (3 nb,) beside a start near by, and the number of iterations; None if they are far from it.
 
     Given values are kept as well as that start has them.
@@ -320,16 +324,16 @@ def _near_by(system: System, workspace: Workspace, given: np.ndarray) -> tuple[n
         return None
     start = np.array([near[name] for name in system.bodies]).ravel()
     q = start.copy()
-    became, iterations = close_near(workspace, 0.0, q, given, system.size, np.empty((2, len(q))))
+    became, iterations = close_near(workspace, 0.0, q, wanted, system.size, np.empty((2, len(q))))
     if became == NOT_FINITE:
         raise not_finite()
     if became != MOVED:
         return None
-    change = change_of_given(system, q, given)
-    kept = change <= max(KEPT, WORTH * change_of_given(system, start, given))
+    change = change_of_given(system, q, wanted)
+    kept = change <= max(KEPT, WORTH * change_of_given(system, start, wanted))
     if not kept and not _nearest_alone(system, workspace, q, change):
         return None
-    keep_given(workspace, 0.0, q, given, system.size)
+    keep_given(workspace, 0.0, q, wanted, system.size)
     return q, iterations
 
 
@@ -353,12 +357,12 @@ def _angles_known(system: System) -> bool:
 
     And if the joints are linear in the places of the bodies.
     """
-    if not all(one.leaf.places and one.distance == 0.0 for one in system.model.joints.values()):
+    if not all(joint.leaf.places and joint.distance == 0.0 for joint in system.model.joints.values()):
         return False
     groups = groups_at(system, 0.0)
     bodies = system.model.initial.bodies
-    known = {groups[GROUND][0], *(groups[name][0] for name, values in bodies.items() if "angle" in values)}
-    return all(group in known for group, _ in groups.values())
+    determined = {groups[GROUND][0], *(groups[name][0] for name, values in bodies.items() if "angle" in values)}
+    return all(group in determined for group, _ in groups.values())
 
 
 def _without_drivers(system: System, workspace: Workspace, t: float) -> None:
@@ -389,7 +393,7 @@ def _refuse_two_drivers(system: System, workspace: Workspace) -> None:
 
     names = drivers_on_one_dof(system, workspace)
     if len(names) > 1:
-        listed = ", ".join(f"'{one}'" for one in names[:-1]) + f" and '{names[-1]}'"
+        listed = ", ".join(f"'{name}'" for name in names[:-1]) + f" and '{names[-1]}'"
         raise AssemblyError(
             f"drivers {listed} drive the same degree of freedom; remove {'one' if len(names) == 2 else 'some'} of them"
         )
@@ -401,26 +405,26 @@ def _refuse_contradiction(system: System, workspace: Workspace, t: float, q: np.
 
     if system.row_count > LARGE:
         return
-    found = contradicted(system, workspace, t, q, v, system.model.settings.t_end)
-    if found:
-        raise AssemblyError(found)
+    contradiction = contradicted(system, workspace, t, q, v, system.model.settings.t_end)
+    if contradiction:
+        raise AssemblyError(contradiction)
 
 
 # ---------------------------------------------------------------- rates
 def _closed_rates(
-    system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+    system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, wanted: np.ndarray
 ) -> np.ndarray:
     """Rates near v that satisfy the constraints, with the least change of the given ones."""
     if system.row_count <= LARGE:
-        return keep_rates(system, workspace, t, q, v, given)
-    known = ~np.isnan(given)
-    if known.any():
+        return keep_rates(system, workspace, t, q, v, wanted)
+    fixed = ~np.isnan(wanted)
+    if fixed.any():
         weight = system.arrays["weight"].copy()
-        weight[1:].reshape(-1)[known] *= HOLD
+        weight[1:].reshape(-1)[fixed] *= HOLD
         free = system.arrays["massless"][:0]
         held = replace(system, arrays={**system.arrays, "weight": weight, "massless": free}).workspace()
         for _ in range(4):
-            v[known] = given[known]
+            v[fixed] = wanted[fixed]
             close_rate(held, t, q, v)
     close_rate(workspace, t, q, v)
     return v

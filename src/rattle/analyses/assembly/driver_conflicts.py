@@ -37,10 +37,10 @@ def contradicted(system: System, workspace: Workspace, t: float, q: np.ndarray, 
     null = left_null(system, workspace)
     if not null.shape[1] or not (null := _with_drivers(system, null)).shape[1]:
         return ""
-    found = _at_odds(system, workspace, null)
-    if not found:
+    owners = _at_odds(system, workspace, null)
+    if not owners:
         return _later(system, workspace, t, q.copy(), v.copy(), span) if np.isfinite(span) and span > 0.0 else ""
-    return _said(system, found) if _structural(system, t, q) else ""
+    return _in_words(system, owners) if _structural(system, t, q) else ""
 
 
 def _with_drivers(system: System, null: np.ndarray) -> np.ndarray:
@@ -94,15 +94,15 @@ def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.
             q += (ahead - now) * v
             if not close_position(workspace, ahead, q, scratch, 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
                 return (
-                    f"{_said(system, owners)} (at t = {ahead:.4g} s)"
+                    f"{_in_words(system, owners)} (at t = {ahead:.4g} s)"
                     if _closes_without(system, owners, ahead, q)
                     else ""
                 )
             close_rate(workspace, ahead, q, v)
             now, steps = ahead, steps + 1
-        found = contradicted(system, workspace, now, q, v, 0.0)
-        if found:
-            return f"{found} (at t = {now:.4g} s)"
+        contradiction = contradicted(system, workspace, now, q, v, 0.0)
+        if contradiction:
+            return f"{contradiction} (at t = {now:.4g} s)"
     return ""
 
 
@@ -110,7 +110,7 @@ def _closes_without(system: System, owners: tuple[str, ...], t: float, q: np.nda
     """True if the positions close at t without one of the drivers among the owners."""
     for name in system.model.drivers:
         if name in owners:
-            drivers = {other: one for other, one in system.model.drivers.items() if other != name}
+            drivers = {other: driver for other, driver in system.model.drivers.items() if other != name}
             workspace, near = compile_system(replace(system.model, drivers=drivers)).workspace(), q.copy()
             gap = close_position(workspace, t, near, np.empty_like(q), 1e-12 * system.size, 60)[0]
             if gap <= 1e-9 * system.size:
@@ -124,9 +124,9 @@ def _taking_part(system: System, null: np.ndarray) -> tuple[str, ...]:
     return tuple(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-size) if size[r] > TAKES_PART))
 
 
-def _said(system: System, owners: tuple[str, ...]) -> str:
-    drivers = [f"'{one}'" for one in system.model.drivers if one in owners]
-    joints = ", ".join(f"'{one}'" for one in system.model.joints if one in owners)
+def _in_words(system: System, owners: tuple[str, ...]) -> str:
+    drivers = [f"'{name}'" for name in system.model.drivers if name in owners]
+    joints = ", ".join(f"'{name}'" for name in system.model.joints if name in owners)
     if not drivers:
         return ""
     if len(drivers) > 1:

@@ -57,7 +57,7 @@ def _independent(changes: Array) -> list[int]:
             size = float(np.linalg.norm(change))
             if k in chosen or len(basis) == changes.shape[1] or size < 1e-9:
                 continue
-            left = change - sum((one @ change) * one for one in basis)
+            left = change - sum((direction @ change) * direction for direction in basis)
             if float(np.linalg.norm(left)) > share * size:
                 basis.append(left / np.linalg.norm(left))
                 chosen.append(k)
@@ -66,7 +66,7 @@ def _independent(changes: Array) -> list[int]:
 
 def coordinates(system: System) -> Iterator[tuple[str, Coordinate]]:
     """Coordinates by name: of joints, those on the ground first, then of play, then of bodies."""
-    joints = sorted(system.model.joints.values(), key=lambda one: "ground" not in (one.a.body, one.b.body))
+    joints = sorted(system.model.joints.values(), key=lambda joint: "ground" not in (joint.a.body, joint.b.body))
     for joint in joints:
         motor = joint.leaf.motor
         if motor is not None:

@@ -53,12 +53,12 @@ class _Writer:
         self.number = {name: n for n, name in enumerate((GROUND, *system.bodies))}
         self.joint = {name: n for n, name in enumerate(self.model.joints)}
         joints = self.model.joints.values()
-        rods = [one.name for one in joints if one.line is None and one.distance > 0.0]
-        slides = [one.name for one in joints if one.line is not None]
+        rods = [joint.name for joint in joints if joint.line is None and joint.distance > 0.0]
+        slides = [joint.name for joint in joints if joint.line is not None]
         self.unknown = {name: n for n, name in enumerate((*rods, *slides), len(self.number))}  # of joints
         self.angles, self.count = len(self.number) + len(rods), len(self.number) + len(rods) + len(slides)
         self.tied = tied_ways(self.model)
-        self.group = {one.to: one.group for one in self.tied}
+        self.group = {tie.to: tie.group for tie in self.tied}
         self.rows: list[list[list[int]]] = [[] for _ in range(of.PARTS)]  # of every part
 
     def written(self) -> LoopMap:
@@ -66,8 +66,8 @@ class _Writer:
         rows, looped = self.rows, self.system.row_count <= LONG
         passed, free = passed_ways(self.model)
         rows[of.GROUPS] = [[self.number[self.group[name]]] for name in self.number]
-        rows[of.TIED] = [self._tie(one) for one in self.tied if one.origin]
-        rows[of.PASSED] = [self._tie(one) for one in passed]
+        rows[of.TIED] = [self._tie(tie) for tie in self.tied if tie.origin]
+        rows[of.PASSED] = [self._tie(tie) for tie in passed]
         rows[of.FREE] = [[self.number[name]] for name in free]
         rows[of.CAMS] = list(self._cams())
         rows[of.KNOWN] = list(self._driven_slides())
@@ -111,11 +111,11 @@ class _Writer:
         }  # fmt: skip
 
     # ---------------------------------------------------------------- bodies
-    def _tie(self, one: Tie) -> list[int]:
+    def _tie(self, tie: Tie) -> list[int]:
         """A row of TIED or PASSED."""
-        slot = self.system.driver_slot(one.driver) if one.driver else -1
-        joint = self.joint[one.joint] if one.joint else 0
-        return [self.number[one.to], self.number[one.origin], joint, slot, one.sign]
+        slot = self.system.driver_slot(tie.driver) if tie.driver else -1
+        joint = self.joint[tie.joint] if tie.joint else 0
+        return [self.number[tie.to], self.number[tie.origin], joint, slot, tie.sign]
 
     def _ways(self) -> np.ndarray:
         """`start_ways`."""
@@ -167,12 +167,12 @@ class _Writer:
                 place = {"xy".index(driver.kind[-1]): (of.DRIVEN, self.system.driver_slot(name))}
                 if driver.point.body in ways:
                     self._chain(of.LOOPS, ways[driver.point.body], self.system.first_value(name) + 2, place)
-        exact, given = {self.group[GROUND]}, self.model.initial.bodies
-        for body, values in given.items():
+        exact, initial = {self.group[GROUND]}, self.model.initial.bodies
+        for body, values in initial.items():
             if "angle" in values and self.group[body] not in exact:
                 exact.add(self.group[body])
                 wishes.append([-1, self.number[body]])
-        for body, values in given.items():
+        for body, values in initial.items():
             first = 3 * (self.number[body] - 1)
             place = {axis: (of.GIVEN, first + axis) for axis, key in enumerate("xy") if key in values}
             if place and body in ways:
@@ -281,10 +281,10 @@ def _cycles(model: Model, near: Neighbours) -> list[list[tuple[Joint, str, str]]
             ):
                 continue
             out, home = ways[joint.a.body], ways[joint.b.body]
-            passed = [one.name for one, _, _ in (*out, *home)]
+            passed = [step.name for step, _, _ in (*out, *home)]
             stations = [body for _, _, body in (*out, *home)]
             if joint.name in passed or len(set(stations)) < len(stations):
                 continue
-            back = [(one, end, begin) for one, begin, end in reversed(home)]
+            back = [(step, end, begin) for step, begin, end in reversed(home)]
             every.setdefault(frozenset((*passed, joint.name)), [*out, (joint, joint.a.body, joint.b.body), *back])
     return sorted(every.values(), key=len)

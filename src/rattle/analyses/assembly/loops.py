@@ -37,8 +37,8 @@ def describe_loop(model: Model, joint: Joint, path: list[str]) -> str:
     body = joint.a.body
     text = body
     for name in path:
-        one = model.joints[name]
-        body = one.b.body if one.a.body == body else one.a.body
+        link = model.joints[name]
+        body = link.b.body if link.a.body == body else link.a.body
         text += f" -{name}- {body}"
     return f"{text} -{joint.name}- {joint.a.body}"
 
@@ -67,9 +67,9 @@ def loops(model: Model) -> list[tuple[Joint, list[str]]]:
     from dataclasses import replace
 
     tree = replace(model, joints=kept)
-    found = []
+    closed = []
     for joint in closing:
         path = tree_path(tree, joint.a.body, joint.b.body, without="")
         if path is not None:
-            found.append((joint, path))
-    return found
+            closed.append((joint, path))
+    return closed

@@ -36,8 +36,8 @@ def outside(system: System, workspace: Workspace) -> str:
     if oil is not None:
         gap += oil.boundary
         if gap > -1e-9 * clearance:
-            said = f"of '{name}' in [initial] within its clearance of {clearance:.3g} m"
-            return f"joint '{name}' starts on its bush, where no oil is left: give an offset {said}"
+            where = f"of '{name}' in [initial] within its clearance of {clearance:.3g} m"
+            return f"joint '{name}' starts on its bush, where no oil is left: give an offset {where}"
     return (
         f"joint '{name}' starts {-gap:.3g} m outside its clearance of {clearance:.3g} m: give the bodies"
         f" positions with the pin inside, or an offset of '{name}' in [initial]"
@@ -46,7 +46,7 @@ def outside(system: System, workspace: Workspace) -> str:
 
 def least_gaps(system: System) -> list[tuple[Any, float]]:
     """The gap [m or rad] that every contact may have at the start, at least; inf beside it: it has to be larger."""
-    found: list[tuple[Any, float]] = []
+    gaps: list[tuple[Any, float]] = []
     for entry, bounds in zip(system.arrays["contact"], system.arrays["lever"], strict=True):
         joint = system.model.joints[system.joints[entry[at.OWNER]]]
         oil = _film(joint, entry)
@@ -57,12 +57,12 @@ def least_gaps(system: System) -> list[tuple[Any, float]]:
             compliant = joint.contact is not None and not joint.contact.rigid
             free = bare(bounds[at.ANGULAR]) > 0.0 or (joint.one_sided is not None and compliant)
         if free:
-            found.append((-math.inf, -math.inf))
+            gaps.append((-math.inf, -math.inf))
         elif oil is not None:  # the dry contact begins at the boundary film
-            found.append((-oil.boundary, math.inf))
+            gaps.append((-oil.boundary, math.inf))
         else:
-            found.append((least, least))
-    return found
+            gaps.append((least, least))
+    return gaps
 
 
 def _film(joint: Joint, entry: np.ndarray) -> Any:

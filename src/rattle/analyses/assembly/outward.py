@@ -50,10 +50,11 @@ def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]
 def ways_outward(system: System, islands: bool = False) -> list[tuple[str, str, Joint]]:
     """`outward` of a system."""
     joints = system.model.joints
-    found = system.fact(
-        ("outward", islands), lambda: [(body, parent, one.name) for body, parent, one in outward(system.model, islands)]
+    ways = system.fact(
+        ("outward", islands),
+        lambda: [(body, parent, joint.name) for body, parent, joint in outward(system.model, islands)],
     )
-    return [(body, parent, joints[name]) for body, parent, name in found]
+    return [(body, parent, joints[name]) for body, parent, name in ways]
 
 
 def _places_given_first(model: Model) -> list[str]:

@@ -26,7 +26,9 @@ NO_OFFSET = 1e-9  # clearances below which an offset is none: the pin is where i
 def with_play(model: Model) -> tuple[list[str], list[str]]:
     """Joints that are massless links, and those whose contacts hold the mechanism together."""
     joints = model.joints.items()
-    return [name for name, one in joints if is_link(one)], [name for name, one in joints if holds_by_contacts(one)]
+    return [name for name, joint in joints if is_link(joint)], [
+        name for name, joint in joints if holds_by_contacts(joint)
+    ]
 
 
 def holds_by_contacts(joint: Joint) -> bool:
@@ -37,7 +39,7 @@ def holds_by_contacts(joint: Joint) -> bool:
 def pressed(model: Model, links: Iterable[str]) -> list[str]:
     """Those of some massless links whose offset is not given."""
     offsets, joints = model.initial.offsets, model.joints
-    return [one for one in links if math.hypot(*offsets.get(one, (0.0, 0.0))) < NO_OFFSET * joints[one].clearance]
+    return [name for name in links if math.hypot(*offsets.get(name, (0.0, 0.0))) < NO_OFFSET * joints[name].clearance]
 
 
 def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Joint]) -> list[str]:
@@ -52,8 +54,8 @@ def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Join
         return list(joints)
     workspace = system.workspace()
     open_by(workspace, t, q, np.zeros_like(q))
-    known = np.eye(len(q))[~np.isnan(given_values(system, 0))]
-    motions = free_motions(np.vstack([scaled_rows(system, workspace), known]))
+    fixed = np.eye(len(q))[~np.isnan(given_values(system, 0))]
+    motions = free_motions(np.vstack([scaled_rows(system, workspace), fixed]))
     scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
 
     def moves(joint: Joint) -> bool:
@@ -68,11 +70,11 @@ def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Join
         return False
 
     driven = {driver.joint for driver in model.drivers.values()}
-    turning = {one.b.body for one in model.joints.values() if one.name in driven} | {"ground"}
+    turning = {joint.b.body for joint in model.joints.values() if joint.name in driven} | {"ground"}
 
     def touches(joint: Joint) -> bool:
         bodies = {joint.a.body, joint.b.body} - turning
-        return joint.one_sided is not None and any("angle" not in model.initial.bodies.get(one, {}) for one in bodies)
+        return joint.one_sided is not None and any("angle" not in model.initial.bodies.get(body, {}) for body in bodies)
 
     return [name for name, joint in joints.items() if name not in without or touches(joint) or moves(joint)]
 
@@ -110,8 +112,8 @@ def held_pins(system: System, closed: System, held: list[str]) -> np.ndarray:
     """`start_pins` of the mechanism with these joints closed: bushes that are moved, those of their drivers too."""
     model, number = system.model, {name: n for n, name in enumerate((GROUND, *system.bodies))}
     pins = [
-        (number[model.joints[name].a.body], closed.first_value(one), n)
+        (number[model.joints[name].a.body], closed.first_value(owner), n)
         for n, name in enumerate(held)
-        for one in (name, *(key for key, driver in model.drivers.items() if driver.joint == name))
+        for owner in (name, *(key for key, driver in model.drivers.items() if driver.joint == name))
     ]  # both begin with the point on A
     return np.array(pins, np.int64).reshape(-1, 3)

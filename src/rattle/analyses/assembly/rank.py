@@ -79,13 +79,13 @@ def nonunique_reactions(system: System, workspace: Workspace) -> tuple[str, ...]
 
 def unsure_friction(system: System, free: np.ndarray) -> tuple[str, ...]:
     """Names of joints that rub by a reaction which is not unique; free: (nr, k) reactions that balance each other."""
-    unsure, found = np.abs(free).max(axis=1, initial=0.0) > 1e-6, []
+    unsure, joints = np.abs(free).max(axis=1, initial=0.0) > 1e-6, []
     for name, entry in zip(system.dry_joints, system.arrays["dry"], strict=True):
         friction, row = system.model.joints[name].friction, int(entry[at.DRY_ROW])
         second_counts = entry[at.DRY_FORM] == at.DRY_PIN or (friction is not None and friction.reach > 0.0)
         if unsure[row] or (second_counts and unsure[entry[at.DRY_SECOND]]):
-            found.append(name)
-    return tuple(found)
+            joints.append(name)
+    return tuple(joints)
 
 
 def drivers_on_one_dof(system: System, workspace: Workspace) -> tuple[str, ...]:
@@ -143,9 +143,9 @@ def loose_without_mass(system: System, workspace: Workspace, tolerance: float = 
         columns[:, n] = (rows[:, at.AX + k] * on_a + rows[:, at.BX + k] * on_b) / (system.size if k == 2 else 1.0)
     _, values, v = np.linalg.svd(columns)
     values = np.concatenate([values, np.zeros(len(massless) - min(len(massless), len(values)))])[: len(massless)]
-    found = np.abs(v[values <= tolerance * max(values[0], 1e-300)]).max(axis=0, initial=0.0)
+    shares = np.abs(v[values <= tolerance * max(values[0], 1e-300)]).max(axis=0, initial=0.0)
     moving: dict[int, list[int]] = {}
-    for (i, k), share in zip(massless.tolist(), found, strict=True):
+    for (i, k), share in zip(massless.tolist(), shares, strict=True):
         if share > 1e-6:
             moving.setdefault(i, []).append(k)
     return tuple((system.bodies[i - 1], which == [2]) for i, which in moving.items())

@@ -19,11 +19,11 @@ from rattle.jit.workspace import TYPES, Workspace
 
 
 def search_arrays(
-    system: System, given: np.ndarray, offsets: Mapping[str, tuple[float, float]]
+    system: System, wanted: np.ndarray, offsets: Mapping[str, tuple[float, float]]
 ) -> dict[str, np.ndarray]:
     """Arrays of a workspace in which closed positions can be looked for.
 
-    given: (3 nb,) positions [m, m, rad], nan if not given; offsets of joints [m].
+    wanted: (3 nb,) positions [m, m, rad], nan if not given; offsets of joints [m].
     """
     form, near = loop_map(system), system.model.initial.near
     nowhere = (math.nan, math.nan, math.nan)
@@ -32,14 +32,14 @@ def search_arrays(
         **form.arrays, **rooms,
         "start_lines": np.array(joint_lines(system), dtype=float).reshape(-1, 3),
         "start_offsets": np.array(joint_offsets(system, offsets), dtype=float).reshape(-1, 2),
-        "start_given": given, "start_size": np.array([system.size]),
+        "start_given": wanted, "start_size": np.array([system.size]),
         "start_near": np.array([near.get(name, nowhere) for name in system.bodies], dtype=float).ravel(),
     }  # fmt: skip
 
 
 def joint_lines(system: System) -> list[tuple[float, float, float]]:
     """By joint: the direction of its line on A [rad], the distance of its points [m], the angle that it keeps [rad]."""
-    return [(one.line or 0.0, one.distance, one.kept_angle or 0.0) for one in system.model.joints.values()]
+    return [(joint.line or 0.0, joint.distance, joint.kept_angle or 0.0) for joint in system.model.joints.values()]
 
 
 def joint_offsets(system: System, offsets: Mapping[str, tuple[float, float]]) -> list[tuple[float, float]]:

@@ -27,9 +27,9 @@ def with_constants(model: Model, constants: Mapping[str, float | tuple[float, ..
     """The model with constants [m or rad] of joints whose rows count from the start; one number for all of a joint."""
     joints = dict(model.joints)
     for name, values in constants.items():
-        one = joints[name]
-        each = values if isinstance(values, tuple) else (values,) * one.leaf.from_start
-        joints[name] = replace(one, constants=each)
+        joint = joints[name]
+        each = values if isinstance(values, tuple) else (values,) * joint.leaf.from_start
+        joints[name] = replace(joint, constants=each)
     return replace(model, joints=joints)
 
 
@@ -45,7 +45,7 @@ def flat(constants: Mapping[str, tuple[float, ...]]) -> list[float]:
 
 def without_counting(model: Model) -> Model:
     """The model without the joints whose rows count from the start: what determines the positions there."""
-    return replace(model, joints={name: one for name, one in model.joints.items() if not one.leaf.from_start})
+    return replace(model, joints={name: joint for name, joint in model.joints.items() if not joint.leaf.from_start})
 
 
 def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
@@ -55,18 +55,20 @@ def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
     """
     joints = system.model.joints
     if any(joint.leaf.from_start and joint.is_loose for joint in joints.values()):  # the rows that contacts stand for
-        rows = {name: replace(one, contact=None) if one.leaf.from_start else one for name, one in joints.items()}
+        rows = {
+            name: replace(joint, contact=None) if joint.leaf.from_start else joint for name, joint in joints.items()
+        }
         system = compile_system(replace(system.model, joints=rows))
     workspace = system.workspace()
     open_by(workspace, 0.0, q, np.zeros_like(q))
     residual = workspace.rows[:, at.RES]
-    found = {}
+    constants = {}
     for name in constants_of(system.model):
         joint, first = joints[name], system.first_row(name)
         values = tuple(residual[first : first + len(joint.leaf.rows)].tolist())
         x, y = point_at(system, q, joint.b) - point_at(system, q, joint.a)
-        found[name] = joint.leaf.start_constants(values, (float(x), float(y)))
-    return found
+        constants[name] = joint.leaf.start_constants(values, (float(x), float(y)))
+    return constants
 
 
 def as_guessed(model: Model) -> tuple[System, np.ndarray]:
@@ -78,7 +80,7 @@ def as_guessed(model: Model) -> tuple[System, np.ndarray]:
 
 def require_fit(system: System, q: np.ndarray) -> None:
     """Raise AssemblyError if the points of a joint are not at the distance that it needs, apart from clearances."""
-    play = sum(one.clearance for one in system.model.joints.values() if one.contact and not one.contact.closed)
+    play = sum(joint.clearance for joint in system.model.joints.values() if joint.contact and not joint.contact.closed)
     for name, _, fit, distance in fits(system, q.reshape(1, -1, 3)):
         if fit.needed and float(fit.missed(distance)[0]) > FITS * abs(fit.distance) + play:
             raise AssemblyError(

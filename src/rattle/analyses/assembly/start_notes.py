@@ -68,7 +68,9 @@ def start_notes(system: System, shut: System, t: float, q: np.ndarray, v: np.nda
     """
     changes = _changes(system, shut, t, q, v)
     adrift = _adrift(system, t, q)
-    return StartNotes((*_lines(changes), *adrift), (*_one_line([one for one in changes if one.matters]), *adrift))
+    return StartNotes(
+        (*_lines(changes), *adrift), (*_one_line([change for change in changes if change.matters]), *adrift)
+    )
 
 
 def _lines(changes: list[Change]) -> list[str]:
@@ -94,21 +96,21 @@ def _changes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarra
     alone = int((~np.isnan(given_values(system, 0))).sum()) == 1
     changes = []
     for turn, now in enumerate((q, v)):
-        for k, (given, got) in enumerate(zip(given_values(system, turn).tolist(), now.tolist(), strict=True)):
-            if math.isnan(given):
+        for k, (wanted, got) in enumerate(zip(given_values(system, turn).tolist(), now.tolist(), strict=True)):
+            if math.isnan(wanted):
                 continue
             name, key = system.bodies[k // 3], KEYS[turn][k % 3]
-            size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(given))
-            if abs(got - given) <= SEEN * size:
+            size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(wanted))
+            if abs(got - wanted) <= SEEN * size:
                 continue
             factor = 180.0 / math.pi if key == "angle" else 1.0
-            asked, found = f"{given * factor:.6g}", f"{got * factor if abs(got) > 1e-12 * size else 0.0:.6g}"
-            if asked == found:
-                found = f"{got * factor:.12g}"
+            asked, reached = f"{wanted * factor:.6g}", f"{got * factor if abs(got) > 1e-12 * size else 0.0:.6g}"
+            if asked == reached:
+                reached = f"{got * factor:.12g}"
             why = _holder(shut, free(), k)
             if why == AT_ODDS and alone and turn == 0:
                 why = UNREACHED
-            if why == AT_ODDS and key == "angle" and abs(math.remainder(got - given, math.tau)) <= SEEN:
+            if why == AT_ODDS and key == "angle" and abs(math.remainder(got - wanted, math.tau)) <= SEEN:
                 why = TURNED
             if turn == 1:
                 limit = math.inf if played().held[k] else 0.0
@@ -118,8 +120,8 @@ def _changes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarra
             else:
                 near = NEAR * system.size if _through_loops(shut, free(), k) else 0.0
                 limit = max(near, ACROSS * _play(system) if played().moved[k] else 0.0)
-            text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {found} {UNITS[key]}"
-            changes.append(Change(text, why, abs(got - given) > limit))
+            text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {reached} {UNITS[key]}"
+            changes.append(Change(text, why, abs(got - wanted) > limit))
     return changes
 
 
@@ -162,17 +164,17 @@ def _adrift(system: System, t: float, q: np.ndarray) -> list[str]:
     loose = [n for n, name in enumerate(system.bodies) if name not in reached]
     if not loose or system.row_count > LARGE:
         return []
-    guess, given = first_guess(system, t), given_values(system, 0)
+    guess, wanted = first_guess(system, t), given_values(system, 0)
     size = np.tile([system.size, system.size, 1.0], system.body_count)
     moved = np.abs(q - guess) > SEEN * size
     workspace = system.workspace()
     open_by(workspace, t, q, np.zeros_like(q))
-    known = np.eye(len(q))[~np.isnan(given)]
-    open_ = np.abs(free_motions(np.vstack([scaled_rows(system, workspace), known]))).max(axis=0, initial=0.0) > SEEN
+    fixed = np.eye(len(q))[~np.isnan(wanted)]
+    open_ = np.abs(free_motions(np.vstack([scaled_rows(system, workspace), fixed]))).max(axis=0, initial=0.0) > SEEN
     texts = []
     for n in loose:
         places = list(range(3 * n, 3 * n + 3))
-        if np.isnan(given[places]).all() and (moved & open_)[places].any():
+        if np.isnan(wanted[places]).all() and (moved & open_)[places].any():
             x, y, angle = q[places].tolist()
             texts.append(f"{system.bodies[n]} to x = {x:.6g} m, y = {y:.6g} m, angle = {math.degrees(angle):.6g} deg")
     if not texts:
@@ -210,8 +212,10 @@ def _holder(system: System, free: tuple[np.ndarray, np.ndarray, np.ndarray], k: 
     if len(own) == 1:
         return f"the driver '{own[0]}' holds it"
     owners = _holding(system, rows, k)
-    drivers = [f"'{one}'" for one in system.model.drivers if one in owners or owners.isdisjoint(system.model.drivers)]
-    joints = [f"'{one}'" for one in system.model.joints if one in owners]
+    drivers = [
+        f"'{name}'" for name in system.model.drivers if name in owners or owners.isdisjoint(system.model.drivers)
+    ]
+    joints = [f"'{name}'" for name in system.model.joints if name in owners]
     more = f" and {len(joints) - MOST_NAMED} more" if len(joints) > MOST_NAMED else ""
     through = f" through joint{'s' if len(joints) > 1 else ''} {', '.join(joints[:MOST_NAMED])}{more}" if joints else ""
     several = len(drivers) > 1

@@ -16,11 +16,11 @@ KEYS = (("x", "y", "angle"), ("vx", "vy", "omega"))
 
 def given_values(system: System, turn: int) -> np.ndarray:
     """(3 nb,) given positions [m, m, rad] (turn 0) or rates [m/s, m/s, rad/s] (turn 1), nan if not given."""
-    bodies, given = system.model.initial.bodies, list[float]()
+    bodies, wanted = system.model.initial.bodies, list[float]()
     for name in system.bodies:
         values = bodies.get(name, {})
-        given += [values.get(key, math.nan) for key in KEYS[turn]]
-    return np.array(given)
+        wanted += [values.get(key, math.nan) for key in KEYS[turn]]
+    return np.array(wanted)
 
 
 def places(system: System, q: np.ndarray) -> dict[str, tuple[float, float, float]]:
@@ -28,9 +28,9 @@ def places(system: System, q: np.ndarray) -> dict[str, tuple[float, float, float
     return {name: (x, y, angle) for name, (x, y, angle) in zip(system.bodies, q.reshape(-1, 3).tolist(), strict=True)}
 
 
-def change_of_given(system: System, q: np.ndarray, given: np.ndarray) -> float:
+def change_of_given(system: System, q: np.ndarray, wanted: np.ndarray) -> float:
     """Sum of the squared changes of given positions, angles in rad and lengths in sizes of the mechanism."""
-    change = q - given
+    change = q - wanted
     change[0::3] /= system.size
     change[1::3] /= system.size
     squares = change * change
@@ -38,10 +38,10 @@ def change_of_given(system: System, q: np.ndarray, given: np.ndarray) -> float:
 
 
 def keep_rates(
-    system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, given: np.ndarray
+    system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, wanted: np.ndarray
 ) -> np.ndarray:
     """Rates (3 nb,) [m/s, m/s, rad/s] near v that satisfy the constraints and keep given ones as far as possible."""
-    made = v.copy()
-    if keep_given_rates(workspace, t, q, made, given, system.size) == NOT_FINITE:
+    rates = v.copy()
+    if keep_given_rates(workspace, t, q, rates, wanted, system.size) == NOT_FINITE:
         raise not_finite()
-    return made
+    return rates

@@ -45,31 +45,31 @@ def tied_ways(model: Model) -> list[Tie]:
     for a, b, joint, driver in _ties(model):
         near.setdefault(a, []).append((b, joint, driver, 1))
         near.setdefault(b, []).append((a, joint, driver, -1))
-    found: dict[str, Tie] = {}
+    ties: dict[str, Tie] = {}
     for first in (GROUND, *model.bodies):
-        if first in found:
+        if first in ties:
             continue
-        found[first], open_ = Tie(first, "", "", "", 1, first), [first]
+        ties[first], open_ = Tie(first, "", "", "", 1, first), [first]
         while open_:
             body = open_.pop()
             for other, joint, driver, sign in near.get(body, ()):
-                if other not in found:
-                    found[other] = Tie(other, body, joint, driver, sign, first)
+                if other not in ties:
+                    ties[other] = Tie(other, body, joint, driver, sign, first)
                     open_.append(other)
-    return list(found.values())
+    return list(ties.values())
 
 
 def passed_ways(model: Model) -> tuple[list[Tie], list[str]]:
     """Bodies to which given angles, and that of the ground, are passed on, in this order; and those without one."""
-    known = {GROUND, *(name for name, values in model.initial.bodies.items() if "angle" in values)}
+    determined = {GROUND, *(name for name, values in model.initial.bodies.items() if "angle" in values)}
     ties, passed = list(_ties(model)), list[Tie]()
     for _ in range(len(ties)):
         for a, b, joint, driver in ties:
-            if (a in known) != (b in known):
-                to, origin, sign = (b, a, 1) if a in known else (a, b, -1)
+            if (a in determined) != (b in determined):
+                to, origin, sign = (b, a, 1) if a in determined else (a, b, -1)
                 passed.append(Tie(to, origin, joint, driver, sign, ""))
-                known.add(to)
-    return passed, [name for name in model.bodies if name not in known]
+                determined.add(to)
+    return passed, [name for name in model.bodies if name not in determined]
 
 
 def groups(model: Model, functions: Mapping[str, float]) -> dict[str, tuple[str, float]]:
@@ -77,14 +77,14 @@ def groups(model: Model, functions: Mapping[str, float]) -> dict[str, tuple[str,
 
     functions: value of every driver's function [rad or m].
     """
-    found: dict[str, tuple[str, float]] = {}
-    for one in tied_ways(model):
+    turning: dict[str, tuple[str, float]] = {}
+    for tie in tied_ways(model):
         ahead = 0.0
-        if one.origin:
-            angle = functions[one.driver] if one.driver else model.joints[one.joint].kept_angle
-            ahead = found[one.origin][1] + one.sign * (angle or 0.0)
-        found[one.to] = one.group, ahead
-    return found
+        if tie.origin:
+            angle = functions[tie.driver] if tie.driver else model.joints[tie.joint].kept_angle
+            ahead = turning[tie.origin][1] + tie.sign * (angle or 0.0)
+        turning[tie.to] = tie.group, ahead
+    return turning
 
 
 def driver_functions(system: System, t: float, workspace: Workspace | None = None) -> dict[str, float]:
@@ -114,14 +114,14 @@ def given_in_one_turn(system: System, t: float, workspace: Workspace | None = No
 
     It is that of the first of them, or that in which a driver holds them at t [s].  workspace: see `groups_at`.
     """
-    given, tied = given_values(system, 0), groups_at(system, t, workspace)
+    wanted, tied = given_values(system, 0), groups_at(system, t, workspace)
     first, ahead = tied[GROUND]
     turns = {first: -ahead}
     for n, body in enumerate(system.bodies):
-        angle = float(given[3 * n + 2])
+        angle = float(wanted[3 * n + 2])
         if math.isnan(angle):
             continue
         group, ahead = tied[body]
         kept = turns.setdefault(group, angle - ahead) + ahead
-        given[3 * n + 2] += math.tau * round((kept - angle) / math.tau)
-    return given
+        wanted[3 * n + 2] += math.tau * round((kept - angle) / math.tau)
+    return wanted

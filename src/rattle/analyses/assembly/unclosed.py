@@ -37,20 +37,20 @@ def why_open(system: System, workspace: Workspace, t: float) -> str:
     else:
         gap, taking = gaps[worst] + sum(gaps[name] for name in path), [worst, *path]
         what = f"the loop {describe_loop(model, joint, path)}"
-    said = f"the mechanism cannot be assembled: {what} stays open by {gap:.3g} {unit}{_at(system, workspace, t)}"
+    words = f"the mechanism cannot be assembled: {what} stays open by {gap:.3g} {unit}{_at(system, workspace, t)}"
     unlike = unlike_masses(system)
     if unlike:
-        return f"{said}: {unlike}"
-    said += ". Check the lengths, or give better angles in [initial] (or another driver position)."
-    return said + _closed_play(system, taking, gap, unit)
+        return f"{words}: {unlike}"
+    words += ". Check the lengths, or give better angles in [initial] (or another driver position)."
+    return words + _closed_play(system, taking, gap, unit)
 
 
 def _at_odds(system: System, taking: list[str]) -> str:
     """ "driver 'axis' and joints 'lower', 'upper' contradict each other; driver 'axis'", or only the last part."""
     worst = f"{'joint' if taking[0] in system.model.joints else 'driver'} '{taking[0]}'"
     groups = []
-    for word, known in (("driver", system.model.drivers), ("joint", system.model.joints)):
-        names = [f"'{name}'" for name in taking if name in known]
+    for word, members in (("driver", system.model.drivers), ("joint", system.model.joints)):
+        names = [f"'{name}'" for name in taking if name in members]
         if names:
             more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
             groups.append(f"{word}{'s' if len(names) > 1 else ''} {', '.join(names[:MOST_NAMED])}{more}")

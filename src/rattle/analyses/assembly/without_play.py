@@ -38,9 +38,11 @@ def ideal_model(model: Model) -> Model:
     """The same mechanism with every clearance closed, and without stops and what bodies come to and leave."""
     closed = Contact("ideal", {})
     joints = {
-        name: with_fields(one, contact=closed if one.contact else None, stop=None) if one.contact or one.stop else one
-        for name, one in model.joints.items()
-        if not one.passing
+        name: with_fields(joint, contact=closed if joint.contact else None, stop=None)
+        if joint.contact or joint.stop
+        else joint
+        for name, joint in model.joints.items()
+        if not joint.passing
     }
     if not model.initial.near:
         return with_fields(model, joints=joints)
@@ -53,9 +55,9 @@ def ideal_start(
     """The mechanism without play that `make` makes, and its start at t [s] that `find` finds, or why there is none."""
     global _kept
     key = _of_importance(model)
-    for one in _kept:
-        if one.t == t and one.model == key:
-            return one.system, one.start
+    for kept in _kept:
+        if kept.t == t and kept.model == key:
+            return kept.system, kept.start
     ideal = ideal_model(model)
     try:
         system = make(ideal)
@@ -72,15 +74,15 @@ def ideal_start(
 def _of_importance(model: Model) -> Model:
     """What the start without play depends on; constants are those that expressions use."""
     joints = {
-        name: replace(one, contact=None, clearance=0.0, dimensions={}, stop=None, constants=())
-        if one.contact or one.stop or one.constants
-        else one
-        for name, one in model.joints.items()
-        if not one.passing
+        name: replace(joint, contact=None, clearance=0.0, dimensions={}, stop=None, constants=())
+        if joint.contact or joint.stop or joint.constants
+        else joint
+        for name, joint in model.joints.items()
+        if not joint.passing
     }
-    values = [one.value for one in model.drivers.values()]
-    values += [value for one in model.loads.values() for value in one.values]
-    values += [one.rate for one in model.states.values()]
+    values = [driver.value for driver in model.drivers.values()]
+    values += [value for load in model.loads.values() for value in load.values]
+    values += [state.rate for state in model.states.values()]
     used = {name for node in (*values, *model.signals.values()) if isinstance(node, Node) for name in names(node)}
     constants = {name: value for name, value in model.constants.items() if name in used}
     return replace(model, joints=joints, constants=constants, parameters={}, remarks=(), groups=())

@@ -141,9 +141,9 @@ def touching(system: System, workspace: Workspace) -> np.ndarray:
 def rough(system: System, workspace: Workspace) -> np.ndarray:
     """(nc,) True for set-valued contacts with friction."""
     rigid = _rigid(system)
-    found = rigid.copy()
-    found[rigid] = workspace.values[system.arrays["contact"][rigid, at.NORMAL_P] + at.MU] > 0.0
-    return found
+    rubbing = rigid.copy()
+    rubbing[rigid] = workspace.values[system.arrays["contact"][rigid, at.NORMAL_P] + at.MU] > 0.0
+    return rubbing
 
 
 def _rigid(system: System) -> np.ndarray:
@@ -217,14 +217,14 @@ def firm_joints(system: System, workspace: Workspace, t: float) -> list[str]:
     jams.lock_share(workspace, t)
     contact, weight = system.arrays["contact"], workspace.weight
     closed = (workspace.mode != complementarity.OFF) & (contact[:, at.IMPACT] == 1)
-    found = []
+    names = []
     for k, n in enumerate(workspace.active[: int(closed.sum())]):
         lines = workspace.contact_jacobian[2 * k].reshape(2, 3)
         bodies = contact[n, [at.A_BODY, at.B_BODY]]
         alone = [float(line**2 @ weight[body]) for line, body in zip(lines, bodies, strict=True) if body > 0]
         if workspace.side[complementarity.B, 2 * k] < 0.0 and workspace.delassus[2 * k, 2 * k] < FIRM * min(alone):
-            found.append(f"'{system.joints[contact[n, at.OWNER]]}'")
-    return list(dict.fromkeys(found))
+            names.append(f"'{system.joints[contact[n, at.OWNER]]}'")
+    return list(dict.fromkeys(names))
 
 
 def against(system: System, names: str) -> str:
@@ -239,4 +239,6 @@ def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:
     unsure = workspace.contact_memory[:, at.UNSURE] == 1.0
     level = system.arrays["contact"][:, at.LEVEL]
     pairs = ((SHARED_TORQUE, unsure & (level == 1)), (SHARED_FORCE, unsure & (level == 0)))
-    return tuple(one.format(joints=", ".join(joints_of(system, chosen))) for one, chosen in pairs if chosen.any())
+    return tuple(
+        sentence.format(joints=", ".join(joints_of(system, chosen))) for sentence, chosen in pairs if chosen.any()
+    )

@@ -54,13 +54,13 @@ class EventDrivenRun(Run):
 
     def remarks(self) -> tuple[str, ...]:
         """Notes on jams that were passed and on forces that are not unique."""
-        said = shared_forces(self.system, self.workspace)
+        notes = shared_forces(self.system, self.workspace)
         count = int(self.workspace.course[at.JAMS])
         if not count:
-            return said
+            return notes
         names = ", ".join(joints_of(self.system, self.workspace.jammed == 1))
         number, first = f"{count} impacts" if count > 1 else "1 impact", self.workspace.course[at.FIRST_JAM]
-        return (*said, SENTENCES["jams"].format(number=number, t=first, joints=names))
+        return (*notes, SENTENCES["jams"].format(number=number, t=first, joints=names))
 
     def about_peaks(self, impacts: bool) -> tuple[str, ...]:
         """How near friction has come to locking a contact, where forces grow without bound."""

@@ -47,15 +47,15 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
     own = [system.model.joints[name].leaf.events for name in joints]
     owners = [joints[int(n)] for n in contact]
     kinds = [own[int(n)].get(KINDS[int(k)], KINDS[int(k)]) for n, k in zip(contact, what, strict=True)]
-    found = [Event._make(one) for one in zip(instants, owners, kinds, *values, strict=True)]
+    events = [Event._make(fields) for fields in zip(instants, owners, kinds, *values, strict=True)]
     memory, y, layout = workspace.contact_memory, workspace.state, state_layout(system)
     for n in np.flatnonzero(memory[:, at.CLOSED] == at.SHUT):
         account = y[layout.account(int(n))]
         since, speed, peak = (float(memory[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
         impulse = float(account[IMPULSE] - memory[n, at.IMPULSE_0])
         lost = float(account[LOSS] - memory[n, at.LOSS_0])
-        found.append(Event(since, joints[n], own[n].get("contact", "contact"), speed, t - since, peak, impulse, lost))
-    return tuple(sorted(found, key=itemgetter(0)))
+        events.append(Event(since, joints[n], own[n].get("contact", "contact"), speed, t - since, peak, impulse, lost))
+    return tuple(sorted(events, key=itemgetter(0)))
 
 
 def require_workable(system: System) -> None:
@@ -72,11 +72,11 @@ def require_workable(system: System) -> None:
         lasting = float(contact_duration.python(kind.kernel, p, 0, mass, 1.0))
         if lasting < STEPS_WANTED * SHORTEST:
             unit = "rad" if angular else "m"
-            said = (
+            words = (
                 f"so stiff that a contact at 1 {unit}/s would last {lasting:.1g} s and steps fall below {SHORTEST:g} s;"
                 ' lower the stiffness, or use contact = "impact" for rigid bodies'
             )
-            problems.append(Problem(group.path, said))
+            problems.append(Problem(group.path, words))
     if problems:
         raise ModelError(problems)
 
@@ -129,10 +129,10 @@ def contact_notes(system: System, events: Sequence[Event], energy: float) -> tup
 
     energy: a large energy of this run [J]; gains below the share GAIN of it are rounding.
     """
-    found = [*unused_notes(system.model), *law_faults(system.model)]
+    notes = [*unused_notes(system.model), *law_faults(system.model)]
     if gains := _gains(events, energy):
         impacts = f"{len(gains)} impact{'s' if len(gains) > 1 else ''}"
-        found.append(SENTENCES["gains"].format(impacts=impacts, gain=sum(gains)))
+        notes.append(SENTENCES["gains"].format(impacts=impacts, gain=sum(gains)))
     for joint, group in _groups(system.model):
         name, contact = joint.name, group.contact
         if contact.normal is None or contact.static is None:
@@ -142,7 +142,7 @@ def contact_notes(system: System, events: Sequence[Event], energy: float) -> tup
             registry.kinds("stiffness")[contact.static.kind],
             registry.normal_law(contact.normal.kind),
         )
-        found += [f"{name}, {contact.static.kind}: {one}" for one in static.leaf.notes(contact.static.values, peak)]
+        notes += [f"{name}, {contact.static.kind}: {note}" for note in static.leaf.notes(contact.static.values, peak)]
         if contact.normal.values.get("effective_mass", 1.0) > 0.0:
-            found += [f"{name}, {contact.normal.kind}: {one}" for one in normal.leaf.notes(contact.normal.values)]
-    return tuple(found)
+            notes += [f"{name}, {contact.normal.kind}: {note}" for note in normal.leaf.notes(contact.normal.values)]
+    return tuple(notes)

@@ -58,7 +58,7 @@ def explain(system: System, workspace: Workspace, t_end: float, status: int, ste
         return _sliding(system, workspace)
     locked = workspace.dry_memory[:, at.DRY_LOCKS] == 1.0
     if locked.any():
-        names = ", ".join(f"'{name}'" for name, one in zip(system.dry_joints, locked, strict=True) if one)
+        names = ", ".join(f"'{name}'" for name, locks in zip(system.dry_joints, locked, strict=True) if locks)
         return SENTENCES["locks"].format(t=t, joints=names)
     record(workspace, t, workspace.state, np.zeros(width(system)))
     what = _position(system, workspace, t) or _stiff(system, workspace)
@@ -155,7 +155,7 @@ def _sliding(system: System, workspace: Workspace) -> str:
         return SENTENCES["to_and_fro"].format(t=t, joints=", ".join(system.rough_joints))
     sizes = [abs(float(argument(workspace, n, t))) for n in range(len(workspace.switch))]
     row = int(workspace.switch[int(np.argmin(sizes)), at.OWN_CODE])
-    name = next(one.name for one in system.switches if one.row == row)
+    name = next(switch.name for switch in system.switches if switch.row == row)
     return (
         f"cannot go on at t = {t:.6g} s: {name} switches to and fro without end, each of its branches drives the motion"
         " back to the other. Make the change gradual, as tanh(x/width) for sign(x); for dry friction use `friction` of"

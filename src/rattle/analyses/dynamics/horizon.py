@@ -43,11 +43,11 @@ def tighter(rtol: float, usual: float) -> float:
 def agreement(run: Run, second: Run) -> Reach:
     """Time [s] up to which every curve of two runs agrees within 1 % of its range."""
     n = int(min(run.tally[at.OUTPUTS], second.tally[at.OUTPUTS]))
-    one, names, units = columns(run.system, run.raw[:n])
+    first, names, units = columns(run.system, run.raw[:n])
     other, _, _ = columns(second.system, second.raw[:n])
     keep = [k for k, name in enumerate(names) if not name.startswith("energy.")]
-    one, other = one[:, keep], other[:, keep]
-    span = np.ptp(one, axis=0)
+    first, other = first[:, keep], other[:, keep]
+    span = np.ptp(first, axis=0)
     widest: dict[str, float] = {}
     for k, width_ in zip(keep, span, strict=True):
         widest[units[names[k]]] = max(widest.get(units[names[k]], 0.0), float(width_))
@@ -60,7 +60,7 @@ def agreement(run: Run, second: Run) -> Reach:
     signal = np.array([names[k] in run.system.model.recorded for k in keep])
     shaken = _rounding(run, n)[keep]
     floor = np.maximum(STILL * wide_, np.where(signal, shaken, np.minimum(shaken, MOST_NOISE * wide_)))
-    apart = np.abs(one - other) > np.maximum(AGREE * span, floor)
+    apart = np.abs(first - other) > np.maximum(AGREE * span, floor)
     moving = np.array([units[names[k]] in MOTION and names[k] not in run.system.model.recorded for k in keep])
 
     def until(some: np.ndarray) -> float:
@@ -85,7 +85,7 @@ def _rounding(run: Run, n: int) -> np.ndarray:
         near = y.copy()
         near[: 2 * nq] += NOISE * (run.atol + run.rtol * np.abs(y[: 2 * nq])) * random.uniform(-1.0, 1.0, 2 * nq)
         record(run.workspace, run.t_eval[k], near, rows[1])
-        found = columns(run.system, rows)[0]
-        change = np.abs(found[1] - found[0])
+        curves = columns(run.system, rows)[0]
+        change = np.abs(curves[1] - curves[0])
         most = np.maximum(most, np.where(np.isfinite(change), change, 0.0))
     return most

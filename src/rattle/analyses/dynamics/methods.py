@@ -56,23 +56,28 @@ def choose_stepper(system: System, asked: str | None, step: float | None, span: 
     if that refuses to be replaced, and ModelError for set-valued contacts that no stepper can treat.
     """
     steppers, contacts = registry.kinds("stepper"), contacts_of(system)
-    one = steppers[usual_stepper(contacts) if asked is None else asked]
-    if contacts in one.leaf.refuses:
-        raise InputError(f"{one.name} {one.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
-    if contacts not in one.leaf.works_with:
-        one = steppers[usual_stepper(contacts)]
+    stepper = steppers[usual_stepper(contacts) if asked is None else asked]
+    if contacts in stepper.leaf.refuses:
+        raise InputError(f"{stepper.name} {stepper.leaf.unfit[contacts]}; use method {usual_stepper(contacts)}")
+    if contacts not in stepper.leaf.works_with:
+        stepper = steppers[usual_stepper(contacts)]
     if contacts == SET_VALUED:
-        require_round(system, one)
-        require_friction_known(system, one)
-        require_implicit(system, one)
-        require_one_law(system, one.leaf)
+        require_round(system, stepper)
+        require_friction_known(system, stepper)
+        require_implicit(system, stepper)
+        require_one_law(system, stepper.leaf)
     settings = system.model.settings
-    said = one.leaf if settings.method is None else steppers[settings.method].leaf
-    if one.leaf.adaptive and not said.adaptive and said.loop != one.leaf.loop and contacts in said.works_with:
+    stated = stepper.leaf if settings.method is None else steppers[settings.method].leaf
+    if (
+        stepper.leaf.adaptive
+        and not stated.adaptive
+        and stated.loop != stepper.leaf.loop
+        and contacts in stated.works_with
+    ):
         step = None if step == settings.step else step  # the model's step is for the other stepper
-    if step is None and not one.leaf.adaptive:
-        step = one.leaf.step.default(span)
-    return one, step
+    if step is None and not stepper.leaf.adaptive:
+        step = stepper.leaf.step.default(span)
+    return stepper, step
 
 
 def note_choice(system: System, asked: str | None, ran: Kind) -> tuple[str, ...]:
@@ -89,18 +94,18 @@ def require_round(system: System, stepper: Kind) -> None:
     """Raise ModelError for worn surfaces if the stepper does not know them."""
     worn = system.arrays["contact"][system.arrays["contact"][:, at.WORN] == 1, at.OWNER].tolist()
     if stepper.leaf.loop == TIME_STEPPING and worn:
-        said = f"method {stepper.name} knows round surfaces only; use method {usual_stepper(SET_VALUED)}"
-        raise ModelError([Problem(("joints", system.joints[n], "wear"), said) for n in worn])
+        words = f"method {stepper.name} knows round surfaces only; use method {usual_stepper(SET_VALUED)}"
+        raise ModelError([Problem(("joints", system.joints[n], "wear"), words) for n in worn])
 
 
 def require_friction_known(system: System, stepper: Kind) -> None:
     """Raise ModelError for friction in joints without play if the stepper does not know it."""
     if stepper.leaf.loop == TIME_STEPPING and system.dry_joints:
-        said = (
+        words = (
             f"method {stepper.name} knows friction in contacts only, not in joints without play; use method"
             f" {usual_stepper(SET_VALUED)}"
         )
-        raise ModelError([Problem(("joints", name, "friction"), said) for name in system.rough_joints])
+        raise ModelError([Problem(("joints", name, "friction"), words) for name in system.rough_joints])
 
 
 def require_implicit(system: System, stepper: Kind) -> None:
@@ -111,13 +116,13 @@ def require_implicit(system: System, stepper: Kind) -> None:
     for joint in system.model.joints.values():
         own = joint.leaf.own_contact(joint.fields)
         if own is not None and not own.rigid:
-            said = f"method {stepper.name} knows no viscous or compliant clutches; use method {other}"
-            problems.append(Problem(("joints", joint.name, "model"), said))
+            words = f"method {stepper.name} knows no viscous or compliant clutches; use method {other}"
+            problems.append(Problem(("joints", joint.name, "model"), words))
         for group in contact_groups(joint):
             friction = group.contact.friction
             if friction is not None and registry.kinds("friction")[friction.kind].leaf.states:
-                said = f"method {stepper.name} knows no friction with states ({friction.kind}); use method {other}"
-                problems.append(Problem((*group.path, "friction"), said))
+                words = f"method {stepper.name} knows no friction with states ({friction.kind}); use method {other}"
+                problems.append(Problem((*group.path, "friction"), words))
     if problems:
         raise ModelError(problems)
 
@@ -136,13 +141,13 @@ def require_one_law(system: System, stepper: type[Stepper]) -> None:
     first = next(iter(laws))
     for path, law in laws.items():
         if law != laws[first]:
-            listed = ", ".join(f"{_named(one)}: {which}" for one, which in laws.items())
-            said = f"impacts at several joints are one problem, which needs one law for all joints (now {listed})"
-            raise ModelError([Problem((*path, "restitution_law"), said)])
+            listed = ", ".join(f"{_named(path)}: {which}" for path, which in laws.items())
+            words = f"impacts at several joints are one problem, which needs one law for all joints (now {listed})"
+            raise ModelError([Problem((*path, "restitution_law"), words)])
     if stepper.restitution_laws and laws[first] not in stepper.restitution_laws:
         has = " or ".join(f'"{law}"' for law in stepper.restitution_laws)
-        said = f'"{laws[first]}" works with method "{usual_stepper(SET_VALUED)}" only; {stepper.title} has {has}'
-        raise ModelError([Problem((*first, "restitution_law"), said)])
+        words = f'"{laws[first]}" works with method "{usual_stepper(SET_VALUED)}" only; {stepper.title} has {has}'
+        raise ModelError([Problem((*first, "restitution_law"), words)])
 
 
 def _named(path: tuple[str, ...]) -> str:

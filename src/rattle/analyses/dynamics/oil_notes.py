@@ -25,36 +25,36 @@ SENTENCES = {  # of notes, also in pages
 
 def oil_notes(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[str, ...]:
     """Notes on the films of all joints; data (n, k): the curves of the run [SI] with their names."""
-    found: list[str] = []
+    notes: list[str] = []
     for name, joint in system.model.joints.items():
         film = joint.contact.film if joint.contact is not None else None
         if film is None or not joint.is_loose or f"{name}.film_thickness" not in names:
             continue
-        found += notes_of_film(name, film)
+        notes += notes_of_film(name, film)
         if len(data):
             curve = {key: data[:, names.index(f"{name}.{key}")] for key in ("film_thickness", "film_pressure")}
-            found += _in_the_run(name, film, curve["film_thickness"], curve["film_pressure"])
-            found += _at_speed(name, film, joint, *_speeds(joint, data, names))
-    return tuple(found)
+            notes += _in_the_run(name, film, curve["film_thickness"], curve["film_pressure"])
+            notes += _at_speed(name, film, joint, *_speeds(joint, data, names))
+    return tuple(notes)
 
 
 def notes_of_film(name: str, film: OilFilm) -> list[str]:
     """Notes on the law of a film, and on the dry contact that is assumed; name: of its joint."""
     law = registry.kinds("film")[film.law.kind].leaf
-    found = [f"{name}, {film.law.kind}: {note}" for note in law.notes(film.law.values)]
+    notes = [f"{name}, {film.law.kind}: {note}" for note in law.notes(film.law.values)]
     if film.assumed:
-        found.append(f"{name}: no dry contact given, so beyond the boundary film it is {film.assumed}")
-    return found
+        notes.append(f"{name}: no dry contact given, so beyond the boundary film it is {film.assumed}")
+    return notes
 
 
 def _in_the_run(name: str, film: OilFilm, thickness: np.ndarray, pressure: np.ndarray) -> list[str]:
-    found = []
+    notes = []
     thin = float(np.mean(thickness < film.boundary))
     if thin > 0.0:
-        found.append(SENTENCES["thin"].format(joint=name, boundary=1e6 * film.boundary, percent=100 * thin))
+        notes.append(SENTENCES["thin"].format(joint=name, boundary=1e6 * film.boundary, percent=100 * thin))
     if (peak := float(pressure.max())) > HARD:
-        found.append(SENTENCES["hard"].format(joint=name, pressure=1e-6 * peak))
-    return found
+        notes.append(SENTENCES["hard"].format(joint=name, pressure=1e-6 * peak))
+    return notes
 
 
 def _at_speed(name: str, film: OilFilm, joint: Joint, mean: float, relative: float) -> list[str]:

@@ -27,7 +27,7 @@ def peak_arrays(system: System, tableau: Tableau | None, watch: bool) -> dict[st
     for row, (arm, nothing) in zip(table, measures_of_peaks(system) if watch else (), strict=True):
         row[samples.ARM], row[samples.NOTHING] = arm, nothing
     return {
-        "quantity": np.array([one[1:] for one in watched], np.int64).reshape(-1, 2),
+        "quantity": np.array([quantity[1:] for quantity in watched], np.int64).reshape(-1, 2),
         "peaks": table,
         "peak_row": np.zeros(at.PER_JOINT * len(system.joints)),
     }
@@ -63,15 +63,15 @@ def peak_values(system: System, workspace: Workspace, span: float) -> dict[str, 
 
     span: time that counts in it [s].
     """
-    found = {}
+    peaks = {}
     for (name, *_), row in zip(quantities(system), workspace.peaks, strict=True):
         best, when, squares = (float(row[k]) for k in (samples.BEST, samples.WHEN, samples.SQUARES))
         best = best if best > -math.inf else math.nan  # no instant counts, as at the start in a singular position
         rms = math.sqrt(max(squares, 0.0) / span) if span > 0.0 else abs(best)
-        found[name] = Peak(best, when, rms)
+        peaks[name] = Peak(best, when, rms)
     for name, joint in system.model.joints.items():
         if joint.contact is not None and not (
             joint.one_sided and joint.one_sided.records
         ):  # without contacts N is as large as the force
-            found.setdefault(f"{name}.normal", found[f"{name}.force"])
-    return found
+            peaks.setdefault(f"{name}.normal", peaks[f"{name}.force"])
+    return peaks

@@ -76,13 +76,14 @@ def report(run: Run, reach: Reach | None) -> Result:
     )
     balance = float(np.abs(curve["balance"]).max()) if n else math.nan
     leave_out(system, passed, run.t_eval[:n], data, units)
+    counted = reached - run.start.t - sum(passage.until - passage.since for passage in passed)
     result = build_result(
         system.model, "simulate", t=run.t_eval[:n], data=data, names=names, units=units,
         trust=_trust(run, reach, contacts, balance, nonunique, notes, passed), stats=_stats(run), message=run.message,
         settings={"method": run.stepper.name, "rtol": run.rtol, "atol": run.atol, "step": run.step,
                   "t_end": run.t_end},
         events=sorted((*contacts, *jolt_events(run.jolts)), key=lambda event: event.t),
-        peaks=peak_values(system, run.workspace, reached - run.start.t - sum(one.until - one.since for one in passed)),
+        peaks=peak_values(system, run.workspace, counted),
         breaks=_breaks(run, passed),
     )  # fmt: skip
     result.trust = replace(result.trust, unread=unread(result))
@@ -107,8 +108,8 @@ def leave_out(
     t (n,) [s], data (n, k) [SI], units: of its columns, by name.
     """
     hidden = np.zeros(len(t), bool)
-    for one in passed:
-        hidden |= (t >= one.since) & (t <= one.until)
+    for passage in passed:
+        hidden |= (t >= passage.since) & (t <= passage.until)
     if hidden.any():
         data[hidden[:, None] & reaction_columns(system, units)] = math.nan
 
@@ -133,14 +134,14 @@ def _friction_note(joints: tuple[str, ...]) -> tuple[str, ...]:
     """That the motion depends on reactions that are not unique, by the friction of joints."""
     if not joints:
         return ()
-    said = f"{', '.join(joints)}: friction by a reaction that is not unique, so neither is the motion"
-    return (f"{said}; replace a joint by one that holds less",)
+    words = f"{', '.join(joints)}: friction by a reaction that is not unique, so neither is the motion"
+    return (f"{words}; replace a joint by one that holds less",)
 
 
 def _unsure_friction(run: Run) -> tuple[str, ...]:
     """Note on friction of joints that were held at rest by others, so that the motion does not tell what it holds."""
     unsure = run.workspace.dry_memory[:, at.DRY_UNSURE] == 1.0
-    names = ", ".join(name for name, one in zip(run.system.dry_joints, unsure, strict=True) if one)
+    names = ", ".join(name for name, held in zip(run.system.dry_joints, unsure, strict=True) if held)
     if not names:
         return ()
     return (SENTENCES["held_friction"].format(joints=names),)
@@ -180,7 +181,7 @@ def _trust(
         first_pull=first,
         intervals=intervals,
         nonunique=nonunique,
-        singular=tuple(one.t for one in passed),
+        singular=tuple(passage.t for passage in passed),
         gaps=tuple((passage.since, passage.until) for passage in passed),
         notes=notes,
         **contact_counts(system, contacts, float(clock[at.FEWEST])),

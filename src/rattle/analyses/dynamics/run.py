@@ -257,7 +257,7 @@ def start_state(system: System, start: Assembled) -> np.ndarray:
     layout = state_layout(system)
     y = np.zeros(layout.size)
     y[layout.motion] = np.concatenate([start.q, start.v])
-    y[layout.own_states] = [one.start for one in system.model.states.values()]
+    y[layout.own_states] = [state.start for state in system.model.states.values()]
     return y
 
 

@@ -109,4 +109,4 @@ def output_times(
 
 
 def _first_given(*values: float | None) -> float:
-    return next(one for one in values if one is not None)
+    return next(value for value in values if value is not None)

@@ -47,28 +47,28 @@ def passages(run: Running) -> tuple[Passage, ...]:
     if not len(workspace.passage):
         return ()
     leave(workspace, float(run.clock[at.T]))
-    found = []
+    passed = []
     count = int(workspace.passage[at.PASSED])
     for row, state in zip(workspace.passages[:count].tolist(), workspace.passage_states[:count].copy(), strict=True):
         t, _, since, until = row
         record(workspace, t, state, np.zeros(width(run.system)))
-        found.append(Passage(t, joints_losing_rank(run.system, workspace, 10.0 * SINGULAR), since, until))
-    return tuple(found)
+        passed.append(Passage(t, joints_losing_rank(run.system, workspace, 10.0 * SINGULAR), since, until))
+    return tuple(passed)
 
 
-def passage_notes(found: tuple[Passage, ...]) -> tuple[str, ...]:
+def passage_notes(passed: tuple[Passage, ...]) -> tuple[str, ...]:
     """What is said of them."""
-    if not found:
+    if not passed:
         return ()
-    joints = ", ".join(found[0].joints[:6])
+    joints = ", ".join(passed[0].joints[:6])
     lose = SENTENCES["lose"].format(joints=joints) if joints else ""
-    part = max(found, key=lambda one: one.until - one.since)
-    if len(found) == 1:
+    part = max(passed, key=lambda passage: passage.until - passage.since)
+    if len(passed) == 1:
         return (SENTENCES["passes"].format(t=part.t, lose=lose, span=_span(part.since, part.until)),)
-    when = ", ".join(f"{one.t:.4g}" for one in found[:NAMED])
-    more = f" and {len(found) - NAMED} more times" if len(found) > NAMED else ""
+    when = ", ".join(f"{passage.t:.4g}" for passage in passed[:NAMED])
+    more = f" and {len(passed) - NAMED} more times" if len(passed) > NAMED else ""
     half = 0.5e3 * (part.until - part.since)
-    return (SENTENCES["passes_many"].format(count=len(found), times=when, more=more, lose=lose, half=half),)
+    return (SENTENCES["passes_many"].format(count=len(passed), times=when, more=more, lose=lose, half=half),)
 
 
 def _span(since: float, until: float) -> str:

@@ -107,18 +107,18 @@ def energy_share(seen: np.ndarray) -> float:
 def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tuple[str, ...]:
     """Notes on a run whose drift or energy error is more than rounding."""
     seen = workspace.audit
-    found = []
+    notes = []
     opened = max(float(seen[at.OPEN_LENGTH]) / system.extent, float(seen[at.OPEN_ANGLE]))
     shorter = SHORTER[bool(stepper.adaptive)]
     if opened > SAID:
-        found.append(SENTENCES["opened"].format(share=opened, shorter=shorter))
+        notes.append(SENTENCES["opened"].format(share=opened, shorter=shorter))
     if seen[at.SUNK] > SUNK:
-        found.append(SENTENCES["sunk"].format(percent=100 * seen[at.SUNK], method=stepper.title))
+        notes.append(SENTENCES["sunk"].format(percent=100 * seen[at.SUNK], method=stepper.title))
     share = energy_share(seen)
     if share > SAID:
         of = "energy_of_method" if stepper.title else "energy"
-        found.append(SENTENCES[of].format(share=share, method=stepper.title, shorter=shorter))
-    return tuple(found)
+        notes.append(SENTENCES[of].format(share=share, method=stepper.title, shorter=shorter))
+    return tuple(notes)
 
 
 def loose(stepper: type[Stepper], rtol: float) -> tuple[str, ...]:
@@ -138,7 +138,7 @@ def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[
     drivers = _driver_rates(system)
     if drivers and max(drivers) > 0.0:
         usual, what = max(drivers), ITS_DRIVER
-    found = []
+    notes = []
     for name in system.watched:
         joint = system.model.joints[name]
         ax, ay = _point_rate(curve, joint.a)
@@ -147,20 +147,20 @@ def fast_links(system: System, data: np.ndarray, names: Sequence[str]) -> tuple[
         fastest = float(turning.max())
         if fastest > SWIFT * usual > 0.0:
             times = fastest / usual
-            found.append(SENTENCES["swift"].format(joint=name, rate=fastest, times=times, what=what))
-    return tuple(found)
+            notes.append(SENTENCES["swift"].format(joint=name, rate=fastest, times=times, what=what))
+    return tuple(notes)
 
 
 def _driver_rates(system: System) -> list[float]:
     """Rates of all drivers at the start [rad/s]; speeds along a line are divided by the mechanism's size."""
     workspace = system.workspace()
     drive(workspace, 0.0)
-    found = []
+    rates = []
     for name in system.model.drivers:
         rate = abs(float(workspace.values[system.driver_slot(name) + 1]))
         turns = system.rows[system.first_row(name)].unit == "rad"
-        found.append(rate if turns else rate / system.extent)
-    return found
+        rates.append(rate if turns else rate / system.extent)
+    return rates
 
 
 def _point_rate(curve: Mapping[str, np.ndarray], point: Point) -> tuple[np.ndarray, np.ndarray]:
@@ -250,13 +250,13 @@ def _cause(run: Running, t: float, ahead: float) -> str:
     system, workspace = run.system, run.workspace
     nq = 3 * system.body_count
     q, v = workspace.state[:nq].copy(), workspace.state[nq : 2 * nq].copy()
-    found = load_law.complaint(t) or not_finite(system, workspace, run.t_end)
-    found = found or jump(system, t, ahead) or contradicted(system, system.workspace(), t, q, v, run.t_end - t)
-    if found:
-        return found
-    found = unlike_masses(system)
-    if found:
-        return found
+    cause = load_law.complaint(t) or not_finite(system, workspace, run.t_end)
+    cause = cause or jump(system, t, ahead) or contradicted(system, system.workspace(), t, q, v, run.t_end - t)
+    if cause:
+        return cause
+    cause = unlike_masses(system)
+    if cause:
+        return cause
     away = float(np.abs(q.reshape(-1, 3)[:, :2]).max(initial=0.0))
     if away > FAR * system.extent:
         return (

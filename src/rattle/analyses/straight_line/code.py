@@ -41,31 +41,31 @@ def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]
     chosen = [name for name in list(model.values) if name not in constants]
     if not chosen:
         return model, constants
-    made, refused = _recorded(model, chosen)
+    recording, refused = _recorded(model, chosen)
     constants |= refused
-    if made is not None and made.first is None:
+    if recording is not None and recording.first is None:
         why = "the start does not follow from given values alone: only `rattle` can put the mechanism together anew"
-        constants |= dict.fromkeys(made.parameters, why)
-        made = None
-    if made is not None:
-        fixed = _structural(made)
+        constants |= dict.fromkeys(recording.parameters, why)
+        recording = None
+    if recording is not None:
+        fixed = _structural(recording)
         constants |= fixed
         if fixed:
-            made, _ = _recorded(model, [name for name in made.parameters if name not in fixed])
-    return made or model, constants
+            recording, _ = _recorded(model, [name for name in recording.parameters if name not in fixed])
+    return recording or model, constants
 
 
-def _dependent(document: Mapping[str, Any], known: Sequence[str]) -> dict[str, str]:
+def _dependent(document: Mapping[str, Any], candidates: Sequence[str]) -> dict[str, str]:
     """Parameters that are written as expressions of others, and that they are."""
-    found = {}
-    for name in known:
-        given = document["parameters"][name]
-        text = given["value"] if isinstance(given, Mapping) else given
+    reasons = {}
+    for name in candidates:
+        entry = document["parameters"][name]
+        text = entry["value"] if isinstance(entry, Mapping) else entry
         if isinstance(text, str) and parse_quantity(text) is None:
             used = sorted(names(parse(text, tables=document.get("tables", {}))))
             if used:
-                found[name] = f"it follows from {', '.join(used)}"
-    return found
+                reasons[name] = f"it follows from {', '.join(used)}"
+    return reasons
 
 
 def _recorded(model: RecordedModel, chosen: Sequence[str]) -> tuple[RecordedModel | None, dict[str, str]]:
@@ -82,28 +82,28 @@ def _recorded(model: RecordedModel, chosen: Sequence[str]) -> tuple[RecordedMode
         refused |= _recorded(model, [name])[1]
     if not refused:  # each alone, but not together
         return None, dict.fromkeys(chosen, "it cannot be recorded together with the others")
-    made, more = _recorded(model, [name for name in chosen if name not in refused])
-    return made, refused | more
+    recording, more = _recorded(model, [name for name in chosen if name not in refused])
+    return recording, refused | more
 
 
 def _structural(model: RecordedModel) -> dict[str, str]:
     """Parameters that stand for another form of the model wherever they are changed."""
     graph, flag = lower(model.graph, [model.readable])
     inputs = model.inputs(model.start.t, model.start_state)
-    found = {}
+    reasons = {}
     for k, (name, value) in enumerate(model.parameters.items(), 1 + model.state_size):
         tried = np.repeat(inputs[:, None], len(NUDGES), axis=1)
         tried[k] = [value * (1.0 + nudge) + (nudge if value == 0.0 else 0.0) for nudge in NUDGES]
         if not graph.evaluate(flag, tried).any():
-            found[name] = "it changes the form of the model"
-    return found
+            reasons[name] = "it changes the form of the model"
+    return reasons
 
 
 def _bound(model: RecordedModel) -> list[str]:
     """Parameters that have no start where they are changed alone: given start values then contradict each other."""
 
     def evaluated(graph: Graph, outputs: Sequence[Any]) -> Callable[[np.ndarray, np.ndarray], None]:
-        return lambda given, found: np.copyto(found, graph.evaluate(outputs, given))
+        return lambda inputs, results: np.copyto(results, graph.evaluate(outputs, inputs))
 
     values = np.array(list(model.parameters.values()))
     tried = np.repeat(values[:, None], 2 * len(values), axis=1)
@@ -126,21 +126,21 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
         parts += [[model.readable], first.correction, first.rates, [gap.open for gap in first.gaps]]
     graph, every = lower(model.graph, [x for part in parts for x in part])
     ends = np.cumsum([0, *map(len, parts)])
-    rates, projection, outputs, *more = (every[one:other] for one, other in itertools.pairwise(ends))
+    rates, projection, outputs, *more = (every[start:end] for start, end in itertools.pairwise(ends))
     begin, size = None, model.system.size
     if first is not None:
         (readable,), correction, closing, gaps = more
-        said = [(one.words, gap, one.unit) for one, gap in zip(first.gaps, gaps, strict=True)]
+        gap_rows = [(gap.words, symbol, gap.unit) for gap, symbol in zip(first.gaps, gaps, strict=True)]
         begin = Begin(
-            readable, correction, closing, said, [size, size, 1.0] * model.system.body_count, CLOSED * size, MISSED,
+            readable, correction, closing, gap_rows, [size, size, 1.0] * model.system.body_count, CLOSED * size, MISSED,
             FAR, ROUNDS, SMALL,
         )  # fmt: skip
-    known = model.system.model.parameters
+    parameters = model.system.model.parameters
     inputs = [
-        Input(name, value, known[name].unit, known[name].minimum, known[name].maximum)
+        Input(name, value, parameters[name].unit, parameters[name].minimum, parameters[name].maximum)
         for name, value in model.parameters.items()
     ]
-    switching = sorted({one.name for one in model.system.switches})
+    switching = sorted({switch.name for switch in model.system.switches})
     return Program(
         graph, rates, projection, outputs, list(curves), units_of(model, curves), inputs,
         model.start_state.tolist(), begin, switching, constants or {}, [] if first is None else _bound(model),
@@ -151,45 +151,45 @@ def all_curves(model: RecordedModel) -> dict[str, Any]:
     """Result curves, points of bodies among them, and the energies last."""
     names = list(model.curves)
     ordered = [*names[:-ENERGIES], *model.points, *names[-ENERGIES:]]
-    known = model.curves | model.points
-    return {name: known[name] for name in ordered}
+    symbols = model.curves | model.points
+    return {name: symbols[name] for name in ordered}
 
 
 def units_of(model: RecordedModel, names: Iterable[str]) -> list[str]:
     """SI units of curves of `all_curves`."""
-    known = derived_units(model.system.model, model.curves) | model.units
-    return [known[name] for name in names]
+    units = derived_units(model.system.model, model.curves) | model.units
+    return [units[name] for name in names]
 
 
-def c_program(made: Program, title: str, t_end: float, step: float) -> str:
+def c_program(program: Program, title: str, t_end: float, step: float) -> str:
     """One C99 file: the recorded functions, and a main that integrates them by the Runge-Kutta method of order 4.
 
     t_end, step: what the program does when not told [s].
     """
-    return c.program(_header(made, title), made, t_end, step)
+    return c.program(_header(program, title), program, t_end, step)
 
 
-def javascript_module(made: Program, title: str, t_end: float, step: float) -> str:
+def javascript_module(program: Program, title: str, t_end: float, step: float) -> str:
     """One ES module without dependencies: the recorded functions, and a `run` with the steps of the C program.
 
     t_end, step: what `run` does when not told [s].
     """
-    return javascript.module(_header(made, title), made, t_end, step)
+    return javascript.module(_header(program, title), program, t_end, step)
 
 
-def _header(made: Program, title: str) -> list[str]:
+def _header(program: Program, title: str) -> list[str]:
     """What the comment on top of a file says first."""
-    count = made.graph.count(made.derivative)
+    count = program.graph.count(program.derivative)
     lines = [f"{title}, written by rattle {__version__}; {count} operations for a right-hand side."]
-    if made.switching:
+    if program.switching:
         lines.append(
-            f"Steps go across the switches of {', '.join(made.switching)}: choose a step that is short enough."
+            f"Steps go across the switches of {', '.join(program.switching)}: choose a step that is short enough."
         )
     groups: dict[str, list[str]] = {}
-    for name, why in made.constants.items():
+    for name, why in program.constants.items():
         groups.setdefault(why, []).append(name)
-    if made.bound:
-        said = "with one of these changed alone, start values given in the model file contradict each other"
-        lines.append(f"To be changed together: {', '.join(made.bound)} ({said}).")
+    if program.bound:
+        alone = "with one of these changed alone, start values given in the model file contradict each other"
+        lines.append(f"To be changed together: {', '.join(program.bound)} ({alone}).")
     lines += [f"Fixed parameters: {', '.join(names)} ({why})." for why, names in groups.items()]
     return lines

@@ -18,23 +18,23 @@ def derived_curve(graph: Graph, recorded: System, curves: Mapping[str, Any], nam
 
     recorded: the system with its recorded numbers.  The same as `results.result` derives.
     """
-    known = rules(geometry(recorded.model), curves)
-    if name not in known:
+    by_name = rules(geometry(recorded.model), curves)
+    if name not in by_name:
         return None
 
-    def curve(one: str) -> Any:
-        return curves[one] if one in curves else made(one)
+    def curve(key: str) -> Any:
+        return curves[key] if key in curves else derived(key)
 
     def function(op: str) -> Any:
-        return lambda *given: graph.apply(op, *given)
+        return lambda *operands: graph.apply(op, *operands)
 
-    def made(one: str) -> Any:
-        rule = known[one]
+    def derived(key: str) -> Any:
+        rule = by_name[key]
         points = tuple((symbol_of(x), symbol_of(y)) for x, y in rule.points)
         rule = rule._replace(points=points, number=symbol_of(rule.number))
         return value_of(rule, curve, function("cos"), function("sin"), function("hypot"))
 
-    return made(name), unit_of_rule(name, known[name])
+    return derived(name), unit_of_rule(name, by_name[name])
 
 
 def derived_units(model: Model, curves: Collection[str]) -> dict[str, str]:

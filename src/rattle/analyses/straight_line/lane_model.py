@@ -37,19 +37,19 @@ class Asked:
         self.curves: list[Any] = []
         self.reductions: list[Reduction] = []
         self._places: dict[tuple[str, int, float], int] = {}
-        self.rows = [[self._row(one) for one in output.reductions] for output in outputs]
+        self.rows = [[self._row(reduction) for reduction in output.reductions] for output in outputs]
 
-    def _row(self, one: Any) -> int:
+    def _row(self, reduction: Any) -> int:
         """The row of the values that holds a reduction."""
-        symbol = expression(self.model, one.inner)
-        if one.kind in ("share", "first") and not one.strict:
+        symbol = expression(self.model, reduction.inner)
+        if reduction.kind in ("share", "first") and not reduction.strict:
             symbol = self.model.graph.apply("select", symbol >= 0.0, symbol + TINY, symbol)
         place = self.model.graph.place(symbol)
         curve = next((n for n, x in enumerate(self.curves) if self.model.graph.place(x) == place), len(self.curves))
         if curve == len(self.curves):
             self.curves.append(symbol)
-        t = argument(one, self.model.values) if one.kind == "at" else 0.0
-        key = (one.kind, curve, t)
+        t = argument(reduction, self.model.values) if reduction.kind == "at" else 0.0
+        key = (reduction.kind, curve, t)
         if key not in self._places:
             self._places[key] = len(self.reductions)
             self.reductions.append(Reduction(*key))
@@ -76,13 +76,15 @@ def why_not_lanes(output: Output, varied: Mapping[str, Any]) -> str:
     """Why lanes cannot compute an output; "" if they can."""
     if output.ideal_names:
         return f"{output.text!r} compares with the mechanism without play"
-    for one in output.reductions:
-        if one.kind not in KINDS:
-            return f"{one.kind}(...) needs a whole curve"
-        if one.kind in EXTREMES and any(isinstance(part, Apply) and part.name in JUMPS for part in walk(one.inner)):
+    for reduction in output.reductions:
+        if reduction.kind not in KINDS:
+            return f"{reduction.kind}(...) needs a whole curve"
+        if reduction.kind in EXTREMES and any(
+            isinstance(part, Apply) and part.name in JUMPS for part in walk(reduction.inner)
+        ):
             return f"the curve in {output.text!r} jumps"
-        if one.argument is not None and any(
-            isinstance(part, Name) and part.name in varied for part in walk(one.argument)
+        if reduction.argument is not None and any(
+            isinstance(part, Name) and part.name in varied for part in walk(reduction.argument)
         ):
             return f"the instant in {output.text!r} differs from sample to sample"
     return ""
@@ -94,14 +96,14 @@ def needs_short_steps(outputs: Sequence[Output], model: RecordedModel) -> bool:
     Steps follow the motion.  A condition may hold more shortly, a curve or a load written with functions or with t may
     change faster, and what a driver or a guide takes from a load does not show in the motion at all.
     """
-    sampled = [one for output in outputs for one in output.reductions if one.kind in SAMPLED]
+    sampled = [reduction for output in outputs for reduction in output.reductions if reduction.kind in SAMPLED]
     if not sampled:
         return False
     inside, signals = model.system.model, model.system.model.signals
-    for one in sampled:
-        peak = isinstance(one.inner, Apply) and one.inner.name in PEAKS.get(one.kind, ())
-        parts = one.inner.operands if peak and isinstance(one.inner, Apply) else (one.inner,)
-        if one.kind in CONDITIONS or any(_brisk(part, signals) for part in parts):
+    for reduction in sampled:
+        peak = isinstance(reduction.inner, Apply) and reduction.inner.name in PEAKS.get(reduction.kind, ())
+        parts = reduction.inner.operands if peak and isinstance(reduction.inner, Apply) else (reduction.inner,)
+        if reduction.kind in CONDITIONS or any(_brisk(part, signals) for part in parts):
             return True
     values = [value for load in inside.loads.values() for value in load.values]
     if any(_brisk(value, signals) for value in values if isinstance(value, Apply | Name)):

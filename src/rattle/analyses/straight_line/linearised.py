@@ -28,10 +28,10 @@ class Columns:
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Outputs (n_out, n) for inputs (n_in, n), n >= 1."""
         count = columns.shape[1]
-        given = np.ascontiguousarray(columns[:, filled(count)])
-        found = np.empty((self._count, given.shape[1]))
-        self._call(given, found)
-        return found[:, :count]
+        inputs = np.ascontiguousarray(columns[:, filled(count)])
+        outputs = np.empty((self._count, inputs.shape[1]))
+        self._call(inputs, outputs)
+        return outputs[:, :count]
 
 
 class Linearised:
@@ -48,13 +48,13 @@ class Linearised:
 
     def __call__(self, x: np.ndarray, dx: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """z (n_out,) at x (n_in,), and dz (n_out, k) for dx (n_in, k), k >= 1.  Flags are 1 or 0; their dz is 0."""
-        found = self._columns(np.vstack([np.repeat(x[:, None], dx.shape[1], axis=1), dx]))
-        return found[: self._count, 0], found[self._count :]
+        outputs = self._columns(np.vstack([np.repeat(x[:, None], dx.shape[1], axis=1), dx]))
+        return outputs[: self._count, 0], outputs[self._count :]
 
 
 def switching_functions(graph: Graph, outputs: Sequence[Any]) -> list[Any]:
     """What changes its sign where a branch of a calculation changes.  Raises TraceError for what jumps otherwise."""
-    found: dict[int, Any] = {}
+    margins: dict[int, Any] = {}
     for place in graph.live(outputs):
         op, operands = graph.ops[place], [Symbol(graph, k) for k in graph.operands[place]]
         if op == "floor":
@@ -67,8 +67,8 @@ def switching_functions(graph: Graph, outputs: Sequence[Any]) -> list[Any]:
         elif op == "copysign":
             margin = operands[1]
         if isinstance(margin, Symbol):
-            found[margin.place] = margin
-    return list(found.values())
+            margins[margin.place] = margin
+    return list(margins.values())
 
 
 def by_numpy(graph: Graph, outputs: Sequence[Any]) -> Function:

@@ -45,7 +45,7 @@ class MachineFunctions:
     def compile(self) -> None:
         """Make the machine code of all functions."""
         names = list(self._names.values())
-        origin = repr([self.width, *(described(*one) for one in self._functions.values())])
+        origin = repr([self.width, *(described(*function) for function in self._functions.values())])
         self._code = llvm.compile(self._text, ["chain", *names], origin)
         self._calls = {name: self._code.function(name) for name in names}
         self._calls["chain"] = self._code.function("chain", *llvm_chain.KINDS)
@@ -58,7 +58,7 @@ class MachineFunctions:
 
     def chain(self, calls: Calls, memory: np.ndarray, running: int, times: int) -> Callable[[], None]:
         """One call of many functions in turn, on every tile of a memory, so many times; see `Chain`."""
-        asides = [one for one in calls if isinstance(one, Aside)]
+        asides = [call for call in calls if isinstance(call, Aside)]
         assert len(asides) <= 1
         aside = self._aside(asides[0], memory) if asides else []
         table = self._table(calls, memory, aside[0].ctypes.data if aside else 0)
@@ -71,13 +71,13 @@ class MachineFunctions:
         return call
 
     def _table(self, calls: Calls, memory: np.ndarray, aside: int) -> np.ndarray:
-        """Calls as `llvm_chain` reads them; aside: address of the one among them."""
+        """Calls as `llvm_chain` reads them; aside: address of the aside among them."""
         assert self._code is not None
         addresses, start = self._code.addresses, memory.ctypes.data
         rows = [
-            (0, aside, 0, 0, 0, 0) if isinstance(one, Aside)
-            else (addresses[self._names[one[0]]], *_offsets(start, *_places(*one[1:])))
-            for one in calls
+            (0, aside, 0, 0, 0, 0) if isinstance(call, Aside)
+            else (addresses[self._names[call[0]]], *_offsets(start, *_places(*call[1:])))
+            for call in calls
         ]  # fmt: skip
         return np.array(rows, np.int64)
 
@@ -92,7 +92,7 @@ class MachineFunctions:
 
         head = [lanes, at(aside.asks), at(aside.lane), at(aside.taken), table.ctypes.data, table.size]
         copies = [(at(source), at(target), len(source)) for source, target in aside.copies]
-        larger = [(at(found), at(held)) for found, held in aside.larger]
+        larger = [(at(value), at(held)) for value, held in aside.larger]
         numbers = [*head, len(copies), len(larger), *itertools.chain(*copies, *larger)]
         return [np.array(numbers, np.int64), table]
 

@@ -70,15 +70,21 @@ def mock_up(model: RecordedModel, name: str, stop: float) -> MockUp:
     settings, title = model.system.model.settings, model.system.model.name or name
     experiment = Experiment(stop, settings.rtol or RTOL, settings.output)
     model, constants = with_parameters(model)
-    notes = [f"the parameter {one} is fixed: {why}" for one, why in constants.items() if one not in model.dependent]
+    notes = [
+        f"the parameter {parameter} is fixed: {why}"
+        for parameter, why in constants.items()
+        if parameter not in model.dependent
+    ]
     curves = _curves(model)
     inputs = _inputs(model, curves)
-    variables, made = _variables(model, curves, inputs), _equations(model, curves, inputs)
-    operations = made.derivative[0].count(made.derivative[1])
+    variables, equations = _variables(model, curves, inputs), _equations(model, curves, inputs)
+    operations = equations.derivative[0].count(equations.derivative[1])
     header = f"{title}, written by rattle {__version__}; {operations} operations for rates"
-    content = fmu.equations_text(made, header, "").encode() + description(variables, identifier, title, "", experiment)
+    content = fmu.equations_text(equations, header, "").encode() + description(
+        variables, identifier, title, "", experiment
+    )
     token = fmu.token(content)
-    files = fmu.sources(made, header, token)
+    files = fmu.sources(equations, header, token)
     entries = {"modelDescription.xml": description(variables, identifier, title, token, experiment)}
     entries["sources/buildDescription.xml"] = fmu.build_description(identifier)
     entries |= {f"sources/{name}": text.encode() for name, text in files.items()}
@@ -141,36 +147,41 @@ def _inputs(model: RecordedModel, curves: Mapping[str, Any]) -> set[str]:
 
 
 def _limits(model: RecordedModel, name: str) -> tuple[float, float]:
-    one = model.system.model.parameters[name]
-    return -math.inf if one.minimum is None else one.minimum, math.inf if one.maximum is None else one.maximum
+    parameter = model.system.model.parameters[name]
+    return (
+        -math.inf if parameter.minimum is None else parameter.minimum,
+        math.inf if parameter.maximum is None else parameter.maximum,
+    )
 
 
 def _variables(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]) -> list[Variable]:
     """All variables, in the order of their value references, which `fmu_sources` knows."""
-    known, nq = model.system.model.parameters, 3 * model.system.body_count
+    parameters, nq = model.system.model.parameters, 3 * model.system.body_count
     size = model.system.size
-    found = [Variable("t", Kind.TIME, "s", "time")]
+    variables = [Variable("t", Kind.TIME, "s", "time")]
     for name, value in model.parameters.items():
-        one, kind = known[name], Kind.INPUT if name in inputs else Kind.PARAMETER
-        said_of = "parameter of forces, may change during a run" if name in inputs else "parameter"
-        found.append(Variable(name, kind, one.unit, said_of, value, one.minimum, one.maximum))
+        parameter, kind = parameters[name], Kind.INPUT if name in inputs else Kind.PARAMETER
+        meaning = "parameter of forces, may change during a run" if name in inputs else "parameter"
+        variables.append(Variable(name, kind, parameter.unit, meaning, value, parameter.minimum, parameter.maximum))
     follows = "parameter that follows from others"
-    found += [Variable(name, Kind.FOLLOWING, known[name].unit, follows) for name in model.dependent]
-    first, states = len(found), state_layout(model.system).units()
+    variables += [Variable(name, Kind.FOLLOWING, parameters[name].unit, follows) for name in model.dependent]
+    first, states = len(variables), state_layout(model.system).units()
     for k, (name, unit) in enumerate(states):
         nominal = size if k < nq and unit == "m" else 1.0
-        meaning = said(name) if "." in name else "state of the model"
-        found.append(Variable(name, Kind.STATE, unit, meaning, nominal=nominal))
+        meaning = meaning_of(name) if "." in name else "state of the model"
+        variables.append(Variable(name, Kind.STATE, unit, meaning, nominal=nominal))
     for k, (name, unit) in enumerate(states):
         rate = {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2", "J": "W"}.get(unit, "")
         if unit and not rate:
             rate = unit_name(dimension_of(unit).over(TIME))
-        found.append(Variable(f"der({name})", Kind.RATE, rate, f"rate of {name}", state=first + k))
+        variables.append(Variable(f"der({name})", Kind.RATE, rate, f"rate of {name}", state=first + k))
     units = units_of(model, curves)
-    return found + [Variable(name, Kind.CURVE, unit, said(name)) for name, unit in zip(curves, units, strict=True)]
+    return variables + [
+        Variable(name, Kind.CURVE, unit, meaning_of(name)) for name, unit in zip(curves, units, strict=True)
+    ]
 
 
-def said(name: str) -> str:
+def meaning_of(name: str) -> str:
     """What a column of results means."""
     owner, _, key = name.rpartition(".")
     if not owner:

@@ -49,15 +49,15 @@ class RecordedArrays:
 
     def inputs(self, system: System) -> np.ndarray:
         """(n_in,) inputs [SI] with which the arrays are those of a system."""
-        known = system.model.parameters
-        return np.array([*(known[name].value for name in self.names), *flat(constants_of(system.model))])
+        parameters = system.model.parameters
+        return np.array([*(parameters[name].value for name in self.names), *flat(constants_of(system.model))])
 
-    def at(self, given: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, float]] | None:
+    def at(self, inputs: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, float]] | None:
         """Values [SI] of the entries by array, and of the facts, for inputs (n_in,); None for another form."""
-        holds, *found = self.graph.evaluate([self.holds, *self.outputs], given[:, None])[:, 0]
+        holds, *values = self.graph.evaluate([self.holds, *self.outputs], inputs[:, None])[:, 0]
         if not holds:
             return None
-        numbers, first, arrays = np.array(found), 0, {}
+        numbers, first, arrays = np.array(values), 0, {}
         for name, where in self.entries.items():
             arrays[name] = numbers[first : first + len(where)]
             first += len(where)
@@ -107,13 +107,13 @@ def recorded_arrays(
 def _counting(model: Model, recorder: Recorder, watch: Watch) -> Iterator[tuple[str, tuple[Any, ...]]]:
     """Constants that the start sets, by joint, as new inputs."""
     for name, values in constants_of(model).items():
-        yield name, tuple(Watched(one, recorder.graph.input(), recorder, watch) for one in values)
+        yield name, tuple(Watched(value, recorder.graph.input(), recorder, watch) for value in values)
 
 
 def _facts(recorded: System) -> Iterator[tuple[str, Any]]:
     """Symbols of numbers beside the arrays that follow."""
     settings = recorded.model.settings
-    held = {one.name: getattr(settings, one.name) for one in dataclasses.fields(settings)}
+    held = {field.name: getattr(settings, field.name) for field in dataclasses.fields(settings)}
     for name, value in {"size": recorded.size, "extent": recorded.extent, **held}.items():
         if isinstance(value, Recorded):
             yield name, symbol_of(value)
@@ -121,7 +121,7 @@ def _facts(recorded: System) -> Iterator[tuple[str, Any]]:
 
 def _own_states(recorded: System) -> Values:
     """Where the start of the states of a model stands in the arrays of a workspace."""
-    starts = [one.start for one in recorded.model.states.values()]
+    starts = [state.start for state in recorded.model.states.values()]
     first = recorded.element_states - len(starts)
     return {"signals": dict(enumerate(starts)), "element_state": dict(enumerate(starts, first))}
 
@@ -137,8 +137,8 @@ def _following(values: Values) -> Iterator[tuple[str, tuple[np.ndarray, list[Any
 def _require_alike(recorded: System, system: System) -> None:
     """Raise TraceError unless the recorded arrays are those of the system, to the bit."""
     for name, array in system.arrays.items():
-        found = recorded.arrays[name]
-        if found.dtype == object:
-            found = np.array([getattr(x, "bare", x) for x in found.ravel()], dtype=float).reshape(found.shape)
-        if not np.array_equal(found, array, equal_nan=array.dtype == float):
+        copy = recorded.arrays[name]
+        if copy.dtype == object:
+            copy = np.array([getattr(x, "bare", x) for x in copy.ravel()], dtype=float).reshape(copy.shape)
+        if not np.array_equal(copy, array, equal_nan=array.dtype == float):
             raise TraceError(f"the array '{name}' differs when it is recorded; this is a fault of rattle")

@@ -83,7 +83,7 @@ class RecordedModel:
     @property
     def values(self) -> dict[str, float]:
         """Values of all parameters of the model [SI]."""
-        return {name: one.value for name, one in self.system.model.parameters.items()}
+        return {name: parameter.value for name, parameter in self.system.model.parameters.items()}
 
     def symbol(self, name: str) -> Any:
         """What a name in an expression over results stands for: a curve, a parameter or t."""
@@ -118,7 +118,9 @@ def record_model(
     t = graph.input()
     y = np.array([graph.input() for _ in range(state_layout(system).size)], dtype=object)
     inputs = [graph.input() for _ in names]
-    chosen = {name: functools.partial(recorder.number, symbol=one) for name, one in zip(names, inputs, strict=True)}
+    chosen = {
+        name: functools.partial(recorder.number, symbol=symbol) for name, symbol in zip(names, inputs, strict=True)
+    }
     recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
     _require_known_states(recorded)
     recording = Recording(recorded, recorder)
@@ -127,15 +129,15 @@ def record_model(
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
     first = record_start(system, start, recorded, recorder, y) if names else None
-    made = RecordedModel(
+    model = RecordedModel(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
         both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), _dependent(recorded, names),
         first, recorded,
     )  # fmt: skip
-    _require_same(made)
-    return made
+    _require_same(model)
+    return model
 
 
 def record_curves(recording: Recording, t: Any, y: np.ndarray) -> tuple[dict[str, Any], dict[str, str], Any]:
@@ -143,31 +145,31 @@ def record_curves(recording: Recording, t: Any, y: np.ndarray) -> tuple[dict[str
     row = np.zeros(width(recording.system), dtype=object)
     _, sound = recording.guarded(lambda: recording.run(record, t, y, row))
     table, titles, units = recording.plain(columns)(recording.system, Table([[0.0] * len(row), list(row)]))
-    return dict(zip(titles, (one[1] for one in table), strict=True)), units, sound
+    return dict(zip(titles, (column[1] for column in table), strict=True)), units, sound
 
 
 def _counting(model: Model, system: System, recorder: Recorder) -> Model:
     """A model with new inputs for the constants that the start sets; their values are those of the system."""
-    made: dict[str, tuple[float, ...]] = {
+    constants: dict[str, tuple[float, ...]] = {
         name: tuple(recorder.number(value, symbol=recorder.graph.input()) for value in each)
         for name, each in constants_of(system.model).items()
     }
-    return with_constants(model, made)
+    return with_constants(model, constants)
 
 
 def _dependent(recorded: System, chosen: Sequence[str]) -> dict[str, Any]:
     """Symbols of parameters that follow from chosen ones."""
-    values = {name: one.value for name, one in recorded.model.parameters.items() if name not in chosen}
+    values = {name: parameter.value for name, parameter in recorded.model.parameters.items() if name not in chosen}
     return {name: symbol_of(x) for name, x in values.items() if isinstance(x, Recorded)}
 
 
 def require_parameters(system: System, names: Sequence[str]) -> None:
     """Raise UnknownName for a name that is not a parameter of the model."""
-    known = system.model.parameters
+    parameters = system.model.parameters
     for name in names:
-        if name not in known:
+        if name not in parameters:
             how = f'; vary a parameter that stands there: m.set({{"parameters.NAME": VALUE, "{name}": "NAME"}})'
-            raise UnknownName(f"no parameter '{name}'{how if '.' in name else suggest(name, known)}")
+            raise UnknownName(f"no parameter '{name}'{how if '.' in name else suggest(name, parameters)}")
 
 
 def require_written_loads(system: System) -> None:
@@ -182,7 +184,7 @@ def require_written_loads(system: System) -> None:
 def _require_smooth(system: System) -> None:
     """Raise TraceError for what a calculation without branches and events cannot follow."""
     require_written_loads(system)
-    driving = sorted({one.name for one in system.switches if one.driving})
+    driving = sorted({switch.name for switch in system.switches if switch.driving})
     if driving:
         raise TraceError(
             f"{', '.join(driving)} switches (abs, sign, min, max, floor, mod, if, tables with kinks): code would step"
@@ -192,50 +194,50 @@ def _require_smooth(system: System) -> None:
 
 def _require_known_states(recorded: System) -> None:
     """Raise TraceError for a state whose start depends on a chosen parameter."""
-    for name, one in recorded.model.states.items():
-        if isinstance(one.start, Recorded):
+    for name, state in recorded.model.states.items():
+        if isinstance(state.start, Recorded):
             raise TraceError(f"the start of the state '{name}' depends on a parameter that is changed")
 
 
-def _require_same(made: RecordedModel) -> None:
+def _require_same(model: RecordedModel) -> None:
     """Compare the recorded functions with the kernels, at the start and at changed parameters.
 
     Raises TraceError where they differ.
     """
-    flags = [made.derivative[-1], made.projection[-1], made.sound_curves, made.readable]
-    functions = lower(made.graph, [*flags, *made.derivative[:-1], *made.curves.values()])
-    y, given = made.start_state, made.parameters
-    found = _at(made, functions, made.start.t, y, given)
-    if not found[:4].all():
+    flags = [model.derivative[-1], model.projection[-1], model.sound_curves, model.readable]
+    functions = lower(model.graph, [*flags, *model.derivative[:-1], *model.curves.values()])
+    y, values = model.start_state, model.parameters
+    outputs = _at(model, functions, model.start.t, y, values)
+    if not outputs[:4].all():
         raise TraceError(
             "constraints are redundant, the start is next to a singular position, or points coincide: straight-line"
             " code cannot pass that"
         )
-    _require_equal(made.system, made.start.t, y, found[4:], "at the start; this is a fault of rattle")
+    _require_equal(model.system, model.start.t, y, outputs[4:], "at the start; this is a fault of rattle")
     random = np.random.default_rng(0)
 
     def same(names: Sequence[str], where: str) -> bool:
         """Compare where these parameters are changed; False if the model cannot be changed so."""
         for nudge in NUDGES:
-            changed = {**given, **{name: given[name] + nudge * (given[name] or 1.0) for name in names}}
+            changed = {**values, **{name: values[name] + nudge * (values[name] or 1.0) for name in names}}
             try:
-                other = compile_system(with_constants(read_at(made, changed), constants_of(made.system.model)))
+                other = compile_system(with_constants(read_at(model, changed), constants_of(model.system.model)))
             except ModelError:  # outside of the limits of a parameter
                 continue
             moved = y + 1e-3 * random.standard_normal(len(y))
-            found = _at(made, functions, made.start.t, moved, changed)
-            if found[3]:
-                _require_equal(other, made.start.t, moved, found[4:], where)
+            outputs = _at(model, functions, model.start.t, moved, changed)
+            if outputs[3]:
+                _require_equal(other, model.start.t, moved, outputs[4:], where)
                 return True
         return False
 
     fault: TraceError | None = None
     try:
-        if same(list(given), "where parameters are changed"):
+        if same(list(values), "where parameters are changed"):
             return
     except TraceError as error:
         fault = error  # which parameter?
-    for name in given:
+    for name in values:
         same([name], f"where '{name}' is changed")
     if fault is not None:
         raise fault
@@ -251,13 +253,13 @@ def read_at(model: RecordedModel, values: Mapping[str, float]) -> Model:
 
 
 def _at(
-    made: RecordedModel, functions: tuple[Graph, list[Any]], t: float, y: np.ndarray, given: Mapping[str, float]
+    model: RecordedModel, functions: tuple[Graph, list[Any]], t: float, y: np.ndarray, values: Mapping[str, float]
 ) -> np.ndarray:
     graph, outputs = functions
-    return graph.evaluate(outputs, made.inputs(t, y, list(given.values()))[:, None])[:, 0]
+    return graph.evaluate(outputs, model.inputs(t, y, list(values.values()))[:, None])[:, 0]
 
 
-def _require_equal(system: System, t: float, y: np.ndarray, found: np.ndarray, where: str) -> None:
+def _require_equal(system: System, t: float, y: np.ndarray, outputs: np.ndarray, where: str) -> None:
     rate, row = np.zeros_like(y), np.zeros(width(system))
     workspace = system.plain_workspace()
     with np.errstate(all="ignore"):  # what is not finite is said below
@@ -266,8 +268,8 @@ def _require_equal(system: System, t: float, y: np.ndarray, found: np.ndarray, w
         table, _, _ = columns(system, np.array([np.zeros_like(row), row]))
     pushed = np.abs(workspace.weight * workspace.force).max()  # at rest joints leave only rounding of these
     for title, want, got, size in (
-        ("right-hand side", rate, found[: len(y)], pushed),
-        ("result columns", table[1], found[len(y) :], 0.0),
+        ("right-hand side", rate, outputs[: len(y)], pushed),
+        ("result columns", table[1], outputs[len(y) :], 0.0),
     ):
         if not np.isfinite(want).all():
             raise TraceError("a load, driver or signal has no finite value at the start")

@@ -100,8 +100,8 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Any]
         closing.place(q, np.zeros(len(q), dtype=object))
         return [closing.workspace.rows[n, at.RES] for n in rows]
 
-    made, sound = Recording(zero, recorder).guarded(residuals)
-    return [*made, sound]
+    constants, sound = Recording(zero, recorder).guarded(residuals)
+    return [*constants, sound]
 
 
 def driven_bodies(system: System, start: Assembled) -> set[str]:
@@ -122,13 +122,13 @@ def driven_bodies(system: System, start: Assembled) -> set[str]:
 # ---------------------------------------------------------------- what is kept
 def _pins_at_offsets(system: System, start: Assembled) -> list[str]:
     """Massless links whose pins start at their given offsets."""
-    model, found = system.model, []
+    model, pins = system.model, []
     for name, offset in model.initial.offsets.items():
         if is_link(model.joints[name]):
             now = _pin(system, start, name)[:2]
             if np.abs(now - offset).max() <= KEPT * system.size:
-                found.append(name)
-    return found
+                pins.append(name)
+    return pins
 
 
 def _pins_at_rest(system: System, start: Assembled) -> list[str]:
@@ -146,7 +146,7 @@ def _pins_at_rest(system: System, start: Assembled) -> list[str]:
 
 def _pin(system: System, start: Assembled, name: str) -> np.ndarray:
     """(4,) place of the pin relative to its bush [m] and its rate [m/s], in ground axes."""
-    joint, found = system.model.joints[name], np.zeros(4)
+    joint, state = system.model.joints[name], np.zeros(4)
     for point, sign in ((joint.b, 1.0), (joint.a, -1.0)):
         x = y = angle = vx = vy = omega = 0.0
         if point.body != "ground":
@@ -154,8 +154,8 @@ def _pin(system: System, start: Assembled, name: str) -> np.ndarray:
             (x, y, angle), (vx, vy, omega) = start.q[k : k + 3], start.v[k : k + 3]
         sx = np.cos(angle) * point.at[0] - np.sin(angle) * point.at[1]
         sy = np.sin(angle) * point.at[0] + np.cos(angle) * point.at[1]
-        found += sign * np.array([x + sx, y + sy, vx - omega * sy, vy + omega * sx])
-    return found
+        state += sign * np.array([x + sx, y + sy, vx - omega * sy, vy + omega * sx])
+    return state
 
 
 def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept | None:
@@ -163,24 +163,24 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
 
     Rates of which none is given are the least that the constraints allow: no coordinate is needed for them.
     """
-    given, now = given_values(system, turn), (start.q, start.v)[turn]
-    if turn == 1 and np.isnan(given).all() and not system.watched:
+    wanted, now = given_values(system, turn), (start.q, start.v)[turn]
+    if turn == 1 and np.isnan(wanted).all() and not system.watched:
         return Kept([], [], [])
     basis = _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
     joints = list(basis) if turn == 0 else _basis(system, start, [])  # pins go before given places and angles
-    found = Kept(pins, [], [])
-    for k in np.flatnonzero(_agrees(system, now, given)):
-        unit = _unit(len(given), int(k))
+    kept = Kept(pins, [], [])
+    for k in np.flatnonzero(_agrees(system, now, wanted)):
+        unit = _unit(len(wanted), int(k))
         if _add(basis, unit):
-            found.needed.append(int(k))
+            kept.needed.append(int(k))
         elif _add(list(joints), unit):
-            found.also.append(int(k))
+            kept.also.append(int(k))
     if turn == 0:
-        found.needed.extend(k for k in _left_at_zero(system, now, given) if _add(basis, _unit(len(given), k)))
-    return found if len(basis) == len(given) else None
+        kept.needed.extend(k for k in _left_at_zero(system, now, wanted) if _add(basis, _unit(len(wanted), k)))
+    return kept if len(basis) == len(wanted) else None
 
 
-def _left_at_zero(system: System, now: np.ndarray, given: np.ndarray) -> list[int]:
+def _left_at_zero(system: System, now: np.ndarray, wanted: np.ndarray) -> list[int]:
     """Angles that are not given and that assembly leaves at 0, because no loop could need another one."""
     model = system.model
     if any(driver.point is not None for driver in model.drivers.values()):
@@ -190,13 +190,13 @@ def _left_at_zero(system: System, now: np.ndarray, given: np.ndarray) -> list[in
     return [
         3 * n + 2
         for n, body in enumerate(system.bodies)
-        if body not in moved and np.isnan(given[3 * n + 2]) and now[3 * n + 2] == 0.0
+        if body not in moved and np.isnan(wanted[3 * n + 2]) and now[3 * n + 2] == 0.0
     ]
 
 
-def _agrees(system: System, now: np.ndarray, given: np.ndarray) -> np.ndarray:
+def _agrees(system: System, now: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     """(3 nb,) True where a coordinate or rate has its given value; not where none is given."""
-    return np.asarray(np.abs(now - given) <= KEPT * _scale(system, now) * _sizes(system))
+    return np.asarray(np.abs(now - wanted) <= KEPT * _scale(system, now) * _sizes(system))
 
 
 def _scale(system: System, now: np.ndarray) -> float:
@@ -237,8 +237,8 @@ def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
     """Add a row to an orthonormal basis if it is independent of it."""
     length = float(np.linalg.norm(row))
     for _ in range(2):
-        for one in basis:
-            row = row - (one @ row) * one
+        for direction in basis:
+            row = row - (direction @ row) * direction
     rest = float(np.linalg.norm(row))
     if not rest > RANK * length:
         return False
@@ -248,31 +248,31 @@ def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
 
 def lacking(system: System, start: Assembled) -> str:
     """What [initial] must give so that the start follows from it, in words; "" if it does."""
-    said = []
+    advice = []
     placed = _pins_at_offsets(system, start)
     links = [name for name, joint in system.model.joints.items() if is_link(joint)]
     if without := [name for name in links if name not in placed]:
-        said.append(f"give the offset of {', '.join(without)}")
+        advice.append(f"give the offset of {', '.join(without)}")
     for turn, pins in ((0, links), (1, _pins_at_rest(system, start))):
-        if turn == 1 and said:  # rates follow once the positions do
+        if turn == 1 and advice:  # rates follow once the positions do
             break
-        given, now = given_values(system, turn), (start.q, start.v)[turn]
+        wanted, now = given_values(system, turn), (start.q, start.v)[turn]
         names = [f"{body}.{key}" for body in system.bodies for key in KEYS[turn]]
-        moved = [k for k in np.flatnonzero(~np.isnan(given)) if not _agrees(system, now, given)[k]]
+        moved = [k for k in np.flatnonzero(~np.isnan(wanted)) if not _agrees(system, now, wanted)[k]]
         if moved:
-            values = ", ".join(f"{names[k]} = {now[k]:.12g} (not {given[k]:.6g})" for k in moved)
-            said.append(f"give what the joints allow: {values}")
+            values = ", ".join(f"{names[k]} = {now[k]:.12g} (not {wanted[k]:.6g})" for k in moved)
+            advice.append(f"give what the joints allow: {values}")
         placing = _placing(system) if turn == 0 else system
         if _kept(placing, start, pins, turn) is None:
             basis = _basis(_held(placing.model, pins, []), start, pins if turn == 0 else [])
-            for k in np.flatnonzero(~np.isnan(given)):
-                _add(basis, _unit(len(given), int(k)))
-            size = len(given)
+            for k in np.flatnonzero(~np.isnan(wanted)):
+                _add(basis, _unit(len(wanted), int(k)))
+            size = len(wanted)
             order = (*range(2, size, 3), *range(0, size, 3), *range(1, size, 3))  # angles first
             free = [k for k in order if _add(basis, _unit(size, k))]
             if free:
-                said.append(f"give {', '.join(f'{names[k]} (it is {now[k]:.12g})' for k in free)}")
-    return "; ".join(said)
+                advice.append(f"give {', '.join(f'{names[k]} (it is {now[k]:.12g})' for k in free)}")
+    return "; ".join(advice)
 
 
 # ---------------------------------------------------------------- the mechanism with what is kept
@@ -284,7 +284,7 @@ def _held(model: Model, pins: Sequence[str], coordinates: Sequence[int]) -> Syst
         name = f"{START_OF}{body}.{key}"
         value = model.initial.bodies.get(body, {}).get(key, 0.0)  # where only the rate is given, only the rate counts
         drivers[name] = Driver(name, f"body-{key}", "", value, Point(body, "", (0.0, 0.0)))
-    joints = {name: replace(one, contact=None) if name in pins else one for name, one in model.joints.items()}
+    joints = {name: replace(joint, contact=None) if name in pins else joint for name, joint in model.joints.items()}
     return compile_system(replace(model, joints=joints, drivers=drivers))
 
 
@@ -320,13 +320,13 @@ def _positions(
 
     def correct() -> list[Any]:
         closing = held.closing(0.0, _hinges(held.system, kept.pins, offsets))
-        made, still = q.copy(), np.zeros(len(q), dtype=object)
-        closing.begin(made, still)
+        corrected, still = q.copy(), np.zeros(len(q), dtype=object)
+        closing.begin(corrected, still)
         open_at_q.extend(_open_rows(held.system, closing.workspace.rows, recorder))
         open_at_q.extend(_missed(recorded, recorder, kept, q, slack))
-        closing.correct(made, still)
-        left = [closing.gap(), *(gap.open for gap in _missed(recorded, recorder, kept, made, slack))]
-        return [*made, recorder.largest(left)]
+        closing.correct(corrected, still)
+        left = [closing.gap(), *(gap.open for gap in _missed(recorded, recorder, kept, corrected, slack))]
+        return [*corrected, recorder.largest(left)]
 
     correction, sound = held.guarded(correct)
     return correction, sound, open_at_q
@@ -338,28 +338,28 @@ def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, sla
     slack: (3 nb,) up to which the values of the model file count as kept [m or rad], since they are rounded there;
     only what is beyond it is missed.
     """
-    bodies, found = list(recorded.model.bodies), []
+    bodies, gaps = list(recorded.model.bodies), []
     for k in kept.also:
         name = f"{bodies[k // 3]}.{KEYS[0][k % 3]} of [initial] is missed by"
         missed = recorder.largest([abs(q[k] - symbol_of(_given(recorded, k, 0))) - slack[k]])
-        found.append(Gap(name, missed, ("m", "m", "rad")[k % 3]))
+        gaps.append(Gap(name, missed, ("m", "m", "rad")[k % 3]))
     for name in kept.pins:
         length = recorder.graph.apply("hypot", *map(symbol_of, recorded.model.initial.offsets[name]))
         missed = recorder.largest([abs(length - symbol_of(recorded.model.joints[name].clearance)) - 2.0 * slack[0]])
-        found.append(Gap(f"the length of the offset of joint '{name}' is not its clearance, by", missed, "m"))
-    return found
+        gaps.append(Gap(f"the length of the offset of joint '{name}' is not its clearance, by", missed, "m"))
+    return gaps
 
 
 def _open_rows(system: System, rows: np.ndarray, recorder: Recorder) -> list[Gap]:
     """The largest residual of every joint, driver and kept coordinate; of rows in m and in rad apart."""
-    found: dict[tuple[str, str], list[Any]] = {}
+    residuals: dict[tuple[str, str], list[Any]] = {}
     for row, values in zip(system.rows, rows, strict=True):
         kept = row.owner.removeprefix(START_OF)
         name = f"{'driver' if row.driver else 'joint'} '{row.owner}' stays open by"
         if kept != row.owner:
             name = f"{kept} of [initial] is missed by"
-        found.setdefault((name, row.unit), []).append(abs(values[at.RES]))
-    return [Gap(name, recorder.largest(every), unit) for (name, unit), every in found.items()]
+        residuals.setdefault((name, row.unit), []).append(abs(values[at.RES]))
+    return [Gap(name, recorder.largest(every), unit) for (name, unit), every in residuals.items()]
 
 
 def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any]:

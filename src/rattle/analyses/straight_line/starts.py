@@ -46,7 +46,7 @@ class Starts:
     def __init__(self, model: RecordedModel, compile_function: Compile) -> None:
         self.model = model
         self._assembled = 0  # starts
-        self._readable, *self._first = (compile_function(*one) for one in _lowered(model))
+        self._readable, *self._first = (compile_function(*lowered) for lowered in _lowered(model))
 
     def begin(self, values: np.ndarray) -> Begun:
         """Starts at values (np, k) of the chosen parameters [SI]."""
@@ -93,9 +93,9 @@ class Starts:
         """The model with values (np,) of the chosen parameters [SI], assembled.  Raises ModelError, AssemblyError."""
         self._assembled += 1
         form = self._form if self._assembled >= FORM_PAYS else None
-        found = form.at(values.tolist()) if form is not None and np.isfinite(values).all() else None
-        if found is not None:
-            system = put_together(found.model) if found.system is None else found.system
+        formed = form.at(values.tolist()) if form is not None and np.isfinite(values).all() else None
+        if formed is not None:
+            system = put_together(formed.model) if formed.system is None else formed.system
         else:
             model = read_at(self.model, dict(zip(self.model.parameters, values.tolist(), strict=True)))
             system = put_together(self._beside(model))
@@ -134,22 +134,22 @@ class Starts:
         inputs = np.zeros((len(self.model.graph.inputs), len(fill)))  # t = 0, y, parameters, constants, E_0
         last = 1 + len(y) + len(values)
         inputs[1 : 1 + len(y)], inputs[1 + len(y) : last] = y[:, fill], values[:, fill]
-        found, rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, nq + 2, 1))
+        corrected, rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, nq + 2, 1))
         q = inputs[1 : nq + 1]
         began, left = q.copy(), np.full(len(fill), np.inf)
         moving, good = np.ones((2, len(fill)), dtype=bool)
         with np.errstate(invalid="ignore", over="ignore"):
             for _ in range(ROUNDS):  # a sample's own steps decide when it ends, so that others do not change it
-                correct(inputs, found)
-                step = np.abs((found[:nq] - q) / size).max(axis=0)
-                q[:, moving], left[moving] = found[:nq, moving], found[nq, moving]
-                good[moving] = found[nq + 1, moving] == 1.0
+                correct(inputs, corrected)
+                step = np.abs((corrected[:nq] - q) / size).max(axis=0)
+                q[:, moving], left[moving] = corrected[:nq, moving], corrected[nq, moving]
+                good[moving] = corrected[nq + 1, moving] == 1.0
                 moving &= step > SMALL
                 if not moving.any():
                     break
-            for one in count_from:
+            for count_constants in count_from:
                 set_ = np.empty((len(self.model.constants) + 1, len(fill)))
-                one(inputs, set_)
+                count_constants(inputs, set_)
                 inputs[last:-1] = set_[:-1]
                 good &= set_[-1] == 1.0
             close_rates(inputs, rates)
@@ -173,4 +173,4 @@ def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Any]]]:
             model.first.rates,
             *([model.first.constants] if model.first.constants else []),
         ]
-    return [lower(model.graph, one) for one in parts]
+    return [lower(model.graph, outputs) for outputs in parts]

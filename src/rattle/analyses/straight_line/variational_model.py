@@ -43,8 +43,8 @@ class VariationalModel:
         self.difference, self.logarithm = slice(self.ny + 1, self.ny + 1 + n), self.ny + 1 + n
         energies = [model.curves[f"energy.{key}"] for key in ENERGY]
         parts = [model.derivative, model.projection, [*energies, model.sound_curves]]
-        graph, made = bind(model.graph, [x for part in parts for x in part], {})
-        rate, closed, row = made[: self.ny + 1], made[self.ny + 1 : 2 * self.ny + 2], made[2 * self.ny + 2 :]
+        graph, symbols = bind(model.graph, [x for part in parts for x in part], {})
+        rate, closed, row = symbols[: self.ny + 1], symbols[self.ny + 1 : 2 * self.ny + 2], symbols[2 * self.ny + 2 :]
         energy = Symbol(graph, graph.inputs[-1])
         u, s = [graph.input() for _ in range(n)], graph.input()
         moved = self._along(graph, closed, u)
