@@ -95,9 +95,8 @@ def test_wrong_values_are_refused_in_words(everywhere):
 
 def test_it_has_a_tab_with_a_form_in_the_studio(everywhere):
     assert everywhere["form"]["title"] == "Travel"
-    assert [(field["key"], field["value"]) for field in everywhere["form"]["fields"]] == [
-        ("points", "181"), ("least", "0.0"),
-    ]  # fmt: skip
+    fields = [(field["key"], field["label"], field["value"]) for field in everywhere["form"]["fields"]]
+    assert fields == [("points", "points", "181"), ("least", "least [m]", "0.0")]
     assert everywhere["tab"] == "the farthest travels 100 mm"
 
 

@@ -120,8 +120,9 @@ class Question(NamedTuple):
 
     def _field(self, name: str) -> FormField:
         argument, usual = self.arguments.get(name, Argument("")), self.usual.get(name)
+        unit = f" [{argument.unit}]" if argument.unit else ""
         return FormField(
-            name, name.replace("_", " "), "" if usual is None else str(usual), choices=argument.choices,
+            name, f"{name.replace('_', ' ')}{unit}", "" if usual is None else str(usual), choices=argument.choices,
             offers_curves=argument.offers == "curves", means=argument.means,
         )  # fmt: skip
 
