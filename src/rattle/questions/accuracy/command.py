@@ -72,9 +72,8 @@ def accuracy(
     verdicts = [] if limit is None else [judge_deviation(answer, limit) for answer in answers]
     if as_json:
         records = [_accuracy_record(answer) for answer in answers]
-        records = (
-            [one | verdict.record for one, verdict in zip(records, verdicts, strict=True)] if verdicts else records
-        )
+        if verdicts:
+            records = [record | verdict.record for record, verdict in zip(records, verdicts, strict=True)]
         click.echo(to_json(records[0] if len(records) == 1 else records))
     else:
         click.echo("\n\n".join(map(str, answers)))
@@ -114,5 +113,5 @@ def judge_deviation(answer: Accuracy, limit: str) -> Verdict:
     allowed = limit_of(value(limit), answer.unit, "--limit")
     kept = bool(answer.largest <= allowed)
     deviation = quantity(answer.largest, answer.unit)
-    said = f"limit {limit}: {'kept' if kept else 'EXCEEDED'}, {answer.of} deviates by {deviation}"
-    return Verdict(kept, said, {"limit": allowed, "kept": kept, "largest": answer.largest})
+    words = f"limit {limit}: {'kept' if kept else 'EXCEEDED'}, {answer.of} deviates by {deviation}"
+    return Verdict(kept, words, {"limit": allowed, "kept": kept, "largest": answer.largest})

@@ -31,6 +31,7 @@ from rattle.questions.accuracy.displaced_pins import Displaced
 from rattle.questions.accuracy.extremes import extreme
 from rattle.questions.equilibrium.balance import StaticProblem
 from rattle.questions.equilibrium.closed_play import rigid_model, without_guide_play
+from rattle.questions.equilibrium.position import Equilibrium
 from rattle.questions.equilibrium.starts import opened
 from rattle.questions.kinematics.compute import instants, require_driven
 from rattle.questions.kinematics.singular_positions import why_stuck
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLIMETRES = Shown(1e3, "mm")
+UNLOADED = 1e-9  # share of the largest reaction up to which a reaction is rounding alone
+LEAST_FORCE = 1e-9  # [N] largest reaction, at least, of which UNLOADED is taken: no pin may carry a load
 RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # quantities that are zero or undefined at rest
 
 
@@ -98,14 +101,14 @@ class Accuracy:
         usual = {"rad": Shown(180 / math.pi, "deg"), "m": MILLIMETRES}.get(self.unit, Shown(1.0, self.unit))
         factor, unit = chosen(self.unit) or usual
 
-        def said(value: float) -> str:
+        def shown(value: float) -> str:
             return f"+-{factor * value:.4g} {unit}".rstrip()
 
         end, when = quantity(self.t[-1], "s"), quantity(self.t[k], "s")
         lines = [
             f"{self.of} with every pin anywhere in its clearance, {len(self.t)} positions to t = {end}:",
-            f"worst case      {said(self.worst[k])} at t = {when}, {said(self.worst.mean())} on average",
-            f"root sum square {said(self.rss[k])} there",
+            f"worst case      {shown(self.worst[k])} at t = {when}, {shown(self.worst.mean())} on average",
+            f"root sum square {shown(self.rss[k])} there",
         ]
         if not np.isnan(self.low).all():
             down, up = np.nanmin(self.low - self.nominal), np.nanmax(self.high - self.nominal)
@@ -117,14 +120,14 @@ class Accuracy:
             lines.append(f"under the loads {factor * self.loaded[n]:+.4g} {unit} at most, {at}{rule}")
         wide = max(len(name) for name in self.joints)
         for name, share in sorted(self.share.items(), key=lambda item: -item[1]):
-            mine = said(self.contributions[k, self.joints.index(name)])
+            mine = shown(self.contributions[k, self.joints.index(name)])
             play = quantity(self.clearances[name], "m", usual=MILLIMETRES)
             lines.append(f"  {name:{wide}s}  {play:>11s}  {mine}  {100 * share:3.0f} %")
         first = self.tighten
         equal = [name for name in self.joints if self.share[name] > 0.99 * self.share[first] and name != first]
         also = f" (or {' or '.join(equal)}: equal share)" if equal else ""
         half = self.worst[k] - 0.5 * self.contributions[k, self.joints.index(first)]
-        lines.append(f"tighten {first} first{also}: half its clearance makes the worst case {said(half)}")
+        lines.append(f"tighten {first} first{also}: half its clearance makes the worst case {shown(half)}")
         return "\n".join([*lines, *self.notes])
 
     def __repr__(self) -> str:
@@ -162,16 +165,7 @@ def accuracy(
     require_no_states(system.model, "accuracy")
     functions.start()
     ideal = ideal_system(system.model)
-    joints = [one for one in system.model.joints.values() if one.clearance > 0.0 and one.contact is not None]
-    if not joints:
-        raise ModelError(
-            [
-                Problem(
-                    ("joints",),
-                    'no joint has a clearance, so nothing can deviate; give one, such as clearance = "0.1 mm"',
-                )
-            ]
-        )
+    joints = _with_play(system)
     start = assemble(ideal)
     require_driven(ideal, start, "accuracy")
     shown = Displaced(ideal, start, joints, of)
@@ -195,15 +189,24 @@ def accuracy(
     nothing = np.full(n, math.nan)
     at_rest = _loaded(system, ideal, shown, times, nodes, slopes) if loaded else [nothing] * 3
     record = Accuracy(
-        of=of, unit=shown.unit, t=times, nominal=nominal, joints=tuple(one.name for one in joints),
+        of=of, unit=shown.unit, t=times, nominal=nominal, joints=tuple(joint.name for joint in joints),
         contributions=part, low=low, high=high, loaded=at_rest[0], pressed=at_rest[1], rule=at_rest[2],
-        clearances={one.name: one.clearance for one in joints}, stats={"wall_time": time.perf_counter() - began},
+        clearances={joint.name: joint.clearance for joint in joints}, stats={"wall_time": time.perf_counter() - began},
         notes=(
-            *(_unbounded(one, free) for one, free in zip(joints, shown.free, strict=True) if free.unbounded),
+            *(_unbounded(joint, free) for joint, free in zip(joints, shown.free, strict=True) if free.unbounded),
             *out_of_place(ideal, times, np.array([node[swept.Q] for node in nodes]).reshape(n, -1, 3)),
         ),
     )  # fmt: skip
     return record
+
+
+def _with_play(system: System) -> list[Joint]:
+    """The joints that can deviate.  Raises ModelError if there are none."""
+    joints = [joint for joint in system.model.joints.values() if joint.clearance > 0.0 and joint.contact is not None]
+    if not joints:
+        words = 'no joint has a clearance, so nothing can deviate; give one, such as clearance = "0.1 mm"'
+        raise ModelError([Problem(("joints",), words)])
+    return joints
 
 
 def _unbounded(joint: Joint, free: Any) -> str:
@@ -232,34 +235,47 @@ def _loaded(
     """Deviation in equilibrium, the same to first order, and the virtual-work rule; each (n,), nan if not known."""
 
     n = len(times)
-    found = [np.full(n, math.nan) for _ in range(3)]
+    curves = [np.full(n, math.nan) for _ in range(3)]
     model = system.model
     rigid = rigid_model(without_guide_play(system))
-    pins = [one for one in shown.joints if one.leaf.massless]
+    pins = [joint for joint in shown.joints if joint.leaf.massless]
     if rigid is None or not (model.loads or any(model.gravity)) or shown.output.rpartition(".")[2] in RATES:
-        return found
+        return curves
     problem, hard = StaticProblem(ideal, times[0]), StaticProblem(rigid, times[0])
     conjugate = _conjugate(shown)
     for i, t in enumerate(times):
         problem.at(t)
-        one = problem.finish(nodes[i][swept.Q].copy(), 0)
-        force = {pin.name: np.array([one[f"{pin.name}.fx"], one[f"{pin.name}.fy"]]) for pin in pins}
-        size = {name: float(np.hypot(*f)) for name, f in force.items()}
-        if min(size.values()) <= 1e-9 * max([*size.values(), 1e-9]):
-            continue  # a pin without load may be anywhere
-        e = {pin.name: -pin.clearance / size[pin.name] * force[pin.name] for pin in pins}
-        found[1][i] = sum(
+        ideal_rest = problem.finish(nodes[i][swept.Q].copy(), 0)
+        size, e = _pressed(ideal_rest, pins)
+        if e is None:
+            continue
+        curves[1][i] = sum(
             _in_frame(shown, nodes[i], pin, e[pin.name]) @ slopes[i][shown.joints.index(pin)] for pin in pins
         )
         hard.at(t)
-        solution = hard.find(opened(problem, nodes[i][swept.Q], e))
-        at_rest = hard.finish(*solution) if solution is not None else None
-        if at_rest is not None and shown.output in at_rest.names and at_rest.admissible:
-            found[0][i] = at_rest[shown.output] - one[shown.output]
+        curves[0][i] = _moved(hard, opened(problem, nodes[i][swept.Q], e), shown.output, ideal_rest)
         if conjugate:
             load = abs(_moment(problem, conjugate))
-            found[2][i] = sum(pin.clearance * size[pin.name] for pin in pins) / load if load > 0 else math.nan
-    return found
+            curves[2][i] = sum(pin.clearance * size[pin.name] for pin in pins) / load if load > 0 else math.nan
+    return curves
+
+
+def _pressed(at_rest: Equilibrium, pins: Sequence[Joint]) -> tuple[dict[str, float], dict[str, np.ndarray] | None]:
+    """Reactions of the pins [N] and their displacements e (2,) [m] by name; None: one without load may be anywhere."""
+    force = {pin.name: np.array([at_rest[f"{pin.name}.fx"], at_rest[f"{pin.name}.fy"]]) for pin in pins}
+    size = {name: float(np.hypot(*f)) for name, f in force.items()}
+    if min(size.values()) <= UNLOADED * max([*size.values(), LEAST_FORCE]):
+        return size, None
+    return size, {pin.name: -pin.clearance / size[pin.name] * force[pin.name] for pin in pins}
+
+
+def _moved(hard: StaticProblem, start: np.ndarray, output: str, ideal_rest: Equilibrium) -> float:
+    """How far an output moves [SI] from rest without play to the rest that is near the start; nan if there is none."""
+    solution = hard.find(start)
+    at_rest = hard.finish(*solution) if solution is not None else None
+    if at_rest is None or output not in at_rest.names or not at_rest.admissible:
+        return math.nan
+    return float(at_rest[output] - ideal_rest[output])
 
 
 def _in_frame(shown: Displaced, node: np.ndarray, joint: Joint, e: np.ndarray) -> np.ndarray:

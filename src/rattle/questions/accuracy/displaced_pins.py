@@ -30,6 +30,10 @@ from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
 
 SMALL = 1e-4  # displacement for differences, as a share of a clearance
+SIGNAL_STEP = 1e-5  # change of a coordinate for differences of a signal: share of the size of the mechanism, or [rad]
+SINGULAR = (
+    1e-12  # share of the largest singular value below which a direction of the joint rows is none: redundant rows
+)
 
 
 class Displaced:
@@ -41,8 +45,8 @@ class Displaced:
     def __init__(self, system: System, start: Assembled, joints: Sequence[Joint], output: str) -> None:
         self.system, self.start, self.joints, self.output = system, start, joints, output
         self.sweep = begin(system, start)
-        self.place = [system.first_value(one.name) for one in joints]
-        self.free = [free_play(one) for one in joints]
+        self.place = [system.first_value(joint.name) for joint in joints]
+        self.free = [free_play(joint) for joint in joints]
         self.values = self.sweep.workspace.values
         self.base = self.values.copy()
         self.names: list[str] = []
@@ -105,15 +109,15 @@ class Displaced:
             return self._differences(t, node, e)
         workspace = self.sweep.workspace
         rows = dense_rows(self.system, workspace)
-        y = np.linalg.lstsq(rows.T, q_slope, rcond=1e-12)[0]
-        found = np.zeros((len(self.joints), 2))
+        y = np.linalg.lstsq(rows.T, q_slope, rcond=SINGULAR)[0]
+        slopes = np.zeros((len(self.joints), 2))
         for k, joint in enumerate(self.joints):
             first, count = self.system.first_row(joint.name), len(joint.leaf.rows)
-            found[k, :count] = y[first : first + count]
+            slopes[k, :count] = y[first : first + count]
             if joint.leaf.rows_in_ground:  # and e is in the frame of A
                 row = 0 if joint.a.body == "ground" else 1 + self.system.bodies.index(joint.a.body)
-                found[k] = turned(-workspace.body[row, at.PHI], found[k])
-        return found
+                slopes[k] = turned(-workspace.body[row, at.PHI], slopes[k])
+        return slopes
 
     def _slope(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray | None:
         """(3 nb,) d output / dq [SI], with the rows at e in the workspace; None unless it depends on positions only."""
@@ -159,7 +163,7 @@ class Displaced:
 
         base = at(q, v)
         for n in range(len(q)):
-            step = 1e-5 * (self.system.size if n % 3 < 2 else 1.0)
+            step = SIGNAL_STEP * (self.system.size if n % 3 < 2 else 1.0)
             up, down = q.copy(), q.copy()
             up[n] += step
             down[n] -= step
@@ -167,14 +171,14 @@ class Displaced:
         return any(at(q, v + np.eye(len(v))[n]) != base for n in range(len(v)))
 
     def _differences(self, t: float, node: np.ndarray, e: np.ndarray) -> np.ndarray:
-        found = np.zeros_like(e)
+        slopes = np.zeros_like(e)
         for k, free in enumerate(self.free):
             for n in range(2):
                 step = SMALL * free.steps[n]
                 change = np.zeros_like(e)
                 change[k, n] = step
-                found[k, n] = (self.value(t, node, e + change) - self.value(t, node, e - change)) / (2 * step)
-        return found
+                slopes[k, n] = (self.value(t, node, e + change) - self.value(t, node, e - change)) / (2 * step)
+        return slopes
 
 
 def free_play(joint: Joint) -> Any:

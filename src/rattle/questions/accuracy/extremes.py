@@ -16,6 +16,8 @@ import numpy as np
 from rattle.questions.accuracy.displaced_pins import Displaced
 
 ROUNDS = 12
+SETTLED = 1e-12  # gain of a round that counts as rounding: share of the extreme, and of 1 [SI] for extremes about 0
+NARROW = 1e-7  # share of a side to which its best point is narrowed: the output is flat there, its error the square
 MOST_GUIDES = 3  # up to so many guides, all combinations of their corners (tips) are starts
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
@@ -55,7 +57,7 @@ def _climb(
         value = shown.value(t, node, e)
         if math.isnan(value) or sign * value <= sign * best:
             break
-        small = sign * (value - best) <= 1e-12 * (abs(best) + 1e-12)
+        small = sign * (value - best) <= SETTLED * (abs(best) + SETTLED)
         best, at = value, e
         if small:
             break
@@ -77,9 +79,9 @@ def _along_sides(
         if not np.isfinite(slope).all():
             return best
         for k in guides:
-            found = _along_side(shown, t, node, sign, e, k, sign * slope[k])
-            if found is not None and sign * found[0] > sign * best:
-                best, e = found
+            candidate = _along_side(shown, t, node, sign, e, k, sign * slope[k])
+            if candidate is not None and sign * candidate[0] > sign * best:
+                best, e = candidate
         if best == before:
             return best
         slope = shown.gradient(t, node, e)
@@ -90,7 +92,7 @@ def _along_sides(
         value = shown.value(t, node, moved)
         if sign * value > sign * best:
             best, e = value, moved
-        if sign * (best - before) <= 1e-12 * (abs(best) + 1e-12):
+        if sign * (best - before) <= SETTLED * (abs(best) + SETTLED):
             return best
     return best
 
@@ -110,17 +112,17 @@ def _along_side(
         return moved
 
     low, high = 0.0, most
-    one, two = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    f_one, f_two = (sign * shown.value(t, node, placed(turn)) for turn in (one, two))
-    while high - low > 1e-7 * most:  # the output is flat at its extreme: its error is the square of this
-        if f_one > f_two:
-            high, two, f_two = two, one, f_one
-            one = high - GOLDEN * (high - low)
-            f_one = sign * shown.value(t, node, placed(one))
+    lower, upper = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    f_lower, f_upper = (sign * shown.value(t, node, placed(turn)) for turn in (lower, upper))
+    while high - low > NARROW * most:
+        if f_lower > f_upper:
+            high, upper, f_upper = upper, lower, f_lower
+            lower = high - GOLDEN * (high - low)
+            f_lower = sign * shown.value(t, node, placed(lower))
         else:
-            low, one, f_one = one, two, f_two
-            two = low + GOLDEN * (high - low)
-            f_two = sign * shown.value(t, node, placed(two))
-    turn = one if f_one > f_two else two
-    value = sign * max(f_one, f_two)
+            low, lower, f_lower = lower, upper, f_upper
+            upper = low + GOLDEN * (high - low)
+            f_upper = sign * shown.value(t, node, placed(upper))
+    turn = lower if f_lower > f_upper else upper
+    value = sign * max(f_lower, f_upper)
     return (value, placed(turn)) if math.isfinite(value) else None

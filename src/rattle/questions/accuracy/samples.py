@@ -22,11 +22,11 @@ def _bands(m: Mechanism, times: np.ndarray, names: Collection[str], how: Steppin
     of = sorted({name.rpartition(".")[0] for name in names})
     curves: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
-    for one in of:
-        extremes = any(f"{one}.{key}" in names for key in ("low", "high"))
-        found: Accuracy = m.accuracy(one, times, extremes=extremes, loaded=False)
-        curves |= {f"{one}.{key}": getattr(found, key) for key in BANDS}
-        units |= {f"{one}.{key}": found.unit for key in BANDS}
+    for output in of:
+        extremes = any(f"{output}.{key}" in names for key in ("low", "high"))
+        accuracy: Accuracy = m.accuracy(output, times, extremes=extremes, loaded=False)
+        curves |= {f"{output}.{key}": getattr(accuracy, key) for key in BANDS}
+        units |= {f"{output}.{key}": accuracy.unit for key in BANDS}
     data = np.array(list(curves.values())).T if curves else np.zeros((len(times), 0))
     return table_of(m, "accuracy", times, data, units)
 

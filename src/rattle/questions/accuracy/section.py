@@ -30,35 +30,34 @@ def gather(study: Study) -> None:
 
 def section(s: Study) -> Section:
     """How far play lets the output deviate."""
-    one = s.answer("accuracy", Accuracy)
-    if one is None:
+    answer = s.answer("accuracy", Accuracy)
+    if answer is None:
         return Section("Accuracy", "", s.reasons.get("accuracy", ""))
-    k = int(np.argmax(one.worst))
-    total = one.worst[k]
-    facts = [
-        f"Worst case, every pin anywhere in its clearance: ±{said(total, one.unit)}, at t = {said(one.t[k], 's')}."
-    ]
-    facts.append(f"Root sum square, if the joints vary independently: ±{said(one.rss[k], one.unit)} there.")
-    most = one.share[one.tighten]
-    first = [name for name, share in one.share.items() if share > 0.99 * most]
-    if len(one.joints) > 1:
+    k = int(np.argmax(answer.worst))
+    total = answer.worst[k]
+    when = said(answer.t[k], "s")
+    facts = [f"Worst case, every pin anywhere in its clearance: ±{said(total, answer.unit)}, at t = {when}."]
+    facts.append(f"Root sum square, if the joints vary independently: ±{said(answer.rss[k], answer.unit)} there.")
+    most = answer.share[answer.tighten]
+    first = [name for name, share in answer.share.items() if share > 0.99 * most]
+    if len(answer.joints) > 1:
         facts.append(f"To tighten first: {' or '.join(first)}.")
+    most_of = dict(zip(answer.joints, answer.contributions[k], strict=True))
     rows = [
-        (name, said(one.clearances[name], "m"), f"±{said(one.contributions[k, one.joints.index(name)], one.unit)}",
-         f"{100 * share:.0f} %")
-        for name, share in sorted(one.share.items(), key=lambda item: -item[1])
-    ]  # fmt: skip
-    body = paragraph(f"How far the play lets {one.of} deviate from its value without play.")
+        (name, said(answer.clearances[name], "m"), f"±{said(most_of[name], answer.unit)}", f"{100 * share:.0f} %")
+        for name, share in sorted(answer.share.items(), key=lambda item: -item[1])
+    ]
+    body = paragraph(f"How far the play lets {answer.of} deviate from its value without play.")
     shares = table(("joint", "clearance", "contribution at most", "share"), rows)
-    body += abreast([listed(facts), shares]) + listed(map(sentence, one.notes))
-    return Section("Accuracy under play", body + _figures(one))
+    body += abreast([listed(facts), shares]) + listed(map(sentence, answer.notes))
+    return Section("Accuracy under play", body + _figures(answer))
 
 
-def _figures(found: Accuracy) -> str:
+def _figures(answer: Accuracy) -> str:
     """The output with the band that play allows, and the deviation alone."""
     band, deviation = (style.new_axes(HALF, 2.1)[0] for _ in range(2))
-    draw_band(band, found)
-    draw_deviation(deviation, found)
+    draw_band(band, answer)
+    draw_deviation(deviation, answer)
     for ax in (band, deviation):
         for handle in ax.get_legend_handles_labels()[0]:
             handle.set_label(str(handle.get_label()).replace(",\nfirst order", "").replace("\n", " "))
@@ -66,8 +65,8 @@ def _figures(found: Accuracy) -> str:
         ax.margins(x=0.0)
         ax.xaxis.set_major_locator(MaxNLocator(5, steps=STEPS))
         plain_ticks(ax)
-    words = (f"{found.of} with the band that play allows.", f"Deviation of {found.of} by play.")
-    return gallery([figure(with_time([ax]), one) for ax, one in zip((band, deviation), words, strict=True)])
+    words = (f"{answer.of} with the band that play allows.", f"Deviation of {answer.of} by play.")
+    return gallery([figure(with_time([ax]), caption) for ax, caption in zip((band, deviation), words, strict=True)])
 
 
 def headline(s: Study) -> list[Headline]:

@@ -18,33 +18,33 @@ def tab(shelf: Shelf, source: Source, of: str = "") -> Content:
     m = shelf.mechanism(source)
     end = m.model.settings.t_end
     of = of.strip() or usual_output(shelf.motion(source))
-    found = m.accuracy(of, np.linspace(0.0, end, POINTS))
-    factor, unit = handy_unit(found.unit, float(found.worst.max(initial=0.0)))
-    exact = not np.isnan(found.low).all()
-    t = found.t
+    answer = m.accuracy(of, np.linspace(0.0, end, POINTS))
+    factor, unit = handy_unit(answer.unit, float(answer.worst.max(initial=0.0)))
+    exact = not np.isnan(answer.low).all()
+    t = answer.t
     lines = [
-        line("all pins at their worst, to first order", t, factor * found.worst),
-        line("", t, -factor * found.worst, like=0),
+        line("all pins at their worst, to first order", t, factor * answer.worst),
+        line("", t, -factor * answer.worst, like=0),
     ]
-    lines += [line("root sum square", t, factor * found.rss), line("", t, -factor * found.rss, like=2)]
+    lines += [line("root sum square", t, factor * answer.rss), line("", t, -factor * answer.rss, like=2)]
     if exact:
         lines += [
-            line("exact extremes", t, factor * (found.high - found.nominal), dash=True),
-            line("", t, factor * (found.low - found.nominal), like=4, dash=True),
+            line("exact extremes", t, factor * (answer.high - answer.nominal), dash=True),
+            line("", t, factor * (answer.low - answer.nominal), like=4, dash=True),
         ]
-    if not np.isnan(found.loaded).all():
-        lines.append(line("under the loads, at rest", t, factor * found.loaded))
-    k = int(np.argmax(found.worst))
-    said = str(found).replace("+-", "±").splitlines()
+    if not np.isnan(answer.loaded).all():
+        lines.append(line("under the loads, at rest", t, factor * answer.loaded))
+    k = int(np.argmax(answer.worst))
+    sentences = str(answer).replace("+-", "±").splitlines()
     return content(
-        said[-1 - len(found.notes)],
+        sentences[-1 - len(answer.notes)],
         curves(f"What play lets {of} deviate", "time [s]", axis_label("deviation", unit), lines),
         bars(
             f"Which joint does how much, at t = {t[k]:.4g} s",
             axis_label("deviation", unit),
-            found.joints,
-            factor * found.contributions[k],
+            answer.joints,
+            factor * answer.contributions[k],
         ),
-        words("\n".join(said)),
-        words("\n".join(found.notes), "care"),
+        words("\n".join(sentences)),
+        words("\n".join(answer.notes), "care"),
     )

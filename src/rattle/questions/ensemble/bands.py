@@ -38,10 +38,10 @@ def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Ba
     count = min(arguments.whole("members", members, 1), len(e))
     if not e.task.t_end > 0.0:
         raise InputError(f"{curve}: a band is drawn over time, and this ensemble is of one instant; give it a t_end")
-    known = analysis_of(e.task.analysis).names(e.task.mechanism)
-    if curve not in known:
-        raise UnknownName(f"no curve '{curve}'{suggest(curve, known)}")
-    task = replace(e.task, outputs=(), histories=(curve,), history_units=(known[curve],))
+    units = analysis_of(e.task.analysis).names(e.task.mechanism)
+    if curve not in units:
+        raise UnknownName(f"no curve '{curve}'{suggest(curve, units)}")
+    task = replace(e.task, outputs=(), histories=(curve,), history_units=(units[curve],))
     status = e.store.status()
     numbers = np.flatnonzero(status != WAITING)[:count]
     sound = numbers[status[numbers] != FAILED]
@@ -51,7 +51,7 @@ def band(e: Samples, curve: str, members: int, threads: int | None = None) -> Ba
         why = next(iter(messages.values()), "") or next(iter(e.messages.values()), "it has no finite value")
         raise InputError(f"{curve}: none of {len(numbers)} members could be run: {why}")
     return Band(
-        curve, known[curve], task.history_times, good, _nominal(task), len(numbers) - len(good), len(e), e.parameters
+        curve, units[curve], task.history_times, good, _nominal(task), len(numbers) - len(good), len(e), e.parameters
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import click
 
@@ -23,9 +23,6 @@ from rattle.questions.ensemble.options import (
     question_options,
     tolerances,
 )
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command(cls=Command)
@@ -78,22 +75,9 @@ def ensemble(
     every mean with its 95 % confidence, quantiles, and how many mechanisms could not be run and why.  With --limit
     or --require the exit status is 1 if fewer than 99.73 % of the mechanisms keep it, or than the share asked for.
     """
-    shares = [text for text in required if "%" in text and not any(sign in text for sign in "<>=")]
-    conditions = [text for text in required if text not in shares]
-    if len(shares) > (limit is not None):
-        raise click.UsageError(
-            f"--require {shares[-1]}: one share of the mechanisms, beside the --limit that they keep"
-        )
-    needed = required_share(shares[0] if shares else None)
+    needed, conditions = _required(required, limit)
     outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(conditions)]))
-    if not outputs:
-        raise click.UsageError('--of names what is asked of every mechanism, e.g. --of "max(O3.force)"')
-    if limit is not None and len(outputs) > 1:
-        raise click.UsageError(
-            f'--limit is for one --of; with several say what each has to keep: --require "{outputs[0]} <= {limit}"'
-        )
-    if histories and folder is None:
-        raise click.UsageError("--history keeps curves in a folder: give one with -o")
+    _require_sense(outputs, limit, histories, folder)
     check_written(file, csv, picture)
     m = read_model(file, settings, ideal)
     vary = tolerances(varied)
@@ -102,23 +86,45 @@ def ensemble(
 
         require_limit(m, outputs[0], value(limit), vary, analysis=analysis, t_end=t_end)
     check_limits(m, conditions, vary, analysis=analysis, t_end=t_end)
-    found = m.ensemble(
+    answer = m.ensemble(
         count, list(outputs), vary, seed=seed, analysis=analysis, t_end=t_end, design=design,
         threads=threads, workers=workers, scheduler=scheduler, folder=folder, histories=histories,
         progress=shows_progress(ctx),
     )  # fmt: skip
-    share = None if limit is None else found.yield_below(outputs[0], value(limit))
-    verdicts = judge_share(found, conditions)
+    share = None if limit is None else answer.yield_below(outputs[0], value(limit))
+    verdicts = judge_share(answer, conditions)
     if share is not None:
         verdicts.insert(0, of_share(f"stay at or below {limit}", share, needed))
     if json_too:
         below = {} if share is None else {"share_below": share._asdict()}
         asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-        click.echo(as_json(found.record() | below | asked))
+        click.echo(as_json(answer.record() | below | asked))
     else:
-        click.echo(str(found))
+        click.echo(str(answer))
         for verdict in verdicts:
             click.echo(verdict.said)
-    keep_runs(ctx, found, csv, picture, lambda: found.plot(outputs[0], limit=None if limit is None else value(limit)))
+    keep_runs(ctx, answer, csv, picture, lambda: answer.plot(outputs[0], limit=None if limit is None else value(limit)))
     if not all(verdict.kept for verdict in verdicts):
         ctx.exit(1)
+
+
+def _required(required: Sequence[str], limit: str | None) -> tuple[float, list[str]]:
+    """The share of the mechanisms that have to keep the limit, and the other conditions.  Raises UsageError."""
+    shares = [text for text in required if "%" in text and not any(sign in text for sign in "<>=")]
+    if len(shares) > (limit is not None):
+        raise click.UsageError(
+            f"--require {shares[-1]}: one share of the mechanisms, beside the --limit that they keep"
+        )
+    return required_share(shares[0] if shares else None), [text for text in required if text not in shares]
+
+
+def _require_sense(outputs: Sequence[str], limit: str | None, histories: Sequence[str], folder: str | None) -> None:
+    """Refuse a question without an output, and options that do not go together.  Raises UsageError."""
+    if not outputs:
+        raise click.UsageError('--of names what is asked of every mechanism, e.g. --of "max(O3.force)"')
+    if limit is not None and len(outputs) > 1:
+        raise click.UsageError(
+            f'--limit is for one --of; with several say what each has to keep: --require "{outputs[0]} <= {limit}"'
+        )
+    if histories and folder is None:
+        raise click.UsageError("--history keeps curves in a folder: give one with -o")

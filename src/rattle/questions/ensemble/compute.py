@@ -70,17 +70,17 @@ class Ensemble(Samples):
         run = len(self) - self.counts()["not run"]
         rows = []
         for output, nominal in zip(self.outputs, self.nominal, strict=True):
-            known = np.isfinite(self[output])
+            finite = np.isfinite(self[output])
             row: dict[str, Any] = {"unit": self.unit(output), "nominal": nominal, **self.numbers(output)}
-            count = int(known.sum())
+            count = int(finite.sum())
             rows.append(row | {"n_ok": count, "n_failed": failed, "n_not_finite": run - failed - count})
         return pandas.DataFrame(rows, index=pandas.Index(self.outputs, name="output"))
 
     def numbers(self, output: str) -> dict[str, Any]:
         """Statistics of an output [SI] by their names in the summary."""
-        found = self.statistics(output)
-        row = _columns("mean", found.mean) | _columns("sd", found.sd) | {"min": found.least, "max": found.most}
-        for share, bounded in found.quantiles.items():
+        numbers = self.statistics(output)
+        row = _columns("mean", numbers.mean) | _columns("sd", numbers.sd) | {"min": numbers.least, "max": numbers.most}
+        for share, bounded in numbers.quantiles.items():
             row |= _columns(f"q{round(100 * share):02d}", bounded)
         return row
 
@@ -98,21 +98,21 @@ class Ensemble(Samples):
 
     def yield_between(self, output: str, low: float | str | None, high: float | str | None) -> Bounded:
         """Share of the mechanisms with an output between two limits; as `yield_below`."""
-        least, most = (None if one is None else self.limit(output, one) for one in (low, high))
+        least, most = (None if limit is None else self.limit(output, limit) for limit in (low, high))
         least, most = (-math.inf if least is None else least), (math.inf if most is None else most)
         if least > most:
             raise InputError(f"the lower limit, {low}, is above the upper one, {high}")
         values, status = self[output], self.store.status()
-        known = np.isfinite(values)
-        inside = known.copy()
-        inside[known] &= (values[known] >= least) & (values[known] <= most)
+        decided = np.isfinite(values)
+        inside = decided.copy()
+        inside[decided] &= (values[decided] >= least) & (values[decided] <= most)
         if self._instant(output):  # one that did not come true in the run is later than its end
-            never, end = ~known & (status == OK), self.task.t_end
+            never, end = ~decided & (status == OK), self.task.t_end
             late_enough = least <= end and most == math.inf
             inside |= never & late_enough
-            known |= never & (late_enough or most <= end)
-        unknown = int((~known & (status >= 0)).sum())
-        return statistics.share(int(inside.sum()), int(known.sum()), unknown)
+            decided |= never & (late_enough or most <= end)
+        unknown = int((~decided & (status >= 0)).sum())
+        return statistics.share(int(inside.sum()), int(decided.sum()), unknown)
 
     def limit(self, name: str, given: float | str) -> float:
         """A limit of an output or parameter, [SI] or such as "5 kN", in SI.  Raises InputError, TypeError."""
@@ -121,8 +121,8 @@ class Ensemble(Samples):
 
     def _instant(self, name: str) -> bool:
         """Whether an output is one `first`."""
-        found = [one for one in self.task.outputs if one.text == name]
-        return bool(found) and isinstance(found[0].outer, Name) and found[0].reductions[0].kind == "first"
+        outputs = [output for output in self.task.outputs if output.text == name]
+        return bool(outputs) and isinstance(outputs[0].outer, Name) and outputs[0].reductions[0].kind == "first"
 
     def contributions(self, output: str, ranks: bool | None = None) -> FirstOrder:
         """Shares of the variance of an output that each parameter, or group of them, causes alone, from the samples.
@@ -192,9 +192,9 @@ class Ensemble(Samples):
 
     def remarks(self) -> list[str]:
         """What must be said of the samples, and of the mechanism without deviations."""
-        never = [(one, int((np.isnan(self[one]) & (self.store.status() == OK)).sum())) for one in self.outputs]
-        said = [f"{one} is reached in all but {count} samples" for one, count in never if count]
-        return [*super().remarks(), *said, *self.notes]
+        never = [(output, int((np.isnan(self[output]) & (self.store.status() == OK)).sum())) for output in self.outputs]
+        reached = [f"{output} is reached in all but {count} samples" for output, count in never if count]
+        return [*super().remarks(), *reached, *self.notes]
 
     def __repr__(self) -> str:
         return f"<rattle.Ensemble: {self._title()}>"
@@ -205,17 +205,17 @@ class Ensemble(Samples):
 
     def rows(self) -> list[tuple[str, ...]]:
         """Outputs with their statistics as texts, see HEADER."""
-        found = []
+        rows = []
         for output, nominal in zip(self.outputs, self.nominal, strict=True):
-            one = self.statistics(output)
-            half, sd = 0.5 * (one.mean.high - one.mean.low), one.sd.value
-            values = (one.mean.value, nominal, *(q.value for q in one.quantiles.values()), one.least, one.most)
+            stats = self.statistics(output)
+            half, sd = 0.5 * (stats.mean.high - stats.mean.low), stats.sd.value
+            values = (stats.mean.value, nominal, *(q.value for q in stats.quantiles.values()), stats.least, stats.most)
             factor, unit = scale_of((*values, sd), self.unit(output))
             mean, *texts = (number(factor * x, factor * sd) for x in values)
-            known = math.isfinite(half)
-            spread = (f"{mean} +- {factor * half:.3g}", f"{factor * sd:.3g}") if known else (mean, "-")
-            found.append((output, unit, texts[0], *spread, *texts[1:]))
-        return found
+            bounded = math.isfinite(half)
+            spread = (f"{mean} +- {factor * half:.3g}", f"{factor * sd:.3g}") if bounded else (mean, "-")
+            rows.append((output, unit, texts[0], *spread, *texts[1:]))
+        return rows
 
     def __str__(self) -> str:
         return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])
@@ -227,8 +227,8 @@ class Ensemble(Samples):
 HEADER = ("output", "unit", "nominal", "mean (95 %)", "sd", "5 %", "median", "95 %", "min", "max")
 
 
-def _columns(name: str, found: Bounded) -> dict[str, float]:
-    return {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
+def _columns(name: str, number: Bounded) -> dict[str, float]:
+    return {name: number.value, f"{name}_low": number.low, f"{name}_high": number.high}
 
 
 def ensemble(
@@ -258,8 +258,8 @@ def require_limit(
     t_end: float | None = None,
 ) -> None:  # fmt: skip
     """Check a limit of an output before anything runs.  Raises InputError, TypeError, and what `ensemble` raises."""
-    one = task_of(m, fields_of(m, vary).names, [output], analysis=analysis, t_end=t_end).outputs[0]
-    limit_of(limit, one.unit, dimension=one.dimension)
+    asked = task_of(m, fields_of(m, vary).names, [output], analysis=analysis, t_end=t_end).outputs[0]
+    limit_of(limit, asked.unit, dimension=asked.dimension)
 
 
 def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:
@@ -275,5 +275,5 @@ def nominal_run(task: Task) -> tuple[tuple[float, ...], tuple[str, ...]]:
         notes=tuple(note for note in trust.notes if note not in of_start),
         pulled={joint: share for joint, share in trust.pulled.items() if share > 0.0},  # good news is no remark
     ).remarks()
-    notes = [one for one in ("; ".join(task.unread(result)), remarks) if one]
+    notes = [note for note in ("; ".join(task.unread(result)), remarks) if note]
     return tuple(values), tuple(f"without deviations: {note}" for note in notes)

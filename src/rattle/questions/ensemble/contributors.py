@@ -18,7 +18,7 @@ from rattle.questions.ensemble.fields import Field, Fields
 
 def members(fields: Fields) -> tuple[tuple[int, ...], ...]:
     """Places of the parameters of each contributor (d,)."""
-    return tuple(tuple(n for n, draw in enumerate(fields.draw) if draw == one) for one in range(fields.draws))
+    return tuple(tuple(n for n, draw in enumerate(fields.draw) if draw == c) for c in range(fields.draws))
 
 
 def labels(fields: Fields) -> tuple[str, ...]:
@@ -26,19 +26,19 @@ def labels(fields: Fields) -> tuple[str, ...]:
     return tuple(", ".join(fields.names[n] for n in places) for places in members(fields))
 
 
-def half_width(one: Field) -> float:
+def half_width(field: Field) -> float:
     """T: greatest deviation from the nominal value [SI]."""
-    return max(one.high - one.nominal, one.nominal - one.low) if one.values else one.tol
+    return max(field.high - field.nominal, field.nominal - field.low) if field.values else field.tol
 
 
 def half_widths(fields: Fields) -> np.ndarray:
     """(k,) T of all parameters [SI]."""
-    return np.array([half_width(one) for one in fields.fields])
+    return np.array([half_width(field) for field in fields.fields])
 
 
 def nominal(fields: Fields) -> np.ndarray:
     """(k,) values without deviations [SI]."""
-    return np.array([one.nominal for one in fields.fields])
+    return np.array([field.nominal for field in fields.fields])
 
 
 def added(fields: Fields, parts: Sequence[float] | np.ndarray) -> np.ndarray:
@@ -48,5 +48,5 @@ def added(fields: Fields, parts: Sequence[float] | np.ndarray) -> np.ndarray:
 
 def at_ends(fields: Fields, high: np.ndarray) -> np.ndarray:
     """(k, n) values [SI] where contributors are at the upper ends of their fields, high (n, d), or at the lower."""
-    low, top = (np.array([getattr(one, end) for one in fields.fields])[:, None] for end in ("low", "high"))
+    low, top = (np.array([getattr(field, end) for field in fields.fields])[:, None] for end in ("low", "high"))
     return np.where(np.asarray(high, dtype=bool)[:, list(fields.draw)].T, top, low)

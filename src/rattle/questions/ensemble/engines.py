@@ -121,7 +121,7 @@ def engine(
     Raises InputError and TypeError for a question that makes no sense, ConnectionError, WorkerError, MissingPackage.
     """
     engines = {"executor": executor, "scheduler": scheduler, "workers": workers}
-    asked = [key for key, one in engines.items() if one is not None]
+    asked = [key for key, choice in engines.items() if choice is not None]
     if len(asked) > 1:
         raise InputError(f"{' and '.join(asked)} exclude each other; give one of them")
     if executor is not None:
@@ -161,15 +161,15 @@ def _client(address: str) -> Iterator[Any]:
     """A client of the Dask scheduler at an address.  Raises ConnectionError, ValueError."""
     distributed = package("distributed", "running on Dask")
     loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
-    levels = [one.level for one in loggers]
+    levels = [logger.level for logger in loggers]
     try:
-        for one in loggers:
-            one.setLevel(logging.CRITICAL)  # what goes wrong is said by our own errors
+        for logger in loggers:
+            logger.setLevel(logging.CRITICAL)  # what goes wrong is said by our own errors
         with _connected(distributed, address) as client:
             yield client
     finally:
-        for one, level in zip(loggers, levels, strict=True):
-            one.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 @contextmanager

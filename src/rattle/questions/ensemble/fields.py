@@ -110,7 +110,7 @@ class Field:
         """Standard deviation of the values."""
         if self.dist == TABLE:
             mean = self.mean
-            return math.sqrt(_weighted([(one - mean) ** 2 for one in self.values], self.shares))
+            return math.sqrt(_weighted([(number - mean) ** 2 for number in self.values], self.shares))
         return self.tol * SHAPES[self.dist].sd
 
     def share_outside(self, least: float, most: float) -> float:
@@ -141,16 +141,16 @@ class Fields:
     @property
     def names(self) -> tuple[str, ...]:
         """(k,) names of the parameters."""
-        return tuple(one.name for one in self.fields)
+        return tuple(field.name for field in self.fields)
 
     @property
     def description(self) -> dict[str, Any]:
         """The fields and which are drawn together, as plain data."""
-        return {"fields": {one.name: asdict(one) for one in self.fields}, "draw": list(self.draw)}
+        return {"fields": {field.name: asdict(field) for field in self.fields}, "draw": list(self.draw)}
 
     def values(self, points: np.ndarray) -> np.ndarray:
         """(k, c) values of the parameters [SI] at points (c, d) in [0, 1)."""
-        return np.array([one.quantile(points[:, n]) for one, n in zip(self.fields, self.draw, strict=True)])
+        return np.array([field.quantile(points[:, n]) for field, n in zip(self.fields, self.draw, strict=True)])
 
 
 def fields_of(m: Mechanism, vary: Vary = None) -> Fields:
@@ -170,26 +170,28 @@ def fields_of(m: Mechanism, vary: Vary = None) -> Fields:
     distributions that cannot be read, and for fields that go beyond the limits (min, max) of the model.
     """
     asked = _with_tolerances(m) if vary is None else _asked(m, vary)
-    fields = [_field(one) for one in asked]
-    problems = [why for field, one in zip(fields, asked, strict=True) if (why := _beyond(field, one)) is not None]
+    fields = [_field(parameter) for parameter in asked]
+    problems = [
+        why for field, parameter in zip(fields, asked, strict=True) if (why := _beyond(field, parameter)) is not None
+    ]
     if problems:
         raise ModelError(problems)
     group = {name: n for n, names in enumerate(m.model.groups) for name in names}
     numbers: dict[str | int, int] = {}
-    draw = [numbers.setdefault(group.get(one.name, one.name), len(numbers)) for one in asked]
+    draw = [numbers.setdefault(group.get(parameter.name, parameter.name), len(numbers)) for parameter in asked]
     return Fields(tuple(fields), tuple(draw))
 
 
 # ---------------------------------------------------------------- what is asked
-def varies(one: Parameter) -> bool:
-    return isinstance(one.dist, ValueTable) or bool(one.tol)
+def varies(parameter: Parameter) -> bool:
+    return isinstance(parameter.dist, ValueTable) or bool(parameter.tol)
 
 
 def _with_tolerances(m: Mechanism) -> list[Parameter]:
     """All parameters with a tolerance.  Raises InputError if there are none, ModelError for groups."""
     every = m.model.parameters
-    found = [one for one in every.values() if varies(one)]
-    if not found:
+    parameters = [parameter for parameter in every.values() if varies(parameter)]
+    if not parameters:
         name = next(iter(every), "l2")
         raise InputError(f"no parameter of the model has a tolerance; {_give_one(name)}")
     problems = []
@@ -197,11 +199,11 @@ def _with_tolerances(m: Mechanism) -> list[Parameter]:
         moved = [name for name in names if varies(every[name])]
         for name in names:
             if moved and every[name].tol is None and not varies(every[name]):
-                said = f"'{name}' is made together with '{moved[0]}' but has no tolerance; {_give_one(name)}"
-                problems.append(Problem(("tolerances", "groups", n), said))
+                words = f"'{name}' is made together with '{moved[0]}' but has no tolerance; {_give_one(name)}"
+                problems.append(Problem(("tolerances", "groups", n), words))
     if problems:
         raise ModelError(problems)
-    return found
+    return parameters
 
 
 def _give_one(name: str) -> str:
@@ -211,11 +213,11 @@ def _give_one(name: str) -> str:
 def _asked(m: Mechanism, vary: Sequence[str] | Mapping[str, Tolerance]) -> list[Parameter]:
     """The parameters that are named, with their tolerances.  Raises what `fields_of` raises."""
     if isinstance(vary, str):
-        listed = ", ".join(f'"{one.strip()}"' for one in vary.split(","))
+        listed = ", ".join(f'"{name.strip()}"' for name in vary.split(","))
         raise InputError(f"vary: expected a list of parameters; write vary=[{listed}]")
     if not isinstance(vary, Mapping | Sequence) or not vary:
-        given = "nothing" if isinstance(vary, Mapping | Sequence) else f"{vary!r:.60}"
-        raise InputError(f'vary: expected parameters such as ["l2"] or {{"l2": "0.1 mm"}}, got {given}')
+        got = "nothing" if isinstance(vary, Mapping | Sequence) else f"{vary!r:.60}"
+        raise InputError(f'vary: expected parameters such as ["l2"] or {{"l2": "0.1 mm"}}, got {got}')
     names = list(vary)
     for name in names:
         if not isinstance(name, str):
@@ -223,81 +225,85 @@ def _asked(m: Mechanism, vary: Sequence[str] | Mapping[str, Tolerance]) -> list[
         if names.count(name) > 1:
             raise InputError(f"vary: '{name}' is named twice")
     require_parameters(m.system, names)
-    changes = {name: _entries(name, given) for name, given in vary.items()} if isinstance(vary, Mapping) else {}
+    changes = {name: _entries(name, tolerance) for name, tolerance in vary.items()} if isinstance(vary, Mapping) else {}
     every = m.parameters_with(changes, "vary")
     for name in names:
         _require_spread(every[name], changes.get(name, {}))
     return [every[name] for name in names]
 
 
-def _entries(name: str, given: Any) -> dict[str, Any]:
+def _entries(name: str, tolerance: Any) -> dict[str, Any]:
     """The entries of the model file that a tolerance in `vary` stands for."""
-    if isinstance(given, Mapping):
-        for key in given:
+    if isinstance(tolerance, Mapping):
+        for key in tolerance:
             if key not in ("tol", "dist"):
                 raise InputError(f"vary: '{name}': unknown key {key!r:.60}{suggest(str(key), ('tol', 'dist'))}")
-        return dict(plain(given))
-    if isinstance(given, str) and given in DISTRIBUTIONS:
-        raise InputError(f"vary: '{name}': '{given}' is no tolerance; write {{\"dist\": \"{given}\"}}")
-    if isinstance(given, bool) or not isinstance(given, int | float | str | np.number):
+        return dict(plain(tolerance))
+    if isinstance(tolerance, str) and tolerance in DISTRIBUTIONS:
+        raise InputError(f"vary: '{name}': '{tolerance}' is no tolerance; write {{\"dist\": \"{tolerance}\"}}")
+    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float | str | np.number):
         like = 'expected a tolerance such as "0.1 mm" or {"tol": "0.1 mm", "dist": "normal"}'
-        raise InputError(f"vary: '{name}': {like}, got {given!r:.60}")
-    return {"tol": plain(given)}
+        raise InputError(f"vary: '{name}': {like}, got {tolerance!r:.60}")
+    return {"tol": plain(tolerance)}
 
 
-def _require_spread(one: Parameter, entries: Mapping[str, Any]) -> None:
+def _require_spread(parameter: Parameter, entries: Mapping[str, Any]) -> None:
     """Raise InputError for a parameter that would not vary, or has a tolerance of no use."""
-    if isinstance(one.dist, ValueTable):
+    if isinstance(parameter.dist, ValueTable):
         if "tol" in entries:
             hint = 'leave tol out, or give another distribution such as "dist": "uniform"'
-            raise InputError(f"vary: '{one.name}' is distributed by a table of values, which needs no tol; {hint}")
-    elif one.tol is None:
-        raise InputError(f"vary: '{one.name}' has no tolerance; {_give_one(one.name)}")
-    elif one.tol == 0.0:
+            raise InputError(
+                f"vary: '{parameter.name}' is distributed by a table of values, which needs no tol; {hint}"
+            )
+    elif parameter.tol is None:
+        raise InputError(f"vary: '{parameter.name}' has no tolerance; {_give_one(parameter.name)}")
+    elif parameter.tol == 0.0:
         where = "" if "tol" in entries else " in the file"
-        raise InputError(f"vary: '{one.name}' has tol = 0{where} and would not vary; leave it out or give it more")
+        raise InputError(
+            f"vary: '{parameter.name}' has tol = 0{where} and would not vary; leave it out or give it more"
+        )
 
 
 # ---------------------------------------------------------------- one field
-def _field(one: Parameter) -> Field:
+def _field(parameter: Parameter) -> Field:
     """The field of a parameter with a tolerance or a table of values."""
-    if isinstance(one.dist, ValueTable):
-        return _table(one, one.dist)
-    tol = one.tol or 0.0
-    low, high = (_at_limits(end, one, tol) for end in (one.value - tol, one.value + tol))
-    return Field(one.name, one.unit, one.value, tol, one.dist or DISTRIBUTIONS[0], low, high)
+    if isinstance(parameter.dist, ValueTable):
+        return _table(parameter, parameter.dist)
+    tol = parameter.tol or 0.0
+    low, high = (_at_limits(end, parameter, tol) for end in (parameter.value - tol, parameter.value + tol))
+    return Field(parameter.name, parameter.unit, parameter.value, tol, parameter.dist or DISTRIBUTIONS[0], low, high)
 
 
-def _table(one: Parameter, table: ValueTable) -> Field:
+def _table(parameter: Parameter, table: ValueTable) -> Field:
     most = max(table.weights)  # their sum might overflow
     pairs = sorted(zip(table.values, (weight / most for weight in table.weights), strict=True))
     whole = math.fsum(weight for _, weight in pairs)
-    values = tuple(_at_limits(value, one, 0.0) for value, weight in pairs if weight > 0.0)
+    values = tuple(_at_limits(value, parameter, 0.0) for value, weight in pairs if weight > 0.0)
     shares = tuple(weight / whole for _, weight in pairs if weight > 0.0)
     half = 0.5 * (values[-1] - values[0])
-    return Field(one.name, one.unit, one.value, half, TABLE, values[0], values[-1], values, shares)
+    return Field(parameter.name, parameter.unit, parameter.value, half, TABLE, values[0], values[-1], values, shares)
 
 
-def _at_limits(value: float, one: Parameter, tol: float) -> float:
+def _at_limits(value: float, parameter: Parameter, tol: float) -> float:
     """The value, or a limit of the parameter to which it only rounds: what is exactly at a limit is not beyond it."""
-    for limit in (one.minimum, one.maximum):
-        if limit is not None and abs(value - limit) <= ROUNDING * max(abs(value), abs(one.value), tol):
+    for limit in (parameter.minimum, parameter.maximum):
+        if limit is not None and abs(value - limit) <= ROUNDING * max(abs(value), abs(parameter.value), tol):
             return limit
     return value
 
 
-def _beyond(field: Field, one: Parameter) -> Problem | None:
+def _beyond(field: Field, parameter: Parameter) -> Problem | None:
     """What is said of a field that goes beyond the limits of the model."""
-    least = -math.inf if one.minimum is None else one.minimum
-    most = math.inf if one.maximum is None else one.maximum
+    least = -math.inf if parameter.minimum is None else parameter.minimum
+    most = math.inf if parameter.maximum is None else parameter.maximum
     if least <= field.low and field.high <= most:
         return None
-    unit = f" {one.unit}".rstrip()
+    unit = f" {parameter.unit}".rstrip()
     limits = [f"min = {least:g}{unit}"] * (field.low < least) + [f"max = {most:g}{unit}"] * (field.high > most)
     span = f"{field.dist}, {field.low:g} to {field.high:g}{unit}"
-    room = min(one.value - least, most - one.value)
+    room = min(parameter.value - least, most - parameter.value)
     what = "take other values"
     if field.dist != TABLE:
         what = f"take tol = {room:g}{unit} at most" if room > 0.0 else "choose another value"
-    said = f"{100.0 * field.share_outside(least, most):.2g} % of its values ({span}) are beyond {' and '.join(limits)}"
-    return Problem(("parameters", one.name), f"{said}; {what}, or widen the limits in the file")
+    words = f"{100.0 * field.share_outside(least, most):.2g} % of its values ({span}) are beyond {' and '.join(limits)}"
+    return Problem(("parameters", parameter.name), f"{words}; {what}, or widen the limits in the file")

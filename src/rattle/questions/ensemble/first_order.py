@@ -39,7 +39,8 @@ CELLS = 20_000_000  # numbers of the largest table of polynomials
 NODES = 4096  # of the distribution of a field
 FEW, MOST = 0.01, 0.5  # ranks are taken where this share of the samples carries more than that share of the variance
 DRAWS = 2000  # of the coefficients
-SINGULAR = 1e-9
+SINGULAR = 1e-9  # root mean square below which a polynomial adds nothing but rounding to those before it
+NO_VARIANCE = 1e-300  # in place of a variance of 0, which cannot be divided by
 ADDS = 0.5  # root mean square, at least, of what a polynomial adds where the samples are: they must tell it from others
 OWN = 0.25  # 1 - leverage, at least: a sample must not determine the fit at its own place
 
@@ -72,8 +73,8 @@ def first_order(
     whose shares would say nothing of all others.
     Raises InputError if there are too few samples, or nothing varies.
     """
-    known = np.isfinite(values)
-    y = np.asarray(values[known], dtype=float)
+    finite = np.isfinite(values)
+    y = np.asarray(values[finite], dtype=float)
     first, names = [places[0] for places in members(fields)], labels(fields)
     least = SAMPLES_PER_TERM * (len(names) + 1)
     if len(y) < least:
@@ -89,7 +90,7 @@ def first_order(
         from scipy.stats import rankdata
 
         y = rankdata(y)
-    terms = [_polynomials(fields.fields[k], columns[k][known], _highest(len(y), len(names))) for k in first]
+    terms = [_polynomials(fields.fields[k], columns[k][finite], _highest(len(y), len(names))) for k in first]
     indices, explained, degree = _shares(terms, (y - y.mean()) / y.std())
     return FirstOrder(names, indices, explained, ranks, degree, len(y))
 
@@ -106,14 +107,14 @@ def _highest(n: int, d: int) -> int:
     return max(1, min(HIGHEST, (n // SAMPLES_PER_TERM - 1) // d, CELLS // (n * d)))
 
 
-def _polynomials(one: Field, x: np.ndarray, degree: int) -> np.ndarray:
+def _polynomials(field: Field, x: np.ndarray, degree: int) -> np.ndarray:
     """(n, <= degree) polynomials at x (n,) with mean 0 and mean square 1 over the field, uncorrelated there."""
-    if one.values:
-        nodes, weights = np.array(one.values), np.array(one.shares)
+    if field.values:
+        nodes, weights = np.array(field.values), np.array(field.shares)
         degree = min(degree, len(nodes) - 1)
     else:
-        nodes, weights = one.quantile((np.arange(NODES) + 0.5) / NODES), np.full(NODES, 1.0 / NODES)
-    middle, half = 0.5 * (one.low + one.high), 0.5 * (one.high - one.low)
+        nodes, weights = field.quantile((np.arange(NODES) + 0.5) / NODES), np.full(NODES, 1.0 / NODES)
+    middle, half = 0.5 * (field.low + field.high), 0.5 * (field.high - field.low)
     if not half > 0.0:
         return np.zeros((len(x), 0))
 
@@ -128,7 +129,7 @@ def _polynomials(one: Field, x: np.ndarray, degree: int) -> np.ndarray:
 def _shares(terms: list[np.ndarray], y: np.ndarray) -> tuple[tuple[Bounded, ...], Bounded, int]:
     """Indices of contributors with their polynomials (n, p_i), their sum, and the degree, from values y (n,)."""
     n = len(y)
-    place = [(j, i) for i, one in enumerate(terms) for j in range(one.shape[1])]
+    place = [(j, i) for i, polynomials in enumerate(terms) for j in range(polynomials.shape[1])]
     place.sort()  # all of degree 1, then all of degree 2: models contain those before them
     table = np.column_stack([np.ones(n), *(terms[i][:, j] for j, i in place)])
     q, triangle = np.linalg.qr(table)
@@ -146,20 +147,20 @@ def _shares(terms: list[np.ndarray], y: np.ndarray) -> tuple[tuple[Bounded, ...]
         fits.append(Fit(degree, rest, rest / away))
     if not fits:
         raise InputError("a parameter has the same value in all samples that could be run")
-    degree, rest, foretold = min(fits, key=lambda one: float(one.foretold @ one.foretold))
+    degree, rest, foretold = min(fits, key=lambda fit: float(fit.foretold @ fit.foretold))
     last = int(np.searchsorted(degrees, degree, side="right"))
     back = np.linalg.inv(triangle[:last, :last])
-    found = (back @ (q[:, :last].T @ y))[1:]
+    coefficients = (back @ (q[:, :last].T @ y))[1:]
     influence = (q[:, :last] * foretold[:, None] @ back.T)[:, 1:]  # (n, terms) of a sample on a coefficient
     variance = float(rest @ rest) / (n - last)
     spread = np.column_stack([influence, (rest**2 - (rest @ rest) / n) / n])
     owner = np.array([i for _, i in place[: last - 1]])
-    indices, explained = _bounded(found, variance, spread.T @ spread, owner, len(terms))
+    indices, explained = _bounded(coefficients, variance, spread.T @ spread, owner, len(terms))
     return indices, explained, degree
 
 
 def _bounded(
-    found: np.ndarray, variance: float, covariance: np.ndarray, owner: np.ndarray, d: int
+    coefficients: np.ndarray, variance: float, covariance: np.ndarray, owner: np.ndarray, d: int
 ) -> tuple[tuple[Bounded, ...], Bounded]:
     """Indices and their sum from coefficients (p,) and the variance of the rest; covariance (p + 1, p + 1) of all."""
     own = np.diag(covariance)[:-1]
@@ -172,13 +173,13 @@ def _bounded(
     def shares(squares: np.ndarray, rest: np.ndarray) -> np.ndarray:
         parts = squares @ rows
         whole = parts.sum(axis=-1) + np.maximum(rest, 0.0)
-        return np.asarray(np.column_stack([parts, parts.sum(axis=-1)]) / np.maximum(whole, 1e-300)[:, None])
+        return np.asarray(np.column_stack([parts, parts.sum(axis=-1)]) / np.maximum(whole, NO_VARIANCE)[:, None])
 
-    value = shares((found**2 - own)[None], np.array([variance]))[0]
-    every = shares((found + drawn[:, :-1]) ** 2 - 2.0 * own, variance + drawn[:, -1])
+    value = shares((coefficients**2 - own)[None], np.array([variance]))[0]
+    every = shares((coefficients + drawn[:, :-1]) ** 2 - 2.0 * own, variance + drawn[:, -1])
     low, high = np.quantile(every, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
-    value, low, high = (np.clip(one, 0.0, 1.0) for one in (value, low, high))
+    value, low, high = (np.clip(part, 0.0, 1.0) for part in (value, low, high))
     bounded = [
-        Bounded(*map(float, one)) for one in zip(value, np.minimum(low, value), np.maximum(high, value), strict=True)
+        Bounded(*map(float, ends)) for ends in zip(value, np.minimum(low, value), np.maximum(high, value), strict=True)
     ]
     return tuple(bounded[:-1]), bounded[-1]

@@ -77,8 +77,10 @@ class Folder:
         package("pyarrow", "a folder of samples")
         self.path = expanded(path)
         self._plan, self._count = plan, plan.count
-        self._units = {name: one.unit for name, one in task.mechanism.model.parameters.items() if name in plan.names}
-        self._units |= {one.text: one.unit for one in task.outputs}
+        self._units = {
+            name: parameter.unit for name, parameter in task.mechanism.model.parameters.items() if name in plan.names
+        }
+        self._units |= {output.text: output.unit for output in task.outputs}
         self._columns = {name: column_name(name) for name in (*plan.names, *task.texts)}
         self._order = [*plan.names, *task.texts]
         self._histories = dict(zip(task.histories, task.history_units, strict=True))
@@ -98,7 +100,7 @@ class Folder:
         self.path.mkdir(parents=True, exist_ok=True)
         manifest = self.path / MANIFEST
         if not manifest.exists():
-            others = sorted(one.name for one in self.path.iterdir() if not LEFTOVER.fullmatch(one.name))
+            others = sorted(path.name for path in self.path.iterdir() if not LEFTOVER.fullmatch(path.name))
             if others:
                 raise FileExistsError(
                     f"{self.path} holds other files ({', '.join(others[:3])}{', ...' if others[3:] else ''}) and no"
@@ -111,8 +113,8 @@ class Folder:
         before = _read_manifest(manifest)
         if before["format"] != now["format"]:
             raise InputError(f"{self.path} has format {before['format']}, this version of rattle has {now['format']}")
-        if said := identity.difference(before, now):
-            raise InputError(f"{self.path} holds another run, {said}; give another folder")
+        if words := identity.difference(before, now):
+            raise InputError(f"{self.path} holds another run, {words}; give another folder")
         if before["n"] != self._count and not self._plan.grows:
             what = f"n = {before['n']}, now {self._count}, and the first samples of its design depend on n"
             raise InputError(f"{self.path} holds another run, {what}; give another folder")
@@ -128,12 +130,12 @@ class Folder:
 
     def _find(self) -> None:
         """Find the samples that are there; what killed runs have left is removed, damaged files are put aside."""
-        found, reached = [], 0
+        files, reached = [], 0
         for path in sorted(self.path.iterdir()):
             if match := NAME.fullmatch(path.name):
-                found.append(_File(path, int(match[1]), int(match[2]) + 1))
-        self._remove_leftovers({one.curves.name for one in found})
-        for file in sorted(found, key=lambda one: (one.first, -one.last)):
+                files.append(_File(path, int(match[1]), int(match[2]) + 1))
+        self._remove_leftovers({file.curves.name for file in files})
+        for file in sorted(files, key=lambda file: (file.first, -file.last)):
             new = min(file.last, self._count) - max(file.first, reached)
             if new <= 0:
                 continue
@@ -146,7 +148,7 @@ class Folder:
                 continue
             reached = file.last
             self._files.append(file)
-            add_counts(self._reasons, {said: min(count, new) for said, count in reasons.items()})
+            add_counts(self._reasons, {reason: min(count, new) for reason, count in reasons.items()})
 
     def _remove_leftovers(self, wanted: Container[str]) -> None:
         """Remove temporary files, and histories without samples, that no process can be about to finish."""
@@ -211,8 +213,8 @@ class Folder:
                     temporary.write_bytes(content)
         except OSError as error:
             kept = self._count - sum(b - a for a, b in self.missing())
-            said = f"{error}; {kept} samples are kept, and the same call goes on once the folder can be written"
-            named = type(error)(said)
+            words = f"{error}; {kept} samples are kept, and the same call goes on once the folder can be written"
+            named = type(error)(words)
             named.errno = error.errno
             raise named from error
         self._files.append(file)
@@ -227,12 +229,12 @@ class Folder:
         columns: dict[str, Any] = {"sample": pyarrow.array(np.arange(piece.first, piece.last, dtype=np.int64))}
         for name, values in zip(self._order, [*piece.parameters, *piece.values], strict=True):
             columns[self._columns[name]] = pyarrow.array(np.ascontiguousarray(values, dtype=np.float64))
-        columns["status"] = pyarrow.array([STATUS[int(one)] for one in piece.status])
+        columns["status"] = pyarrow.array([STATUS[int(code)] for code in piece.status])
         columns["generic"] = pyarrow.array(piece.generic)
         columns["message"] = pyarrow.array([piece.messages.get(n, "") for n in numbers], pyarrow.string())
         units = {self._columns[name]: {b"unit": unit.encode()} for name, unit in self._units.items()}
         schema = pyarrow.schema(
-            [pyarrow.field(name, one.type, metadata=units.get(name)) for name, one in columns.items()],
+            [pyarrow.field(name, column.type, metadata=units.get(name)) for name, column in columns.items()],
             metadata={REASONS: json.dumps(piece.reasons).encode()},
         )
         buffer = io.BytesIO()
@@ -243,26 +245,26 @@ class Folder:
     # ---------------------------------------------------------------- reading
     def missing(self) -> list[tuple[int, int]]:
         """Ranges (first, last) of samples that have not been run, increasing."""
-        found, reached = [], 0
-        for file in sorted(self._files, key=lambda one: one.first):
-            found.append((reached, file.first))
+        ranges, reached = [], 0
+        for file in sorted(self._files, key=lambda file: file.first):
+            ranges.append((reached, file.first))
             reached = max(reached, file.last)
-        return [(a, b) for a, b in [*found, (reached, self._count)] if a < b]
+        return [(a, b) for a, b in [*ranges, (reached, self._count)] if a < b]
 
     def column(self, name: str) -> np.ndarray:
         """(n,) a parameter or output [SI], nan where it is not known."""
-        found, column = np.full(self._count, np.nan), self._columns[name]
+        values, column = np.full(self._count, np.nan), self._columns[name]
         for place, table in self._tables(column):
-            found[place] = table[column].to_numpy()[: place.stop - place.start]
-        return found
+            values[place] = table[column].to_numpy()[: place.stop - place.start]
+        return values
 
     def curves(self, name: str) -> np.ndarray:
         """(n, m) histories [SI], nan where they are not known."""
-        found = np.full((self._count, len(self._times)), np.nan)
+        curves = np.full((self._count, len(self._times)), np.nan)
         for file in self._files:
             last = min(file.last, self._count)
-            found[file.first : last] = history_files.read(file.curves, name)[: last - file.first]
-        return found
+            curves[file.first : last] = history_files.read(file.curves, name)[: last - file.first]
+        return curves
 
     def curve(self, name: str, sample: int) -> np.ndarray:
         """(m,) the history of a sample [SI], nan where it is not known."""
@@ -275,29 +277,29 @@ class Folder:
         """(n,) int8, see `pieces`."""
         from pyarrow import array, compute
 
-        found = np.full(self._count, WAITING, dtype=np.int8)
+        status = np.full(self._count, WAITING, dtype=np.int8)
         codes = np.array(list(CODES.values()), dtype=np.int8)
         for place, table in self._tables("status"):
             texts = compute.index_in(table["status"], value_set=array(list(CODES)))
-            found[place] = codes[texts.to_numpy()][: place.stop - place.start]
-        return found
+            status[place] = codes[texts.to_numpy()][: place.stop - place.start]
+        return status
 
     def generic(self) -> np.ndarray:
         """(n,) bool: run one by one."""
-        found = np.zeros(self._count, dtype=bool)
+        generic = np.zeros(self._count, dtype=bool)
         for place, table in self._tables("generic"):
-            found[place] = table["generic"].to_numpy()[: place.stop - place.start]
-        return found
+            generic[place] = table["generic"].to_numpy()[: place.stop - place.start]
+        return generic
 
     def messages(self) -> dict[int, str]:
         """Why samples failed, by number."""
         from pyarrow import compute
 
-        found: dict[int, str] = {}
+        messages: dict[int, str] = {}
         for _, table in self._tables("sample", "message"):
-            said = table.filter(compute.not_equal(table["message"], ""))
-            found |= zip(said["sample"].to_pylist(), said["message"].to_pylist(), strict=True)
-        return {n: found[n] for n in sorted(found) if n < self._count}
+            failed = table.filter(compute.not_equal(table["message"], ""))
+            messages |= zip(failed["sample"].to_pylist(), failed["message"].to_pylist(), strict=True)
+        return {n: messages[n] for n in sorted(messages) if n < self._count}
 
     def reasons(self) -> dict[str, int]:
         """Why samples could not run side by side, and how many."""
@@ -317,13 +319,13 @@ class Folder:
 def _read_manifest(manifest: Path) -> dict[str, Any]:
     """What a manifest says.  Raises InputError."""
     try:
-        found = json.loads(manifest.read_text(encoding="utf-8"))
-        right = isinstance(found["format"], int) and isinstance(found["n"], int)
+        contents = json.loads(manifest.read_text(encoding="utf-8"))
+        right = isinstance(contents["format"], int) and isinstance(contents["n"], int)
     except (ValueError, KeyError, TypeError, RecursionError):
         right = False
     if not right:
         raise InputError(f"{manifest} is damaged, or is not of rattle; give another folder")
-    return dict(found)
+    return dict(contents)
 
 
 def _listed(made_with: Mapping[str, str]) -> str:

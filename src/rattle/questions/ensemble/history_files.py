@@ -29,8 +29,8 @@ def content(first: int, t: np.ndarray, curves: Mapping[str, np.ndarray], units: 
         numbers.attrs["long_name"] = "number of the sample"
         for name, values in {"t": t, **curves}.items():
             over = ("t",) if name == "t" else ("sample", "t")
-            made = file.create_variable(name, over, np.dtype("<f8"), data=np.ascontiguousarray(values, "<f8"))
-            made.attrs["units"] = "s" if name == "t" else units[name]
+            variable = file.create_variable(name, over, np.dtype("<f8"), data=np.ascontiguousarray(values, "<f8"))
+            variable.attrs["units"] = "s" if name == "t" else units[name]
     return sealed(buffer.getvalue())
 
 

@@ -35,23 +35,23 @@ LONGEST = 60  # characters of a value that a message quotes
 
 def identity(task: Task, plan: Plan) -> dict[str, Any]:
     """All that the numbers of samples follow from, as plain data."""
-    found = {
+    record = {
         "format": FORMAT, "rattle": __version__, **plan.description, "analysis": task.analysis,
         "outputs": task.texts, "histories": list(task.histories), "t_end": task.t_end, "how": task.how._asdict(),
         "laws": python_laws(task.mechanism.model), "model": task.mechanism.to_toml(),
     }  # fmt: skip
-    return dict(json.loads(json.dumps(found)))
+    return dict(json.loads(json.dumps(record)))
 
 
 def versions() -> dict[str, str]:
     """Versions of the packages that take part."""
-    found = {}
+    installed = {}
     for name in PACKAGES:
         try:
-            found[name] = metadata.version(name)
+            installed[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
-    return found
+    return installed
 
 
 def difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
@@ -59,8 +59,8 @@ def difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     for key, label in LABELS.items():
         if before.get(key) != now.get(key):
             return f"its {label}: {_short(before.get(key))}, now {_short(now.get(key))}"
-    if before.get("model") != now.get("model") and (said := _of_models(str(before.get("model")), str(now["model"]))):
-        return said
+    if before.get("model") != now.get("model") and (words := _of_models(str(before.get("model")), str(now["model"]))):
+        return words
     for key, label in (("how", "setting"), ("fields", "field of"), ("axes", "values of"), ("laws", "Python code of")):
         for path, old, new in _differing(before.get(key, {}), now.get(key, {})):
             return f"its {label} {_dotted(path) or 'parameters'}: {_short(old)}, now {_short(new)}"
@@ -101,16 +101,16 @@ def _short(value: Any) -> str:
 # ---------------------------------------------------------------- laws written in Python
 def python_laws(model: Model) -> dict[str, str]:
     """Laws of users in a model, "load 'drag'", each with a checksum of its code: a model text only names them."""
-    used = {("load", one.kind) for one in model.loads.values()}
-    for contact in (one for joint in model.joints.values() for one in joint.contacts):
+    used = {("load", load.kind) for load in model.loads.values()}
+    for contact in (contact for joint in model.joints.values() for contact in joint.contacts):
         choices = {"normal": contact.normal, "friction": contact.friction}
-        used |= {(family, one.kind) for family, one in choices.items() if one is not None}
+        used |= {(family, law.kind) for family, law in choices.items() if law is not None}
     return {f"{family} '{name}'": code for family, name in sorted(used) if (code := _code(family, name))}
 
 
 def unknown_laws(laws: Mapping[str, str]) -> list[str]:
     """Those of `python_laws` that this process does not have, or has otherwise."""
-    return [one for one, code in laws.items() if _code(*one.rstrip("'").split(" '")) != code]
+    return [law for law, code in laws.items() if _code(*law.rstrip("'").split(" '")) != code]
 
 
 def _code(family: str, name: str) -> str:
@@ -122,5 +122,7 @@ def _code(family: str, name: str) -> str:
     try:
         text = inspect.getsource(law)
     except (OSError, TypeError):  # typed in at a prompt
-        text = law.__code__.co_code.hex() + repr([one for one in law.__code__.co_consts if not inspect.iscode(one)])
+        text = law.__code__.co_code.hex() + repr(
+            [constant for constant in law.__code__.co_consts if not inspect.iscode(constant)]
+        )
     return hashlib.sha256(text.encode()).hexdigest()[:16]

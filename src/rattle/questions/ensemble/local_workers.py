@@ -54,7 +54,7 @@ def local_workers(count: int) -> Iterator[str]:
 def _start(address: str, folder: Path, n: int) -> subprocess.Popen[bytes]:
     """Start a worker; what it says is in the folder."""
     source = str(Path(__file__).parents[3])
-    path = os.pathsep.join(one for one in (source, os.environ.get("PYTHONPATH", "")) if one)
+    path = os.pathsep.join(path for path in (source, os.environ.get("PYTHONPATH", "")) if path)
     words = [
         sys.executable, "-m", "distributed.cli.dask_worker", address, "--host", LOOPBACK, "--nthreads", "1",
         "--no-dashboard", "--memory-limit", "0", "--death-timeout", "30", "--local-directory", str(folder),
@@ -70,27 +70,27 @@ def _wait(cluster: Any, started: list[subprocess.Popen[bytes]], count: int, fold
     """Wait until all workers are there.  Raises WorkerError."""
     end = time.monotonic() + START
     while len(cluster.scheduler_info["workers"]) < count:
-        ended = [n for n, one in enumerate(started) if one.poll() is not None]
+        ended = [n for n, worker in enumerate(started) if worker.poll() is not None]
         if ended or time.monotonic() > end:
-            said = (folder / f"worker-{(ended or [0])[0]}.log").read_text(errors="replace").strip().splitlines()
-            why = f"did not start: {said[-1] if said else 'it said nothing'}" if ended else "is not there"
+            words = (folder / f"worker-{(ended or [0])[0]}.log").read_text(errors="replace").strip().splitlines()
+            why = f"did not start: {words[-1] if words else 'it said nothing'}" if ended else "is not there"
             raise WorkerError(f"a worker process {why} (waited up to {START:g} s)")
         time.sleep(0.05)
 
 
 def _end(started: list[subprocess.Popen[bytes]]) -> None:
     """End all workers with the processes that they have started."""
-    for one in started:
+    for worker in started:
         with suppress(ProcessLookupError):
-            one.terminate()
+            worker.terminate()
     end = time.monotonic() + END
-    for one in started:
+    for worker in started:
         with suppress(subprocess.TimeoutExpired):
-            one.wait(max(0.0, end - time.monotonic()))
-    for one in started:
+            worker.wait(max(0.0, end - time.monotonic()))
+    for worker in started:
         with suppress(ProcessLookupError, PermissionError):
             if sys.platform == "win32":
-                one.kill()
+                worker.kill()
             else:
-                os.killpg(one.pid, signal.SIGKILL)
-        one.wait()
+                os.killpg(worker.pid, signal.SIGKILL)
+        worker.wait()

@@ -96,17 +96,17 @@ def tolerances(varied: tuple[str, ...]) -> Any:
     """What `vary` of an ensemble is: None, or parameters with what was said of them."""
     if not varied:
         return None
-    found: dict[str, Any] = {}
-    for given in varied:
-        for one in re.split(r",(?![^(]*\))", given):  # a tolerance may be an expression: min(a, b)
-            name, equals, text = (part.strip() for part in one.partition("="))
+    fields: dict[str, Any] = {}
+    for option in varied:
+        for entry in re.split(r",(?![^(]*\))", option):  # a tolerance may be an expression: min(a, b)
+            name, equals, text = (part.strip() for part in entry.partition("="))
             tol, _, dist = (part.strip() for part in text.partition(":"))
             if not name or (equals and not tol):
-                raise click.UsageError(f"--vary needs NAME or NAME=TOL, as in r3,r4 or \"r3=0.1 mm\", got '{given}'")
-            if name in found:
+                raise click.UsageError(f"--vary needs NAME or NAME=TOL, as in r3,r4 or \"r3=0.1 mm\", got '{option}'")
+            if name in fields:
                 raise click.UsageError(f"--vary: '{name}' is given twice")
-            found[name] = {"tol": value(tol)} | ({"dist": dist} if dist else {}) if equals else {}
-    return found
+            fields[name] = {"tol": value(tol)} | ({"dist": dist} if dist else {}) if equals else {}
+    return fields
 
 
 def judge_share(ensemble: Ensemble, required: Sequence[str]) -> list[Verdict]:
@@ -123,8 +123,8 @@ def of_share(what: str, share: Bounded, required: float) -> Verdict:
     """Whether enough mechanisms keep something; share: of the mechanisms, with its bounds."""
     kept = bool(share[0] >= required)
     part, low, high = (100 * number for number in share)
-    said = f"{part:.4g} % of the mechanisms {what} (95 %: {low:.4g} to {high:.4g} %); {said_required(required, kept)}"
-    return Verdict(kept, said, {"condition": what, "kept": kept, "required": required, "share": share._asdict()})
+    words = f"{part:.4g} % of the mechanisms {what} (95 %: {low:.4g} to {high:.4g} %); {said_required(required, kept)}"
+    return Verdict(kept, words, {"condition": what, "kept": kept, "required": required, "share": share._asdict()})
 
 
 def check_limits(m: Mechanism, required: Sequence[str], vary: Any, **question: Any) -> None:

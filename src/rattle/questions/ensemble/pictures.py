@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from rattle.questions.ensemble.compute import Ensemble, Limit
 
 FEWEST_BINS, MOST_BINS = 8, 80
+SAME = 1e-12  # share of the largest value by which values differ from rounding alone
 WHOLE = 60  # different whole numbers with a bin each, at most
 LEGEND: dict[str, Any] = {
     "frameon": False,
@@ -56,9 +57,9 @@ def told_samples(e: Ensemble) -> str:
     """How many samples of what, and how many of them have no numbers."""
     counts = e.counts()
     run = len(e) - counts["not run"]
-    said = f"{run} sample{'s' if run != 1 else ''} of {listed(e.parameters)}"
-    parts = [f"{counts[one]} {one}" for one in ("failed", "not finite") if counts[one]]
-    return ", ".join([said, *parts])
+    words = f"{run} sample{'s' if run != 1 else ''} of {listed(e.parameters)}"
+    parts = [f"{counts[kind]} {kind}" for kind in ("failed", "not finite") if counts[kind]]
+    return ", ".join([words, *parts])
 
 
 def listed(names: tuple[str, ...], most: int = 6) -> str:
@@ -69,13 +70,13 @@ def listed(names: tuple[str, ...], most: int = 6) -> str:
 def finite(e: Ensemble, output: str) -> np.ndarray:
     """The finite values of an output [SI].  Raises UnknownName, or ValueError if there are none."""
     values = e[output]
-    found = values[np.isfinite(values)]
-    if not len(found):
+    finite_values = values[np.isfinite(values)]
+    if not len(finite_values):
         why = next(iter(e.why()), "no sample was run" if not (e.store.status() >= 0).any() else "")
         raise InputError(
             f"{output}: none of {len(e)} samples has a finite value, there is nothing to draw" + f": {why}" * bool(why)
         )
-    return np.asarray(found)
+    return np.asarray(finite_values)
 
 
 # ---------------------------------------------------------------- how an output is distributed
@@ -85,9 +86,9 @@ def plot_output(e: Ensemble, output: str, limit: Limit, ax: Axes | None) -> Figu
 
     values = finite(e, output)
     unit = e.unit(output)
-    given, ends = ax, _ends(e, output, limit)
+    users_axes, ends = ax, _ends(e, output, limit)
     nominal = dict(zip(e.outputs, e.nominal, strict=True))[output]
-    bulk = bulk_of(values, unit, [nominal, *(one for one in ends if one is not None)])
+    bulk = bulk_of(values, unit, [nominal, *(end for end in ends if end is not None)])
     ax = ax if ax is not None else new_axes(8.6, 4.6)[0]
     shown = bulk.factor * values
     edges = _edges(shown, bulk)
@@ -100,8 +101,8 @@ def plot_output(e: Ensemble, output: str, limit: Limit, ax: Axes | None) -> Figu
     set_range(ax, bulk._replace(low=left, high=right), "x", 0.02)
     quantiles = e.statistics(output).quantiles
     marks = [
-        Mark(bulk.factor * one.value, f"{100 * share:.0f} %: {_number(bulk.factor * one.value, bulk)}", BLACK, style)
-        for (share, one), style in zip(quantiles.items(), [(0, (2, 2)), "-", (0, (5, 2))], strict=True)
+        Mark(bulk.factor * end.value, f"{100 * share:.0f} %: {_number(bulk.factor * end.value, bulk)}", BLACK, style)
+        for (share, end), style in zip(quantiles.items(), [(0, (2, 2)), "-", (0, (5, 2))], strict=True)
     ]
     if math.isfinite(nominal):
         at = bulk.factor * nominal
@@ -114,7 +115,7 @@ def plot_output(e: Ensemble, output: str, limit: Limit, ax: Axes | None) -> Figu
     ax.set_xlabel(axis_label(QUANTITY.get(unit, "value"), bulk.unit))
     ax.set_title(output, loc="left", fontsize=11, pad=28 if bulk.outside else 16, parse_math=False)
     note(ax, told_samples(e) + (f"\nnot shown: {bulk.outside}" if bulk.outside else ""), "left")
-    return drawn(ax, given)
+    return drawn(ax, users_axes)
 
 
 def _number(shown: float, bulk: Bulk) -> str:
@@ -125,10 +126,10 @@ def _number(shown: float, bulk: Bulk) -> str:
 def _ends(e: Ensemble, output: str, limit: Limit) -> tuple[float | None, float | None]:
     """Limits (low, high) [SI].  Raises InputError, TypeError."""
     low, high = limit if isinstance(limit, tuple) else (None, limit)
-    found = tuple(None if one is None else e.limit(output, one) for one in (low, high))
-    if found[0] is not None and found[1] is not None and found[0] >= found[1]:
+    ends = tuple(None if end is None else e.limit(output, end) for end in (low, high))
+    if ends[0] is not None and ends[1] is not None and ends[0] >= ends[1]:
         raise InputError(f"limit: the lower one, {low}, is not below the upper one, {high}")
-    return found[0], found[1]
+    return ends[0], ends[1]
 
 
 def _whole(shown: np.ndarray, bulk: Bulk) -> bool:
@@ -143,12 +144,12 @@ def _edges(shown: np.ndarray, bulk: Bulk) -> np.ndarray:
         return np.arange(inside.min() - 0.5, inside.max() + 1.0)  # a bin for each number
     seen = np.log10(inside) if bulk.log else inside
     low, high = float(seen.min()), float(seen.max())
-    if high - low <= 1e-12 * max(abs(low), abs(high)):  # all are equal
+    if high - low <= SAME * max(abs(low), abs(high)):  # all are equal
         half = (0.02 if bulk.log else 0.01 * abs(low)) or 0.5
         low, high, count = low - half, high + half, 1
     else:
-        found = len(np.histogram_bin_edges(seen, "auto")) - 1  # the finer of Sturges, and Freedman and Diaconis
-        count = int(np.clip(found, min(FEWEST_BINS, len(inside)), MOST_BINS))
+        bins = len(np.histogram_bin_edges(seen, "auto")) - 1  # the finer of Sturges, and Freedman and Diaconis
+        count = int(np.clip(bins, min(FEWEST_BINS, len(inside)), MOST_BINS))
     edges = np.linspace(low, high, count + 1)
     if not bulk.log:
         return edges
@@ -163,14 +164,16 @@ def _limit_marks(
     """The limits, with the share of the samples within."""
     if ends == (None, None):
         return []
-    given = limit if isinstance(limit, tuple) else (None, limit)
-    both = zip(given, ends, strict=True)
-    texts = [one if isinstance(one, str) else _number(bulk.factor * end, bulk) for one, end in both if end is not None]
-    found = e.yield_between(output, *ends)
-    label = f"limit{'s' if len(texts) > 1 else ''} {' and '.join(texts)}:\n{_percent(found.value)} within"
-    label += f" ({_percent(found.low)} to {_percent(found.high)})"
+    limits = limit if isinstance(limit, tuple) else (None, limit)
+    both = zip(limits, ends, strict=True)
+    texts = [
+        text if isinstance(text, str) else _number(bulk.factor * end, bulk) for text, end in both if end is not None
+    ]
+    share = e.yield_between(output, *ends)
+    label = f"limit{'s' if len(texts) > 1 else ''} {' and '.join(texts)}:\n{_percent(share.value)} within"
+    label += f" ({_percent(share.low)} to {_percent(share.high)})"
     at = [bulk.factor * end for end in ends if end is not None]
-    return [Mark(one, label if n == 0 else "", RED, (0, (6, 1.5))) for n, one in enumerate(at)]
+    return [Mark(place, label if n == 0 else "", RED, (0, (6, 1.5))) for n, place in enumerate(at)]
 
 
 def _percent(share: float) -> str:
@@ -184,7 +187,7 @@ def _shade_beyond(ax: Axes, ends: tuple[float | None, float | None], bulk: Bulk,
     """Shade what is beyond limits [SI]; half: a bin, which belongs to the value in its middle."""
     left, right = ax.get_xlim()
     low, high = (
-        None if one is None else bulk.factor * one + side * half for one, side in zip(ends, (-1, 1), strict=True)
+        None if end is None else bulk.factor * end + side * half for end, side in zip(ends, (-1, 1), strict=True)
     )
     for first, last in ((left, low), (high, right)):
         if first is not None and last is not None and first < last:
@@ -196,11 +199,11 @@ def _draw_marks(ax: Axes, marks: list[Mark]) -> None:
     """Lines with a legend; what lies outside of the axis is in the legend only, with the side on which it is."""
     left, right = ax.get_xlim()
     lines = []
-    for one in marks:
-        side = "" if left <= one.value <= right else " (further left)" if one.value < left else " (further right)"
-        line = ax.axvline(one.value, color=one.colour, linestyle=one.style, linewidth=1.3, label=one.label + side)
+    for mark in marks:
+        side = "" if left <= mark.value <= right else " (further left)" if mark.value < left else " (further right)"
+        line = ax.axvline(mark.value, color=mark.colour, linestyle=mark.style, linewidth=1.3, label=mark.label + side)
         line.set_visible(not side)
-        lines += [line] if one.label else []
+        lines += [line] if mark.label else []
     ax.set_xlim(left, right)
     legend = ax.legend(lines, [str(n) for n in range(len(lines))], **LEGEND)
     for text, line in zip(legend.get_texts(), lines, strict=True):
@@ -208,25 +211,25 @@ def _draw_marks(ax: Axes, marks: list[Mark]) -> None:
 
 
 # ---------------------------------------------------------------- curves
-def plot_band(found: Band, ax: Axes | None = None) -> Figure | Axes:
+def plot_band(band: Band, ax: Axes | None = None) -> Figure | Axes:
     """See `Ensemble.plot_band`."""
-    low, high = np.quantile(found.members, [0.05, 0.95], axis=0)
+    low, high = np.quantile(band.members, [0.05, 0.95], axis=0)
     narrow = float((high - low).max()) < NARROW * float(high.max() - low.min())
     axes = [ax] if ax is not None else new_axes(8.6, 6.4 if narrow else 4.6, rows=2 if narrow else 1)
-    cut = _draw_band(axes[0], found.t, found.members, found.nominal, found.unit)
-    axes[0].set_ylabel(axis_label(QUANTITY.get(found.unit, ""), axes[0].get_ylabel()) if found.unit else "no unit")
+    cut = _draw_band(axes[0], band.t, band.members, band.nominal, band.unit)
+    axes[0].set_ylabel(axis_label(QUANTITY.get(band.unit, ""), axes[0].get_ylabel()) if band.unit else "no unit")
     if len(axes) > 1:
-        middle = np.median(found.members, axis=0) if found.nominal is None else found.nominal
-        nominal = None if found.nominal is None else 0.0 * middle
-        _draw_band(axes[1], found.t, found.members - middle, nominal, found.unit)
+        middle = np.median(band.members, axis=0) if band.nominal is None else band.nominal
+        nominal = None if band.nominal is None else 0.0 * middle
+        _draw_band(axes[1], band.t, band.members - middle, nominal, band.unit)
         what = "deviation from the " + ("median" if nominal is None else "nominal")
         axes[1].set_ylabel(axis_label(what, axes[1].get_ylabel()))
     axes[-1].set_xlabel("time [s]")
-    count = len(found.members)
-    said = f"the first {count + found.failed} of {found.samples} samples of {listed(found.parameters)}"
-    said += f", {found.failed} of them failed" if found.failed else ""
-    note(axes[0], said + ("\n" if cut else ""), "left")  # what is cut off stands below
-    title = f"{found.curve}, {count} member{'s' if count != 1 else ''}"
+    count = len(band.members)
+    words = f"the first {count + band.failed} of {band.samples} samples of {listed(band.parameters)}"
+    words += f", {band.failed} of them failed" if band.failed else ""
+    note(axes[0], words + ("\n" if cut else ""), "left")  # what is cut off stands below
+    title = f"{band.curve}, {count} member{'s' if count != 1 else ''}"
     axes[0].set_title(title, loc="left", fontsize=11, pad=28 if cut else 16, parse_math=False)
     axes[0].legend(**LEGEND)
     return drawn(axes[0], ax)
@@ -240,21 +243,21 @@ def _draw_band(ax: Axes, t: np.ndarray, members: np.ndarray, nominal: np.ndarray
     """Draw members (n, k) [SI] at instants (k,) [s] and label the axis with the unit; True if spikes are cut off."""
     low, lower, middle, upper, high = np.quantile(members, [0.05, 0.25, 0.5, 0.75, 0.95], axis=0)
     seen = [low, high, *([] if nominal is None else [nominal])]
-    sizes = [float(np.abs(one).max()) for one in seen]
+    sizes = [float(np.abs(curve).max()) for curve in seen]
     factor, shown = scale_of([max(sizes), float((high - low).max())], unit)
     ax.fill_between(t, factor * low, factor * high, color=BLUE, alpha=0.18, linewidth=0, label="5 to 95 %")
     ax.fill_between(t, factor * lower, factor * upper, color=BLUE, alpha=0.3, linewidth=0, label="25 to 75 %")
     few = members[:SINGLE]
-    for n, one in enumerate(few):
+    for n, member in enumerate(few):
         label = f"{len(few)} members" if n == 0 and len(few) > 1 else None
-        ax.plot(t, factor * one, color=GREY, linewidth=0.5, alpha=0.8, label=label)
+        ax.plot(t, factor * member, color=GREY, linewidth=0.5, alpha=0.8, label=label)
     ax.plot(t, factor * middle, color=BLUE, linewidth=1.6, label="median")
     if nominal is not None:
         style: dict[str, Any] = {"color": ORANGE, "linewidth": 1.4, "linestyle": (0, (5, 2))}
         ax.plot(t, factor * nominal, label="nominal", **style)
-    cut = robust_limits(ax, [factor * one for one in seen])
+    cut = robust_limits(ax, [factor * curve for curve in seen])
     if not cut:
-        least, most = (factor * float(end([end(one) for one in seen])) for end in (np.min, np.max))
+        least, most = (factor * float(end([end(curve) for curve in seen])) for end in (np.min, np.max))
         room = 0.06 * (most - least) or 0.05 * abs(most) or 0.5
         ax.set_ylim(least - room, most + room)
     ax.margins(x=0.0)

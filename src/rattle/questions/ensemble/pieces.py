@@ -46,7 +46,7 @@ def run_piece(
     status = np.full(count, OK, dtype=np.int8)
     status[list(batch.messages)] = FAILED
     status[batch.lacking] = NOT_FINITE
-    messages = {first + n: said for n, said in batch.messages.items()}
+    messages = {first + n: message for n, message in batch.messages.items()}
     generic = np.zeros(count, dtype=bool)
     generic[batch.generic] = True
     reasons = {runner.why: count} if runner.why else batch.reasons

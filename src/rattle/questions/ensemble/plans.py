@@ -122,7 +122,7 @@ class Grid:
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values of every parameter."""
-        return tuple(len(one) for one in self.axes.values())
+        return tuple(len(axis) for axis in self.axes.values())
 
     @property
     def count(self) -> int:

@@ -59,9 +59,9 @@ class Samples(ABC):
         return self.plan.count
 
     def __getitem__(self, name: str) -> np.ndarray:
-        known = [*self.parameters, *self.outputs]
-        if name not in known:
-            raise UnknownName(f"no parameter or output '{name}'{suggest(str(name), known)}")
+        names = [*self.parameters, *self.outputs]
+        if name not in names:
+            raise UnknownName(f"no parameter or output '{name}'{suggest(str(name), names)}")
         return self.store.column(name)
 
     def histories(self, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -76,25 +76,25 @@ class Samples(ABC):
 
     def _require_history(self, name: str) -> None:
         if name not in self.task.histories:
-            known = suggest(str(name), self.task.histories)
-            raise UnknownName(f"no history '{name}'{known or '; ask for it with histories=[...]'}")
+            hint = suggest(str(name), self.task.histories)
+            raise UnknownName(f"no history '{name}'{hint or '; ask for it with histories=[...]'}")
 
     def unit(self, name: str) -> str:
         """SI unit of a parameter, output or history, "" if it has none or it is not known."""
         if name in self.task.histories:
             return self.task.history_units[self.task.histories.index(name)]
         if name in self.outputs:
-            return next(one.unit for one in self.task.outputs if one.text == name)
+            return next(output.unit for output in self.task.outputs if output.text == name)
         return self.task.mechanism.model.parameters[name].unit
 
     @cached_property
     def status(self) -> np.ndarray:
         """(n,) texts: ok, failed, not finite, not run."""
         numbers = self.store.status()
-        found = np.full(len(numbers), STATUS[OK], dtype="U10")
+        texts = np.full(len(numbers), STATUS[OK], dtype="U10")
         for number, text in STATUS.items():
-            found[numbers == number] = text
-        return found
+            texts[numbers == number] = text
+        return texts
 
     @property
     def messages(self) -> dict[int, str]:
@@ -110,11 +110,11 @@ class Samples(ABC):
         n = self._number(number)
         return self.task.mechanism_at(self.plan.values(n, n + 1)[:, 0])
 
-    def _number(self, given: int) -> int:
+    def _number(self, number: int) -> int:
         """The number of a sample.  Raises UnknownSample."""
-        if isinstance(given, bool) or not isinstance(given, int | np.integer) or not 0 <= given < len(self):
-            raise UnknownSample(f"sample {given!r}: samples are numbered from 0 to {len(self) - 1}")
-        return int(given)
+        if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 0 <= number < len(self):
+            raise UnknownSample(f"sample {number!r}: samples are numbered from 0 to {len(self) - 1}")
+        return int(number)
 
     def told(self, number: int) -> str:
         """The parameters of a sample as text: "r3 = 5 mm, l2 = 0.6 m"."""
@@ -142,13 +142,13 @@ class Samples(ABC):
         require_table(path)
         names = [*self.parameters, *self.outputs]
         shown = [column_unit(self.unit(name)) for name in names]
-        columns = [one.factor * np.asarray(self[name]) for name, one in zip(names, shown, strict=True)]
+        columns = [unit.factor * np.asarray(self[name]) for name, unit in zip(names, shown, strict=True)]
         status, messages = self.status, self.messages
         with atomic(path) as file, file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out, lineterminator="\n")
             titles = [
-                column_name(name) + (f" [{one.unit}]" if one.unit else "")
-                for name, one in zip(names, shown, strict=True)
+                column_name(name) + (f" [{unit.unit}]" if unit.unit else "")
+                for name, unit in zip(names, shown, strict=True)
             ]
             writer.writerow(["sample", *titles, "status", "message"])
             for n in np.flatnonzero(self.store.status() != WAITING).tolist():
@@ -159,7 +159,7 @@ class Samples(ABC):
         return {
             "samples": len(self), "parameters": list(self.parameters), "counts": self.counts(), "failures": self.why(),
             "how": self.how, "interrupted": self.interrupted,
-            "outputs": {one: {"unit": self.unit(one), **self.numbers(one)} for one in self.outputs},
+            "outputs": {output: {"unit": self.unit(output), **self.numbers(output)} for output in self.outputs},
         }  # fmt: skip
 
     @abstractmethod
@@ -178,14 +178,14 @@ class Samples(ABC):
     def remarks(self) -> list[str]:
         """What must be said of the samples: how they ran, how many have no numbers, and why."""
         counts = self.counts()
-        said = [self.how] if self.how else []
+        lines = [self.how] if self.how else []
         if counts["not run"]:
             again = "; the same call goes on" if self.store.place else ""
-            said.append(f"stopped after {len(self) - counts['not run']} of {len(self)} samples{again}")
+            lines.append(f"stopped after {len(self) - counts['not run']} of {len(self)} samples{again}")
         if counts["failed"] or counts["not finite"]:
-            parts = [f"{counts[one]} {what}" for one, what in WITHOUT.items() if counts[one]]
-            said.append(f"of {len(self)} samples {' and '.join(parts)}:")
-            said += [f"  {count} x {reason}" for reason, count in list(self.why().items())[:MOST_REASONS]]
+            parts = [f"{counts[status]} {what}" for status, what in WITHOUT.items() if counts[status]]
+            lines.append(f"of {len(self)} samples {' and '.join(parts)}:")
+            lines += [f"  {count} x {reason}" for reason, count in list(self.why().items())[:MOST_REASONS]]
             more = len(self.why()) - MOST_REASONS
-            said += [f"  and {more} other reasons (message(i))"] if more > 0 else []
-        return said
+            lines += [f"  and {more} other reasons (message(i))"] if more > 0 else []
+        return lines

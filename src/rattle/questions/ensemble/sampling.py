@@ -77,8 +77,8 @@ class _Random(Points):
     def _made(self, first: int, last: int) -> np.ndarray:
         generator = np.random.Philox(key=self._key, counter=first * self._blocks)
         whole = generator.random_raw((last - first) * self._blocks * BLOCK)
-        made = np.asarray((whole >> np.uint64(11)) * 2.0**-53)
-        return made.reshape(last - first, self._blocks * BLOCK)[:, : self.draws]
+        numbers = np.asarray((whole >> np.uint64(11)) * 2.0**-53)
+        return numbers.reshape(last - first, self._blocks * BLOCK)[:, : self.draws]
 
 
 class _Sequence(Points):
@@ -161,7 +161,7 @@ class _LatinHypercube(Points):
         return np.asarray(_engine("LatinHypercube", self).random(self.count))
 
 
-_DESIGNS: dict[str, type[Points]] = {one.design: one for one in (_Sobol, _LatinHypercube, _Halton, _Random)}
+_DESIGNS: dict[str, type[Points]] = {design.design: design for design in (_Sobol, _LatinHypercube, _Halton, _Random)}
 DESIGNS = tuple(_DESIGNS)
 
 

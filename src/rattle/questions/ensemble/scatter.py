@@ -61,13 +61,13 @@ def plot_scatter(e: Ensemble, outputs: Sequence[str] | None = None, parameters: 
 
 def _heading(figure: Figure, e: Ensemble, shown: int, chosen: bool, far: list[str]) -> None:
     left = len(e.parameters) - shown
-    said = told_samples(e)
+    words = told_samples(e)
     if chosen and left:
-        said += f"; the {shown} parameters with the closest relations"
+        words += f"; the {shown} parameters with the closest relations"
     failed = e.counts()["failed"] + e.counts()["not finite"]
-    said += "; red: parameters of those without a value" if failed else ""
+    words += "; red: parameters of those without a value" if failed else ""
     across = int(16.5 * figure.get_figwidth())  # characters
-    text = "\n".join(line for one in (f"{said}; ρ: rank correlation", *far) for line in wrap(one, across))
+    text = "\n".join(line for paragraph in (f"{words}; ρ: rank correlation", *far) for line in wrap(paragraph, across))
     figure.suptitle(text, x=0.012, ha="left", fontsize=8.5, color=GREY, parse_math=False)
 
 
@@ -76,10 +76,10 @@ def _chosen(e: Ensemble, what: str, asked: Sequence[str] | None, every: Sequence
     if asked is None:
         return list(every)[:MOST]
     names = [asked] if isinstance(asked, str) else list(dict.fromkeys(asked))
-    known = e.outputs if what == "outputs" else e.parameters
+    allowed = e.outputs if what == "outputs" else e.parameters
     for name in names:
-        if name not in known:
-            raise InputError(f"{what}: '{name}' is none of {', '.join(known)}")
+        if name not in allowed:
+            raise InputError(f"{what}: '{name}' is none of {', '.join(allowed)}")
     if not 0 < len(names) <= MOST:
         raise InputError(f"{what}: {len(names)} are asked for; a scatter matrix shows 1 to {MOST}, choose those")
     return names
@@ -99,10 +99,10 @@ def rank_correlation(x: np.ndarray, y: np.ndarray) -> float:
     """Spearman's rank correlation [-] of the pairs (n,) that are finite; nan if one of them does not vary."""
     from scipy.stats import rankdata
 
-    known = np.isfinite(x) & np.isfinite(y)
-    if known.sum() < 3 or np.ptp(x[known]) == 0.0 or np.ptp(y[known]) == 0.0:
+    finite = np.isfinite(x) & np.isfinite(y)
+    if finite.sum() < 3 or np.ptp(x[finite]) == 0.0 or np.ptp(y[finite]) == 0.0:
         return float("nan")
-    return float(np.corrcoef(rankdata(x[known]), rankdata(y[known]))[0, 1])
+    return float(np.corrcoef(rankdata(x[finite]), rankdata(y[finite]))[0, 1])
 
 
 def _panel(ax: Axes, x: np.ndarray, y: np.ndarray, bulk: Bulk) -> None:
@@ -129,7 +129,7 @@ def _panel(ax: Axes, x: np.ndarray, y: np.ndarray, bulk: Bulk) -> None:
 
 
 def _cells(ax: Axes, x: np.ndarray, y: np.ndarray, bulk: Bulk) -> None:
-    down, up = (np.log10(one) if bulk.log else one for one in ax.get_ylim())
+    down, up = (np.log10(limit) if bulk.log else limit for limit in ax.get_ylim())
     extent = (*ax.get_xlim(), float(down), float(up))
     scale: Literal["log", "linear"] = "log" if bulk.log else "linear"
     cells = ax.hexbin(

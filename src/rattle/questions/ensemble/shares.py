@@ -29,7 +29,7 @@ def draw_shares(ax: Axes, names: Sequence[str], first: Sequence[Bounds], total: 
     Shares that are nan are left out, bounds that are nan too.
     """
     shown = first if total is None else total
-    size = np.nan_to_num([one[0] for one in shown])
+    size = np.nan_to_num([bounds[0] for bounds in shown])
     order = np.argsort(-size, kind="stable")
     rows = order[:MOST]
     places = np.arange(len(rows))
@@ -60,16 +60,16 @@ def _bars(ax: Axes, shares: Sequence[Bounds], height: float, shift: float, **sty
 
 def _values(ax: Axes, shown: Sequence[Bounds], first: Sequence[Bounds] | None) -> None:
     """Numbers beside the bars, in a column of their own right of all bars."""
-    far = max([100.0 * np.nanmax([one[0], one[2], 0.0]) for one in shown], default=0.0)
+    far = max([100.0 * np.nanmax([bounds[0], bounds[2], 0.0]) for bounds in shown], default=0.0)
     ax.set_xlim(0.0, max(1.06 * far, 1.0))
-    for n, one in enumerate(shown):
-        text = bounded(one) if first is None else f"{bounded(first[n])}; {bounded(one)}"
+    for n, bounds in enumerate(shown):
+        text = bounded(bounds) if first is None else f"{bounded(first[n])}; {bounded(bounds)}"
         ax.annotate(text, (1.0, n), (6, 0), ("axes fraction", "data"), "offset points", va="center", fontsize=9)
 
 
-def bounded(one: Bounds) -> str:
+def bounded(bounds: Bounds) -> str:
     """A share [-] in %, with its bounds where they are known; "-" for nan."""
-    value, low, high = (100.0 * x for x in one)
+    value, low, high = (100.0 * x for x in bounds)
     if not np.isfinite(value):
         return "-"
     digits = 1 if value < 9.95 or value > 90.05 else 0
@@ -78,22 +78,22 @@ def bounded(one: Bounds) -> str:
     )
 
 
-def plot_contributions(e: Ensemble, output: str, found: FirstOrder, ax: Axes | None = None) -> Figure | Axes:
+def plot_contributions(e: Ensemble, output: str, indices: FirstOrder, ax: Axes | None = None) -> Figure | Axes:
     """See `Ensemble.plot_contributions`."""
-    given = ax
-    ax = ax if ax is not None else new_axes(8.6, 1.9 + 0.34 * min(len(found.names), MOST))[0]
-    draw_shares(ax, found.names, found.indices)
-    what = "variance of its ranks" if found.ranks else "variance"
+    users_axes = ax
+    ax = ax if ax is not None else new_axes(8.6, 1.9 + 0.34 * min(len(indices.names), MOST))[0]
+    draw_shares(ax, indices.names, indices.indices)
+    what = "variance of its ranks" if indices.ranks else "variance"
     ax.set_xlabel(f"share of the {what} that each causes alone [%], 95 % bounds")
     ax.set_title(output, loc="left", fontsize=11, pad=28, parse_math=False)
-    few = "; ranks, because a few outliers carry its variance" if found.ranks else ""
-    note(ax, f"{together(found)}\n{told_samples(e)}{few}", "left")
-    return drawn(ax, given)
+    few = "; ranks, because a few outliers carry its variance" if indices.ranks else ""
+    note(ax, f"{together(indices)}\n{told_samples(e)}{few}", "left")
+    return drawn(ax, users_axes)
 
 
-def together(found: FirstOrder) -> str:
+def together(indices: FirstOrder) -> str:
     """What all shares explain, and what the rest is."""
-    said = f"together {bounded(found.explained)}"
-    if found.explained.high < ALL:
-        said += f"; the rest: interactions, and what polynomials of degree {found.degree} cannot follow"
-    return said
+    words = f"together {bounded(indices.explained)}"
+    if indices.explained.high < ALL:
+        words += f"; the rest: interactions, and what polynomials of degree {indices.degree} cannot follow"
+    return words

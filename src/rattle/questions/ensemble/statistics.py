@@ -65,8 +65,8 @@ def sd(values: np.ndarray) -> Bounded:
     # the variance of the variance is (mu4 - sigma^4)/n; its logarithm is the more normal one
     relative = math.sqrt(max(float((off**4).mean()) / variance**2 - 1.0, 0.0) / n)
     factor = math.exp(0.5 * float(stats.norm.ppf(0.5 + CONFIDENCE / 2)) * relative)
-    found = size * (finer * math.sqrt(variance))
-    return Bounded(found, found / factor, found * factor)
+    spread = size * (finer * math.sqrt(variance))
+    return Bounded(spread, spread / factor, spread * factor)
 
 
 def quantile(values: np.ndarray, share: float) -> Bounded:
@@ -111,7 +111,7 @@ class Statistics(NamedTuple):
 
 def statistics(values: np.ndarray) -> Statistics:
     """Statistics of values (m,), of which those that are not finite are left out."""
-    known = np.sort(values[np.isfinite(values)])
-    n = len(known)
-    ends = (float(known[0]), float(known[-1])) if n else (math.nan, math.nan)
-    return Statistics(n, mean(known), sd(known), *ends, {p: quantile(known, p) for p in QUANTILES})
+    finite = np.sort(values[np.isfinite(values)])
+    n = len(finite)
+    ends = (float(finite[0]), float(finite[-1])) if n else (math.nan, math.nan)
+    return Statistics(n, mean(finite), sd(finite), *ends, {p: quantile(finite, p) for p in QUANTILES})

@@ -121,8 +121,8 @@ class Memory:
 
 def add_counts(counts: dict[str, int], more: Mapping[str, int]) -> None:
     """Add numbers to those under the same names."""
-    for said, count in more.items():
-        counts[said] = counts.get(said, 0) + count
+    for reason, count in more.items():
+        counts[reason] = counts.get(reason, 0) + count
 
 
 def gaps(done: np.ndarray) -> list[tuple[int, int]]:

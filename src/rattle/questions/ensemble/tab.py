@@ -53,16 +53,16 @@ def tab(shelf: Shelf, source: Source, of: str = "", n: str = "64") -> Content:
 def _vary(m: Mechanism) -> tuple[Vary, list[str]]:
     """What differs: parameters with a tolerance, otherwise all by 1 %; and what is to be said of that."""
     every = m.model.parameters
-    if any(one.tol for one in every.values()):
+    if any(parameter.tol for parameter in every.values()):
         return None, []
     if not every:
         raise InputError("the model has no parameters that could differ; write a dimension as one in Text, with a tol")
     follow = {other for name in every for other in m.following([name]) - {name}}
-    vary = {name: SHARE * (abs(one.value) or 1.0) for name, one in every.items() if name not in follow}
-    said = (
+    vary = {name: SHARE * (abs(parameter.value) or 1.0) for name, parameter in every.items() if name not in follow}
+    note = (
         f'no parameter has a tolerance, so each is varied by {100 * SHARE:g} %; tol = "0.1 mm" in Text says otherwise'
     )
-    return vary, [said]
+    return vary, [note]
 
 
 def _fences(values: np.ndarray) -> tuple[float, float]:
@@ -114,20 +114,20 @@ def _histogram(e: Ensemble, output: str) -> Block | None:
 
 
 def _numbers(e: Ensemble, output: str) -> Block | None:
-    found, unit = e.statistics(output), e.unit(output)
-    rows = [("nominal", float(e.nominal[0])), ("mean", found.mean.value), ("standard deviation", found.sd.value),
-            ("least", found.least), ("largest", found.most)]  # fmt: skip
-    rows += [(f"{100 * share:.0f} % are below", one.value) for share, one in found.quantiles.items()]
+    answer, unit = e.statistics(output), e.unit(output)
+    rows = [("nominal", float(e.nominal[0])), ("mean", answer.mean.value), ("standard deviation", answer.sd.value),
+            ("least", answer.least), ("largest", answer.most)]  # fmt: skip
+    rows += [(f"{100 * share:.0f} % are below", quantile.value) for share, quantile in answer.quantiles.items()]
     return table(("", output), [(name, quantity(value, unit, 5)) for name, value in rows])
 
 
 def _shares(e: Ensemble, output: str) -> Block | None:
     """Which parameter causes how much of the scatter."""
     try:
-        found = e.contributions(output)
+        indices = e.contributions(output)
     except ValueError as error:
         return words(f"Which tolerance matters: {error}")
-    order = sorted(range(len(found.names)), key=lambda k: -found.indices[k].value)
-    rows = [(found.names[k], bounded(found.indices[k])) for k in order]
-    what = "variance of its ranks" if found.ranks else "variance"
-    return table(("parameter", f"share of the {what} (95 % bounds)"), rows, together(found))
+    order = sorted(range(len(indices.names)), key=lambda k: -indices.indices[k].value)
+    rows = [(indices.names[k], bounded(indices.indices[k])) for k in order]
+    what = "variance of its ranks" if indices.ranks else "variance"
+    return table(("parameter", f"share of the {what} (95 % bounds)"), rows, together(indices))

@@ -70,10 +70,10 @@ def how(store: Store, where: str) -> str:
         return ""
     side = run - generic
     parts = [f"{side} run side by side" if side else "", f"{generic} one by one" if generic else ""]
-    reasons = [said if count == run else f"{count} x {said}" for said, count in store.reasons().items()]
+    reasons = [reason if count == run else f"{count} x {reason}" for reason, count in store.reasons().items()]
     because = f": {'; '.join(reasons)}" if generic and reasons else ""
     kept = f", kept in {store.place}" if store.place else ""
-    return ", ".join(one for one in parts if one) + f" {where}".rstrip() + kept + because
+    return ", ".join(part for part in parts if part) + f" {where}".rstrip() + kept + because
 
 
 def run_here(runner: Runner, plan: Plan, store: Store, threads: int, progress: Progress | None = None) -> None:
@@ -131,23 +131,23 @@ def run_elsewhere(
                 with _in_words(first, store):
                     running[engine.executor.submit(work, job, first, values)] = first
                 left -= last - first
-            for one in wait(running, timeout=GLANCE, return_when=FIRST_COMPLETED).done:
-                with _in_words(running.pop(one), store):
-                    found = one.result()
-                store.add(found.piece)
-                crew.add(found.worker)
-                count = found.piece.last - found.piece.first
+            for future in wait(running, timeout=GLANCE, return_when=FIRST_COMPLETED).done:
+                with _in_words(running.pop(future), store):
+                    done_piece = future.result()
+                store.add(done_piece.piece)
+                crew.add(done_piece.worker)
+                count = done_piece.piece.last - done_piece.piece.first
                 done += count
                 if count == size:
-                    size = _next_size(size, found.seconds, LEAST_SHARE)
+                    size = _next_size(size, done_piece.seconds, LEAST_SHARE)
                 if progress is not None:
                     progress(done, plan.count)
     except KeyboardInterrupt:
         _abandon(running, store)
         raise
     finally:
-        for one in running:
-            one.cancel()
+        for future in running:
+            future.cancel()
     return crew.words(engine.name)
 
 
@@ -189,16 +189,16 @@ def _kept(store: Store) -> str:
 
 def _abandon(running: dict[Future[Done], int], store: Store) -> None:
     """End what is under way: keep what is finished, and end runs in threads of this process."""
-    for one in running:
-        one.cancel()
+    for future in running:
+        future.cancel()
     stop.set()
     try:
         wait(running, timeout=PATIENCE)
     finally:
         stop.clear()
-    for one in running:
-        if one.done() and not one.cancelled() and one.exception() is None:
-            store.add(one.result().piece)
+    for future in running:
+        if future.done() and not future.cancelled() and future.exception() is None:
+            store.add(future.result().piece)
 
 
 class Crew:

@@ -58,29 +58,29 @@ class Question:
     @property
     def outputs(self) -> list[Output]:
         """The objective, then the margin of every constraint."""
-        return [self.objective, *(one.margin for one in self.constraints)]
+        return [self.objective, *(constraint.margin for constraint in self.constraints)]
 
     @property
     def curves(self) -> list[str]:
         """Names of the curves that are needed."""
-        return sorted({name for one in self.outputs for name in one.names})
+        return sorted({name for output in self.outputs for name in output.names})
 
     @property
     def ideal_curves(self) -> list[str]:
         """Names of the curves of the mechanism without play that are needed."""
-        return sorted({name for one in self.outputs for name in one.ideal_names})
+        return sorted({name for output in self.outputs for name in output.ideal_names})
 
     def values(self, x: np.ndarray) -> dict[str, float]:
         """Values [SI] of the parameters at x (k,), the places between their bounds from 0 to 1."""
         inside = np.clip(x, 0.0, 1.0)
-        from_low, from_high = (np.where(one < ROUNDING, 0.0, one) for one in (inside, 1.0 - inside))
-        found = np.where(inside < 0.5, self.low + from_low * self.width, self.high - from_high * self.width)
-        return dict(zip(self.names, found.tolist(), strict=True))
+        from_low, from_high = (np.where(shares < ROUNDING, 0.0, shares) for shares in (inside, 1.0 - inside))
+        values = np.where(inside < 0.5, self.low + from_low * self.width, self.high - from_high * self.width)
+        return dict(zip(self.names, values.tolist(), strict=True))
 
     def places(self, values: Mapping[str, float]) -> np.ndarray:
         """(k,) places from 0 to 1 of values [SI]."""
-        given = np.array([values[name] for name in self.names])
-        return np.asarray(np.clip((given - self.low) / self.width, 0.0, 1.0))
+        present = np.array([values[name] for name in self.names])
+        return np.asarray(np.clip((present - self.low) / self.width, 0.0, 1.0))
 
     @property
     def width(self) -> np.ndarray:
@@ -100,34 +100,35 @@ class Question:
 
     def needed_times(self, m: Mechanism) -> np.ndarray:
         """The instants [s] among them on which the outputs depend."""
-        every = [one for output in self.outputs for one in output.reductions]
-        if not all(one.kind in READ_OFF for one in every):
+        every = [reduction for output in self.outputs for reduction in output.reductions]
+        if not all(reduction.kind in READ_OFF for reduction in every):
             return self.times(m)
-        moving = [one for one in every if one.argument is not None and names(one.argument)]  # maybe, by its parameters
+        # whose arguments may move with the parameters
+        moving = [reduction for reduction in every if reduction.argument is not None and names(reduction.argument)]
         if not moving:
             return self._read_off(m)
         times = self.times(m)
-        places = np.searchsorted(times, [argument(one, m.parameters) for one in moving])
+        places = np.searchsorted(times, [argument(reduction, m.parameters) for reduction in moving])
         beside = (places[:, None] + np.arange(-BESIDE, BESIDE + 1)).clip(0, len(times) - 1)
         return np.asarray(np.union1d(self._read_off(m), times[beside]))
 
     def _read_off(self, m: Mechanism) -> np.ndarray:
         """The instants [s] that are read off: start, end, and all `at`, of which one may stand for the end."""
-        instants = {t for one in self.outputs for t in needed_instants(one, m.parameters)}
+        instants = {t for output in self.outputs for t in needed_instants(output, m.parameters)}
         outside = [t for t in instants if not 0.0 <= t <= self.t_end * (1.0 + SAME)]
         if outside:
-            said = f"the instant {outside[0]:g} s is not between 0 and t_end = {self.t_end:g} s"
-            raise ModelError([Problem((), said)])
-        found = np.array(sorted(instants))
+            words = f"the instant {outside[0]:g} s is not between 0 and t_end = {self.t_end:g} s"
+            raise ModelError([Problem((), words)])
+        times = np.array(sorted(instants))
         ends = np.array([0.0, self.t_end])
-        return np.asarray(np.union1d(ends[np.abs(ends - _nearest(ends, found)) > SAME * self.t_end], found))
+        return np.asarray(np.union1d(ends[np.abs(ends - _nearest(ends, times)) > SAME * self.t_end], times))
 
     @cached_property
     def _others(self) -> frozenset[str]:
         """Parameters beside those that vary on which an output depends: they may follow these."""
-        every = [one for output in self.outputs for one in output.reductions]
-        nodes = [*(one.outer for one in self.outputs), *(one.inner for one in every)]
-        nodes += [one.argument for one in every if one.argument is not None]
+        every = [reduction for output in self.outputs for reduction in output.reductions]
+        nodes = [*(output.outer for output in self.outputs), *(reduction.inner for reduction in every)]
+        nodes += [reduction.argument for reduction in every if reduction.argument is not None]
         used = {name for node in nodes for name in names(node)}
         return frozenset(used & set(self.mechanism.model.parameters) - set(self.names))
 
@@ -161,18 +162,18 @@ def question(
     """
     if analysis not in ANALYSES:
         raise InputError(f"unknown analysis '{analysis}'{suggest(str(analysis), ANALYSES)}")
-    for what, text in (("minimise", minimise), *(("subject_to", one) for one in _listed(subject_to))):
+    for what, text in (("minimise", minimise), *(("subject_to", text) for text in _listed(subject_to))):
         if not isinstance(text, str):
             raise WrongType(f"{what}: expected a text such as 'max(O3.force)', got {text!r:.60}")
     varied, low, high = _bounds(m, vary)
     if t_end is None and (differ := sorted(m.names_in_setting("t_end") & m.following(vary))):
         raise InputError(f"t_end follows from {', '.join(differ)} and would differ from design to design; give t_end")
     end = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
-    units = {name: one.unit for name, one in m.model.parameters.items()}
+    units = {name: parameter.unit for name, parameter in m.model.parameters.items()}
     asked = Question(m, varied, low, high, end, analysis, _NOTHING)
-    known = Known.of(asked.run(m), units)
-    constraints = tuple(_read(read_constraint, one, known, analysis) for one in _listed(subject_to))
-    asked = replace(asked, objective=_read(read, minimise, known, analysis), constraints=constraints)
+    scope = Known.of(asked.run(m), units)
+    constraints = tuple(_read(read_constraint, text, scope, analysis) for text in _listed(subject_to))
+    asked = replace(asked, objective=_read(read, minimise, scope, analysis), constraints=constraints)
     return asked, asked.run(m)
 
 
@@ -193,10 +194,10 @@ def _listed(subject_to: Sequence[str]) -> Sequence[str]:
     return (subject_to,) if isinstance(subject_to, str) else tuple(subject_to or ())
 
 
-def _read(reader: Any, text: str, known: Known, analysis: str) -> Any:
+def _read(reader: Any, text: str, scope: Known, analysis: str) -> Any:
     """An output or constraint, with a remark where kinematics has no forces."""
     try:
-        return reader(text, known)
+        return reader(text, scope)
     except ModelError as error:
         if analysis == "kinematics" and "no curve" in str(error):
             error.args = (f"{error}\n(kinematics has positions and rates only; 'inverse-dynamics' has forces too)",)
@@ -212,43 +213,43 @@ def _bounds(m: Mechanism, vary: Mapping[str, Sequence[Bound]]) -> tuple[tuple[st
         raise WrongType(f"vary: expected names of parameters, got {bad[0]!r:.60}")
     require_parameters(m.system, list(vary))
     pairs = []
-    for name, given in vary.items():
-        if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
-            raise InputError(f"vary: '{name}' needs a lower and an upper bound such as (0.5, 0.8), got {given!r:.60}")
-        low, high = (_bound(m, name, one) for one in given)
+    for name, bounds in vary.items():
+        if isinstance(bounds, str) or not isinstance(bounds, Sequence | np.ndarray) or len(bounds) != 2:
+            raise InputError(f"vary: '{name}' needs a lower and an upper bound such as (0.5, 0.8), got {bounds!r:.60}")
+        low, high = (_bound(m, name, bound) for bound in bounds)
         _require_order(m, name, low, high)
         pairs.append((low, high))
     return tuple(vary), *np.array(pairs).T
 
 
-def _bound(m: Mechanism, name: str, given: Bound) -> float:
+def _bound(m: Mechanism, name: str, bound: Bound) -> float:
     """A bound [SI] from a number or a quantity of the parameter's dimension."""
-    if not isinstance(given, str):
-        return arguments.number(f"vary: a bound of '{name}'", given)
+    if not isinstance(bound, str):
+        return arguments.number(f"vary: a bound of '{name}'", bound)
     try:
-        found = parse_quantity(given)
+        quantity = parse_quantity(bound)
     except QuantityError as error:
         raise InputError(f"vary: '{name}': {error}") from None
-    if found is None:
-        raise InputError(f"vary: '{name}': {given!r:.60} is not a value; expected a number in SI or such as '0.2 mm'")
+    if quantity is None:
+        raise InputError(f"vary: '{name}': {bound!r:.60} is not a value; expected a number in SI or such as '0.2 mm'")
     wanted = dimension_of(m.model.parameters[name].unit)
-    if found[1] is not None and found[1] != wanted:
-        raise InputError(f"vary: '{given}' is {describe(found[1])}; '{name}' is {describe(wanted)}")
-    return found[0]
+    if quantity[1] is not None and quantity[1] != wanted:
+        raise InputError(f"vary: '{bound}' is {describe(quantity[1])}; '{name}' is {describe(wanted)}")
+    return quantity[0]
 
 
 def _require_order(m: Mechanism, name: str, low: float, high: float) -> None:
     """Raise InputError unless low < high, the present value is between, and the model allows both bounds."""
-    one = m.model.parameters[name]
-    unit = f" {one.unit}".rstrip()
+    parameter = m.model.parameters[name]
+    unit = f" {parameter.unit}".rstrip()
     if not low < high:
         hint = "; the lower bound comes first" if low > high else "; bounds that are equal leave nothing to choose"
         raise InputError(f"vary: the bounds of '{name}' are {low:g} and {high:g}{unit}{hint}")
-    if not low <= one.value <= high:
+    if not low <= parameter.value <= high:
         raise InputError(
-            f"vary: the present value {one.value:g}{unit} of '{name}' is outside its bounds {low:g} to {high:g}{unit};"
-            f" widen them or start from another design with set({name}=...)"
+            f"vary: the present value {parameter.value:g}{unit} of '{name}' is outside its bounds {low:g} to"
+            f" {high:g}{unit}; widen them or start from another design with set({name}=...)"
         )
-    if not all(within_limits(bound, one.minimum, one.maximum) for bound in (low, high)):
-        limits = " to ".join("-" if limit is None else f"{limit:g}" for limit in (one.minimum, one.maximum))
+    if not all(within_limits(bound, parameter.minimum, parameter.maximum) for bound in (low, high)):
+        limits = " to ".join("-" if limit is None else f"{limit:g}" for limit in (parameter.minimum, parameter.maximum))
         raise InputError(f"vary: the model allows '{name}' from {limits}{unit}; the bounds go beyond")

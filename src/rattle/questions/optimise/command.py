@@ -72,17 +72,17 @@ def optimise(
     vary = dict(map(_bounds, varied))
     if len(vary) < len(varied):
         raise click.UsageError("--vary: every parameter once")
-    found = m.optimise(
+    optimum = m.optimise(
         objective, vary, constraints, t_end=t_end, analysis=analysis, starts=starts, seed=seed,
         progress=shows_progress(ctx),
     )  # fmt: skip
-    click.echo(found.report)
+    click.echo(optimum.report)
     if output is not None:
-        found.mechanism.save(output)
+        optimum.mechanism.save(output)
         say_written(output)
-    if found.interrupted:
+    if optimum.interrupted:
         ctx.exit(STOPPED)
-    if not found.success:
+    if not optimum.success:
         ctx.exit(1)
 
 

@@ -49,9 +49,9 @@ def optimise(
     log.setLevel(max(level, logging.ERROR))  # designs that cannot be evaluated are counted, not told one by one
     try:
         for number, begin in enumerate(_begins(designs, starts, seed)):
-            found = search(designs, begin) if begin is not None else None
-            searches.append(_search(asked, number, found))
-            best = _better(best, found)
+            result = search(designs, begin) if begin is not None else None
+            searches.append(_search(asked, number, result))
+            best = _better(best, result)
             if bar is not None and best is not None:
                 bar.search(best, asked)
     except KeyboardInterrupt:
@@ -72,24 +72,24 @@ def optimise(
 
 def _confirmed(designs: Designs, best: Found, searches: list[Search], interrupted: bool) -> Optimum:
     """The optimum; where more instants give other numbers, the best design is searched for anew with them."""
-    found = _optimum(designs, best, searches, interrupted)
-    whole = any(part.kind not in READ_OFF for one in designs.question.outputs for part in one.reductions)
+    optimum = _optimum(designs, best, searches, interrupted)
+    whole = any(part.kind not in READ_OFF for output in designs.question.outputs for part in output.reductions)
     for _ in range(REFINEMENTS if whole else 0):
-        if found.confirmed or found.check.message or not found.feasible or interrupted:
+        if optimum.confirmed or optimum.check.message or not optimum.feasible or interrupted:
             break
         finer = Designs(replace(designs.question, finer=FINER * designs.question.finer), designs)
         begin = finer.at(best.best.x)
         if not begin.sound:
             break
-        number = searches.index(found.best_search)
+        number = searches.index(optimum.best_search)
         designs, best = finer, search(finer, begin)
         ended = _search(finer.question, searches[number].number, best)
         old = searches[number]
         searches[number] = replace(
             ended, begun=old.begun, begun_value=old.begun_value, designs=old.designs + ended.designs
         )
-        found = _optimum(designs, best, searches, interrupted)
-    return found
+        optimum = _optimum(designs, best, searches, interrupted)
+    return optimum
 
 
 def _begins(designs: Designs, starts: int, seed: int) -> Any:
@@ -108,36 +108,36 @@ def _begins(designs: Designs, starts: int, seed: int) -> Any:
     drawn = iter(sobol.random_base2(math.ceil(math.log2(TRIES * starts))))
     for _ in range(starts - 1):
         tried = (designs.at(next(drawn)) for _ in range(TRIES))
-        yield next((one for one in tried if one.sound), None)
+        yield next((design for design in tried if design.sound), None)
 
 
-def _better(best: Found | None, found: Found | None) -> Found | None:
+def _better(best: Found | None, other: Found | None) -> Found | None:
     """The one whose design meets the constraints, or misses them less, and has the lesser objective."""
-    if best is None or found is None:
-        return found if best is None else best
-    ours, theirs = (max(one.missed(one.best) - MET, 0.0) for one in (found, best))
+    if best is None or other is None:
+        return other if best is None else best
+    ours, theirs = (max(result.missed(result.best) - MET, 0.0) for result in (other, best))
     if ours != theirs:
-        return found if ours < theirs else best
-    return found if found.best.numbers[0] < best.best.numbers[0] else best
+        return other if ours < theirs else best
+    return other if other.best.numbers[0] < best.best.numbers[0] else best
 
 
-def _search(asked: Question, number: int, found: Found | None) -> Search:
-    if found is None:
+def _search(asked: Question, number: int, result: Found | None) -> Search:
+    if result is None:
         return Search(number, {}, {}, float("nan"), float("nan"), False, 0, "no design was found that can be evaluated")
-    begun, best = found.begun, found.best
+    begun, best = result.begun, result.best
     return Search(
         number, asked.values(begun.x), asked.values(best.x), float(begun.numbers[0]), float(best.numbers[0]),
-        found.missed(best) <= MET, found.designs, found.message,
+        result.missed(best) <= MET, result.designs, result.message,
     )  # fmt: skip
 
 
 # ---------------------------------------------------------------- the optimum
 def _optimum(designs: Designs, best: Found, searches: list[Search], interrupted: bool) -> Optimum:
     asked = designs.question
-    made = _written(asked, best.best)
-    confirmed = replace(_checked(asked, made, best.scale), doubt=designs.doubt(best.best))
+    m = _written(asked, best.best)
+    confirmed = replace(_checked(asked, m, best.scale), doubt=designs.doubt(best.best))
     return Optimum(
-        question=asked, mechanism=made, numbers=best.best.numbers, held=held(designs, best), searches=tuple(searches),
+        question=asked, mechanism=m, numbers=best.best.numbers, held=held(designs, best), searches=tuple(searches),
         feasible=best.meets, check=confirmed, runs=designs.runs, derived=designs.derived,
         failures=dict(designs.failures), differenced=dict(designs.differenced),
         squares=designs.by_squares(best.best), interrupted=interrupted,
@@ -156,12 +156,12 @@ def _written(asked: Question, design: Design) -> Mechanism:
 def _checked(asked: Question, m: Mechanism, sizes: np.ndarray) -> Check:
     """The numbers of a design by a run of its own, with tighter tolerances and more instants; sizes of its margins."""
     try:
-        results = [asked.run(one, TIGHTER * RTOL, FINER) for one in ((m, m.ideal()) if asked.ideal_curves else (m,))]
-        ideal = results[1] if len(results) > 1 else None
-        numbers = [evaluate(one, results[0], m.parameters, ideal) for one in asked.outputs]
+        result = asked.run(m, TIGHTER * RTOL, FINER)
+        ideal = asked.run(m.ideal(), TIGHTER * RTOL, FINER) if asked.ideal_curves else None
+        numbers = [evaluate(output, result, m.parameters, ideal) for output in asked.outputs]
     except (ModelError, AssemblyError, SolverError) as error:
         return Check(np.full(len(asked.outputs), np.nan), str(error), sizes)
-    return Check(np.array(numbers), results[0].message, sizes)
+    return Check(np.array(numbers), result.message, sizes)
 
 
 class _Bar:

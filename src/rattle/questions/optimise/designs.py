@@ -123,7 +123,7 @@ class Designs:
             ideal = m.ideal() if question.ideal_curves else None
             design.run = Run(m, result, ideal, None if ideal is None else _whole(question.run(ideal)))
             design.numbers = design.run.apply(self._numbers)
-            bad = [one for one, x in zip(question.outputs, design.numbers, strict=True) if not np.isfinite(x)]
+            bad = [output for output, x in zip(question.outputs, design.numbers, strict=True) if not np.isfinite(x)]
             why = design.message = _no_value(bad[0], result) if bad else ""
         except ModelError as error:
             why, design.message = str(error.problems[0]), str(error)
@@ -134,7 +134,7 @@ class Designs:
         return design
 
     def _numbers(self, result: Result, parameters: Mapping[str, float], ideal: Result | None) -> np.ndarray:
-        return np.array([evaluate(one, result, parameters, ideal) for one in self.question.outputs])
+        return np.array([evaluate(output, result, parameters, ideal) for output in self.question.outputs])
 
     # ---------------------------------------------------------------- derivatives
     def slopes(self, design: Design) -> np.ndarray:
@@ -147,12 +147,12 @@ class Designs:
         """Parts r (n,) of the sum of squares, and derivatives (n, k) by x.  Raises LostError."""
         if design.parts is None:
             raw = design.ran.apply(self._raw)
-            slopes = self._slopes(design, lambda *given: np.concatenate(self._raw(*given)))
-            split = np.split(slopes, np.cumsum([len(one) for one in raw])[:-1])
+            slopes = self._slopes(design, lambda *arguments: np.concatenate(self._raw(*arguments)))
+            split = np.split(slopes, np.cumsum([len(part) for part in raw])[:-1])
             pairs = list(zip(self.squares, raw, split, strict=True))
             design.parts = (
-                np.concatenate([one.residual(x) for one, x, _ in pairs]),
-                np.concatenate([one.slope(x, dx) for one, x, dx in pairs]),
+                np.concatenate([square.residual(x) for square, x, _ in pairs]),
+                np.concatenate([square.slope(x, dx) for square, x, dx in pairs]),
             )
         return design.parts
 
@@ -170,7 +170,7 @@ class Designs:
 
         Parts of a whole curve have their places between outputs; impacts come at other instants in every design.
         """
-        curves = any(one.form == "curve" for one in self.squares)
+        curves = any(square.form == "curve" for square in self.squares)
         jumps = design.ran.result.breaks is not None
         return bool(self.squares) and not self.question.constraints and not (curves and jumps)
 
@@ -189,22 +189,22 @@ class Designs:
     def residuals(self, design: Design) -> np.ndarray:
         """Parts r (n,) of the sum of squares."""
         raw = design.ran.apply(self._raw)
-        return np.concatenate([one.residual(x) for one, x in zip(self.squares, raw, strict=True)])
+        return np.concatenate([square.residual(x) for square, x in zip(self.squares, raw, strict=True)])
 
     def _raw(self, result: Result, parameters: Mapping[str, float], ideal: Result | None) -> list[np.ndarray]:
-        return [one.raw(result, parameters, ideal) for one in self.squares]
+        return [square.raw(result, parameters, ideal) for square in self.squares]
 
     def _slopes(self, design: Design, numbers: Numbers) -> np.ndarray:
         self.derived += 1
         try:
-            found = self._exact_slopes(design, numbers)
+            slopes = self._exact_slopes(design, numbers)
         except (TraceError, AssemblyError) as error:
             why = alike(str(error).removeprefix("no sensitivities: "))
             self.differenced[why] = self.differenced.get(why, 0) + 1
-            found = self._difference_slopes(design, numbers)
-        if not np.isfinite(found).all():
+            slopes = self._difference_slopes(design, numbers)
+        if not np.isfinite(slopes).all():
             raise LostError("an output has no finite derivative")
-        return found
+        return slopes
 
     def _exact_slopes(self, design: Design, numbers: Numbers) -> np.ndarray:
         """(n, k) from the derivatives of the curves.  Raises TraceError."""
@@ -212,21 +212,21 @@ class Designs:
         asked = ((run.mechanism, question.curves), (run.ideal, question.ideal_curves))
         exact = self._sensitivities(asked)
         t, curves = question.needed_times(run.mechanism), []
-        for (m, names), one in zip(asked, exact, strict=True):
-            curves.append(None if one is None or m is None else (names, *one.at(m.system, m.start, t)))
+        for (m, names), derivatives in zip(asked, exact, strict=True):
+            curves.append(None if derivatives is None or m is None else (names, *derivatives.at(m.system, m.start, t)))
         width, rows = question.width, []
         for k, name in enumerate(question.names):
-            found: dict[int, np.ndarray] = {}
+            beside: dict[int, np.ndarray] = {}
             step = min(STEP, max(LEAST_STEP, OF_VALUE * abs(run.mechanism.parameters[name]) / width[k]))
             for n in (1, -1, 0, 2, -2):
-                if n == 0 and len(found) == 2:
+                if n == 0 and len(beside) == 2:
                     break
                 h = n * step * width[k]
-                moved = [None if one is None else _result(t, one[0], one[1] + h * one[2][:, :, k]) for one in curves]
+                moved = [c if c is None else _result(t, c[0], c[1] + h * c[2][:, :, k]) for c in curves]
                 main = moved[0] if moved[0] is not None else _result(t, [], np.zeros((len(t), 0)))
                 with suppress(ValueError):  # an instant that moved out of the run
-                    found[n] = numbers(main, question.moved(run.mechanism, name, h), moved[1])
-            rows.append(_difference(found, step))
+                    beside[n] = numbers(main, question.moved(run.mechanism, name, h), moved[1])
+            rows.append(_difference(beside, step))
         return np.ascontiguousarray(np.array(rows).T)
 
     def _sensitivities(self, asked: Sequence[tuple[Mechanism | None, list[str]]]) -> list[RepeatedSensitivities | None]:
@@ -254,22 +254,22 @@ class Designs:
         here = design.ran.apply(numbers)
         columns = []
         for k in range(len(design.x)):
-            found: dict[int, np.ndarray] = {0: here}
+            beside: dict[int, np.ndarray] = {0: here}
             inside = [n for n in (1, -1, 2, -2) if 0.0 <= design.x[k] + n * h <= 1.0]
             for n in inside if len(inside) < 4 else (1, -1):
-                found |= self._beside(design, k, n, h, numbers)
-            columns.append(_difference(found, h))
+                beside |= self._beside(design, k, n, h, numbers)
+            columns.append(_difference(beside, h))
         return np.ascontiguousarray(np.array(columns).T)
 
     def _beside(self, design: Design, k: int, n: int, h: float, numbers: Numbers) -> dict[int, np.ndarray]:
         """Numbers of the design n steps h away along x_k, by n; none if it has none."""
         x = design.x.copy()
         x[k] += n * h
-        one = self._evaluated(x)
-        if not one.sound:
+        beside = self._evaluated(x)
+        if not beside.sound:
             return {}
-        found = one.ran.apply(numbers)
-        return {n: found} if np.isfinite(found).all() else {}
+        values = beside.ran.apply(numbers)
+        return {n: values} if np.isfinite(values).all() else {}
 
 
 def _no_value(output: Output, result: Result) -> str:
@@ -285,15 +285,15 @@ def _whole(result: Result) -> Result:
     return result
 
 
-def _difference(found: Mapping[int, np.ndarray], h: float) -> np.ndarray:
+def _difference(values: Mapping[int, np.ndarray], h: float) -> np.ndarray:
     """Derivative from values at multiples of h, which hold that at 0.  Raises LostError."""
-    if 1 in found and -1 in found:
-        return np.asarray((found[1] - found[-1]) / (2.0 * h))
+    if 1 in values and -1 in values:
+        return np.asarray((values[1] - values[-1]) / (2.0 * h))
     for side in (1, -1):
-        if side in found:
-            if 2 * side in found:
-                return np.asarray(side * (4.0 * found[side] - found[2 * side] - 3.0 * found[0]) / (2.0 * h))
-            return np.asarray(side * (found[side] - found[0]) / h)
+        if side in values:
+            if 2 * side in values:
+                return np.asarray(side * (4.0 * values[side] - values[2 * side] - 3.0 * values[0]) / (2.0 * h))
+            return np.asarray(side * (values[side] - values[0]) / h)
     raise LostError("the designs beside it cannot be evaluated")
 
 

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 
 ALIKE = 1e-4  # share of the range within which designs are the same
 AGREES = 1e-6  # share by which the check may differ
-MISSED = (
-    1e-4  # share of the size of a constraint by which the check may miss it: curves between outputs are interpolated
-)
+MISSED = 1e-4  # share of a constraint's size by which the check may miss it: curves between outputs are interpolated
 WIDEST = 60  # characters of the objective beside its values
 
 
@@ -111,16 +109,16 @@ class Optimum:
     def missed(self) -> tuple[str, ...]:
         """Constraints that the check does not meet."""
         margins = [
-            -abs(margin) if one.comparison == EQUAL else margin
-            for one, margin in zip(self.question.constraints, self.check.numbers[1:], strict=True)
+            -abs(margin) if constraint.comparison == EQUAL else margin
+            for constraint, margin in zip(self.question.constraints, self.check.numbers[1:], strict=True)
         ]
         bad = margins < -MISSED * self.check.sizes
-        return tuple(one.text for one, lacks in zip(self.question.constraints, bad, strict=True) if lacks)
+        return tuple(constraint.text for constraint, lacks in zip(self.question.constraints, bad, strict=True) if lacks)
 
     @property
     def best_search(self) -> Search:
         """The search that ended at the best design."""
-        return min(self.searches, key=lambda one: (not one.feasible, _or_inf(one.value)))
+        return min(self.searches, key=lambda search: (not search.feasible, _or_inf(search.value)))
 
     @property
     def report(self) -> str:
@@ -135,86 +133,89 @@ class Optimum:
             bounds = f"(from {self._shown(name, asked.low[k])} to {self._shown(name, asked.high[k])})"
             rows.append((f"  {name}", f"{change}  {bounds}"))
         wide = max(len(left) for left, _ in rows)
-        said = [f"{left:{wide}s}  {right}" for left, right in rows]
-        return "\n".join([*said, *self._holding(), *self._finding()])
+        lines = [f"{left:{wide}s}  {right}" for left, right in rows]
+        return "\n".join([*lines, *self._holding(), *self._finding()])
+
+    def _of_constraint(self, j: int) -> str:
+        """Line on a constraint: whether it holds, and what it costs."""
+        asked, constraint = self.question, self.question.constraints[j]
+        margin, unit = float(self.numbers[1 + j]), constraint.margin.unit
+        multiplier = None if self.held is None else self.held.constraints.get(j)
+        line = f"subject to {constraint.text}: "
+        if constraint.comparison == EQUAL:
+            if multiplier is None:
+                return line + ("met" if self.feasible else f"missed by {quantity(abs(margin), unit)}")
+            rate = quantity(-multiplier, asked.objective.unit, 4)
+            return (
+                line
+                + f"met; a right side greater by 1 {unit or 'unit'} changes the objective by {rate}, to first order"
+            )
+        if multiplier is not None:
+            rate = f"{multiplier:.4g} {asked.objective.unit}".rstrip()
+            return line + f"active; loosened, it lets the objective fall by {rate} per {unit or 'unit'}"
+        return line + (
+            f"holds, {quantity(margin, unit)} to spare" if margin >= 0.0 else f"missed by {quantity(-margin, unit)}"
+        )
 
     def _holding(self) -> list[str]:
         """Lines on the constraints and bounds."""
-        asked, held, said = self.question, self.held, []
-        for j, one in enumerate(asked.constraints):
-            margin, unit = float(self.numbers[1 + j]), one.margin.unit
-            line = f"subject to {one.text}: "
-            if one.comparison == EQUAL and held is not None and j in held.constraints:
-                rate = quantity(-held.constraints[j], asked.objective.unit, 4)
-                line += (
-                    f"met; a right side greater by 1 {unit or 'unit'} changes the objective by {rate}, to first order"
-                )
-            elif one.comparison == EQUAL:
-                line += f"missed by {quantity(abs(margin), unit)}" if not self.feasible else "met"
-            elif held is not None and j in held.constraints:
-                rate = f"{held.constraints[j]:.4g} {asked.objective.unit}".rstrip()
-                line += f"active; loosened, it lets the objective fall by {rate} per {unit or 'unit'}"
-            else:
-                line += (
-                    f"holds, {quantity(margin, unit)} to spare"
-                    if margin >= 0.0
-                    else f"missed by {quantity(-margin, unit)}"
-                )
-            said.append(line)
+        asked, held = self.question, self.held
+        lines = [self._of_constraint(j) for j in range(len(asked.constraints))]
         bounds = self.active[len(held.constraints) :] if held is not None else ()
         if bounds:
-            said.append(f"at its bound: {', '.join(bounds)}")
+            lines.append(f"at its bound: {', '.join(bounds)}")
         if held is not None and held.idle:
             idle = ", ".join(asked.names[k] for k in held.idle)
-            said.append(f"without effect on what is asked, near this design at least: {idle}")
+            lines.append(f"without effect on what is asked, near this design at least: {idle}")
         if held is None:
-            said.append("no derivatives at the optimum: what holds it there is not known")
+            lines.append("no derivatives at the optimum: what holds it there is not known")
         elif self.feasible and (not self.squares or self.value > 0.0):
-            said.append(f"what is left of the gradient: {self._number(held.left)} per 1 % of the ranges")
+            lines.append(f"what is left of the gradient: {self._number(held.left)} per 1 % of the ranges")
         if not self.feasible:
-            said.append("NO DESIGN MEETS ALL CONSTRAINTS: this one misses them least")
-        return said
+            lines.append("NO DESIGN MEETS ALL CONSTRAINTS: this one misses them least")
+        return lines
 
     def _finding(self) -> list[str]:
         """Lines on how it was found."""
         method = "least squares (Gauss-Newton, trust region)" if self.squares else "sequential quadratic programming"
-        said = [f"{method}; {self.runs} runs, derivatives at {self.derived} designs"]
+        lines = [f"{method}; {self.runs} runs, derivatives at {self.derived} designs"]
         whole = sum(self.differenced.values())
         if whole:
             reasons = "; ".join(self.differenced)
-            said.append(f"at {whole} of these derivatives are differences of whole runs, because: {reasons}")
+            lines.append(f"at {whole} of these derivatives are differences of whole runs, because: {reasons}")
         lost = sum(self.failures.values())
         if lost:
-            reasons = "; ".join(f"{n} x {why}" for why, n in sorted(self.failures.items(), key=lambda one: -one[1])[:3])
-            said.append(f"{lost} design{'s'[: lost > 1]} on the way could not be evaluated: {reasons}")
-        said += [*self._ends(), self._confirmation()]
+            worst = sorted(self.failures.items(), key=lambda failure: -failure[1])[:3]
+            reasons = "; ".join(f"{n} x {why}" for why, n in worst)
+            lines.append(f"{lost} design{'s'[: lost > 1]} on the way could not be evaluated: {reasons}")
+        lines += [*self._ends(), self._confirmation()]
         if self.interrupted:
-            said.append("stopped by the user; this is the best design until then")
-        return said
+            lines.append("stopped by the user; this is the best design until then")
+        return lines
 
     def _ends(self) -> list[str]:
         """Where the searches ended."""
         best = self.best_search
-        same = [one for one in self.searches if one.ended and self._distance(one, best) <= ALIKE]
-        others = [one for one in self.searches if one.ended and one not in same]
-        said = [f"{len(same)} of {len(self.searches)} searches ended at this design"]
+        same = [search for search in self.searches if search.ended and self._distance(search, best) <= ALIKE]
+        others = [search for search in self.searches if search.ended and search not in same]
+        lines = [f"{len(same)} of {len(self.searches)} searches ended at this design"]
         if others:
             values = ", ".join(
-                f"{self._number(one.value, 4)}{'' if one.feasible else ' (misses a constraint)'}"
-                for one in sorted(others, key=lambda one: one.value)[:5]
+                f"{self._number(search.value, 4)}{'' if search.feasible else ' (misses a constraint)'}"
+                for search in sorted(others, key=lambda search: search.value)[:5]
             )
-            said[0] += f", the others at {values}{' ...' if len(others) > 5 else ''}"
-        empty = sum(not one.ended for one in self.searches)
+            lines[0] += f", the others at {values}{' ...' if len(others) > 5 else ''}"
+        empty = sum(not search.ended for search in self.searches)
         if empty:
-            said[0] += f"; for {empty} no design between the bounds was found that can be evaluated"
+            lines[0] += f"; for {empty} no design between the bounds was found that can be evaluated"
         if best.message:
-            said.append(f"its search did not converge: {best.message}")
-        return said
+            lines.append(f"its search did not converge: {best.message}")
+        return lines
 
-    def _distance(self, one: Search, other: Search) -> float:
+    def _distance(self, search: Search, other: Search) -> float:
         """Largest difference of the designs at the end, as a share of the ranges."""
         asked = self.question
-        apart = [abs(one.ended[name] - other.ended[name]) for name in asked.names]
+        apart = [abs(search.ended[name] - other.ended[name]) for name in asked.names]
         return float(np.max(apart / asked.width))
 
     def _confirmation(self) -> str:
@@ -232,9 +233,9 @@ class Optimum:
 
     def _shown(self, name: str, value: float) -> str:
         """A value of a parameter in the unit that the model file uses for it."""
-        one = self.question.mechanism.model.parameters[name]
+        parameter = self.question.mechanism.model.parameters[name]
         scale, unit = self.question.mechanism.written_unit(name)
-        return quantity(value, one.unit, 6, Shown(1.0 / scale, unit) if unit else None)
+        return quantity(value, parameter.unit, 6, Shown(1.0 / scale, unit) if unit else None)
 
     def __repr__(self) -> str:
         return f"<rattle.Optimum: {self.question.objective.text[:60]} = {self._number(self.value)}>"

@@ -26,6 +26,7 @@ from rattle.results.reductions import EQUAL
 
 MOST = 200  # iterations of one search
 FINE = 1e-13  # relative change that ends a search
+FLAT = 1e-15  # gradient that ends a least-squares search: below all rounding, so that FINE alone does
 ROUNDS = 4  # SLSQP begins again where it ended, at most so often
 GAIN = 1e-9  # relative gain of a round below which no other follows
 WALL = 1e3  # value of a design that has none, in objectives at the start of the search
@@ -36,7 +37,7 @@ OPTIMAL = 1e-5  # rest of the gradient per 1 % of the ranges, as a share of the 
 # optimum (test_known_optima_with_several_constraints falls without it: searches that ended early would pass)
 PENALTY = 2.0  # times what a miss of a constraint is worth: more than the multipliers themselves, an exact penalty
 RESTORED = 1e-10  # gain of a round that only looks for designs that meet the constraints, at which it ends
-EASED = 1e-300
+EASED = 1e-300  # in place of an objective of 0, which cannot be divided by
 
 
 @dataclass(eq=False)
@@ -69,7 +70,7 @@ class Found:
         """Look at a design."""
         self.designs += 1
         if design.sound:
-            missed, least = (max(self.missed(one) - MET, 0.0) for one in (design, self.best))
+            missed, least = (max(self.missed(candidate) - MET, 0.0) for candidate in (design, self.best))
             if missed < least or (missed == least == 0.0 and design.numbers[0] < self.best.numbers[0]):
                 self.best = design
         self.path.append(float(self.best.numbers[0]))
@@ -77,37 +78,37 @@ class Found:
 
 def search(designs: Designs, begin: Design) -> Found:
     """The search from one sound design."""
-    equal = np.array([one.comparison == EQUAL for one in designs.question.constraints], dtype=bool)
-    found = Found(begin, begin, sizes(designs, begin), equal)
+    equal = np.array([constraint.comparison == EQUAL for constraint in designs.question.constraints], dtype=bool)
+    result = Found(begin, begin, sizes(designs, begin), equal)
     try:
         if designs.by_squares(begin):
-            _least_squares(designs, found)
+            _least_squares(designs, result)
         else:
-            _quadratic_programming(designs, found)
+            _quadratic_programming(designs, result)
     except LostError as error:
-        found.message = f"the search ended early: {error}"
-    found.scale = sizes(designs, found.best)  # at the start margins may be larger by decades
-    rest = _rest(designs, found)
-    if not found.meets:
-        found.message = found.message or "no design was found that meets all constraints"
+        result.message = f"the search ended early: {error}"
+    result.scale = sizes(designs, result.best)  # at the start margins may be larger by decades
+    rest = _rest(designs, result)
+    if not result.meets:
+        result.message = result.message or "no design was found that meets all constraints"
     elif rest <= OPTIMAL:
-        found.message = ""
-    elif not found.message:
-        found.message = "no step gains anything, yet the gradient is not zero: the objective jumps or has a kink there"
-    return found
+        result.message = ""
+    elif not result.message:
+        result.message = "no step gains anything, yet the gradient is not zero: the objective jumps or has a kink there"
+    return result
 
 
-def _rest(designs: Designs, found: Found) -> float:
+def _rest(designs: Designs, result: Found) -> float:
     """What is left of the gradient at the best design per 1 % of the ranges, as a share of what it is measured with:
     the objective, what was gained, or the gradient itself before the constraints held it.
 
     Errors of the parts r of a sum of squares are errors 2 |J| |dr| of its gradient: so much is as good as nothing.
     """
-    there = held(designs, found)
+    there = held(designs, result)
     if there is None:
         return np.inf
-    value, before = float(found.best.numbers[0]), float(found.begun.numbers[0])
-    left, least = there.left, designs.gradient_doubt(found.best)
+    value, before = float(result.best.numbers[0]), float(result.begun.numbers[0])
+    left, least = there.left, designs.gradient_doubt(result.best)
     if least > 0.0 and designs.is_root:  # the square of a root is least where it is, and smooth
         left *= 2.0 * abs(value)
     if left <= 0.01 * least:
@@ -126,12 +127,12 @@ def sizes(designs: Designs, design: Design) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- sums of squares
-def _least_squares(designs: Designs, found: Found) -> None:
+def _least_squares(designs: Designs, result: Found) -> None:
     """Gauss-Newton; variables that end beside a bound are then tried on it."""
-    free = np.ones(len(found.begun.x), dtype=bool)
-    _on_free(designs, found, free)
+    free = np.ones(len(result.begun.x), dtype=bool)
+    _on_free(designs, result, free)
     for _ in range(ROUNDS):
-        x = found.best.x.copy()
+        x = result.best.x.copy()
         _, slopes = designs.parts(designs.at(x))
         r = designs.residuals(designs.at(x))
         gradient = slopes.T @ r
@@ -141,19 +142,19 @@ def _least_squares(designs: Designs, found: Found) -> None:
             return
         x[beside] = np.round(x[beside])
         begun = designs.at(x)
-        before = found.best
-        found.enter(begun)
+        before = result.best
+        result.enter(begun)
         if begun.sound and not outward.all():
-            _on_free(designs, found, ~outward, begun)
-        if found.best is before:
+            _on_free(designs, result, ~outward, begun)
+        if result.best is before:
             return
 
 
-def _on_free(designs: Designs, found: Found, free: np.ndarray, begin: Design | None = None) -> None:
+def _on_free(designs: Designs, result: Found, free: np.ndarray, begin: Design | None = None) -> None:
     """Gauss-Newton on some variables; free: (k,) True for these."""
     from scipy.optimize import least_squares
 
-    begun = found.best if begin is None else begin
+    begun = result.best if begin is None else begin
     here = designs.residuals(designs.at(begun.x))
     scale = float(np.linalg.norm(here)) or 1.0
 
@@ -164,7 +165,7 @@ def _on_free(designs: Designs, found: Found, free: np.ndarray, begin: Design | N
 
     def parts(x: np.ndarray) -> np.ndarray:
         design = designs.at(place(x))
-        found.enter(design)
+        result.enter(design)
         return designs.residuals(design) / scale if design.sound else np.full(len(here), np.nan)
 
     def slopes(x: np.ndarray) -> np.ndarray:
@@ -172,32 +173,32 @@ def _on_free(designs: Designs, found: Found, free: np.ndarray, begin: Design | N
 
     done = least_squares(
         parts, foreign(begun.x[free]), slopes, (0.0, 1.0), method="trf", x_scale="jac", ftol=FINE, xtol=FINE,
-        gtol=1e-15, max_nfev=MOST,
+        gtol=FLAT, max_nfev=MOST,
     )  # fmt: skip
     if done.status == 0:
-        found.message = f"not converged after {MOST} steps"
+        result.message = f"not converged after {MOST} steps"
 
 
 # ---------------------------------------------------------------- with constraints
-def _quadratic_programming(designs: Designs, found: Found) -> None:
+def _quadratic_programming(designs: Designs, result: Found) -> None:
     """SLSQP, begun again where it ended until that gains nothing; from a design that meets the constraints, if it
     comes to none itself."""
     for _ in range(ROUNDS):
-        before = found.best
-        _one_round(designs, found)
-        if not found.meets:
-            _restore(designs, found)
-        gain = before.numbers[0] - found.best.numbers[0]
-        better = found.missed(before) > MET >= found.missed(found.best)
+        before = result.best
+        _one_round(designs, result)
+        if not result.meets:
+            _restore(designs, result)
+        gain = before.numbers[0] - result.best.numbers[0]
+        better = result.missed(before) > MET >= result.missed(result.best)
         if not better and gain <= GAIN * max(abs(before.numbers[0]), EASED):
             return
 
 
-def _one_round(designs: Designs, found: Found) -> None:
+def _one_round(designs: Designs, result: Found) -> None:
     from scipy.optimize import minimize
 
-    begun = found.best
-    found.scale = sizes(designs, begun)
+    begun = result.best
+    result.scale = sizes(designs, begun)
     gradient = np.linalg.norm(designs.slopes(designs.at(begun.x))[0])
     scale = max(abs(float(begun.numbers[0])), float(gradient), EASED)
     scale = min(scale, abs(float(begun.numbers[0])) or scale)
@@ -207,21 +208,21 @@ def _one_round(designs: Designs, found: Found) -> None:
         """Objective and margins, divided by their sizes; where a design has none, those of a design that is bad."""
         design = designs.at(x)
         if not design.sound:
-            return np.concatenate([[WALL * wall[0]], -np.ones_like(found.scale)])
-        made = np.concatenate([[design.numbers[0] / scale], design.numbers[1:] / found.scale])
-        wall[0] = max(wall[0], abs(float(made[0])))
-        return made
+            return np.concatenate([[WALL * wall[0]], -np.ones_like(result.scale)])
+        scaled = np.concatenate([[design.numbers[0] / scale], design.numbers[1:] / result.scale])
+        wall[0] = max(wall[0], abs(float(scaled[0])))
+        return scaled
 
     def objective(x: np.ndarray) -> float:
-        found.enter(designs.at(x))
+        result.enter(designs.at(x))
         return float(numbers(x)[0])
 
     def slopes(x: np.ndarray) -> np.ndarray:
         design = designs.at(x)
         if not design.sound:
             raise LostError("it came to a design that cannot be evaluated")
-        made = designs.slopes(design)
-        return np.vstack([made[:1] / scale, made[1:] / found.scale[:, None]])
+        jacobian = designs.slopes(design)
+        return np.vstack([jacobian[:1] / scale, jacobian[1:] / result.scale[:, None]])
 
     def condition(kind: str, chosen: np.ndarray) -> dict[str, str | Callable[..., np.ndarray]]:
         return {
@@ -230,48 +231,48 @@ def _one_round(designs: Designs, found: Found) -> None:
             "jac": lambda x: foreign(slopes(x)[1:][chosen]),
         }
 
-    parts = (("eq", found.equal), ("ineq", ~found.equal))
+    parts = (("eq", result.equal), ("ineq", ~result.equal))
     done = minimize(
         objective, foreign(begun.x), jac=lambda x: foreign(slopes(x)[0]), method="SLSQP",
         bounds=[(0.0, 1.0)] * len(begun.x), constraints=[condition(*part) for part in parts if part[1].any()],
         options={"maxiter": MOST, "ftol": FINE},
     )  # fmt: skip
-    found.message = "" if done.status == 0 else f"SLSQP: {done.message}"
-    _prefer(designs, found, designs.at(done.x))
+    result.message = "" if done.status == 0 else f"SLSQP: {done.message}"
+    _prefer(designs, result, designs.at(done.x))
 
 
-def _prefer(designs: Designs, found: Found, last: Design) -> None:
+def _prefer(designs: Designs, result: Found, last: Design) -> None:
     """Take where a round ended, rather than a design on the way that was less only by what it missed a constraint.
 
     With the multipliers y there, a miss of d is worth y d (an exact penalty).
     """
-    if not last.sound or found.missed(last) > MET or found.missed(found.best) > MET or last is found.best:
+    if not last.sound or result.missed(last) > MET or result.missed(result.best) > MET or last is result.best:
         return
-    there = held(designs, found, last)
+    there = held(designs, result, last)
     if there is None:
         return
-    misses = found.misses(found.best) * found.scale
+    misses = result.misses(result.best) * result.scale
     worth = sum(abs(y) * float(misses[j]) for j, y in there.constraints.items())
-    if last.numbers[0] <= found.best.numbers[0] + PENALTY * worth:
-        found.best = last
+    if last.numbers[0] <= result.best.numbers[0] + PENALTY * worth:
+        result.best = last
 
 
-def _restore(designs: Designs, found: Found) -> None:
+def _restore(designs: Designs, result: Found) -> None:
     """Gauss-Newton on what the constraints are missed by: to a design that meets them, or misses them least."""
     from scipy.optimize import least_squares
 
     def misses(x: np.ndarray) -> np.ndarray:
         design = designs.at(x)
-        found.enter(design)
-        return foreign(found.misses(design)) if design.sound else np.full(len(found.scale), np.nan)
+        result.enter(design)
+        return foreign(result.misses(design)) if design.sound else np.full(len(result.scale), np.nan)
 
     def slopes(x: np.ndarray) -> np.ndarray:
         design = designs.at(x)
-        sign = np.where(found.equal, np.sign(design.numbers[1:]), np.where(design.numbers[1:] < 0.0, -1.0, 0.0))
-        return foreign((sign / found.scale)[:, None] * designs.slopes(design)[1:])
+        sign = np.where(result.equal, np.sign(design.numbers[1:]), np.where(design.numbers[1:] < 0.0, -1.0, 0.0))
+        return foreign((sign / result.scale)[:, None] * designs.slopes(design)[1:])
 
     least_squares(
-        misses, foreign(found.best.x), slopes, (0.0, 1.0), method="trf", x_scale="jac", ftol=RESTORED, xtol=RESTORED,
+        misses, foreign(result.best.x), slopes, (0.0, 1.0), method="trf", x_scale="jac", ftol=RESTORED, xtol=RESTORED,
         gtol=RESTORED, max_nfev=MOST,
     )  # fmt: skip
 
@@ -299,7 +300,7 @@ class Held:
     idle: tuple[int, ...]  # places of parameters on which neither objective nor constraints depend near the design
 
 
-def held(designs: Designs, found: Found, at: Design | None = None) -> Held | None:
+def held(designs: Designs, result: Found, at: Design | None = None) -> Held | None:
     """Multipliers y of the active constraints and bounds with the least |grad f - sum y grad g|, y >= 0 but for
     equations.
 
@@ -307,11 +308,11 @@ def held(designs: Designs, found: Found, at: Design | None = None) -> Held | Non
     """
     from scipy.optimize import nnls
 
-    design = designs.at((found.best if at is None else at).x)
+    design = designs.at((result.best if at is None else at).x)
     low, high = np.flatnonzero(design.x <= ACTIVE), np.flatnonzero(design.x >= 1.0 - ACTIVE)
     margins = design.numbers[1:]
-    met = found.misses(design) <= MET
-    active = np.flatnonzero(met & (found.equal | (margins <= ACTIVE * found.scale)))
+    met = result.misses(design) <= MET
+    active = np.flatnonzero(met & (result.equal | (margins <= ACTIVE * result.scale)))
     try:
         slopes = designs.slopes(design)
         parts = (
@@ -321,8 +322,8 @@ def held(designs: Designs, found: Found, at: Design | None = None) -> Held | Non
         return None
     idle = np.flatnonzero(~(slopes.any(axis=0) | parts.any(axis=0)))
     unit = np.eye(len(design.x))
-    rows = np.array([*(slopes[1 + j] / found.scale[j] for j in active), *unit[low], *-unit[high]])
-    free = np.concatenate([found.equal[active], np.zeros(len(low) + len(high), dtype=bool)])
+    rows = np.array([*(slopes[1 + j] / result.scale[j] for j in active), *unit[low], *-unit[high]])
+    free = np.concatenate([result.equal[active], np.zeros(len(low) + len(high), dtype=bool)])
     left, multipliers = slopes[0].copy(), np.zeros(len(rows))
     size = float(np.linalg.norm(left))
     if len(rows) and size > 0.0:
@@ -331,6 +332,6 @@ def held(designs: Designs, found: Found, at: Design | None = None) -> Held | Non
         multipliers = size * found_signed[: len(rows)]
         multipliers[free] -= size * found_signed[len(rows) :]
         left = left - multipliers @ rows
-    worth = {int(j): float(y / found.scale[j]) for j, y in zip(active, multipliers, strict=False)}
+    worth = {int(j): float(y / result.scale[j]) for j, y in zip(active, multipliers, strict=False)}
     gain, before = 0.01 * float(np.abs(left).sum()), 0.01 * float(np.abs(slopes[0]).sum())
     return Held(worth, tuple(low.tolist()), tuple(high.tolist()), gain, before, tuple(idle.tolist()))

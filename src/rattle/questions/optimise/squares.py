@@ -68,8 +68,8 @@ def squares(objective: Output) -> list[Square] | None:
 
 def is_root(objective: Output) -> bool:
     """True for the root of a sum of squares: an objective rms(x)."""
-    one = _reduction(objective, objective.outer) if isinstance(objective.outer, Name) else None
-    return one is not None and one.kind == "rms"
+    reduction = _reduction(objective, objective.outer) if isinstance(objective.outer, Name) else None
+    return reduction is not None and reduction.kind == "rms"
 
 
 def _reduction(output: Output, name: Name) -> Reduction | None:
@@ -80,12 +80,12 @@ def _reduction(output: Output, name: Name) -> Reduction | None:
 def _sum(output: Output, node: Node, factor: float) -> list[Square] | None:
     """Parts of factor*node; None if it is not a sum of squares."""
     if isinstance(node, Name):
-        one = _reduction(output, node)
-        return None if one is None else _of_reduction(output, one, factor)
+        reduction = _reduction(output, node)
+        return None if reduction is None else _of_reduction(output, reduction, factor)
     if not isinstance(node, Apply):
         return None
     if node.name == "+":
-        sides = [_sum(output, one, factor) for one in node.operands]
+        sides = [_sum(output, operand, factor) for operand in node.operands]
         return None if None in sides else [square for side in sides for square in side or []]
     scaled = _scaled(node)
     if scaled is not None:
@@ -93,22 +93,22 @@ def _sum(output: Output, node: Node, factor: float) -> list[Square] | None:
     inside = _squared(node)
     if inside is None:
         return None
-    if isinstance(inside, Name) and (one := _reduction(output, inside)) is not None and one.kind == "rms":
-        return [Square(_only(output, one), factor, "curve")]
+    if isinstance(inside, Name) and (reduction := _reduction(output, inside)) is not None and reduction.kind == "rms":
+        return [Square(_only(output, reduction), factor, "curve")]
     return [Square(_part(output, inside), factor, "plain")]
 
 
-def _of_reduction(output: Output, one: Reduction, factor: float) -> list[Square] | None:
+def _of_reduction(output: Output, reduction: Reduction, factor: float) -> list[Square] | None:
     """Parts of factor*reduction."""
-    if one.kind == "min" and _never_negative(one.inner):
-        return [Square(_only(output, one), factor, "root")]
-    if one.kind not in (*READ_OFF, *AVERAGED):
+    if reduction.kind == "min" and _never_negative(reduction.inner):
+        return [Square(_only(output, reduction), factor, "root")]
+    if reduction.kind not in (*READ_OFF, *AVERAGED):
         return None
-    found = []
-    for part, inside in _terms(one.inner, 1.0) or []:
-        form = "curve" if one.kind in AVERAGED else "plain"
-        found.append(Square(_only(output, replace(one, inner=inside)), factor * part, form))
-    return found or None
+    squares = []
+    for part, inside in _terms(reduction.inner, 1.0) or []:
+        form = "curve" if reduction.kind in AVERAGED else "plain"
+        squares.append(Square(_only(output, replace(reduction, inner=inside)), factor * part, form))
+    return squares or None
 
 
 def _terms(node: Node, factor: float) -> list[tuple[float, Node]] | None:
@@ -116,7 +116,7 @@ def _terms(node: Node, factor: float) -> list[tuple[float, Node]] | None:
     if not isinstance(node, Apply):
         return None
     if node.name == "+":
-        sides = [_terms(one, factor) for one in node.operands]
+        sides = [_terms(operand, factor) for operand in node.operands]
         return None if None in sides else [term for side in sides for term in side or []]
     scaled = _scaled(node)
     if scaled is not None:
@@ -158,14 +158,14 @@ def _never_negative(node: Node) -> bool:
 
 
 # ---------------------------------------------------------------- outputs of parts
-def _only(output: Output, one: Reduction) -> Output:
+def _only(output: Output, reduction: Reduction) -> Output:
     """One reduction as an output."""
-    return replace(output, reductions=(one,), outer=Name("#0", 0))
+    return replace(output, reductions=(reduction,), outer=Name("#0", 0))
 
 
 def _part(output: Output, node: Node) -> Output:
     """A part of the outer tree as an output, with the reductions that it uses."""
-    used = sorted({int(one.name[1:]) for one in walk(node) if isinstance(one, Name) and one.name.startswith("#")})
+    used = sorted({int(leaf.name[1:]) for leaf in walk(node) if isinstance(leaf, Name) and leaf.name.startswith("#")})
     places = {f"#{old}": f"#{new}" for new, old in enumerate(used)}
     return replace(output, reductions=tuple(output.reductions[k] for k in used), outer=_renamed(node, places))
 

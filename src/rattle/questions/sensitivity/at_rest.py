@@ -67,7 +67,7 @@ def record_rest(model: RecordedModel) -> Rest:
 
     _, sound = recording.guarded(rest)
     table, titles, _ = recording.plain(columns)(system, Table([[0.0] * len(row), list(row)]))
-    curves = dict(zip(titles, (one[1] for one in table), strict=True))
+    curves = dict(zip(titles, (rows[1] for rows in table), strict=True))
     residual = list(workspace.rows[:, at.RES])
     return Rest(list(workspace.acceleration[1:].ravel()), residual, curves, sound)
 
@@ -94,11 +94,11 @@ class AtRest:
         along = np.zeros((len(x), n + k))
         along[1 : 1 + n, :n] = np.eye(n)
         along[1 + ny : -1, n:] = self.parameters.along
-        value, found = self._balance(x, along)
+        value, slopes = self._balance(x, along)
         size = np.tile([self.model.system.size, self.model.system.size, 1.0], n // 3)
         moved = np.zeros((len(x), k))
-        found[:n] /= size[:, None]
-        moved[1 : 1 + n] = size[:, None] * _solved(found[:-1, :n] * size, -found[:-1, n:], n)
+        slopes[:n] /= size[:, None]
+        moved[1 : 1 + n] = size[:, None] * _solved(slopes[:-1, :n] * size, -slopes[:-1, n:], n)
         moved[1 + ny : -1] = self.parameters.along
         values, derivatives = self._curves(x, moved)
         return values[:-1], derivatives[:-1], bool(value[-1] == 1.0 and values[-1] == 1.0)

@@ -92,12 +92,12 @@ def sensitivity(
 
 def _require_used(ctx: click.Context, analysis: str, t_end: float | None) -> None:
     """Refuse options that this analysis would leave aside."""
-    one = analysis == "equilibrium" and t_end is None
-    if given(ctx, "t") and not one:
+    single = analysis == "equilibrium" and t_end is None
+    if given(ctx, "t") and not single:
         raise click.UsageError(
             "--at is of one equilibrium: it needs --analysis equilibrium and no --t-end; curves begin at t = 0"
         )
-    if given(ctx, "points") and one:
+    if given(ctx, "points") and single:
         raise click.UsageError("--points is of a path; --at is one equilibrium. Give --t-end for a path")
 
 
@@ -113,8 +113,8 @@ def _require_name(output: str) -> None:
         )
 
 
-def _names(given: tuple[str, ...]) -> list[str]:
-    return [name.strip() for one in given for name in one.split(",") if name.strip()]
+def _names(texts: tuple[str, ...]) -> list[str]:
+    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
 
 
 def _usual(m: Mechanism) -> list[str]:
@@ -122,7 +122,7 @@ def _usual(m: Mechanism) -> list[str]:
     every = m.model.parameters
     if not every:
         raise click.UsageError("the model has no [parameters]; write the dimension of interest as one")
-    return [name for name, one in every.items() if one.tol] or list(every)
+    return [name for name, parameter in every.items() if parameter.tol] or list(every)
 
 
 def _instants(m: Mechanism, analysis: str, t: float, t_end: float | None, points: int) -> np.ndarray | float:
@@ -140,14 +140,15 @@ def _table(result: Result) -> str:
     """Per output a line for each parameter, those with the largest effect first."""
     from rattle.questions.sensitivity.effects import effects
 
-    found = effects(result)
+    entries = effects(result)
     rows = []
-    for output in dict.fromkeys(one.output for one in found):
-        mine = [one for one in found if one.output == output]
-        mine.sort(key=lambda one: -abs(float(one.derivative[one.largest]) * one.change))
-        for n, one in enumerate(mine):
-            name = f"d({one.output})" if n == 0 else ""
-            rows.append((name, one.parameter, one.slope, f"{result.t[one.largest]:.4g} s", one.words, one.effect))
+    for output in dict.fromkeys(effect.output for effect in entries):
+        mine = [effect for effect in entries if effect.output == output]
+        mine.sort(key=lambda effect: -effect.size)
+        for n, effect in enumerate(mine):
+            name = f"d({effect.output})" if n == 0 else ""
+            at = f"{result.t[effect.largest]:.4g} s"
+            rows.append((name, effect.parameter, effect.slope, at, effect.words, effect.effect))
     head = ("", "by", "largest derivative", "at t", "a change by", "moves it by")
     wide = [max(len(row[c]) for row in (head, *rows)) for c in range(len(head))]
     lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in (head, *rows)]
@@ -159,11 +160,12 @@ def _record(result: Result) -> dict[str, object]:
 
     entries = [
         {
-            "of": one.output, "to": one.parameter, "largest": float(one.derivative[one.largest]),
-            "t": float(result.t[one.largest]), "change": one.change,
-            "effect": float(one.derivative[one.largest]) * one.change, "unit": one.unit, "parameter_unit": one.by,
+            "of": effect.output, "to": effect.parameter, "largest": float(effect.derivative[effect.largest]),
+            "t": float(result.t[effect.largest]), "change": effect.change,
+            "effect": float(effect.derivative[effect.largest]) * effect.change, "unit": effect.unit,
+            "parameter_unit": effect.by,
         }
-        for one in (effects(result) if len(result.t) else [])
+        for effect in (effects(result) if len(result.t) else [])
     ]  # fmt: skip
     return {
         "success": result.success, "message": result.message, "sensitivities": entries,

@@ -41,6 +41,7 @@ from rattle.trace.elementary import lower
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 RTOL = 1e-10  # default relative tolerance of a motion with its derivatives
 SAME = 1e-6  # share of the largest of its unit by which a curve may differ from that of the analysis itself
+STILL = 1e-12  # [SI] scale of curves that are all 0, beside which nothing is told from rounding
 NUDGE = 1e-7  # change of a parameter, as a share, that must not change the parts of the model
 
 
@@ -74,11 +75,11 @@ class Asked:
             if name in columns:
                 symbols[name], units[name] = columns[name], model.units[name]
                 continue
-            made = derived_curve(model.graph, model.recorded, columns, name)
-            if made is None:
-                known = [*columns, *derived_names(model.recorded.model, columns)]
-                raise UnknownName(f"no curve '{name}' to take derivatives of{suggest(name, known)}")
-            symbols[name], units[name] = made
+            derived = derived_curve(model.graph, model.recorded, columns, name)
+            if derived is None:
+                choices = [*columns, *derived_names(model.recorded.model, columns)]
+                raise UnknownName(f"no curve '{name}' to take derivatives of{suggest(name, choices)}")
+            symbols[name], units[name] = derived
         return symbols, units
 
 
@@ -104,18 +105,18 @@ def sensitivity(
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
     model = _recorded(document, system, begin, parameters)
     asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol)
-    found, units = FIND[analysis](asked)
-    found.stats["wall_time"] = time.perf_counter() - began
-    result = _result(asked, analysis, found, units)
-    if strict and found.message:
-        raise SolverError(found.message, result)
+    answer, units = FIND[analysis](asked)
+    answer.stats["wall_time"] = time.perf_counter() - began
+    result = _result(asked, analysis, answer, units)
+    if strict and answer.message:
+        raise SolverError(answer.message, result)
     return result
 
 
 # ---------------------------------------------------------------- the question
-def _names(what: str, given: Sequence[str]) -> tuple[str, ...]:
-    names = (given,) if isinstance(given, str) else tuple(dict.fromkeys(given or ()))
-    if not names or not all(isinstance(one, str) for one in names):
+def _names(what: str, asked: Sequence[str]) -> tuple[str, ...]:
+    names = (asked,) if isinstance(asked, str) else tuple(dict.fromkeys(asked or ()))
+    if not names or not all(isinstance(name, str) for name in names):
         example = '["rocker.angle"]' if what == "outputs" else '["l2", "r3"]'
         raise InputError(f"{what}: expected a list of names such as {example}")
     return names
@@ -137,7 +138,7 @@ def _recorded(
         model = record_model(document, system, begin, parameters)
     except TraceError as error:
         remedy = ""
-        if stopped := [f"joints.{name}.stop" for name, one in system.model.joints.items() if one.stop is not None]:
+        if stopped := [f"joints.{name}.stop" for name, joint in system.model.joints.items() if joint.stop is not None]:
             remedy = f"; take derivatives of the mechanism without stops (set {', '.join(stopped)} to None), or compare"
             remedy += " two runs with set()"
         elif len(system.arrays["contact"]):
@@ -190,19 +191,19 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
 
 def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
     """Notes on exponential growth, and the time up to which curves can be trusted [s]."""
-    t = np.array([one[0] for one in run.history])
+    t = np.array([moment[0] for moment in run.history])
     if len(t) < 2:
         return [], run.t
-    sizes, notes = np.array([one[1] for one in run.history]), []
+    sizes, notes = np.array([moment[1] for moment in run.history]), []
     for name, size in zip(asked.parameters.names, sizes.T, strict=True):
-        found = growth(t, size)
-        if found is None:
+        growing = growth(t, size)
+        if growing is None:
             continue
         change = usual_change(asked.model.system, name)
         until = linear_until(t, size, change["size"])
         reach = f"linearly only until about t = {until:.2g} s" if until < t[-1] else "linearly over the whole run"
         notes.append(
-            f"sensitivities to {name} grow tenfold every {found.tenfold:.2g} s: a change of {name} by"
+            f"sensitivities to {name} grow tenfold every {growing.tenfold:.2g} s: a change of {name} by"
             f" {change['words']} acts {reach}"
         )
     return notes, horizon(t, sizes, asked.parameters.values, asked.rtol)
@@ -211,14 +212,14 @@ def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
 def _kinematics(asked: Asked, forces: bool = False) -> tuple[Found, dict[str, str]]:
     model = asked.model
     nominal = analyse(model.system, model.start, asked.t_eval, forces=forces)
-    curves, units = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
+    curves, units = asked.curves({name: curve for name, curve in model.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
     driven = Driven(model, counted(model, asked.parameters), curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
-    found = [driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
+    instants = [driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
     trust = nominal.trust
-    return _checked(asked, nominal, found, trust), units
+    return _checked(asked, nominal, instants, trust), units
 
 
 def _inverse_dynamics(asked: Asked) -> tuple[Found, dict[str, str]]:
@@ -236,19 +237,19 @@ def _equilibrium(asked: Asked) -> tuple[Found, dict[str, str]]:
         nominal = quasistatic(model.system, t_eval)
         neutral = nominal["equilibrium.stiffness"] == 0.0
     rest = record_rest(model)
-    curves, units = asked.curves({name: one for name, one in rest.curves.items() if name in nominal.stored})
+    curves, units = asked.curves({name: curve for name, curve in rest.curves.items() if name in nominal.stored})
     compiled = MachineFunctions()
     at_rest = AtRest(model, counted(model, asked.parameters), rest, curves, compiled.add)
     compiled.compile()
     bodies = list(model.system.bodies)
-    found = []
+    instants = []
     for k, t in enumerate(nominal.t):
         q = np.array([nominal[f"{body}.{key}"][k] for body in bodies for key in ("x", "y", "angle")])
         values, derivatives, sound = at_rest.at(float(t), q)
-        found.append((values, derivatives, sound and not neutral[k]))
-    made = _checked(asked, nominal, found, nominal.trust)
-    made.trust = replace(made.trust, notes=(*made.trust.notes, *notes))
-    return made, units
+        instants.append((values, derivatives, sound and not neutral[k]))
+    answer = _checked(asked, nominal, instants, nominal.trust)
+    answer.trust = replace(answer.trust, notes=(*answer.trust.notes, *notes))
+    return answer, units
 
 
 Finding = Callable[[Asked], tuple[Found, dict[str, str]]]
@@ -258,12 +259,12 @@ FIND: dict[str, Finding] = {
 }  # fmt: skip
 
 
-def _checked(asked: Asked, nominal: Result, found: list[tuple[np.ndarray, np.ndarray, bool]], trust: Trust) -> Found:
+def _checked(asked: Asked, nominal: Result, instants: list[tuple[np.ndarray, np.ndarray, bool]], trust: Trust) -> Found:
     """What was found at every instant of the analysis itself, as far as it agrees with it and is sound."""
     count, k = len(asked.outputs), len(asked.model.parameters)
-    values = np.array([one[0] for one in found]).reshape(-1, count)
-    derivatives = np.array([one[1] for one in found]).reshape(-1, count, k)
-    sound = np.array([one[2] for one in found], dtype=bool) & np.isfinite(derivatives).all(axis=(1, 2))
+    values = np.array([instant[0] for instant in instants]).reshape(-1, count)
+    derivatives = np.array([instant[1] for instant in instants]).reshape(-1, count, k)
+    sound = np.array([instant[2] for instant in instants], dtype=bool) & np.isfinite(derivatives).all(axis=(1, 2))
     message = nominal.message
     if not sound.all():
         end = int(np.argmin(sound))
@@ -283,24 +284,24 @@ def _checked(asked: Asked, nominal: Result, found: list[tuple[np.ndarray, np.nda
 def _typical(asked: Asked, nominal: Result, name: str) -> float:
     """The largest value of the curves of the same unit [SI]."""
     unit = nominal.unit(name)
-    same = [one for one in nominal.stored if nominal.unit(one) == unit]
-    return max((float(np.nanmax(np.abs(nominal[one]), initial=0.0)) for one in same), default=0.0) or 1e-12
+    same = [name for name in nominal.stored if nominal.unit(name) == unit]
+    return max((float(np.nanmax(np.abs(nominal[name]), initial=0.0)) for name in same), default=0.0) or STILL
 
 
 # ---------------------------------------------------------------- the result
-def _result(asked: Asked, analysis: str, found: Found, units: Mapping[str, str]) -> Result:
-    model, n = asked.model.system.model, len(found.values)
-    names, columns = list(asked.outputs), [found.values[:, c] for c in range(len(asked.outputs))]
-    known = {name: units[name] for name in names}
+def _result(asked: Asked, analysis: str, answer: Found, units: Mapping[str, str]) -> Result:
+    model, n = asked.model.system.model, len(answer.values)
+    names, columns = list(asked.outputs), [answer.values[:, c] for c in range(len(asked.outputs))]
+    all_units = {name: units[name] for name in names}
     changes = {name: usual_change(asked.model.system, name) for name in asked.model.parameters}
     for c, output in enumerate(asked.outputs):
         for k, parameter in enumerate(asked.model.parameters):
             name = derivative_name(output, parameter)
             names.append(name)
-            columns.append(found.derivatives[:, c, k])
-            known[name] = quotient(units[output], model.parameters[parameter].unit)
+            columns.append(answer.derivatives[:, c, k])
+            all_units[name] = quotient(units[output], model.parameters[parameter].unit)
     return build_result(
         model, "sensitivity", t=asked.t_eval[:n], data=np.array(columns).T.reshape(n, len(names)), names=names,
-        units=known, trust=found.trust, stats=found.stats, message=found.message, drawn=False,
-        settings={"of": list(asked.outputs), "changes": changes, "along": analysis, **found.settings},
+        units=all_units, trust=answer.trust, stats=answer.stats, message=answer.message, drawn=False,
+        settings={"of": list(asked.outputs), "changes": changes, "along": analysis, **answer.settings},
     )  # fmt: skip

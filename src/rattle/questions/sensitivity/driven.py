@@ -41,9 +41,9 @@ class Driven:
         along = np.zeros((len(x), n + k))
         along[1 : 1 + n, :n] = np.eye(n)
         along[1 + ny : -1, n:] = self.parameters.along
-        closed, found = self._project(x, along)
+        closed, slopes = self._project(x, along)
         moved = np.zeros((len(x), k))
-        moved[1 : 1 + n] = np.linalg.solve(np.eye(n) - found[:-1, :n], found[:-1, n:])
+        moved[1 : 1 + n] = np.linalg.solve(np.eye(n) - slopes[:-1, :n], slopes[:-1, n:])
         moved[1 + ny : -1] = self.parameters.along
         x[1 : 1 + n] = closed[:-1]
         values, derivatives = self._curves(x, moved)

@@ -18,10 +18,10 @@ SHARE = 0.01  # usual change of a parameter without a tolerance, as a share of i
 
 def usual_change(system: System, name: str) -> dict[str, Any]:
     """A change of a parameter that matters, its tolerance or else 1 % of it: size [SI], unit, words."""
-    one = system.model.parameters[name]
-    size = one.tol or SHARE * (abs(one.value) or 1.0)
-    why = "tolerance" if one.tol else "1 %" if one.value else "0.01"
-    return {"size": size, "unit": one.unit, "words": f"{quantity(size, one.unit, 3)} ({why})"}
+    parameter = system.model.parameters[name]
+    size = parameter.tol or SHARE * (abs(parameter.value) or 1.0)
+    why = "tolerance" if parameter.tol else "1 %" if parameter.value else "0.01"
+    return {"size": size, "unit": parameter.unit, "words": f"{quantity(size, parameter.unit, 3)} ({why})"}
 
 
 class Effect(NamedTuple):
@@ -58,6 +58,11 @@ class Effect(NamedTuple):
     def effect(self) -> str:
         """The largest change of the output, as text."""
         return quantity(float(self.derivative[self.largest]) * self.change, self.unit, 3)
+
+    @property
+    def size(self) -> float:
+        """The largest magnitude of the change of the output [SI]; 0 where the result has no instant."""
+        return float(np.abs(self.derivative).max(initial=0.0)) * self.change
 
 
 def effects(result: Result) -> list[Effect]:

@@ -62,19 +62,19 @@ class Functions:
 
     def rates(self, t: float, z: np.ndarray) -> Rates:
         """dz/dt."""
-        found, along = self._rate(*self._at(t, z))
+        values, along = self._rate(*self._at(t, z))
         n = self.size
-        return Rates(np.column_stack([found[:n], along[:n]]), found[n] == 1.0, found[n + 1 :])
+        return Rates(np.column_stack([values[:n], along[:n]]), values[n] == 1.0, values[n + 1 :])
 
     def projected(self, t: float, z: np.ndarray) -> tuple[np.ndarray, bool]:
         """z on the constraints, and whether that is sound."""
-        found, along = self._project(*self._at(t, z))
-        return np.column_stack([found[:-1], along[:-1]]), found[-1] == 1.0
+        values, along = self._project(*self._at(t, z))
+        return np.column_stack([values[:-1], along[:-1]]), values[-1] == 1.0
 
     def curves(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """Curves (nc,), their derivatives (nc, k), and whether they are sound."""
-        found, along = self._curves(*self._at(t, z))
-        return found[:-1], along[:-1], found[-1] == 1.0
+        values, along = self._curves(*self._at(t, z))
+        return values[:-1], along[:-1], values[-1] == 1.0
 
     def energies(self, t: float, z: np.ndarray) -> np.ndarray:
         """Kinetic and potential energy, work, energy dissipated, balance [J]."""
@@ -85,5 +85,5 @@ class Functions:
         assert self._margins is not None
         x, along = self._at(t, z)
         in_time = np.concatenate([[1.0], rate, np.zeros(len(x) - 1 - len(rate))])
-        _, found = self._margins(x, np.column_stack([along, in_time]))
-        return found[:, :-1], found[:, -1]
+        _, slopes = self._margins(x, np.column_stack([along, in_time]))
+        return slopes[:, :-1], slopes[:, -1]

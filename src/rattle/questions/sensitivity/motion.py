@@ -23,6 +23,10 @@ from rattle.questions.sensitivity.step import POWER, Step, Tolerance, try_step
 from rattle.solvers.step_size import SAFETY, longer, shorter
 
 ENERGY = 1e-3  # share of the largest energy that may be unaccounted for, as for adaptive steppers
+OF_POTENTIAL = 1e-9  # share of the potential energy that counts as turned over: a mechanism at rest turns nothing over
+ROUNDING = 1e-14  # share of the potential energy that its sum is rounded by: no error of the motion
+FIRST = 1e-2  # first step: of the run, and of the time in which the start would move by the size of the mechanism
+RESTART = 1e-6  # first step after a switch, as a share of the run: longer ones follow if that was too careful
 TOO_SHORT = 1e-13  # share of the run below which steps do not get shorter
 ALIKE = 1e-9  # share of the right-hand side by which both sides of a switch may differ and yet be the same
 BESIDE = 4.0  # the other side of a switch is looked for so many shortest steps further, then twice as many ...
@@ -50,7 +54,7 @@ class Motion:
         self.wall = 0.0
         self._near = 0  # steps that must not become longer, because a switch was found ahead
         self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
-        self._names = ", ".join(sorted({one.name for one in system.switches})) or "an expression"
+        self._names = ", ".join(sorted({switch.name for switch in system.switches})) or "an expression"
 
     def go(self) -> None:
         """Take steps to the end."""
@@ -75,7 +79,7 @@ class Motion:
             return
         some = self.tolerance.controlled
         speed = np.abs(self._rates.values[some, 0] / self.tolerance.weight).max(initial=0.0)
-        self.h = min(1e-2 / speed if speed > 0.0 else math.inf, 1e-2 * self.t_end or 1.0)
+        self.h = min(FIRST / speed if speed > 0.0 else math.inf, FIRST * self.t_end or 1.0)
         self._keep_outputs([self.z] if self.t_eval[0] == 0.0 else [])
         self._note(self.z)
 
@@ -155,17 +159,17 @@ class Motion:
         if not sound or (self._rates.sides != after.sides).any():
             self.message = f"stopped at t = {t:.6g} s: {self._names} switches back and forth there"
             return
-        self.t, self.h, self._near = t + ahead, 1e-6 * self.t_end, 0
+        self.t, self.h, self._near = t + ahead, RESTART * self.t_end, 0
         self.switched += 1
 
     def _shift(self, before: Rates, after: Rates) -> np.ndarray | None:
         """(k,) derivatives of the instant of the switch [s] by the parameters; None, with a message, if it has none."""
         flips = before.sides != after.sides
-        found = []
+        margins = []
         for rates in (before, after):
             by_parameter, in_time = self.functions.margins(self.t, self.z, rates.values[:, 0])
-            found.append((by_parameter[flips], in_time[flips]))
-        (by_parameter, speed), (_, speed_after) = found
+            margins.append((by_parameter[flips], in_time[flips]))
+        (by_parameter, speed), (_, speed_after) = margins
         if not (speed * speed_after > 0.0).all():
             self.message = (
                 f"stopped at t = {self.t:.6g} s: the motion stays on the switch of {self._names} (as in sticking);"
@@ -201,8 +205,8 @@ class Motion:
         most, done = max(most, kinetic), max(done, abs(work))
         low, high = min(low, potential), max(high, potential)
         self._turnover[:] = most, low, high, done
-        turnover = max(most, done, high - low) + 1e-9 * abs(potential)
-        share = max(0.0, abs(balance) - 1e-14 * max(abs(low), abs(high))) / turnover if turnover > 0.0 else 0.0
+        turnover = max(most, done, high - low) + OF_POTENTIAL * abs(potential)
+        share = max(0.0, abs(balance) - ROUNDING * max(abs(low), abs(high))) / turnover if turnover > 0.0 else 0.0
         self.balance, self.share = max(self.balance, abs(float(balance))), max(self.share, float(share))
         if not share <= ENERGY:
             self.message = (
@@ -223,5 +227,5 @@ def _tolerance(functions: Functions, rtol: float, atol: float, t_end: float) -> 
     controlled = np.r_[layout.motion, layout.states]
     weight = np.tile([system.extent, system.extent, 1.0], 2 * system.body_count)
     weight = np.concatenate([weight, np.ones(len(controlled) - len(weight))])
-    given = np.abs(functions.parameters.values)
-    return Tolerance(rtol, atol, weight, controlled, np.where(given > 0.0, given, 1.0))
+    sizes = np.abs(functions.parameters.values)
+    return Tolerance(rtol, atol, weight, controlled, np.where(sizes > 0.0, sizes, 1.0))

@@ -52,9 +52,9 @@ class Parameters(NamedTuple):
 def _followers(model: RecordedModel, name: str) -> np.ndarray:
     """(k,) derivatives of all chosen parameters by one of them."""
     graph = Graph()
-    one = graph.input()
-    made = read(model.document, chosen={name: functools.partial(Recorder(graph).number, symbol=one)})
-    values = [made.parameters[other].value for other in model.parameters]
+    varied = graph.input()
+    changed = read(model.document, chosen={name: functools.partial(Recorder(graph).number, symbol=varied)})
+    values = [changed.parameters[other].value for other in model.parameters]
     symbols = [value.symbol if isinstance(value, Recorded) else 0.0 for value in values]
-    exact, slopes = lower(graph, tangent(graph, symbols, {one.place: 1.0}))
+    exact, slopes = lower(graph, tangent(graph, symbols, {varied.place: 1.0}))
     return exact.evaluate(slopes, np.array([[model.parameters[name]]]))[:, 0]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from rattle.plots.curves import CURVES, MORE, axis_label, figure_of, new_axes, shade_after_horizon
 from rattle.questions.sensitivity.effects import effects
 from rattle.results.handy_units import handy_unit
@@ -25,21 +23,21 @@ def plot_effects(result: Result) -> Figure:
     parameters of all units are compared in the unit of the output.  Those with the largest effect come first.
     Raises ValueError for a result without sensitivities.
     """
-    found = effects(result)
-    outputs = list(dict.fromkeys(one.output for one in found))
-    parameters = list(dict.fromkeys(one.parameter for one in found))
+    entries = effects(result)
+    outputs = list(dict.fromkeys(effect.output for effect in entries))
+    parameters = list(dict.fromkeys(effect.parameter for effect in entries))
     axes = new_axes(8.5, 1.2 + 2.4 * len(outputs), rows=len(outputs))
     for ax, output in zip(axes, outputs, strict=True):
-        mine = [one for one in found if one.output == output]
-        mine.sort(key=lambda one: -float(np.abs(one.derivative).max(initial=0.0)) * one.change)
-        largest = max(float(np.abs(one.derivative).max(initial=0.0)) * one.change for one in mine)
+        mine = [effect for effect in entries if effect.output == output]
+        mine.sort(key=lambda effect: -effect.size)
+        largest = max(effect.size for effect in mine)
         factor, unit = handy_unit(result.unit(output), largest)
         marker = "o" if len(result.t) < 3 else ""
         lines = []
-        for one in mine:
-            n = parameters.index(one.parameter)  # its colour in every panel
+        for effect in mine:
+            n = parameters.index(effect.parameter)  # its colour in every panel
             dashes, colour = "-" if n < len(COLOURS) else "--", COLOURS[n % len(COLOURS)]
-            curve = factor * one.derivative * one.change
+            curve = factor * effect.derivative * effect.change
             lines += ax.plot(result.t, curve, linestyle=dashes, color=colour, linewidth=0.9, marker=marker)
         ax.set_ylabel(axis_label(f"change of {output}", unit), parse_math=False)
         ax.margins(x=0.0 if len(result.t) > 2 else 0.05)
@@ -48,8 +46,8 @@ def plot_effects(result: Result) -> Figure:
             lines, [str(n) for n in range(len(lines))], loc="upper left", bbox_to_anchor=(1.01, 1.0),
             borderaxespad=0.0, frameon=False, fontsize=8,
         )  # fmt: skip
-        for text, one in zip(legend.get_texts(), mine, strict=True):
-            text.set(text=f"{one.parameter} by {one.words}".replace("*", "·"), parse_math=False)
+        for text, effect in zip(legend.get_texts(), mine, strict=True):
+            text.set(text=f"{effect.parameter} by {effect.words}".replace("*", "·"), parse_math=False)
     if title := str(result.provenance.get("model", "")):
         axes[0].set_title(title, loc="left", fontsize=10, parse_math=False)
     axes[-1].set_xlabel("time [s]")

@@ -41,7 +41,7 @@ class RepeatedSensitivities:
             self._start = StartDerivatives(model, compiled)
         else:
             nominal = analyse(model.system, model.start, np.zeros(1), forces=analysis == "inverse-dynamics")
-            curves, _ = asked.curves({name: one for name, one in model.curves.items() if name in nominal.stored})
+            curves, _ = asked.curves({name: curve for name, curve in model.curves.items() if name in nominal.stored})
             self._driven = Driven(model, chosen, curves, compiled.add)
             if len(model.constants):
                 self._start = StartDerivatives(model, compiled)
@@ -86,10 +86,10 @@ class RepeatedSensitivities:
         if len(model.constants):
             self._driven.parameters = self._start.at(model, _alone(model))[1]
         bodies = list(model.system.bodies)
-        found = [self._driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
-        if not all(one[2] and np.isfinite(one[1]).all() for one in found):
+        instants = [self._driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
+        if not all(instant[2] and np.isfinite(instant[1]).all() for instant in instants):
             raise TraceError("no sensitivities: a position is singular, or a load or expression has no derivative")
-        return np.array([one[0] for one in found]), np.array([one[1] for one in found])
+        return np.array([instant[0] for instant in instants]), np.array([instant[1] for instant in instants])
 
 
 def _alone(model: RecordedModel) -> Parameters:

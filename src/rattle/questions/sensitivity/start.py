@@ -57,9 +57,9 @@ class StartDerivatives:
         along = np.zeros((len(x), nq + k))
         along[1 : 1 + nq, :nq] = np.eye(nq)
         along[parameters, nq:] = chosen.directions
-        _, found = self._correct(x, along)
+        _, slopes = self._correct(x, along)
         moved = np.zeros((len(x), k))
-        moved[1 : 1 + nq] = np.linalg.solve(np.eye(nq) - found[:nq, :nq], found[:nq, nq:])
+        moved[1 : 1 + nq] = np.linalg.solve(np.eye(nq) - slopes[:nq, :nq], slopes[:nq, nq:])
         moved[parameters] = chosen.directions
         if self._constants is not None:
             _, counted = self._constants(x, moved)

@@ -75,14 +75,14 @@ class Step:
         for s in range(STAGES + 1, 16):
             k[s] = functions.rates(t + C[s] * h, z + h * weighted(A[s, :s], k[:s])).values
         jump = self.z_new - z
-        rows = [jump, h * k[0] - jump, 2.0 * jump - h * (k[STAGES] + k[0]), *(h * weighted(one, k) for one in D)]
-        found = []
+        rows = [jump, h * k[0] - jump, 2.0 * jump - h * (k[STAGES] + k[0]), *(h * weighted(d, k) for d in D)]
+        states = []
         for theta in (times - t) / h:
             value = np.zeros_like(z)
             for n in reversed(range(len(rows))):
                 value = (value + rows[n]) * (theta if n % 2 == 0 else 1.0 - theta)
-            found.append(z + value)
-        return found
+            states.append(z + value)
+        return states
 
 
 def try_step(functions: Functions, t: float, h: float, z: np.ndarray, first: Rates) -> tuple[Step, str]:
@@ -90,10 +90,10 @@ def try_step(functions: Functions, t: float, h: float, z: np.ndarray, first: Rat
     slopes = np.empty((STAGES, *z.shape))
     slopes[0] = first.values
     for s in range(1, STAGES):
-        found = functions.rates(t + C[s] * h, z + h * weighted(A[s, :s], slopes[:s]))
-        slopes[s] = found.values
-        if not (found.sound and np.isfinite(found.values).all()):
+        rates = functions.rates(t + C[s] * h, z + h * weighted(A[s, :s], slopes[:s]))
+        slopes[s] = rates.values
+        if not (rates.sound and np.isfinite(rates.values).all()):
             return Step(t, h, z, z, slopes), "sound"
-        if (found.sides != first.sides).any():
+        if (rates.sides != first.sides).any():
             return Step(t, h, z, z, slopes), "sides"
     return Step(t, h, z, z + h * weighted(B, slopes), slopes), ""

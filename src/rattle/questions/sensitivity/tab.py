@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.answers.blocks import MOST_LINES, Content, bars, content, curves, line, table, words
+from rattle.answers.blocks import MOST_LINES, Block, Content, bars, content, curves, line, table, words
 from rattle.errors import InputError, ModelError, SolverError, TraceError
 from rattle.plots.curves import axis_label
-from rattle.questions.sensitivity.effects import effects
+from rattle.questions.sensitivity.effects import Effect, effects
 from rattle.results.handy_units import handy_unit
 from rattle.results.result import Result
 from rattle.studio.jobs.motion import usual_output
@@ -22,40 +22,53 @@ def tab(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Content:
     every = m.model.parameters
     if not every:
         raise InputError("the model has no parameters; write a dimension as one in Text")
-    parameters = [one.strip() for one in to.split(",") if one.strip()]
-    parameters = parameters or [name for name, one in every.items() if one.tol] or list(every)
-    outputs = [one.strip() for one in of.split(",") if one.strip()] or [usual_output(shelf.motion(source))]
+    parameters = _listed(to) or [name for name, parameter in every.items() if parameter.tol] or list(every)
+    outputs = _listed(of) or [usual_output(shelf.motion(source))]
     t = np.linspace(0.0, m.model.settings.t_end, POINTS)
     result, note = _of_motion(m, outputs, parameters, t)
-    found = sorted(effects(result), key=lambda one: -float(np.abs(one.derivative).max(initial=0.0)) * one.change)
-    largest = max((float(np.abs(one.derivative).max(initial=0.0)) * one.change for one in found), default=0.0)
-    factor, unit = handy_unit(found[0].unit, largest) if found else (1.0, "")
-    alike = [one for one in found if one.unit == found[0].unit][:MOST_LINES]
-    name = (lambda one: one.parameter) if len(outputs) == 1 else (lambda one: f"{one.output} by {one.parameter}")
-    lines = [line(f"{name(one)} by {one.words}", result.t, factor * one.derivative * one.change) for one in alike]
-    idle = [one.parameter for one in found if not np.any(one.derivative)]
+    entries = sorted(effects(result), key=lambda effect: -effect.size)
+    idle = [effect.parameter for effect in entries if not np.any(effect.derivative)]
     if idle and note:
         note += f".\n{', '.join(dict.fromkeys(idle))} changes nothing there; Accuracy and Ensemble are with play"
     rows = [
-        (one.output, one.parameter, one.words, one.slope, one.effect, f"{result.t[one.largest]:.4g} s") for one in found
+        (
+            effect.output,
+            effect.parameter,
+            effect.words,
+            effect.slope,
+            effect.effect,
+            f"{result.t[effect.largest]:.4g} s",
+        )
+        for effect in entries
     ]
     return content(
         "exact derivatives, no small change is made",
         words(note, "care"),
-        curves(
-            f"Change of {', '.join(outputs)} by a usual change of each parameter",
-            "time [s]",
-            axis_label("change", unit),
-            lines,
-        ),
-        bars(
-            "The largest of each",
-            axis_label("change", unit),
-            [name(one) for one in alike],
-            [factor * float(np.abs(one.derivative).max(initial=0.0)) * one.change for one in alike],
-        ),
+        *_pictures(result, entries, outputs),
         table(("curve", "parameter", "changed by", "largest derivative", "so it changes by", "at t"), rows),
         words(str(result.trust)),
+    )
+
+
+def _listed(text: str) -> list[str]:
+    """The names in a text, with commas between them."""
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+def _pictures(result: Result, entries: list[Effect], outputs: list[str]) -> tuple[Block | None, Block | None]:
+    """The changes over time and the largest of each, for effects of the unit of the first."""
+    largest = max((effect.size for effect in entries), default=0.0)
+    factor, unit = handy_unit(entries[0].unit, largest) if entries else (1.0, "")
+    alike = [effect for effect in entries if effect.unit == entries[0].unit][:MOST_LINES]
+    names = [effect.parameter if len(outputs) == 1 else f"{effect.output} by {effect.parameter}" for effect in alike]
+    lines = [
+        line(f"{name} by {effect.words}", result.t, factor * effect.derivative * effect.change)
+        for name, effect in zip(names, alike, strict=True)
+    ]
+    title = f"Change of {', '.join(outputs)} by a usual change of each parameter"
+    return (
+        curves(title, "time [s]", axis_label("change", unit), lines),
+        bars("The largest of each", axis_label("change", unit), names, [factor * effect.size for effect in alike]),
     )
 
 
@@ -69,7 +82,7 @@ def _of_motion(m, outputs: list[str], parameters: list[str], t: np.ndarray) -> t
             "no sensitivities: "
         )  # what follows is for those who write Python
     try:
-        found = m.ideal().sensitivity(outputs, parameters, t, "kinematics", strict=True)
+        answer = m.ideal().sensitivity(outputs, parameters, t, "kinematics", strict=True)
     except (ModelError, TraceError, SolverError):
         raise ModelError([]) from None if not why else InputError(why)
-    return found, f"These are of the mechanism without play, driven through its motion, because {because}"
+    return answer, f"These are of the mechanism without play, driven through its motion, because {because}"

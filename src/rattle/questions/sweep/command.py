@@ -68,14 +68,14 @@ def sweep(
         raise click.UsageError('--of names what is asked of every combination, e.g. --of "max(O3.force)"')
     m, axes = axes_of(read_model(file, settings, ideal), ranges)
     check_every(m, required, list(axes), analysis=analysis, t_end=t_end)
-    found = m.sweep(
+    answer = m.sweep(
         axes, list(outputs), analysis=analysis, t_end=t_end, threads=threads, workers=workers, scheduler=scheduler,
         folder=folder, progress=shows_progress(ctx),
     )  # fmt: skip
-    verdicts = judge_every(found, required)
+    verdicts = judge_every(answer, required)
     asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-    click.echo(as_json(found.record() | asked) if json_too else str(found))
-    keep_runs(ctx, found, csv, picture, lambda: found.plot(outputs[0]))
+    click.echo(as_json(answer.record() | asked) if json_too else str(answer))
+    keep_runs(ctx, answer, csv, picture, lambda: answer.plot(outputs[0]))
     finish_required(ctx, verdicts, None if json_too else click.echo)
 
 
@@ -111,6 +111,6 @@ def judge_every(sweep: Sweep, required: Sequence[str]) -> list[Verdict]:
             if kept
             else f"in {len(beyond)} of {len(sweep)}, first at {sweep.told(int(beyond[0]))}"
         )
-        said = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'} {where}"
-        verdicts.append(Verdict(kept, said, {"condition": condition.text, "kept": kept, "not_kept": beyond.tolist()}))
+        line = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'} {where}"
+        verdicts.append(Verdict(kept, line, {"condition": condition.text, "kept": kept, "not_kept": beyond.tolist()}))
     return verdicts

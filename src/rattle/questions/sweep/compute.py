@@ -43,7 +43,7 @@ class Sweep(Samples):
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values of every parameter."""
-        return tuple(len(one) for one in self.axes.values())
+        return tuple(len(axis) for axis in self.axes.values())
 
     def numbers(self, output: str) -> dict[str, Any]:
         """Values of parameters and output [SI] over the grid."""
@@ -79,24 +79,24 @@ class Sweep(Samples):
 
     def _title(self) -> str:
         spans = []
-        for name, one in self.axes.items():
-            low, high, unit = in_one_unit([one.min(), one.max()], self.unit(name))
-            count = f"{len(one)} value{'s' if len(one) > 1 else ''}"
+        for name, axis in self.axes.items():
+            low, high, unit = in_one_unit([axis.min(), axis.max()], self.unit(name))
+            count = f"{len(axis)} value{'s' if len(axis) > 1 else ''}"
             spans.append(f"{name} = {low} to {high} {unit}".rstrip() + f" ({count})")
         return f"{len(self)} combination{'s' if len(self) > 1 else ''} of {', '.join(spans)}"
 
     def rows(self) -> list[tuple[str, ...]]:
         """Outputs with least and greatest value and where they are, see HEADER."""
-        found = []
+        rows = []
         for output in self.outputs:
             values = self[output]
             if not np.isfinite(values).any():
-                found.append((output, self.unit(output), *["-"] * 4))
+                rows.append((output, self.unit(output), *["-"] * 4))
                 continue
             ends = int(np.nanargmin(values)), int(np.nanargmax(values))
             low, high, unit = in_one_unit([values[n] for n in ends], self.unit(output))
-            found.append((output, unit, low, self.told(ends[0]), high, self.told(ends[1])))
-        return found
+            rows.append((output, unit, low, self.told(ends[0]), high, self.told(ends[1])))
+        return rows
 
     def __str__(self) -> str:
         return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])
@@ -129,14 +129,14 @@ def _axes(m: Mechanism, values: Mapping[str, Any]) -> dict[str, np.ndarray]:
         raise InputError('values: expected parameters with their values, such as {"r3": [0.001, 0.002]}')
     require_parameters(m.system, list(values))
     axes = {}
-    for name, given in values.items():
-        if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or np.ndim(given) != 1:
-            raise InputError(f"values: '{name}' needs a list of values such as [0.001, 0.002], got {given!r:.60}")
-        if not len(given):
+    for name, listed in values.items():
+        if isinstance(listed, str) or not isinstance(listed, Sequence | np.ndarray) or np.ndim(listed) != 1:
+            raise InputError(f"values: '{name}' needs a list of values such as [0.001, 0.002], got {listed!r:.60}")
+        if not len(listed):
             raise InputError(f"values: '{name}' has no value")
         unit = m.model.parameters[name].unit
-        axes[name] = np.array([limit_of(one, unit, f"values: '{name}'") for one in given])
-    count = math.prod(len(one) for one in axes.values())
+        axes[name] = np.array([limit_of(number, unit, f"values: '{name}'") for number in listed])
+    count = math.prod(len(axis) for axis in axes.values())
     if count > MOST:
         raise InputError(f"values: {count} combinations are more than {MOST}; take fewer values of each parameter")
     return axes

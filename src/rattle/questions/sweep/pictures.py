@@ -67,25 +67,25 @@ def plot_sweep(
 
 def plot_output(w: Sweep, output: str, ax: Axes | None, at: Mapping[str, float | str] | None) -> Figure | Axes:
     """One output; on a new figure, or on `ax`, which is then returned."""
-    found = section(w, output, {} if at is None else at)
-    if not np.isfinite(found.values).any():
+    shown = section(w, output, {} if at is None else at)
+    if not np.isfinite(shown.values).any():
         why = next(iter(w.why()), "")
         raise InputError(
             f"{output}: no combination has a finite value, there is nothing to draw" + f": {why}" * bool(why)
         )
-    line = len(found.names) == 1
-    given, ax = ax, ax if ax is not None else new_axes(*((8.0, 4.6) if line else (7.2, 5.4)))[0]
-    bulk = bulk_of(found.values[np.isfinite(found.values)], w.unit(output))
-    (_curve if line else _map)(ax, w, output, found, bulk)
-    said = [found.fixed] if found.fixed else []
-    count = found.values.size
-    said.append(f"{count} run{'s' if count != 1 else ''}")
-    lacks = int(np.isnan(found.values).sum())
-    said += [f"{lacks} without a value ({'red' if line else 'grey'})"] if lacks else []
-    text = ", ".join(said) + (f"\nnot in the range: {bulk.outside}" if bulk.outside else "")
+    line = len(shown.names) == 1
+    axes, ax = ax, ax if ax is not None else new_axes(*((8.0, 4.6) if line else (7.2, 5.4)))[0]
+    bulk = bulk_of(shown.values[np.isfinite(shown.values)], w.unit(output))
+    (_curve if line else _map)(ax, w, output, shown, bulk)
+    remarks = [shown.fixed] if shown.fixed else []
+    count = shown.values.size
+    remarks.append(f"{count} run{'s' if count != 1 else ''}")
+    lacks = int(np.isnan(shown.values).sum())
+    remarks += [f"{lacks} without a value ({'red' if line else 'grey'})"] if lacks else []
+    text = ", ".join(remarks) + (f"\nnot in the range: {bulk.outside}" if bulk.outside else "")
     ax.set_title(output, loc="left", fontsize=11, pad=28 if bulk.outside else 16, parse_math=False)
     note(ax, text, "left")
-    return drawn(ax, given)
+    return drawn(ax, axes)
 
 
 def section(w: Sweep, output: str, at: Mapping[str, float | str]) -> Section:
@@ -96,7 +96,7 @@ def section(w: Sweep, output: str, at: Mapping[str, float | str]) -> Section:
     values = w.grid(output)
     names: list[str] = []
     places: list[Any] = []
-    said: list[str] = []
+    fixed: list[str] = []
     for name in at:
         if name not in w.axes:
             raise InputError(f"at: '{name}' is none of {', '.join(w.axes)}")
@@ -104,14 +104,14 @@ def section(w: Sweep, output: str, at: Mapping[str, float | str]) -> Section:
         if name in at or len(axis) == 1:
             n = _place(name, axis, at[name], w.unit(name)) if name in at else 0
             places.append(n)
-            said.append(f"{name} = " + " ".join(in_one_unit([axis[n]], w.unit(name))).rstrip())
+            fixed.append(f"{name} = " + " ".join(in_one_unit([axis[n]], w.unit(name))).rstrip())
         else:
             names.append(name)
             places.append(slice(None))
     if not names:  # a single combination: a point over the last parameter
         names, last = [list(w.axes)[-1]], places[-1]
         places[-1] = slice(last, last + 1)
-        said.pop()
+        fixed.pop()
     if len(names) > 2:
         fix = {name: float(f"{w.axes[name][len(w.axes[name]) // 2]:.6g}") for name in names[2:]}
         raise InputError(
@@ -125,12 +125,12 @@ def section(w: Sweep, output: str, at: Mapping[str, float | str]) -> Section:
         order = np.argsort(axis, kind="stable")
         chosen = np.take(chosen, order, axis=k)
         axes.append(axis[order])
-    return Section(tuple(names), tuple(axes), chosen, ", ".join(said))
+    return Section(tuple(names), tuple(axes), chosen, ", ".join(fixed))
 
 
-def _place(name: str, axis: np.ndarray, given: float | str, unit: str) -> int:
+def _place(name: str, axis: np.ndarray, asked: float | str, unit: str) -> int:
     """Where a value is in the grid.  Raises InputError, TypeError."""
-    value = limit_of(given, unit, f"at: '{name}'")
+    value = limit_of(asked, unit, f"at: '{name}'")
     n = int(np.argmin(np.abs(axis - value)))
     if abs(axis[n] - value) > SAME * np.abs(axis).max():
         near = np.sort(axis[np.argsort(np.abs(axis - value))[:2]])
@@ -146,29 +146,29 @@ def _axis(w: Sweep, name: str, axis: np.ndarray) -> tuple[np.ndarray, str]:
     return scale * axis, axis_label(name, unit)
 
 
-def _curve(ax: Axes, w: Sweep, output: str, found: Section, bulk: Bulk) -> None:
-    x, label = _axis(w, found.names[0], found.axes[0])
-    y = bulk.factor * found.values
-    known = np.isfinite(y)
+def _curve(ax: Axes, w: Sweep, output: str, shown: Section, bulk: Bulk) -> None:
+    x, label = _axis(w, shown.names[0], shown.axes[0])
+    y = bulk.factor * shown.values
+    finite = np.isfinite(y)
     marker = "o" if len(x) <= MARKED else ""
-    alone = known & ~np.append(known[1:], False) & ~np.append(False, known[:-1])  # no line leads there
+    alone = finite & ~np.append(finite[1:], False) & ~np.append(False, finite[:-1])  # no line leads there
     ax.plot(x, y, color=BLUE, linewidth=1.2, marker=marker, markersize=3.5)
     if alone.any() and not marker:
         ax.plot(x[alone], y[alone], ".", color=BLUE)
-    if not known.all():
-        place = np.zeros(int((~known).sum()))
-        ax.plot(x[~known], place, "|", color=RED, markersize=9, transform=ax.get_xaxis_transform(), clip_on=False)
+    if not finite.all():
+        place = np.zeros(int((~finite).sum()))
+        ax.plot(x[~finite], place, "|", color=RED, markersize=9, transform=ax.get_xaxis_transform(), clip_on=False)
     set_range(ax, bulk, "y", 0.06)
     ax.set_xlabel(label, parse_math=False)
     ax.set_ylabel(axis_label(QUANTITY.get(w.unit(output), "value"), bulk.unit))
     ax.margins(x=0.02)
 
 
-def _map(ax: Axes, w: Sweep, output: str, found: Section, bulk: Bulk) -> None:
+def _map(ax: Axes, w: Sweep, output: str, shown: Section, bulk: Bulk) -> None:
     from matplotlib.colors import LogNorm, Normalize
 
-    (x, across), (y, up) = (_axis(w, name, axis) for name, axis in zip(found.names, found.axes, strict=True))
-    z = np.ma.masked_invalid(bulk.factor * found.values.T)
+    (x, across), (y, up) = (_axis(w, name, axis) for name, axis in zip(shown.names, shown.axes, strict=True))
+    z = np.ma.masked_invalid(bulk.factor * shown.values.T)
     half = 0.0 if bulk.high > bulk.low else 0.05 * abs(bulk.low) or 0.5  # all are equal
     norm = (LogNorm if bulk.log else Normalize)(bulk.low - half, bulk.high + half)
     ax.grid(False)
@@ -206,8 +206,8 @@ def _lines(ax: Axes, x: np.ndarray, y: np.ndarray, z: np.ndarray, bulk: Bulk, no
     from matplotlib.ticker import LogLocator, MaxNLocator
 
     locator = LogLocator(subs=(1.0, 2.0, 5.0)) if bulk.log else MaxNLocator(LINES)
-    levels = [one for one in locator.tick_values(bulk.low, bulk.high) if bulk.low < one < bulk.high]
+    levels = [level for level in locator.tick_values(bulk.low, bulk.high) if bulk.low < level < bulk.high]
     if levels:
-        colours = [BLACK if norm(one) > BRIGHT else "white" for one in levels]
+        colours = [BLACK if norm(level) > BRIGHT else "white" for level in levels]
         lines = ax.contour(x, y, z, levels, colors=colours, linewidths=0.8, alpha=0.9)
-        ax.clabel(lines, fontsize=8, fmt=lambda one: f"{one:g}".replace("-", "\N{MINUS SIGN}"))
+        ax.clabel(lines, fontsize=8, fmt=lambda level: f"{level:g}".replace("-", "\N{MINUS SIGN}"))

@@ -90,20 +90,20 @@ class Allocation:
         return f"{what} tolerances that keep {self.of} {self.limits.text}, {how}"
 
     def _rows(self) -> list[tuple[str, ...]]:
-        found = []
+        rows = []
         for name, value in self.tolerances.items():
             *texts, unit = in_one_unit((self.before[name], value, self.by_slopes[name]), self.units[name])
-            found.append((name, *(f"+-{text} {unit}".rstrip() for text in texts)))
-        return found
+            rows.append((name, *(f"+-{text} {unit}".rstrip() for text in texts)))
+        return rows
 
     def _said(self) -> list[str]:
-        said = []
+        lines = []
         if not math.isnan(self.cost):
-            said.append(f"cost {self.cost:.6g} (by slopes alone {self.cost_by_slopes:.6g})")
+            lines.append(f"cost {self.cost:.6g} (by slopes alone {self.cost_by_slopes:.6g})")
         factor, unit = scale_of((self.limits.half, *self.band), self.unit)
         low, high = (number(factor * x, factor * self.limits.half) for x in self.band)
-        said.append(f"sampled: {100.0 * self.share:.5g} % within, all from {low} to {high} {unit}".rstrip())
-        return [*said, *self.notes]
+        lines.append(f"sampled: {100.0 * self.share:.5g} % within, all from {low} to {high} {unit}".rstrip())
+        return [*lines, *self.notes]
 
     def __str__(self) -> str:
         return self.report
@@ -124,16 +124,16 @@ def closed_form(
     """
     size = np.abs(slopes)
     ratio = (costs / size**order) ** (1.0 / (exponent + order))
-    found, held = np.array(most, dtype=float), np.zeros(len(size), dtype=bool)
+    widths, held = np.array(most, dtype=float), np.zeros(len(size), dtype=bool)
     while not held.all():
         left = limit**order - float(((size * most)[held] ** order).sum())
-        found[~held] = ratio[~held] * (left / float(((size * ratio)[~held] ** order).sum())) ** (1.0 / order)
-        beyond = ~held & (found > most)
+        widths[~held] = ratio[~held] * (left / float(((size * ratio)[~held] ** order).sum())) ** (1.0 / order)
+        beyond = ~held & (widths > most)
         if not beyond.any():
             break
         held |= beyond
-        found[held] = most[held]
-    return found
+        widths[held] = most[held]
+    return widths
 
 
 def allocate(
@@ -159,7 +159,7 @@ def costs_of(fields: Fields, cost: Mapping[str, float] | None) -> dict[str, floa
         return {}
     if not isinstance(cost, Mapping):
         raise WrongType(f'cost: expected numbers by parameter such as {{"l2": 1.0}}, got {cost!r:.60}')
-    names = [one.name for one in fields.fields if one.dist != TABLE]
+    names = [field.name for field in fields.fields if field.dist != TABLE]
     for name in cost:
         if name not in names:
             raise InputError(f"cost: '{name!s:.60}' is none of the tolerances{suggest(str(name), names)}")
@@ -176,8 +176,8 @@ class _Scaled:
     ) -> None:
         self.t, self.limits, self.method, self.costs, self.exponent = t, limits, method, costs, exponent
         self.share = 1.0 if method == "worst-case" else share
-        self.given = np.array([one.tol for one in t.fields.fields])
-        self.free = np.array([one.dist != TABLE for one in t.fields.fields])
+        self.given = np.array([field.tol for field in t.fields.fields])
+        self.free = np.array([field.dist != TABLE for field in t.fields.fields])
         self.room = np.array([_room(t, name) for name in t.fields.names])  # (k,) greatest tolerances
         n = SIDE_BY_SIDE if t.trials.side_by_side else t.samples
         self.u = points("sobol", t.seed, t.fields.draws, n).points(0, n)
@@ -193,19 +193,19 @@ class _Scaled:
         with np.errstate(divide="ignore"):
             most = float(min(GREATEST, np.max((self.room / self.base)[self.free])))
         try:
-            found = edge(lambda x: self._look(x)[0], 1.0, SMALLEST, most, rest)
+            limit = edge(lambda x: self._look(x)[0], 1.0, SMALLEST, most, rest)
         except NotReachedError:
             fixed = "" if self.free.all() else ", beside tables of values that stay as they are,"
             raise InputError(
                 f"within: no tolerances however tight{fixed} keep {self.t.of} {self.limits.text}"
             ) from None
-        scale = found.value
-        if not math.isnan(found.gap):
+        scale = limit.value
+        if not math.isnan(limit.gap):
             self.notes.append("NOT MONOTONE: some tighter tolerances do not keep the limits, though looser ones do")
-        said = f"the output itself allows {scale:.4g} times the tolerances by slopes"
-        if math.isnan(found.over):
-            said += "; all are as wide as they may be" if most < GREATEST else ", and more"
-        self.notes.insert(0, said)
+        note = f"the output itself allows {scale:.4g} times the tolerances by slopes"
+        if math.isnan(limit.over):
+            note += "; all are as wide as they may be" if most < GREATEST else ", and more"
+        self.notes.insert(0, note)
         return self._made(self.tolerances(scale), self._look(scale))
 
     def tolerances(self, scale: float) -> np.ndarray:
@@ -218,42 +218,45 @@ class _Scaled:
         effects, sets = np.abs(t.effects), members(t.fields)
         if not np.isfinite(effects).all():
             raise InputError(f"no tolerances without slopes: {t.why}")
-        tables = np.array([not self.free[list(one)].any() for one in sets])
+        tables = np.array([not self.free[list(places)].any() for places in sets])
         idle = ~tables & (effects == 0.0)
         share = ~tables & ~idle
         left = limit**order - float((effects[tables] ** order).sum())
         names = labels(t.fields)
         if not left > 0.0:
-            widest = ", ".join(name for name, one in zip(names, tables, strict=True) if one)
+            widest = ", ".join(name for name, fixed in zip(names, tables, strict=True) if fixed)
             raise InputError(f"within: tables of values ({widest}) alone take more than is allowed")
         if idle.any():
-            said = ", ".join(name for name, one in zip(names, idle, strict=True) if one)
-            self.notes.append(f"to first order without effect, as wide as before by slopes: {said}")
+            idle_names = ", ".join(name for name, without in zip(names, idle, strict=True) if without)
+            self.notes.append(f"to first order without effect, as wide as before by slopes: {idle_names}")
         if not share.any():
             return self.given
         costs = added(t.fields, self._cost_parts(self.given)) if self.costs else np.ones(len(effects))
-        most = np.array([min((self.room / self.given)[k] for k in one if self.free[k]) if share[n] else 1.0
-                         for n, one in enumerate(sets)])  # fmt: skip
+        most = np.array([self._widest(places) if shares else 1.0 for places, shares in zip(sets, share, strict=True)])
         p = self.exponent if self.costs else 0.0
         factors = np.ones(len(effects))
         factors[share] = closed_form(effects[share], costs[share], left ** (1.0 / order), p, order, most[share])
         return self.given * factors[list(t.fields.draw)]
 
+    def _widest(self, places: tuple[int, ...]) -> float:
+        """The factor by which the tolerances of a contributor can grow until the first meets its limit."""
+        return float(min((self.room / self.given)[k] for k in places if self.free[k]))
+
     def _cost_parts(self, tolerances: np.ndarray) -> np.ndarray:
         """(k,) what tolerances (k,) [SI] cost, 0 for tables."""
-        found = np.zeros(len(tolerances))
+        parts = np.zeros(len(tolerances))
         for k, name in enumerate(self.t.fields.names):
             if name in self.costs:
-                found[k] = self.costs[name] / tolerances[k] ** self.exponent
-        return found
+                parts[k] = self.costs[name] / tolerances[k] ** self.exponent
+        return parts
 
     def _fields(self, scale: float) -> Fields:
         every = []
-        for one, tol, free in zip(self.t.fields.fields, self.tolerances(scale).tolist(), self.free, strict=True):
-            limits = self.t.trials.task.mechanism.model.parameters[one.name]
-            low = max(one.nominal - tol, -math.inf if limits.minimum is None else limits.minimum)
-            high = min(one.nominal + tol, math.inf if limits.maximum is None else limits.maximum)
-            every.append(replace(one, tol=tol, low=low, high=high) if free else one)
+        for field, tol, free in zip(self.t.fields.fields, self.tolerances(scale).tolist(), self.free, strict=True):
+            limits = self.t.trials.task.mechanism.model.parameters[field.name]
+            low = max(field.nominal - tol, -math.inf if limits.minimum is None else limits.minimum)
+            high = min(field.nominal + tol, math.inf if limits.maximum is None else limits.maximum)
+            every.append(replace(field, tol=tol, low=low, high=high) if free else field)
         return replace(self.t.fields, fields=tuple(every))
 
     def _look(self, scale: float) -> tuple[float, float, tuple[float, float]]:
@@ -276,8 +279,8 @@ class _Scaled:
         """How far the worst corner is beyond the limits."""
         if self.ends is not None:
             return float(self.limits.excess(self.t.trials.outputs(at_ends(fields, self.ends))).max()) - SLACK
-        found = corners.search(self.t.trials, fields, self.t.effects)
-        return float(self.limits.excess(np.array([found.low, found.high])).max()) - SLACK
+        worst = corners.search(self.t.trials, fields, self.t.effects)
+        return float(self.limits.excess(np.array([worst.low, worst.high])).max()) - SLACK
 
     def _made(self, tolerances: np.ndarray, looked: tuple[float, float, tuple[float, float]]) -> Allocation:
         t, names = self.t, self.t.fields.names
@@ -285,23 +288,23 @@ class _Scaled:
         held = [names[k] for k in chosen if tolerances[k] >= self.room[k]]
         limits = [f"as wide as the limits of the model, or the nominal value, allow: {', '.join(held)}"] if held else []
         vary: dict[str, dict[str, Any]] = {}
-        for one, tol in zip(t.fields.fields, tolerances.tolist(), strict=True):
-            table_of = {"dist": {"values": list(one.values), "weights": list(one.shares)}}
-            vary[one.name] = table_of if one.dist == TABLE else {"tol": tol, "dist": one.dist}
-        parts = (self._cost_parts(one) if self.costs else np.array([np.nan]) for one in (tolerances, self.base))
-        cost, cost_by_slopes = (float(one.sum()) for one in parts)
-        found, by_slopes, before = (
-            {names[k]: float(one[k]) for k in chosen} for one in (tolerances, self.base, self.given)
+        for field, tol in zip(t.fields.fields, tolerances.tolist(), strict=True):
+            table_of = {"dist": {"values": list(field.values), "weights": list(field.shares)}}
+            vary[field.name] = table_of if field.dist == TABLE else {"tol": tol, "dist": field.dist}
+        parts = (self._cost_parts(widths) if self.costs else np.array([np.nan]) for widths in (tolerances, self.base))
+        cost, cost_by_slopes = (float(part.sum()) for part in parts)
+        allocated, by_slopes, before = (
+            {names[k]: float(widths[k]) for k in chosen} for widths in (tolerances, self.base, self.given)
         )
-        units = {one.name: one.unit for one in t.fields.fields}
+        units = {field.name: field.unit for field in t.fields.fields}
         return Allocation(
-            t.of, t.unit, self.limits, self.method, found, by_slopes, before, vary, cost, cost_by_slopes, looked[1],
+            t.of, t.unit, self.limits, self.method, allocated, by_slopes, before, vary, cost, cost_by_slopes, looked[1],
             looked[2], units, (*self.notes, *limits),
         )  # fmt: skip
 
 
 def _room(t: Linear, name: str) -> float:
     """The greatest tolerance of a parameter [SI]: to its limits in the model, else all of its nominal value."""
-    one = t.trials.task.mechanism.model.parameters[name]
-    ends = [abs(limit - one.value) for limit in (one.minimum, one.maximum) if limit is not None]
-    return min(ends, default=abs(one.value) or math.inf)
+    parameter = t.trials.task.mechanism.model.parameters[name]
+    ends = [abs(limit - parameter.value) for limit in (parameter.minimum, parameter.maximum) if limit is not None]
+    return min(ends, default=abs(parameter.value) or math.inf)

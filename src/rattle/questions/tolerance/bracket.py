@@ -43,12 +43,12 @@ def edge(excess: Excess, start: float, least: float, most: float, rest: float = 
     """Search from a start on, between bounds; rest: q(0).  Raises NotReachedError if q(least) > 0."""
     low, high = _bracket(excess, min(max(start, least), most), least, most, rest)
     if math.isnan(high):
-        found = Edge(low, high)
+        result = Edge(low, high)
     else:
-        found = Edge(*_narrowed(excess, (low, excess(low)), (high, excess(high))))
+        result = Edge(*_narrowed(excess, (low, excess(low)), (high, excess(high))))
     before = (0.0, rest)
     for share in SCANNED:
-        x = share * found.value
+        x = share * result.value
         if x <= least:
             continue
         q = excess(x)
@@ -59,7 +59,7 @@ def edge(excess: Excess, start: float, least: float, most: float, rest: float = 
             low, high = _narrowed(excess, before, (x, q))
             return Edge(low, high, x)
         before = (x, q)
-    return found
+    return result
 
 
 def _bracket(excess: Excess, x: float, least: float, most: float, rest: float) -> tuple[float, float]:

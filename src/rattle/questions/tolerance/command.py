@@ -15,6 +15,7 @@ from rattle.cli.requirements import require_share_option, required_share, said_r
 from rattle.questions.ensemble.options import question_options, tolerances
 
 if TYPE_CHECKING:
+    from rattle.questions.tolerance.largest import Largest
     from rattle.questions.tolerance.report import Tolerance
 
 
@@ -80,12 +81,8 @@ def tolerance(
     common: dict[str, Any] = {"vary": vary, "analysis": analysis, "t_end": t_end, "n": count, "seed": seed,
                               "threads": threads, "progress": shows_progress(ctx)}  # fmt: skip
     if parameter is not None and limit is not None:
-        found = [m.tolerance_for(output, value(limit), parameter, share, **common) for output in outputs]
-        listed = [
-            {"parameter": parameter, "value": float(largest), "unit": largest.unit, "share": largest.share}
-            for largest in found
-        ]
-        click.echo(as_json(_together(listed)) if json_too else "\n\n".join(largest.report for largest in found))
+        answer = [m.tolerance_for(output, value(limit), parameter, share, **common) for output in outputs]
+        click.echo(_largest(answer, json_too))
         return
     if limit is not None:
         from rattle.questions.tolerance.compute import require_limit
@@ -141,6 +138,17 @@ class _Answer(NamedTuple):
         return cls("\n".join(parts), record | {"allocation": allocation.tolerances}, kept)
 
 
+def _largest(answer: list[Largest], json_too: bool) -> str:
+    """The largest values of a parameter for each output, as they are printed."""
+    if not json_too:
+        return "\n\n".join(largest.report for largest in answer)
+    records = [
+        {"parameter": largest.parameter, "value": float(largest), "unit": largest.unit, "share": largest.share}
+        for largest in answer
+    ]
+    return as_json(_together(records))
+
+
 def _together(records: list[dict[str, Any]]) -> Any:
     """What JSON holds: the record of one output, or a list of several."""
     return records[0] if len(records) == 1 else records
@@ -163,25 +171,25 @@ USELESS = {
 
 def _require_sense(ctx: click.Context) -> None:
     """Refuse options that would be left out of account.  Raises UsageError."""
-    given = {name for name in ctx.params if ctx.get_parameter_source(name) == ParameterSource.COMMANDLINE}
-    asked = {"--limit": "limit" in given, "--largest": "parameter" in given}
+    typed = {name for name in ctx.params if ctx.get_parameter_source(name) == ParameterSource.COMMANDLINE}
+    asked = {"--limit": "limit" in typed, "--largest": "parameter" in typed}
     for name, (option, other) in NEEDED.items():
-        if name in given and not asked[other]:
+        if name in typed and not asked[other]:
             what = {"--limit": ": the deviation that is allowed", "--largest": ": the parameter that is meant"}[other]
             raise click.UsageError(f"{option} needs {other}{what}")
     for name, option in USELESS.items():
-        if name in given and asked["--largest"]:
+        if name in typed and asked["--largest"]:
             raise click.UsageError(f"{option} says nothing to --largest, which looks for one value; leave it out")
 
 
-def _costs(given: tuple[str, ...]) -> dict[str, float] | None:
-    found: dict[str, float] = {}
-    for one in given:
-        name, _, text = one.partition("=")
-        if name.strip() in found:
+def _costs(texts: tuple[str, ...]) -> dict[str, float] | None:
+    costs: dict[str, float] = {}
+    for entry in texts:
+        name, _, text = entry.partition("=")
+        if name.strip() in costs:
             raise click.UsageError(f"--cost: '{name.strip()}' is given twice")
         try:
-            found[name.strip()] = float(text)
+            costs[name.strip()] = float(text)
         except ValueError:
-            raise click.UsageError(f"--cost needs NAME=COST with a number, as in l2=3, got '{one}'") from None
-    return found or None
+            raise click.UsageError(f"--cost needs NAME=COST with a number, as in l2=3, got '{entry}'") from None
+    return costs or None

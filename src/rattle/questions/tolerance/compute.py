@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 MOST_ROWS = 2**20
 SIDE_BY_SIDE, ONE_BY_ONE = 1024, 512  # rows unless given
 LINEAR = 0.1  # share by which the standard deviation of the samples may differ from that by slopes, else it is said
+STILL = 1e-9  # share of the output up to which its samples spread by rounding alone
 
 
 def tolerance(
@@ -41,13 +42,13 @@ def tolerance(
     if not isinstance(of, str):
         raise WrongType(f"of: expected one output such as 'max(O3.force)', got {of!r:.60}")
     task = task_of(m, fields.names, [of], analysis=analysis, t_end=t_end)
-    (value,), said = nominal_run(task)
+    (value,), remarks = nominal_run(task)
     if not math.isfinite(value):
-        raise InputError(f"of: {of!r} has no value without deviations" + "".join(f"; {one}" for one in said))
+        raise InputError(f"of: {of!r} has no value without deviations" + "".join(f"; {remark}" for remark in remarks))
     trials = Trials(task, threads, progress)
     count = n or (SIDE_BY_SIDE if trials.side_by_side else ONE_BY_ONE)
-    found = slopes(trials, fields, value)
-    effects = added(fields, found.values * half_widths(fields))
+    gradient = slopes(trials, fields, value)
+    effects = added(fields, gradient.values * half_widths(fields))
 
     # corners and rows in one go
     rows = Rows(fields, seed, 2 * count)
@@ -61,15 +62,15 @@ def tolerance(
     inside = corners.beyond(trials, fields, worst, values, outputs[len(ends) :])
     shares, lost = _indices(trials, rows, table, seed)
     notes = [
-        *said,
-        *_linear(fields, found, table[:2].ravel(), value),
+        *remarks,
+        *_linear(fields, gradient, table[:2].ravel(), value),
         *worst.notes,
         *lost,
         *([inside] if inside else []),
     ]
     return Tolerance(
-        of, task.outputs[0].unit, value, fields, dict(zip(fields.names, found.values.tolist(), strict=True)), found.how,
-        (worst.low, worst.high), shares, table[:2].ravel(), samples, trials, int(seed), tuple(notes),
+        of, task.outputs[0].unit, value, fields, dict(zip(fields.names, gradient.values.tolist(), strict=True)),
+        gradient.how, (worst.low, worst.high), shares, table[:2].ravel(), samples, trials, int(seed), tuple(notes),
     )  # fmt: skip
 
 
@@ -103,12 +104,12 @@ def _indices(trials: Trials, rows: Rows, table: np.ndarray, seed: int) -> tuple[
         further = trials.outputs(rows.values(n, n + more)).reshape(rows.d + 2, more)
         whole = np.concatenate([whole, further[:, np.isfinite(further).all(axis=0)]], axis=1)[:, :n]
     left = whole.shape[1]
-    said = f"Sobol indices: {lost} of {n} rows have a sample without a value"
+    loss = f"Sobol indices: {lost} of {n} rows have a sample without a value"
     if left < 2:
-        return unknown(rows.d), [f"{said}; there are none"]
+        return unknown(rows.d), [f"{loss}; there are none"]
     kept = 2 ** int(math.log2(left))
     what = "others stand in for them" if kept == n else f"they come from {kept} rows"
-    return indices(whole[:, :kept], seed), [f"{said}; {what}, so that they are those of mechanisms that can be run"]
+    return indices(whole[:, :kept], seed), [f"{loss}; {what}, so that they are those of mechanisms that can be run"]
 
 
 def _still(table: np.ndarray) -> list[str]:
@@ -117,18 +118,18 @@ def _still(table: np.ndarray) -> list[str]:
     return []
 
 
-def _linear(fields: Fields, found: Slopes, drawn: np.ndarray, value: float) -> list[str]:
+def _linear(fields: Fields, slopes: Slopes, drawn: np.ndarray, value: float) -> list[str]:
     """What is said where slopes do not tell how far the output spreads."""
-    known = drawn[np.isfinite(drawn)]
-    if not np.isfinite(found.values).all():
-        missing = [name for name, slope in zip(fields.names, found.values, strict=True) if not math.isfinite(slope)]
+    finite = drawn[np.isfinite(drawn)]
+    if not np.isfinite(slopes.values).all():
+        missing = [name for name, slope in zip(fields.names, slopes.values, strict=True) if not math.isfinite(slope)]
         return [f"no slope by {', '.join(missing)}: root sum square unknown"]
-    if len(known) < 2:
+    if len(finite) < 2:
         return []
-    parts = added(fields, found.values * np.array([one.sd for one in fields.fields]))
-    by_slopes, sampled = math.sqrt(float(parts @ parts)), float(known.std(ddof=1))
-    doubt = LINEAR + 1.0 / math.sqrt(len(known))  # more than the sampling error of a standard deviation
-    if abs(by_slopes - sampled) <= doubt * max(by_slopes, sampled) or sampled <= 1e-9 * abs(value):
+    parts = added(fields, slopes.values * np.array([field.sd for field in fields.fields]))
+    by_slopes, sampled = math.sqrt(float(parts @ parts)), float(finite.std(ddof=1))
+    doubt = LINEAR + 1.0 / math.sqrt(len(finite))  # more than the sampling error of a standard deviation
+    if abs(by_slopes - sampled) <= doubt * max(by_slopes, sampled) or sampled <= STILL * abs(value):
         return []
     ratio = f"{by_slopes / sampled:.2g} times" if sampled else "not"
     return [

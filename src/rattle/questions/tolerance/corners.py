@@ -21,6 +21,7 @@ from rattle.studies.runs.columns import number, scale_of
 
 ALL = 10  # contributors up to which all corners are run
 PASSES = 50  # of the search beyond
+ROUNDING = 1e-12  # share of the output that is allowed besides: a worst case of no width leaves BEYOND nothing
 BEYOND = 1e-6  # share of the worst case by which a sample lies beyond it for certain: errors of runs
 
 
@@ -45,21 +46,21 @@ def extremes(samples: Samples, corners: np.ndarray, fields: Fields, outputs: np.
     if not len(lost):
         return Corners(float(outputs.min()), float(outputs.max()), len(corners))
     first = int(lost[0])
-    said = f"worst case unknown: {len(lost)} of {len(corners)} corners have no value, such as {samples.told(first)}"
+    words = f"worst case unknown: {len(lost)} of {len(corners)} corners have no value, such as {samples.told(first)}"
     reason = samples.message(first) or "the output has no value there"
-    return Corners(float("nan"), float("nan"), len(corners), (f"{said}: {reason}",))
+    return Corners(float("nan"), float("nan"), len(corners), (f"{words}: {reason}",))
 
 
 def search(trials: Trials, fields: Fields, effects: np.ndarray) -> Corners:
     """The worst case of many contributors with first-order effects (d,) [SI]."""
-    found, count, notes = [], 0, []
+    ends, count, notes = [], 0, []
     for sign in (-1.0, 1.0):
         value, looked, note = _climb(trials, fields, sign * effects > 0.0, sign)
-        found.append(value)
+        ends.append(value)
         count += looked
         notes += [note] if note else []
-    said = f"worst case from {count} of the 2^{fields.draws} corners: those to which the slopes point, and beside"
-    return Corners(found[0], found[1], count, (said, *dict.fromkeys(notes)))
+    words = f"worst case from {count} of the 2^{fields.draws} corners: those to which the slopes point, and beside"
+    return Corners(ends[0], ends[1], count, (words, *dict.fromkeys(notes)))
 
 
 def _climb(trials: Trials, fields: Fields, corner: np.ndarray, sign: float) -> tuple[float, int, str]:
@@ -87,19 +88,19 @@ def _climb(trials: Trials, fields: Fields, corner: np.ndarray, sign: float) -> t
 
 
 # ---------------------------------------------------------------- inside of the fields
-def beyond(trials: Trials, fields: Fields, found: Corners, values: np.ndarray, outputs: np.ndarray) -> str:
+def beyond(trials: Trials, fields: Fields, worst_case: Corners, values: np.ndarray, outputs: np.ndarray) -> str:
     """What is said of samples with values (k, n) and outputs (n,) [SI] that are worse than all corners; "" if none."""
-    known = np.isfinite(outputs)
-    if not known.any() or not np.isfinite([found.low, found.high]).all():
+    finite = np.isfinite(outputs)
+    if not finite.any() or not np.isfinite([worst_case.low, worst_case.high]).all():
         return ""
-    allowed = BEYOND * (found.high - found.low) + 1e-12 * max(abs(found.low), abs(found.high))
-    for sign, limit, word in ((1.0, found.high, "greater"), (-1.0, -found.low, "less")):
-        worst = int(np.argmax(np.where(known, sign * outputs, -np.inf)))
+    allowed = BEYOND * (worst_case.high - worst_case.low) + ROUNDING * max(abs(worst_case.low), abs(worst_case.high))
+    for sign, limit, word in ((1.0, worst_case.high, "greater"), (-1.0, -worst_case.low, "less")):
+        worst = int(np.argmax(np.where(finite, sign * outputs, -np.inf)))
         if sign * outputs[worst] <= limit + allowed:
             continue
         names = _inside(trials, fields, values[:, worst], sign * float(outputs[worst]), sign)
-        factor, unit = scale_of([found.low, found.high], trials.task.outputs[0].unit)
-        shown = number(factor * float(outputs[worst]), factor * (found.high - found.low))
+        factor, unit = scale_of([worst_case.low, worst_case.high], trials.task.outputs[0].unit)
+        shown = number(factor * float(outputs[worst]), factor * (worst_case.high - worst_case.low))
         where = f" in {', '.join(names)}" if names else ""
         return (
             f"the output is not monotone{where}: the worst case is inside of the fields, not at their corners;"
@@ -111,9 +112,9 @@ def beyond(trials: Trials, fields: Fields, found: Corners, values: np.ndarray, o
 def _inside(trials: Trials, fields: Fields, values: np.ndarray, worst: float, sign: float) -> list[str]:
     """Contributors of which both ends are better than a sample with values (k,) and sign*output `worst` [SI]."""
     rows = []
-    for one in range(fields.draws):
+    for contributor in range(fields.draws):
         for end in (False, True):
             ends = at_ends(fields, np.full((1, fields.draws), end))[:, 0]
-            rows.append(np.where(np.array(fields.draw) == one, ends, values))
+            rows.append(np.where(np.array(fields.draw) == contributor, ends, values))
     moved = sign * trials.outputs(np.array(rows).T).reshape(fields.draws, 2)
     return [name for name, pair in zip(labels(fields), moved, strict=True) if (pair < worst).all()]

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 SIDE_BY_SIDE, ONE_BY_ONE, BANDS = 16_384, 1024, 512  # samples unless given; BANDS: of all positions of the pins
 ROUND = 1e-9  # of a number of samples
+INSIDE = -1e-3  # excess at 0, at most, for the search: it aims by the rise from there, with 0 at nothing
 
 
 class Largest(float):
@@ -41,9 +42,9 @@ class Largest(float):
     def __new__(
         cls, value: float, report: str = "", share: float = math.nan, unit: str = "", parameter: str = ""
     ) -> Largest:
-        made = super().__new__(cls, value)
-        made.report, made.share, made.unit, made.parameter = report, share, unit, parameter
-        return made
+        largest = super().__new__(cls, value)
+        largest.report, largest.share, largest.unit, largest.parameter = report, share, unit, parameter
+        return largest
 
     def __getnewargs__(self) -> Any:
         return float(self), self.report, self.share, self.unit, self.parameter
@@ -88,7 +89,7 @@ def _with_entries(m: Mechanism, vary: Vary) -> Mapping[str, Any]:
     if vary is not None:
         names = fields_of(m, vary).names if len(vary) or isinstance(vary, str) else ()
         return {name: {} for name in names}
-    return {name: {} for name, one in m.model.parameters.items() if varies(one)}
+    return {name: {} for name, parameter in m.model.parameters.items() if varies(parameter)}
 
 
 class _Search:
@@ -111,11 +112,11 @@ class _Search:
             rest = -1.0
             if sought.from_nothing and (rest := self.excess(0.0)) > 0.0:
                 raise NotReachedError(0.0)
-            found = edge(self.excess, sought.start, sought.least, sought.most, min(rest, -1e-3))
+            result = edge(self.excess, sought.start, sought.least, sought.most, min(rest, INSIDE))
         except NotReachedError as error:
             raise InputError(self._none(error.least)) from None
-        report = "\n".join(self._report(found))
-        return Largest(found.value, report, self.shares[found.value], sought.parameter.unit, sought.parameter.name)
+        report = "\n".join(self._report(result))
+        return Largest(result.value, report, self.shares[result.value], sought.parameter.unit, sought.parameter.name)
 
     def excess(self, x: float) -> float:
         """How far the worst of the mechanisms that have to keep the limits is beyond them, see `edge`."""
@@ -125,8 +126,8 @@ class _Search:
             except (ModelError, AssemblyError, SolverError):  # the mechanism from which they are measured has no run
                 over = np.full(len(self.u), np.inf)
             else:
-                found = self.sought.trials.run(self.sought.values(x, self.u))
-                over = np.max([limits.excess(found[one]) for one in found.outputs], axis=0)
+                samples = self.sought.trials.run(self.sought.values(x, self.u))
+                over = np.max([limits.excess(samples[output]) for output in samples.outputs], axis=0)
             needed = max(math.ceil(self.share * len(over) - ROUND), 1)
             self.shares[x] = float((over <= 0.0).mean())
             self._known[x] = float(np.sort(over)[needed - 1])
@@ -143,28 +144,28 @@ class _Search:
             limits = sought.limits(least).text
         except (ModelError, AssemblyError, SolverError) as error:
             return f"no {sought.what}: {sought.shown(least)}: {error}"
-        said = f"not even {sought.what} = {sought.shown(least)} keeps {sought.of} {limits}"
+        words = f"not even {sought.what} = {sought.shown(least)} keeps {sought.of} {limits}"
         if len(self.u) > 1:
             kept = _percent(self.shares[least])
-            said += f": {kept} of {len(self.u)} samples, expected are {_percent(self.share)}"
-        return f"{said}; {sought.remedy}"
+            words += f": {kept} of {len(self.u)} samples, expected are {_percent(self.share)}"
+        return f"{words}; {sought.remedy}"
 
-    def _report(self, found: Edge) -> list[str]:
-        sought, x = self.sought, found.value
-        said = [f"largest {sought.what}: {sought.shown(x)}"]
-        said.append(f"with it {self._keep()} {sought.of} {sought.limits(x).text}")
+    def _report(self, result: Edge) -> list[str]:
+        sought, x = self.sought, result.value
+        lines = [f"largest {sought.what}: {sought.shown(x)}"]
+        lines.append(f"with it {self._keep()} {sought.of} {sought.limits(x).text}")
         if len(self.u) > 1:
-            said.append(f"sampled: {_percent(self.shares[x])} of {len(self.u)} samples")
-        if math.isnan(found.over):
-            said.append(f"that is {sought.bound}: what would be beyond was not looked at")
+            lines.append(f"sampled: {_percent(self.shares[x])} of {len(self.u)} samples")
+        if math.isnan(result.over):
+            lines.append(f"that is {sought.bound}: what would be beyond was not looked at")
         else:
-            said[-1] += f"; {sought.shown(found.over)} is too much"
-            said[-1] += f" ({_percent(self.shares[found.over])})" if len(self.u) > 1 else ""
-        if not math.isnan(found.gap):
-            said.append(
-                f"NOT MONOTONE: {sought.shown(found.gap)} is too much, though larger values keep the limits again"
+            lines[-1] += f"; {sought.shown(result.over)} is too much"
+            lines[-1] += f" ({_percent(self.shares[result.over])})" if len(self.u) > 1 else ""
+        if not math.isnan(result.gap):
+            lines.append(
+                f"NOT MONOTONE: {sought.shown(result.gap)} is too much, though larger values keep the limits again"
             )
-        return [*said, *sought.notes, f"{sought.trials.count} samples were run for {len(self._known)} values"]
+        return [*lines, *sought.notes, f"{sought.trials.count} samples were run for {len(self._known)} values"]
 
 
 def _percent(share: float) -> str:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rattle.questions.tolerance.report import Tolerance
 
 BINS = 40
+NO_VARIANCE = 1e-300  # in place of a sum of squares of 0, which cannot be divided by
 
 
 def plot_tolerance(t: Tolerance) -> Figure:
@@ -32,7 +33,7 @@ def plot_tolerance(t: Tolerance) -> Figure:
 
 def _draw_bands(ax: Axes, t: Tolerance) -> None:
     """Samples as a histogram, and below it the three bands."""
-    ends = [one for band in (t.worst_case, t.root_sum_square, t.monte_carlo) for one in band if math.isfinite(one)]
+    ends = [end for band in (t.worst_case, t.root_sum_square, t.monte_carlo) for end in band if math.isfinite(end)]
     bulk = bulk_of(t.known if len(t.known) else np.array([t.nominal]), t.unit, [t.nominal, *ends])
     counts, _, _ = ax.hist(
         bulk.factor * t.known,
@@ -49,13 +50,13 @@ def _draw_bands(ax: Axes, t: Tolerance) -> None:
     for n, (name, band, color) in enumerate((*bands, (sampled, t.monte_carlo, BLUE)), 1):
         height = -0.13 * n * top
         if all(map(math.isfinite, band)):
-            low, high = (bulk.factor * one for one in band)
+            low, high = (bulk.factor * end for end in band)
             ax.plot([low, high], [height, height], color=color, linewidth=3, solid_capstyle="butt")
         text = name if all(map(math.isfinite, band)) else f"{name}: unknown"
         ax.annotate(text, (1.0, height), (6, 0), ("axes fraction", "data"), "offset points", va="center", fontsize=9)
     ax.axvline(bulk.factor * t.nominal, color=BLACK, linewidth=1.0)
     ax.set_ylim(-0.52 * top, 1.08 * top)
-    ax.set_yticks([one for one in ax.get_yticks() if 0.0 <= one <= 1.08 * top])
+    ax.set_yticks([tick for tick in ax.get_yticks() if 0.0 <= tick <= 1.08 * top])
     ax.set_ylabel("number of samples")
     ax.set_xlabel(axis_label(QUANTITY.get(t.unit, "value"), bulk.unit))
     ax.set_title(t.of, loc="left", fontsize=11, pad=16, parse_math=False)
@@ -65,12 +66,14 @@ def _draw_bands(ax: Axes, t: Tolerance) -> None:
 
 def _draw_contributions(ax: Axes, t: Tolerance) -> None:
     """Sobol indices, or where there are none the shares of the root sum square."""
-    found = t.indices
-    if found.rows:
-        first = list(zip(found.first, found.first_low, found.first_high, strict=True))
-        draw_shares(ax, t.contributors, first, list(zip(found.total, found.total_low, found.total_high, strict=True)))
+    indices = t.indices
+    if indices.rows:
+        first = list(zip(indices.first, indices.first_low, indices.first_high, strict=True))
+        draw_shares(
+            ax, t.contributors, first, list(zip(indices.total, indices.total_low, indices.total_high, strict=True))
+        )
         ax.set_xlabel("share of the variance: Sobol indices with 95 % bounds [%]")
         return
-    squares = t.effects**2 / max(float(t.effects @ t.effects), 1e-300)
-    draw_shares(ax, t.contributors, [(float(one), math.nan, math.nan) for one in squares])
+    squares = t.effects**2 / max(float(t.effects @ t.effects), NO_VARIANCE)
+    draw_shares(ax, t.contributors, [(float(square), math.nan, math.nan) for square in squares])
     ax.set_xlabel("share of the root sum square [%]")

@@ -159,11 +159,11 @@ class Tolerance:
         Raises ValueError.
         """
         missing = [name for name, slope in self.slopes.items() if not math.isfinite(slope)]
-        given = Linear(
+        linear = Linear(
             self.of, self.unit, self.nominal, self.fields, self.effects, f"none by {', '.join(missing)}", self.trials,
             len(self.drawn), self.seed,
         )  # fmt: skip
-        return allocate(given, self.limits(within), method, cost, exponent, share)
+        return allocate(linear, self.limits(within), method, cost, exponent, share)
 
     def plot(self) -> Figure:
         """The samples with the three bands, and the contributions with their bounds."""
@@ -180,7 +180,8 @@ class Tolerance:
             "root_sum_square": self.root_sum_square, "monte_carlo": self.monte_carlo, "mean": self.mean, "sd": self.sd,
             "samples": len(self.known), "slopes": dict(self.slopes), "how": self.how, "tighten": list(self.tighten),
             "sobol": {
-                one: {name: float(x[n]) for name, x in indices.items()} for n, one in enumerate(self.contributors)
+                contributor: {name: float(x[n]) for name, x in indices.items()}
+                for n, contributor in enumerate(self.contributors)
             },
             "notes": [*self.samples.remarks(), *self.notes],
         }  # fmt: skip
@@ -205,34 +206,34 @@ def _scale(t: Tolerance) -> tuple[float, str]:
 def _spread(t: Tolerance) -> float:
     """Half the width of a band [SI], whose digits have to show."""
     halves = (0.5 * (high - low) for low, high in (t.root_sum_square, t.monte_carlo))
-    return max((one for one in halves if math.isfinite(one)), default=0.0)
+    return max((half for half in halves if math.isfinite(half)), default=0.0)
 
 
 def _rows(t: Tolerance) -> list[tuple[str, ...]]:
     """Contributors in the order of `tighten`, see HEADER; share: of the sum of squared effects."""
     factor, unit = _scale(t)
     whole = float(t.effects @ t.effects)
-    slopes, found = list(t.slopes.values()), []
+    slopes, rows = list(t.slopes.values()), []
     for n in t.order:
         cells: list[list[str]] = [[], [], []]
         for k in members(t.fields)[n]:
-            one = t.fields.fields[k]
-            scale, shown = scale_of([half_width(one)], one.unit)
+            field = t.fields.fields[k]
+            scale, shown = scale_of([half_width(field)], field.unit)
             per = _per(unit, shown)
-            cells[0].append(f"{number(scale * one.nominal, scale * half_width(one))} {shown}".rstrip())
-            cells[1].append(f"+-{number(scale * half_width(one))} {shown}".rstrip() + _shape(one.dist))
+            cells[0].append(f"{number(scale * field.nominal, scale * half_width(field))} {shown}".rstrip())
+            cells[1].append(f"+-{number(scale * half_width(field))} {shown}".rstrip() + _shape(field.dist))
             cells[2].append(f"{number(slopes[k] * factor / scale)} {per}".rstrip())
         effect = float(t.effects[n])
         share = f"{100.0 * effect**2 / whole:.3g} %" if whole > 0.0 else "-"
         first, total = float(t.indices.first[n]), float(t.indices.total[n])
         low, high = float(t.indices.total_low[n]), float(t.indices.total_high[n])
         bounded = f"{total:.3f} ({low:.3f} to {high:.3f})" if math.isfinite(total) else "-"
-        found.append((
-            t.contributors[n], *(", ".join(one) for one in cells),
+        rows.append((
+            t.contributors[n], *(", ".join(cell) for cell in cells),
             f"+-{number(factor * abs(effect))} {unit}".rstrip(), share,
             f"{first:.3f}" if math.isfinite(first) else "-", bounded,
         ))  # fmt: skip
-    return found
+    return rows
 
 
 def _per(unit: str, by: str) -> str:
@@ -248,25 +249,25 @@ def _bands(t: Tolerance) -> list[tuple[str, ...]]:
     """The three bands, see BANDS."""
     factor, unit = _scale(t)
     sampled = "Monte Carlo, 99.73 %" if t.enough else f"Monte Carlo, all {len(t.known)}"
-    found = []
+    rows = []
     for name, (low, high) in (
         ("worst case", t.worst_case), ("root sum square", t.root_sum_square), (sampled, t.monte_carlo),
     ):  # fmt: skip
         ends = (f"{number(factor * x, factor * _spread(t))} {unit}".rstrip() for x in (low, high))
         off = (f"{factor * (x - t.nominal):+.4g} {unit}".rstrip() if math.isfinite(x) else "-" for x in (low, high))
-        found.append((name, *ends, *off))
-    return found
+        rows.append((name, *ends, *off))
+    return rows
 
 
 def _below(t: Tolerance) -> list[str]:
     """What stands below the tables."""
     factor, unit = _scale(t)
-    said = []
+    lines = []
     if len(t.known) > 1:
         mean, sd = number(factor * t.mean, factor * t.sd), number(factor * t.sd)
         units = f" {unit}".rstrip()
-        said.append(f"samples: mean {mean}{units}, standard deviation {sd}{units}, {len(t.known)} of them")
-    return [*said, _advice(t), f"slopes: {t.how}", *t.samples.remarks(), *t.notes]
+        lines.append(f"samples: mean {mean}{units}, standard deviation {sd}{units}, {len(t.known)} of them")
+    return [*lines, _advice(t), f"slopes: {t.how}", *t.samples.remarks(), *t.notes]
 
 
 def _advice(t: Tolerance) -> str:
@@ -277,13 +278,13 @@ def _advice(t: Tolerance) -> str:
     now = math.sqrt(float(squares.sum()))
     if now == 0.0 and t.sd == 0.0:
         return "nothing to tighten: no deviation has an effect"
-    said = f"tighten {t.contributors[n]} first"
+    words = f"tighten {t.contributors[n]} first"
     if not now > 0.0:
-        return said
+        return words
     then = math.sqrt(float(squares.sum() - 0.75 * squares[n]))
     what = "half its tolerance makes" if len(members(t.fields)[n]) == 1 else "half their tolerances make"
     ends = (f"+-{number(factor * x)} {unit}".rstrip() for x in (then, now))
-    return "{}: {} the root sum square {} instead of {}".format(said, what, *ends)
+    return "{}: {} the root sum square {} instead of {}".format(words, what, *ends)
 
 
 def _title(t: Tolerance) -> str:

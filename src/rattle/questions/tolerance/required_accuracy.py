@@ -50,7 +50,7 @@ def limits_about(within: Within, nominal: float, unit: str) -> Limits:
         raise InputError(
             f'within: expected a deviation such as "0.1 deg" or two limits (low, high), got {within!r:.60}'
         )
-    low, high = (limit_of(one, unit, "within") for one in within)
+    low, high = (limit_of(limit, unit, "within") for limit in within)
     if not low < high:
         raise InputError(f"within: the lower limit comes first and is less than the upper one, got {within!r:.60}")
     least, most, shown = in_one_unit((low, high), unit)

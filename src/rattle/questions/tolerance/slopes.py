@@ -54,18 +54,18 @@ def _by_derivatives(task: Task, fields: Fields) -> Slopes:
     m = task.mechanism
     middle, half = nominal(fields), _reach(fields)
     every = [m.model.parameters[name] for name in fields.names]
-    least = np.array([-np.inf if one.minimum is None else one.minimum for one in every])
-    most = np.array([np.inf if one.maximum is None else one.maximum for one in every])
+    least = np.array([-np.inf if parameter.minimum is None else parameter.minimum for parameter in every])
+    most = np.array([np.inf if parameter.maximum is None else parameter.maximum for parameter in every])
     low, high = np.maximum(middle - half, least), np.minimum(middle + half, most)
     asked = Question(m, fields.names, low, high, task.t_end, task.analysis, task.outputs[0])
     designs = Designs(asked)
     design = designs.at(asked.places(m.parameters))
     if not design.sound:
         raise LostError(design.message)
-    found = designs.slopes(design)[0] / asked.width
+    slopes = designs.slopes(design)[0] / asked.width
     if not designs.differenced:
-        return Slopes(found, "exact derivatives")
-    return Slopes(found, f"differences of whole runs, because {next(iter(designs.differenced))}")
+        return Slopes(slopes, "exact derivatives")
+    return Slopes(slopes, f"differences of whole runs, because {next(iter(designs.differenced))}")
 
 
 def _by_differences(trials: Trials, fields: Fields, value: float, why: str) -> Slopes:
@@ -75,8 +75,8 @@ def _by_differences(trials: Trials, fields: Fields, value: float, why: str) -> S
     for k, step in enumerate(steps):
         columns[k, k * len(PLACES) : (k + 1) * len(PLACES)] += step * np.array(PLACES)
     beside = trials.outputs(columns).reshape(len(middle), len(PLACES))
-    found = [_difference(row, value) / step for row, step in zip(beside.tolist(), steps, strict=True)]
-    return Slopes(np.array(found), f"differences of whole runs, because {why}")
+    slopes = [_difference(row, value) / step for row, step in zip(beside.tolist(), steps, strict=True)]
+    return Slopes(np.array(slopes), f"differences of whole runs, because {why}")
 
 
 def _difference(beside: list[float], here: float) -> float:
@@ -88,4 +88,4 @@ def _difference(beside: list[float], here: float) -> float:
         (4.0 * up - up2 - 3.0 * here) / 2.0,
         (3.0 * here - 4.0 * down + down2) / 2.0,
     )
-    return next((one for one in orders if np.isfinite(one)), float("nan"))
+    return next((slope for slope in orders if np.isfinite(slope)), float("nan"))

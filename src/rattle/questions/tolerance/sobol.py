@@ -59,10 +59,10 @@ def indices(outputs: np.ndarray, seed: int) -> Indices:
     d, n = len(outputs) - 2, outputs.shape[1]
     generator = np.random.Generator(np.random.PCG64(seed))
     batch = max(AT_ONCE // outputs.size, 1)
-    found = [_estimates(outputs, np.arange(n)[None])]
+    estimates = [_estimates(outputs, np.arange(n)[None])]
     for done in range(0, RESAMPLES, batch):
-        found.append(_estimates(outputs, generator.integers(n, size=(min(batch, RESAMPLES - done), n))))
-    every = np.concatenate(found, axis=1)  # (first | total, 1 + resamples, d)
+        estimates.append(_estimates(outputs, generator.integers(n, size=(min(batch, RESAMPLES - done), n))))
+    every = np.concatenate(estimates, axis=1)  # (first | total, 1 + resamples, d)
     low, high = np.quantile(every[:, 1:], [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=1)
     assert every.shape == (2, 1 + RESAMPLES, d)
     return Indices(every[0, 0], low[0], high[0], every[1, 0], low[1], high[1], n)
@@ -80,7 +80,7 @@ def _estimates(outputs: np.ndarray, chosen: np.ndarray) -> np.ndarray:
 
     # one more set: a single one of a single contributor would lose its axes
     taken = outputs[:, np.concatenate([chosen, chosen[:1]])]  # (d + 2, r + 1, n)
-    given = {"f_A": taken[0], "f_B": taken[1], "f_AB": taken[2:]}
-    found = sobol_indices(func=given, n=outputs.shape[1])
+    sampled = {"f_A": taken[0], "f_B": taken[1], "f_AB": taken[2:]}
+    result = sobol_indices(func=sampled, n=outputs.shape[1])
     shape = (len(chosen) + 1, len(outputs) - 2)
-    return np.array([np.reshape(one, shape)[:-1] for one in (found.first_order, found.total_order)])
+    return np.array([np.reshape(index, shape)[:-1] for index in (result.first_order, result.total_order)])

@@ -23,8 +23,8 @@ class Tried(Samples):
     def numbers(self, output: str) -> dict[str, float]:
         """Least and greatest value of an output [SI]."""
         values = self[output]
-        known = values[np.isfinite(values)]
-        return {"least": float(known.min()), "most": float(known.max())} if len(known) else {}
+        finite = values[np.isfinite(values)]
+        return {"least": float(finite.min()), "most": float(finite.max())} if len(finite) else {}
 
 
 class Trials:
@@ -58,5 +58,5 @@ class Trials:
 
     def outputs(self, values: np.ndarray) -> np.ndarray:
         """(n,) the first output [SI] at values (k, n) [SI], nan where there is none."""
-        found = self.run(values)
-        return found[found.outputs[0]]
+        samples = self.run(values)
+        return samples[samples.outputs[0]]

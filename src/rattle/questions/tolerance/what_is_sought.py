@@ -88,8 +88,8 @@ def _text(value: float, unit: str) -> str:
 
 def _varied(fields: tuple[Field, ...]) -> str:
     return ", ".join(
-        f"{one.name} +-{_text(half_width(one), one.unit)}{'' if one.dist == 'uniform' else f' {one.dist}'}"
-        for one in fields
+        f"{field.name} +-{_text(half_width(field), field.unit)}{'' if field.dist == 'uniform' else f' {field.dist}'}"
+        for field in fields
     )
 
 
@@ -103,22 +103,22 @@ class _Tolerance(Sought):
         self._fields = fields
         self._place = fields.names.index(asked.parameter.name)
         self._limits = limits_about(asked.within, nominal, trials.task.outputs[0].unit)
-        one = self._fields.fields[self._place]
-        self.what = f"tolerance of {one.name}"
-        self.start = one.tol
-        self.most, self.bound = _room(asked.parameter, one.tol)
+        own = self._fields.fields[self._place]
+        self.what = f"tolerance of {own.name}"
+        self.start = own.tol
+        self.most, self.bound = _room(asked.parameter, own.tol)
         self.least = LEAST * self.start
-        others = tuple(field for field in fields.fields if field is not one)
+        others = tuple(field for field in fields.fields if field is not own)
         self.remedy = "the other tolerances alone are too wide" if others else "widen the limits"
         if not self._limits.low < nominal < self._limits.high:
             value = _text(nominal, trials.task.outputs[0].unit)
             self.remedy = f"the output without deviations, {value}, is not between the limits: move the nominal values"
         together = [name for name, draw in zip(fields.names, fields.draw, strict=True)
-                    if draw == fields.draw[self._place] and name != one.name]  # fmt: skip
+                    if draw == fields.draw[self._place] and name != own.name]  # fmt: skip
         self.notes = [
-            f"{one.name} is distributed {one.dist}ly"
-            if one.dist != "triangular"
-            else f"{one.name} has a triangular field",
+            f"{own.name} is distributed {own.dist}ly"
+            if own.dist != "triangular"
+            else f"{own.name} has a triangular field",
             f"the others keep their fields: {_varied(others)}" if others else "nothing else varies",
             *([f"made together with {', '.join(together)}: one draw moves them"] if together else []),
             "deviations are from the output without deviations",
@@ -126,11 +126,11 @@ class _Tolerance(Sought):
 
     def values(self, x: float, u: np.ndarray) -> np.ndarray:
         """(k, n) values [SI]."""
-        one, given = self._fields.fields[self._place], self.parameter
-        low = max(one.nominal - x, -math.inf if given.minimum is None else given.minimum)
-        high = min(one.nominal + x, math.inf if given.maximum is None else given.maximum)
+        field, limits = self._fields.fields[self._place], self.parameter
+        low = max(field.nominal - x, -math.inf if limits.minimum is None else limits.minimum)
+        high = min(field.nominal + x, math.inf if limits.maximum is None else limits.maximum)
         every = list(self._fields.fields)
-        every[self._place] = replace(one, tol=x, low=low, high=high)
+        every[self._place] = replace(field, tol=x, low=low, high=high)
         return replace(self._fields, fields=tuple(every)).values(u)
 
     def limits(self, x: float) -> Limits:
@@ -142,35 +142,37 @@ class _Tolerance(Sought):
         return f"+-{_text(x, self.parameter.unit)}"
 
 
-def _room(one: Parameter, start: float) -> tuple[float, str]:
+def _room(parameter: Parameter, start: float) -> tuple[float, str]:
     """The greatest tolerance [SI], and what it is."""
-    ends = [abs(limit - one.value) for limit in (one.minimum, one.maximum) if limit is not None]
+    ends = [abs(limit - parameter.value) for limit in (parameter.minimum, parameter.maximum) if limit is not None]
     if ends:
         return min(ends), "the limit that the model sets (min, max)"
-    if one.value:
-        return abs(one.value), "the whole nominal value"
+    if parameter.value:
+        return abs(parameter.value), "the whole nominal value"
     return GREATEST * start, "far more than the first that was tried"
 
 
 def tolerance_of(asked: Asked, threads: int | None, progress: bool) -> Sought:
     """The tolerance of a parameter, others keeping theirs.  Raises what `fields_of` raises, ValueError."""
-    m, one = asked.mechanism, asked.parameter
+    m, parameter = asked.mechanism, asked.parameter
     vary = dict(asked.vary)
-    if one.name not in vary:
-        first = FIRST * abs(one.value) or FIRST
-        first = min(first, _room(one, first)[0])
+    if parameter.name not in vary:
+        first = FIRST * abs(parameter.value) or FIRST
+        first = min(first, _room(parameter, first)[0])
         if first == 0.0:
             raise InputError(
-                f"parameter: '{one.name}' is at a limit of the model, {one.value:g}: it has no room to vary"
+                f"parameter: '{parameter.name}' is at a limit of the model, {parameter.value:g}: it has no room to vary"
             )
-        vary[one.name] = {"tol": first}
+        vary[parameter.name] = {"tol": first}
     fields = fields_of(m, vary)
-    if fields.fields[fields.names.index(one.name)].dist == TABLE:
-        raise InputError(f"parameter: '{one.name}' is distributed by a table of values, which has no tolerance")
+    if fields.fields[fields.names.index(parameter.name)].dist == TABLE:
+        raise InputError(f"parameter: '{parameter.name}' is distributed by a table of values, which has no tolerance")
     task = task_of(m, fields.names, [asked.of], analysis=asked.analysis, t_end=asked.t_end)
-    (nominal,), said = nominal_run(task)
+    (nominal,), remarks = nominal_run(task)
     if not math.isfinite(nominal):
-        raise InputError(f"of: {asked.of!r} has no value without deviations" + "".join(f"; {one}" for one in said))
+        raise InputError(
+            f"of: {asked.of!r} has no value without deviations" + "".join(f"; {remark}" for remark in remarks)
+        )
     return _Tolerance(asked, fields, Trials(task, threads, progress), nominal)
 
 
@@ -181,14 +183,16 @@ class _Clearance(Sought):
         super().__init__(asked.of, asked.parameter, fields, trials)
         self._within, self._reference = asked.within, reference
         self._known: dict[float, Limits] = {}
-        one = asked.parameter
-        self.what = f"clearance {one.name} of {', '.join(joints)}"
-        self.start = one.value if one.value > 0.0 else FIRST * (one.maximum or 1.0)
-        self.least = max(LEAST * self.start, one.minimum or 0.0)
-        self.most = GREATEST * self.start if one.maximum is None else one.maximum
-        self.bound = "far more than the present one" if one.maximum is None else "the limit that the model sets (max)"
+        parameter = asked.parameter
+        self.what = f"clearance {parameter.name} of {', '.join(joints)}"
+        self.start = parameter.value if parameter.value > 0.0 else FIRST * (parameter.maximum or 1.0)
+        self.least = max(LEAST * self.start, parameter.minimum or 0.0)
+        self.most = GREATEST * self.start if parameter.maximum is None else parameter.maximum
+        self.bound = (
+            "far more than the present one" if parameter.maximum is None else "the limit that the model sets (max)"
+        )
         self.remedy = "other joints with play" + (", and the tolerances," if fields else "") + " alone may take more"
-        follow = sorted(asked.mechanism.following([one.name]) - {one.name})
+        follow = sorted(asked.mechanism.following([parameter.name]) - {parameter.name})
         self.notes = [
             "deviations are from the mechanism without play, all else nominal, made for this clearance",
             "the pins may be anywhere in their clearances: the whole band counts"
@@ -206,8 +210,8 @@ class _Clearance(Sought):
     def limits(self, x: float) -> Limits:
         """Those about the output without play."""
         if x not in self._known:
-            made = self._reference.mechanism.neighbour({self.parameter.name: x}).ideal()
-            (value,), _ = self._reference.look(made)
+            ideal = self._reference.mechanism.neighbour({self.parameter.name: x}).ideal()
+            (value,), _ = self._reference.look(ideal)
             self._known[x] = limits_about(self._within, value, self._reference.outputs[0].unit)
         return self._known[x]
 
@@ -234,10 +238,15 @@ def scale_of(asked: Asked, joints: list[str], threads: int | None, progress: boo
 
 def _band(output: Output, analysis: str) -> list[str]:
     """The least and the greatest value of an output over all positions of the pins.  Raises InputError."""
-    one = output.reductions[0]
-    if isinstance(output.outer, Name) and isinstance(one.inner, Name) and one.kind in ALONG and output.names:
-        name = re.compile(rf"(?<![\w.]){re.escape(one.inner.name)}(?![\w.])")
-        return [name.sub(f"{one.inner.name}.{end}", output.text, count=1) for end in ("low", "high")]
+    reduction = output.reductions[0]
+    if (
+        isinstance(output.outer, Name)
+        and isinstance(reduction.inner, Name)
+        and reduction.kind in ALONG
+        and output.names
+    ):
+        name = re.compile(rf"(?<![\w.]){re.escape(reduction.inner.name)}(?![\w.])")
+        return [name.sub(f"{reduction.inner.name}.{end}", output.text, count=1) for end in ("low", "high")]
     raise InputError(
         f"of: with {analysis} the band over all positions of the pins is known of {', '.join(ALONG)} of one curve,"
         f" such as 'at(rocker.angle, 0.3)'; got {output.text!r:.60}"
