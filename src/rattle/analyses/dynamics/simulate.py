@@ -27,6 +27,7 @@ from rattle.solvers.stepper import ATOL, RTOL
 
 log = logging.getLogger("rattle")
 
+PAST_END = 1.0 + 1e-12  # ends of the run within which an output time lies in it, rounding allowed
 POINTS = 1000  # output intervals by default
 
 
@@ -118,7 +119,7 @@ def output_times(
         ):
             raise InputError("t_eval must be increasing finite times in s, from 0 on")
         end = float(times[-1]) if t_end is None else arguments.positive("t_end", t_end)
-        if times[-1] > end * (1 + 1e-12):
+        if times[-1] > end * PAST_END:
             raise InputError(f"t_eval goes to {times[-1]:g} s, beyond t_end = {end:g} s")
         return max(end, float(times[-1])), times
     end = arguments.positive("t_end", settings.t_end if t_end is None else t_end)
