@@ -23,6 +23,7 @@ from rattle.equations.system import System
 from rattle.errors import AssemblyError, InputError, ModelError
 from rattle.jit import layout as at
 from rattle.jit.families import call_stiffness
+from rattle.solvers.stepper import ATOL
 
 SOFTER = 0.01  # stiffness of the softer bushes, in those of Hertz for full solids
 LAW = "exact"
@@ -124,7 +125,7 @@ def _peaks(m: Loosened, t_end: float, joints: list[str]) -> dict[str, float]:
     """Largest normal force [N] of each joint in a run to t_end [s]; empty if it does not reach its end."""
     system = m.system
     stepper, step = choose_stepper(system, None, None, t_end)
-    run = new_run(system, m.start, np.array([0.0]), t_end, How(stepper, RTOL, 1e-2 * RTOL, step))
+    run = new_run(system, m.start, np.array([0.0]), t_end, How(stepper, RTOL, ATOL * RTOL, step))
     run.most_steps = MOST_STEPS
     run.go()
     if run.interrupted:

@@ -20,6 +20,8 @@ from rattle.elements.custom.contact_law import ContactLaw
 
 PATHS = 40
 POINTS = 400  # of a path
+PULLS = 1e-9  # share of the largest force of a path below which a pull is rounding
+SLIP = 1e-3  # about what is slipped along a path [m]
 ALLOWED = 2e-3  # share of the work exchanged: error of the quadrature
 _known: dict[Any, str] = {}
 
@@ -81,7 +83,7 @@ def normal_fault(kernel: Any, p: np.ndarray, contact: Contact) -> str:
         raw = getattr(kernel, "law", None)
         if raw is not None:
             least = _least(raw, kernel, static, p, q, middle, rate, v0)
-            if least[0] < -1e-9 * float(force.max()):
+            if least[0] < -PULLS * float(force.max()):
                 return f"pulls during the approach: {least[0]:.3g} N at a penetration of {least[1]:.3g} m"
         fault = _given_back(force * step)
         if fault:
@@ -111,7 +113,7 @@ def friction_fault(kernel: Any, p: np.ndarray, states: int) -> str:
         u = speed * (wave + rng.uniform(-0.3, 0.3))
         swing = np.sin(2 * np.pi * (s * rng.integers(1, 4) + rng.uniform()))
         normal = press * (1.0 + 0.8 * swing)
-        h = 1e-3 / speed / POINTS  # about a millimetre of slip in total
+        h = SLIP / speed / POINTS
         z, powers = np.zeros_like(dz), np.zeros(POINTS + 1)
         for k in range(POINTS + 1):
             powers[k] = kernel(float(u[k]), float(normal[k]), z, p, 0, dz) * u[k]

@@ -296,11 +296,11 @@ def alike(first: Any, other: Any) -> bool:
     if first is other:
         return True
     if isinstance(first, float | int) and isinstance(other, float | int):
-        return first == other or (first != first and other != other)
+        return bool(_same(first, other))
     if type(first) is not type(other):
         return False
     if isinstance(first, np.ndarray):
-        return first.shape == other.shape and bool(((first == other) | ((first != first) & (other != other))).all())
+        return first.shape == other.shape and bool(np.all(_same(first, other)))
     if isinstance(first, Mapping):
         return list(first) == list(other) and all(alike(first[key], other[key]) for key in first)
     if isinstance(first, tuple | list):
@@ -308,6 +308,11 @@ def alike(first: Any, other: Any) -> bool:
     if dataclasses.is_dataclass(first):
         return all(alike(getattr(first, x.name), getattr(other, x.name)) for x in dataclasses.fields(first))
     return bool(first == other)
+
+
+def _same(first: Any, other: Any) -> Any:
+    """Whether two numbers, or the numbers of two arrays, are equal or both nan."""
+    return (first == other) | ((first != first) & (other != other))
 
 
 def _alike_systems(first: System, other: System) -> bool:

@@ -16,7 +16,9 @@ from rattle.description.model import Joint, Model, Point
 from rattle.equations.system import System
 from rattle.jit import layout as at
 
+BEYOND = 1e-9  # share of a travel, or of the size or 1 rad beside it, by which rounding may pass an end
 UNFIT = 1e-4  # share of the distance that a joint needs by which another one is noted
+PARTS = 8  # of an interval between two instants, in which a coordinate is followed
 
 
 def places(system: System, raw: np.ndarray) -> np.ndarray:
@@ -99,7 +101,7 @@ def past_ends(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
         (ax, ay, turned), (bx, by, _) = (_path(system, q, point) for point in (joint.a, joint.b))
         axis = turned + joint.line
         along = np.abs((bx - ax) * np.cos(axis) + (by - ay) * np.sin(axis))
-        beyond = np.flatnonzero(along > travel * (1.0 + 1e-9))
+        beyond = np.flatnonzero(along > travel * (1.0 + BEYOND))
         if len(beyond):
             notes.append(
                 f"joint '{name}' goes beyond its ends, by up to {float(np.nanmax(along)) - travel:.3g} m, first at"
@@ -107,9 +109,6 @@ def past_ends(system: System, t: np.ndarray, q: np.ndarray) -> tuple[str, ...]:
                 " there has them"
             )
     return tuple(notes)
-
-
-PARTS = 8  # of an interval between two instants, in which a coordinate is followed
 
 
 def without_stops(model: Model) -> Model:
@@ -131,7 +130,7 @@ def past_stops(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> t
         fine, values = _followed(t, x, rate)
         for sense, end in ((1.0, joint.stop.minimum), (-1.0, joint.stop.maximum)):
             beyond = sense * (end - values)
-            slight = 1e-9 * (abs(end) + 1.0 if joint.stops_angle else abs(end) + system.size)
+            slight = BEYOND * (abs(end) + 1.0 if joint.stops_angle else abs(end) + system.size)
             if not math.isfinite(end) or not (beyond > slight).any():
                 continue
             first = int(np.argmax(beyond > slight))

@@ -146,17 +146,12 @@ def _start_without(model: Model, counting: list[str]) -> np.ndarray:
     """
     loose = without_counting(model)
     offsets = dict(model.initial.offsets)
-    missing = [
-        name
-        for name, joint in loose.joints.items()
-        if is_link(joint) and math.hypot(*offsets.get(name, (0.0, 0.0))) < 1e-9 * joint.clearance
-    ]
-    if missing:
+    if missing := pressed(loose, with_play(loose)[0]):
         shut, ideal = ideal_start(model, 0.0, put_together, consistent_start)
         if isinstance(ideal, AssemblyError):
             raise ideal
-        pressed = {name: loose.joints[name].clearance for name in missing}
-        offsets |= along_reactions(shut, 0.0, ideal.q, ideal.v, pressed)
+        clearances = {name: loose.joints[name].clearance for name in missing}
+        offsets |= along_reactions(shut, 0.0, ideal.q, ideal.v, clearances)
         loose = replace(loose, initial=replace(loose.initial, offsets=offsets))
     return consistent_start(compile_system(loose), 0.0).q
 

@@ -17,8 +17,14 @@ from rattle.jit.workspace import Workspace
 
 NOISE = 1e-9  # share of the terms of N^T nu that is rounding
 SHAKE = 1e-3  # displacement along the joints' degrees of freedom, after which a singular position is left
+LEAST = 1e-12  # share of the largest right-hand side that is rounding of any of them
 TAKES_PART = 1e-6  # entry of a null space above which its row takes part
 SHORT = 0.1  # longest step towards a later instant [rad, mechanism sizes]
+CLOSED = 1e-9  # largest gap, in sizes of the mechanism, with which positions count as closed
+ENOUGH = 1e-12  # the same at which closing them ends
+ROUNDS = 30  # of closing positions that are near
+FAR_ROUNDS = 60  # of closing them where a driver less leaves more ways to go
+TINY = 1e-300  # rate that may be divided by
 MOST_STEPS = 200
 LATER = 8  # instants examined after the start; the nearest is span / 2^LATER away
 
@@ -56,7 +62,7 @@ def _at_odds(system: System, workspace: Workspace, null: np.ndarray) -> tuple[st
         side = rows[:, column] / length
         for k in range(null.shape[1]):
             terms = null[:, k] * side
-            if abs(terms.sum()) > NOISE * np.abs(terms).sum() + 1e-12 * np.abs(side).max(initial=0.0):
+            if abs(terms.sum()) > NOISE * np.abs(terms).sum() + LEAST * np.abs(side).max(initial=0.0):
                 return _taking_part(system, null[:, k : k + 1])
     return ()
 
@@ -73,7 +79,7 @@ def _structural(system: System, t: float, q: np.ndarray) -> bool:
         _, values, right = np.linalg.svd(scaled_rows(system, workspace)[~driving])
         free = right[int((values > RANK * values[0]).sum()) :]
         near += SHAKE * scale * (free.T @ np.random.default_rng(0).uniform(0.5, 1.0, len(free)))
-        if not close_position(joints, t, near, np.empty_like(q), 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
+        if not _closes(system, joints, t, near):
             return False
     open_by(workspace, t, near, np.zeros_like(q))
     return bool(_with_drivers(system, left_null(system, workspace)).shape[1])
@@ -81,7 +87,6 @@ def _structural(system: System, t: float, q: np.ndarray) -> bool:
 
 def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.ndarray, span: float) -> str:
     """`contradicted` at some later instants, as far as the positions can be followed."""
-    scratch = np.empty_like(q)
     scale = np.tile([1.0 / system.size, 1.0 / system.size, 1.0], system.body_count)
     now, steps = t, 0
     for k in range(LATER, -1, -1):
@@ -89,10 +94,10 @@ def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.
         while now < mark:
             if steps == MOST_STEPS:
                 return ""
-            ahead = min(mark, now + SHORT / max(float(np.abs(scale * v).max()), 1e-300))
+            ahead = min(mark, now + SHORT / max(float(np.abs(scale * v).max()), TINY))
             owners = _taking_part(system, _with_drivers(system, left_null(system, workspace)))
             q += (ahead - now) * v
-            if not close_position(workspace, ahead, q, scratch, 1e-12 * system.size, 30)[0] <= 1e-9 * system.size:
+            if not _closes(system, workspace, ahead, q):
                 return (
                     f"{_in_words(system, owners)} (at t = {ahead:.4g} s)"
                     if _closes_without(system, owners, ahead, q)
@@ -106,14 +111,19 @@ def _later(system: System, workspace: Workspace, t: float, q: np.ndarray, v: np.
     return ""
 
 
+def _closes(system: System, workspace: Workspace, t: float, q: np.ndarray, rounds: int = ROUNDS) -> bool:
+    """True if positions q (3 nb,), which are moved for that, close at t [s] under the constraints of a workspace."""
+    gap = close_position(workspace, t, q, np.empty_like(q), ENOUGH * system.size, rounds)[0]
+    return bool(gap <= CLOSED * system.size)
+
+
 def _closes_without(system: System, owners: tuple[str, ...], t: float, q: np.ndarray) -> bool:
     """True if the positions close at t without one of the drivers among the owners."""
     for name in system.model.drivers:
         if name in owners:
             drivers = {other: driver for other, driver in system.model.drivers.items() if other != name}
             workspace, near = compile_system(replace(system.model, drivers=drivers)).workspace(), q.copy()
-            gap = close_position(workspace, t, near, np.empty_like(q), 1e-12 * system.size, 60)[0]
-            if gap <= 1e-9 * system.size:
+            if _closes(system, workspace, t, near, FAR_ROUNDS):
                 return True
     return False
 

@@ -17,6 +17,8 @@ from rattle.equations.system import System, is_link
 Array = np.ndarray
 Coordinate = Callable[[Array], float]  # of positions (3 nb,); angles times the size of the mechanism [m]
 STEP = 1e-5  # of differences, as a share of the mechanism's size
+STILL = 1e-9  # change of a coordinate [-] that is rounding of differences
+BARELY = 1e-6  # share of a change that must be left where no coordinate is clear
 CLEAR = 0.1  # share of a coordinate's change that those chosen before must leave; the others come after them
 
 
@@ -52,10 +54,10 @@ def _independent(changes: Array) -> list[int]:
     """Rows of (n, f) changes that together determine all motions, the first that do."""
     chosen: list[int] = []
     basis: list[Array] = []
-    for share in (CLEAR, 1e-6):
+    for share in (CLEAR, BARELY):
         for k, change in enumerate(changes):
             size = float(np.linalg.norm(change))
-            if k in chosen or len(basis) == changes.shape[1] or size < 1e-9:
+            if k in chosen or len(basis) == changes.shape[1] or size < STILL:
                 continue
             left = change - sum((direction @ change) * direction for direction in basis)
             if float(np.linalg.norm(left)) > share * size:

@@ -14,6 +14,10 @@ from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.language.recorded import bare
 
+ON_BUSH = 1e-9  # clearances of oil left beside the boundary film that count as none
+INSIDE = 1e-6  # penetration at the start that is taken for rounding of given numbers, in gaps of the contact
+INSIDE_WORN = 1e-4  # the same of a worn surface, which is a polygon
+
 
 def outside(system: System, workspace: Workspace) -> str:
     """In words, which pin is outside its bush, block outside its guide or joint beyond its stop; "" if none is."""
@@ -35,7 +39,7 @@ def outside(system: System, workspace: Workspace) -> str:
         )
     if oil is not None:
         gap += oil.boundary
-        if gap > -1e-9 * clearance:
+        if gap > -ON_BUSH * clearance:
             where = f"of '{name}' in [initial] within its clearance of {clearance:.3g} m"
             return f"joint '{name}' starts on its bush, where no oil is left: give an offset {where}"
     return (
@@ -50,7 +54,7 @@ def least_gaps(system: System) -> list[tuple[Any, float]]:
     for entry, bounds in zip(system.arrays["contact"], system.arrays["lever"], strict=True):
         joint = system.model.joints[system.joints[entry[at.OWNER]]]
         oil = _film(joint, entry)
-        least = -(1e-4 if entry[at.WORN] == 1 else 1e-6) * bounds[at.GAP_SCALE]  # a worn surface is a polygon
+        least = -(INSIDE_WORN if entry[at.WORN] == 1 else INSIDE) * bounds[at.GAP_SCALE]
         if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
             free = not joint.stop.contact.rigid
         else:  # teeth: a run begins behind the tooth that is there

@@ -17,11 +17,7 @@ def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]
     islands: and then from bodies outwards that no joints lead to; these have no parent, and stand where they are given.
     """
     driven = {driver.joint for driver in model.drivers.values()}
-    near: dict[str, list[Joint]] = {}
-    for joint in model.joints.values():
-        if joint.leaf.places:
-            near.setdefault(joint.a.body, []).append(joint)
-            near.setdefault(joint.b.body, []).append(joint)
+    near = _joints_of_bodies(model)
     order: list[tuple[str, str, Joint]] = []
     done = set()
     number = itertools.count()
@@ -45,6 +41,16 @@ def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]
                 loose = joint.contact is not None and not joint.contact.closed
                 loose |= joint.name not in driven and leaves_place(joint)
                 heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
+
+
+def _joints_of_bodies(model: Model) -> dict[str, list[Joint]]:
+    """By body, the joints that place it or what hangs on it."""
+    near: dict[str, list[Joint]] = {}
+    for joint in model.joints.values():
+        if joint.leaf.places:
+            near.setdefault(joint.a.body, []).append(joint)
+            near.setdefault(joint.b.body, []).append(joint)
+    return near
 
 
 def ways_outward(system: System, islands: bool = False) -> list[tuple[str, str, Joint]]:

@@ -56,27 +56,32 @@ def undetermined(system: System, t: float, q: np.ndarray, joints: dict[str, Join
     open_by(workspace, t, q, np.zeros_like(q))
     fixed = np.eye(len(q))[~np.isnan(given_values(system, 0))]
     motions = free_motions(np.vstack([scaled_rows(system, workspace), fixed]))
-    scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
-
-    def moves(joint: Joint) -> bool:
-        """True if its pin can move in the bush while nothing that is known changes."""
-        for motion in motions * (NUDGE * system.size * scale):
-            ahead, back = (
-                point_at(system, q + way * motion, joint.b) - point_at(system, q + way * motion, joint.a)
-                for way in (1.0, -1.0)
-            )
-            if np.abs(ahead - back).max() > DETERMINED * NUDGE * system.size:
-                return True
-        return False
-
+    motions = motions * (NUDGE * system.size * np.tile([1.0, 1.0, 1.0 / system.size], system.body_count))
     driven = {driver.joint for driver in model.drivers.values()}
-    turning = {joint.b.body for joint in model.joints.values() if joint.name in driven} | {"ground"}
+    turning = {joint.b.body for joint in model.joints.values() if joint.name in driven} | {GROUND}
+    return [
+        name
+        for name, joint in joints.items()
+        if name not in without or _touches(model, joint, turning) or _moves(system, q, motions, joint)
+    ]
 
-    def touches(joint: Joint) -> bool:
-        bodies = {joint.a.body, joint.b.body} - turning
-        return joint.one_sided is not None and any("angle" not in model.initial.bodies.get(body, {}) for body in bodies)
 
-    return [name for name, joint in joints.items() if name not in without or touches(joint) or moves(joint)]
+def _touches(model: Model, joint: Joint, turning: set[str]) -> bool:
+    """True for surfaces that only push, one of whose bodies has no angle; turning: bodies whose angles drivers set."""
+    bodies = {joint.a.body, joint.b.body} - turning
+    return joint.one_sided is not None and any("angle" not in model.initial.bodies.get(body, {}) for body in bodies)
+
+
+def _moves(system: System, q: np.ndarray, motions: np.ndarray, joint: Joint) -> bool:
+    """True if its pin moves in the bush with some of the small motions (f, 3 nb) from positions q (3 nb,)."""
+    for motion in motions:
+        ahead, back = (
+            point_at(system, q + way * motion, joint.b) - point_at(system, q + way * motion, joint.a)
+            for way in (1.0, -1.0)
+        )
+        if np.abs(ahead - back).max() > DETERMINED * NUDGE * system.size:
+            return True
+    return False
 
 
 def play_arrays(

@@ -13,6 +13,10 @@ from rattle.jit.workspace import Workspace
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
 TAKES_PART = 0.05  # share of a row in dependent rows from which its joint is named
+NULL_PART = 1e-6  # entry of a null space below which it is rounding, and its row or coordinate takes no part
+SAME_WAY = 1e-7  # singular value [-] of the drivers' rows of length 1 below which drivers move the same freedom
+SINGULAR = 1e-3  # share of the largest singular value below which a position counts as singular: none is met exactly
+TINY = 1e-300  # singular value that stands for the largest where all are 0
 UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 
@@ -73,13 +77,13 @@ def nonunique_reactions(system: System, workspace: Workspace) -> tuple[str, ...]
         lost = np.flatnonzero(workspace.redundant[system.arrays["place"]])
         return tuple(dict.fromkeys(system.rows[r].owner for r in lost))
     free = left_null(system, workspace)
-    taking_part = np.abs(free).max(axis=1, initial=0.0) > 1e-6
+    taking_part = np.abs(free).max(axis=1, initial=0.0) > NULL_PART
     return tuple(dict.fromkeys(row.owner for row, takes in zip(system.rows, taking_part, strict=True) if takes))
 
 
 def unsure_friction(system: System, free: np.ndarray) -> tuple[str, ...]:
     """Names of joints that rub by a reaction which is not unique; free: (nr, k) reactions that balance each other."""
-    unsure, joints = np.abs(free).max(axis=1, initial=0.0) > 1e-6, []
+    unsure, joints = np.abs(free).max(axis=1, initial=0.0) > NULL_PART, []
     for name, entry in zip(system.dry_joints, system.arrays["dry"], strict=True):
         friction, row = system.model.joints[name].friction, int(entry[at.DRY_ROW])
         second_counts = entry[at.DRY_FORM] == at.DRY_PIN or (friction is not None and friction.reach > 0.0)
@@ -95,7 +99,7 @@ def drivers_on_one_dof(system: System, workspace: Workspace) -> tuple[str, ...]:
     names = [row.owner for row in system.rows if row.driver]
     u, values, _ = np.linalg.svd(_driven(system, workspace))
     values = np.concatenate([values, np.zeros(max(0, len(names) - len(values)))])
-    taking_part = np.abs(u[:, values <= 1e-7]).max(axis=1, initial=0.0) > 1e-6
+    taking_part = np.abs(u[:, values <= SAME_WAY]).max(axis=1, initial=0.0) > NULL_PART
     return tuple(name for name, takes in zip(names, taking_part, strict=True) if takes)
 
 
@@ -143,15 +147,15 @@ def loose_without_mass(system: System, workspace: Workspace, tolerance: float = 
         columns[:, n] = (rows[:, at.AX + k] * on_a + rows[:, at.BX + k] * on_b) / (system.size if k == 2 else 1.0)
     _, values, v = np.linalg.svd(columns)
     values = np.concatenate([values, np.zeros(len(massless) - min(len(massless), len(values)))])[: len(massless)]
-    shares = np.abs(v[values <= tolerance * max(values[0], 1e-300)]).max(axis=0, initial=0.0)
+    shares = np.abs(v[values <= tolerance * max(values[0], TINY)]).max(axis=0, initial=0.0)
     moving: dict[int, list[int]] = {}
     for (i, k), share in zip(massless.tolist(), shares, strict=True):
-        if share > 1e-6:
+        if share > NULL_PART:
             moving.setdefault(i, []).append(k)
     return tuple((system.bodies[i - 1], which == [2]) for i, which in moving.items())
 
 
-def joints_losing_rank(system: System, workspace: Workspace, tolerance: float = 1e-3) -> tuple[str, ...]:
+def joints_losing_rank(system: System, workspace: Workspace, tolerance: float = SINGULAR) -> tuple[str, ...]:
     """Joints and drivers whose rows are dependent at the state in the workspace, those with the largest part first.
 
     tolerance: share [-] of the largest singular value below which a singular value counts as zero.
@@ -166,7 +170,7 @@ def joints_losing_rank(system: System, workspace: Workspace, tolerance: float = 
     return tuple(name for name, value in sorted(owners.items(), key=lambda item: -item[1]) if value > TAKES_PART)
 
 
-def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = 1e-3) -> str:
+def describe_rank_loss(system: System, workspace: Workspace, tolerance: float = SINGULAR) -> str:
     """In words, which joints block the motion at the state in the workspace; "" if all rows are independent.
 
     tolerance: share [-] of the largest singular value below which a singular value counts as zero.

@@ -16,7 +16,7 @@ import numpy as np
 
 from rattle.analyses.assembly.computable import finite
 from rattle.analyses.assembly.outward import ways_outward
-from rattle.analyses.assembly.rank import free_motions, scaled_rows
+from rattle.analyses.assembly.rank import RANK, free_motions, scaled_rows
 from rattle.analyses.assembly.searching import first_guess
 from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.analyses.assembly.tied_bodies import GROUND, groups_at
@@ -29,11 +29,14 @@ UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": 
 MOST_NAMED = 6  # joints that are named one by one, at most
 MOST_VALUES = 3  # values that a result names, at most
 SEEN = 1e-6  # least change that is reported [rad, mechanism sizes, share of the rates]
+NOTHING = 1e-12  # share of its measure below which a value is rounding, and shown as 0
 SHAKE = 1e-3  # displacement along the joints' freedoms [rad, mechanism sizes]
 GUESS = math.radians(60)  # up to which an angle that selects a closing is a rough guess
 ROUGH = math.radians(10)  # the same of an angle that could have been kept if others had not been given
 NEAR = 0.01  # mechanism sizes up to which a position that a driver gives through loops is a rough guess
 ACROSS = 2.0  # plays, all together, by which a body may move where pins go from one side of their bushes to the other
+FREED = 1e-7  # part in a free motion above which a coordinate can change; below, it is rounding of singular vectors
+TINY = 1e-300  # length of a row, or speed, that may be divided by
 AT_ODDS, HELD = "the given values contradict each other", "the joints hold it"
 UNREACHED = "the joints do not let it get there"
 TURNED = "bodies that turn together start in the same turn"
@@ -89,40 +92,70 @@ def _one_line(changes: list[Change]) -> list[str]:
     return ["; ".join(_lines(changes[:MOST_VALUES])) + also]
 
 
+class _Assembled:
+    """An assembled start, and what is free there: costly, and rarely needed."""
+
+    def __init__(self, system: System, shut: System, t: float, q: np.ndarray, v: np.ndarray) -> None:
+        """Arguments as `start_notes` has them."""
+        self.system, self.shut, self.t, self.q, self.v = system, shut, t, q, v
+
+    @functools.cached_property
+    def free(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """See `_freedom`."""
+        return _freedom(self.shut, self.t, self.q, self.v)
+
+    @functools.cached_property
+    def played(self) -> Played:
+        """See `_freed_by_play`."""
+        return _freed_by_play(self.system, self.t, self.q, self.v)
+
+    def why(self, k: int, turns: bool, change: float, alone: bool) -> str:
+        """In words, why coordinate k has changed [SI]; turns: it is an angle; alone: no other position is given."""
+        why = _holder(self.shut, self.free, k)
+        if why == AT_ODDS and alone:
+            why = UNREACHED
+        if why == AT_ODDS and turns and abs(math.remainder(change, math.tau)) <= SEEN:
+            why = TURNED
+        return why
+
+    def limit_of_position(self, k: int, turns: bool, why: str) -> float:
+        """Change of a position [m or rad] up to which its given value was a guess that did its work."""
+        if turns:
+            guess = ROUGH if why in (AT_ODDS, UNREACHED) else GUESS
+            return guess if _selects(self.system, self.t, self.system.bodies[k // 3]) else 0.0
+        near = NEAR * self.system.size if _through_loops(self.shut, self.free, k) else 0.0
+        return max(near, ACROSS * _play(self.system) if self.played.moved[k] else 0.0)
+
+    def limit_of_rate(self, k: int) -> float:
+        """The same of a rate, which follows where play is closed."""
+        return math.inf if self.played.held[k] else 0.0
+
+
 def _changes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarray) -> list[Change]:
-    speed = max(float(np.abs(v).max(initial=0.0)), 1e-300)
-    free = functools.cache(lambda: _freedom(shut, t, q, v))  # costly, and rarely needed
-    played = functools.cache(lambda: _freed_by_play(system, t, q, v))
+    """Given values that were not kept, positions before rates."""
+    speed = max(float(np.abs(v).max(initial=0.0)), TINY)
+    start, changes = _Assembled(system, shut, t, q, v), []
     alone = int((~np.isnan(given_values(system, 0))).sum()) == 1
-    changes = []
     for turn, now in enumerate((q, v)):
         for k, (wanted, got) in enumerate(zip(given_values(system, turn).tolist(), now.tolist(), strict=True)):
-            if math.isnan(wanted):
-                continue
-            name, key = system.bodies[k // 3], KEYS[turn][k % 3]
+            key = KEYS[turn][k % 3]
             size = (1.0 if key == "angle" else system.size) if turn == 0 else max(speed, abs(wanted))
-            if abs(got - wanted) <= SEEN * size:
+            if math.isnan(wanted) or abs(got - wanted) <= SEEN * size:
                 continue
-            factor = 180.0 / math.pi if key == "angle" else 1.0
-            asked, reached = f"{wanted * factor:.6g}", f"{got * factor if abs(got) > 1e-12 * size else 0.0:.6g}"
-            if asked == reached:
-                reached = f"{got * factor:.12g}"
-            why = _holder(shut, free(), k)
-            if why == AT_ODDS and alone and turn == 0:
-                why = UNREACHED
-            if why == AT_ODDS and key == "angle" and abs(math.remainder(got - wanted, math.tau)) <= SEEN:
-                why = TURNED
-            if turn == 1:
-                limit = math.inf if played().held[k] else 0.0
-            elif key == "angle":
-                guess = ROUGH if why in (AT_ODDS, UNREACHED) else GUESS
-                limit = guess if _selects(system, t, name) else 0.0
-            else:
-                near = NEAR * system.size if _through_loops(shut, free(), k) else 0.0
-                limit = max(near, ACROSS * _play(system) if played().moved[k] else 0.0)
-            text = f"asked for {name}.{key} = {asked} {UNITS[key]}, got {reached} {UNITS[key]}"
+            why = start.why(k, key == "angle", got - wanted, alone and turn == 0)
+            limit = start.limit_of_position(k, key == "angle", why) if turn == 0 else start.limit_of_rate(k)
+            text = _asked_and_got(f"{system.bodies[k // 3]}.{key}", UNITS[key], key == "angle", wanted, got, size)
             changes.append(Change(text, why, abs(got - wanted) > limit))
     return changes
+
+
+def _asked_and_got(name: str, unit: str, turns: bool, wanted: float, got: float, size: float) -> str:
+    """ "asked for crank.angle = 90 deg, got 0 deg"; size: what the value [SI] is compared with."""
+    factor = 180.0 / math.pi if turns else 1.0
+    asked, reached = f"{wanted * factor:.6g}", f"{got * factor if abs(got) > NOTHING * size else 0.0:.6g}"
+    if asked == reached:
+        reached = f"{got * factor:.12g}"
+    return f"asked for {name} = {asked} {unit}, got {reached} {unit}"
 
 
 def _selects(system: System, t: float, body: str) -> bool:
@@ -232,17 +265,17 @@ def _holding(system: System, rows: np.ndarray, k: int) -> set[str]:
     """Owners of the rows that together fix coordinate k: those in e_k = Phi_q^T x."""
     unit = np.zeros(rows.shape[1])
     unit[k] = 1.0
-    length = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
-    part = np.abs(np.linalg.lstsq((rows / length[:, None]).T, unit, rcond=1e-9)[0])
-    return {row.owner for row, size in zip(system.rows, part, strict=True) if size > 1e-9 * part.max()}
+    length = np.maximum(np.linalg.norm(rows, axis=1), TINY)
+    part = np.abs(np.linalg.lstsq((rows / length[:, None]).T, unit, rcond=RANK)[0])
+    return {row.owner for row, size in zip(system.rows, part, strict=True) if size > RANK * part.max()}
 
 
 def _free(rows: np.ndarray) -> np.ndarray:
     """Coordinates (columns) that can change without violating any of the rows."""
     if not len(rows):
         return np.ones(rows.shape[1], dtype=bool)
-    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
+    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), TINY)
     _, values, right = np.linalg.svd(finite(rows))
-    rank = int((values > 1e-9 * values[0]).sum())
-    free: np.ndarray = np.abs(right[rank:]).max(axis=0, initial=0.0) > 1e-7
+    rank = int((values > RANK * values[0]).sum())
+    free: np.ndarray = np.abs(right[rank:]).max(axis=0, initial=0.0) > FREED
     return free

@@ -20,6 +20,7 @@ DEPENDENT = 1e-12  # share of the largest singular value below which one is roun
 TOGETHER = 1e-4  # the same for the smallest singular value of all contacts together: test_rough_pins
 FIRM = 0.05  # share of the mobility of a free body below which joints and drivers hardly let a contact give way
 DEAD = 1e-8  # share of the largest singular value below which sticking contacts lock each other or the joints
+PRESSES = 1e-3  # share of the largest force of a wedge below which a contact takes no part in it
 JAM = ', or jam = "impact" in the contact'  # what else to try where contacts do not pass jams
 SENTENCES = {  # on why a run ends, also in pages
     "path_jammed": "no solution of the contact problem at {joints} was found at t = {t:.9g} s: on every path that was"
@@ -204,9 +205,9 @@ def wedged_joints(system: System, workspace: Workspace, t: float) -> list[str]:
     friction = workspace.values[system.arrays["contact"][closed, at.NORMAL_P] + at.MU]
     if sizes[-1] > DEAD * sizes[0] or abs(called) < DEAD * np.abs(b).max():
         return []
-    if (pressed < -1e-3 * pressed.max()).any() or (held > friction * pressed + 1e-3 * pressed.max()).any():
+    if (pressed < -PRESSES * pressed.max()).any() or (held > friction * pressed + PRESSES * pressed.max()).any():
         return []
-    return joints_of(system, closed[pressed > 1e-3 * pressed.max()])
+    return joints_of(system, closed[pressed > PRESSES * pressed.max()])
 
 
 def firm_joints(system: System, workspace: Workspace, t: float) -> list[str]:

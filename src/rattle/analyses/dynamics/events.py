@@ -23,6 +23,7 @@ from rattle.jit.workspace import Workspace
 from rattle.results.event import Event
 
 SHORTEST = 1e-12  # steps below this count as impossible [s]
+ROUNDING = 1e-9  # share of the energy exchanged by an impact below which what it creates is rounding
 GAIN = 1e-12  # energy created by an impact, as a share of that of the run, below which it is rounding
 STEPS_WANTED = 10  # steps that the shortest contact should have
 DEEP = STEPS_WANTED * SHORTEST / 3.0  # depth of a contact at 1 m/s that lasts so long [m], see `contact_duration`
@@ -119,8 +120,8 @@ def _gains(events: Sequence[Event], energy: float) -> list[float]:
     for event in events:
         if event.kind == "impact":
             gained[event.t] = gained.get(event.t, 0.0) - event.energy_lost
-            least[event.t] = least.get(event.t, 0.0) + 1e-9 * (event.impulse * event.normal_speed)
-            least[event.t] += 1e-9 * abs(event.energy_lost)
+            least[event.t] = least.get(event.t, 0.0) + ROUNDING * (event.impulse * event.normal_speed)
+            least[event.t] += ROUNDING * abs(event.energy_lost)
     return [gain for t, gain in gained.items() if gain > max(least[t], GAIN * energy)]
 
 

@@ -24,6 +24,8 @@ GLANCE, SHARE = 1e-6, 1e-3  # how far to look back, as a share of the run, and a
 GROWN = 20.0  # factor by which a value grows towards a pole when the time to it shrinks by SHARE
 BEYOND = 1e100  # of a position or rate in SI units, where no mechanism gets
 NEARLY = 1e-2  # share of the largest singular value with which massless bodies count as held no more
+LEAST_STEP = 1e-12  # length of a failed step [s] with which shorter ones are looked beyond
+PAST_END = 1.0 + 1e-12  # ends of the run within which an instant lies in it, rounding allowed
 TINY = 1e-12  # a contact that needs shorter steps is too stiff [s]
 SENTENCES = {  # also in pages
     "locks": "friction locks the mechanism at t = {t:.6g} s: no force in joint {joints} agrees with the reaction that"
@@ -170,10 +172,10 @@ def not_finite(system: System, workspace: Workspace, t_end: float) -> str:
     """
     clock, y, f = workspace.clock, workspace.state, workspace.rate
     start = float(clock[at.T])
-    reach = max(float(clock[at.TROUBLE]) - start, 1e-12)
+    reach = max(float(clock[at.TROUBLE]) - start, LEAST_STEP)
     for share in (0.0, 0.25, 0.5, 1.0, 2.0, 10.0, 1e3, 1e6):
         t = start + share * reach
-        if t > t_end * (1 + 1e-12) and share:
+        if t > t_end * PAST_END and share:
             break
         state = y + (t - start) * np.where(np.isfinite(f), f, 0.0)
         record(workspace, t, state, np.zeros(width(system)))

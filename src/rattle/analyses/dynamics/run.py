@@ -37,6 +37,7 @@ from rattle.solvers.step_audit import UNSOUND
 
 stop = threading.Event()  # when set, all runs of the process end where they are, as after Ctrl-C
 MOST_NUMBERS = 8_000_000  # of output rows beside events that a run keeps: 64 MB
+SHORTEST_RUN = 1e-300  # time that may be divided by, where a run ends at its start [s]
 CHUNK = 2000  # steps between two checks of progress and of Ctrl-C
 
 
@@ -270,7 +271,7 @@ def pulls(run: Run, reached: float) -> tuple[dict[str, float], dict[str, float |
     pulled: dict[str, float] = {}
     first: dict[str, float | None] = {}
     intervals = {}
-    span = max(reached - run.start.t, 1e-300)
+    span = max(reached - run.start.t, SHORTEST_RUN)
     for n, name in enumerate(run.system.watched):
         mine = crossings[crossings[:, at.CROSSING_FORCE] == n]
         times = list(mine[:, at.CROSSING_T])

@@ -27,6 +27,7 @@ from rattle.solvers.stepper import ATOL, RTOL
 
 log = logging.getLogger("rattle")
 
+PAST_END = 1.0 + 1e-12  # ends of the run within which an output time lies in it, rounding allowed
 POINTS = 1000  # output intervals by default
 
 
@@ -40,9 +41,7 @@ def simulate(
     functions.start()
     settings = system.model.settings
     end, times = output_times(settings, t_end, t_eval)
-    asked, steppers = settings.method if method is None else method, kinds("stepper")
-    if asked is not None and asked not in steppers:
-        raise InputError(f"unknown method '{asked}'; expected {' or '.join(steppers)}")
+    asked = _require_method(settings.method if method is None else method)
     rtol = arguments.relative_tolerance(_first_given(rtol, settings.rtol, RTOL))
     atol = arguments.positive("atol", _first_given(atol, settings.atol, ATOL * rtol))
     step = settings.step if step is None else step
@@ -53,30 +52,53 @@ def simulate(
     for fault in law_faults(system.model):
         log.warning(fault)
     stepper, step = choose_stepper(system, asked, step, end)
-    run = new_run(system, start, times, end, How(stepper, rtol, atol, step))
-    if most_steps is not None and most_steps < 1:
-        raise InputError(f"most_steps must be at least 1, got {most_steps}")
-    run.most_steps = most_steps
+    how = How(stepper, rtol, atol, step)
+    run = new_run(system, start, times, end, how)
+    run.most_steps = _require_some(most_steps)
     run.notes = note_choice(system, asked, stepper)
     run.go(progress)
-    reach, second = None, None
+    second = None
     if horizon and run.tally[at.OUTPUTS] > 1 and not run.interrupted:
-        finer = None if step is None else step / stepper.leaf.refinement
-        fine = tighter(rtol, RTOL)
-        second = new_run(system, start, times, end, How(stepper, fine, atol * fine / rtol, finer))
+        second = new_run(system, start, times, end, _tighter(how))
         second.most_steps = None if most_steps is None else 10 * most_steps
         second.go(progress, "once more, tighter")
-        reach = None if second.interrupted else agreement(run, second)
-    result = report(run, reach)
+    result = report(run, None if second is None or second.interrupted else agreement(run, second))
     if run.interrupted:
         result.stats["interrupted"] = True
     elif second is not None and second.interrupted:
         result.stats["horizon_interrupted"] = True
+    _require_success(result, strict)
+    return result
+
+
+def _require_method(asked: str | None) -> str | None:
+    """The same method.  Raises InputError if there is none of this name."""
+    steppers = kinds("stepper")
+    if asked is not None and asked not in steppers:
+        raise InputError(f"unknown method '{asked}'; expected {' or '.join(steppers)}")
+    return asked
+
+
+def _require_some(most_steps: int | None) -> int | None:
+    """The same number.  Raises InputError if it is less than 1."""
+    if most_steps is not None and most_steps < 1:
+        raise InputError(f"most_steps must be at least 1, got {most_steps}")
+    return most_steps
+
+
+def _require_success(result: Result, strict: bool) -> None:
+    """Log why a run failed, and raise SolverError if that is wanted."""
     if not result.success:
         log.error(result.message)
         if strict:
             raise SolverError(result.message, result)
-    return result
+
+
+def _tighter(how: How) -> How:
+    """How a run is repeated that tells up to when the first is to be trusted."""
+    fine = tighter(how.rtol, RTOL)
+    finer = None if how.step is None else how.step / how.stepper.leaf.refinement
+    return How(how.stepper, fine, how.atol * fine / how.rtol, finer)
 
 
 def output_times(
@@ -97,7 +119,7 @@ def output_times(
         ):
             raise InputError("t_eval must be increasing finite times in s, from 0 on")
         end = float(times[-1]) if t_end is None else arguments.positive("t_end", t_end)
-        if times[-1] > end * (1 + 1e-12):
+        if times[-1] > end * PAST_END:
             raise InputError(f"t_eval goes to {times[-1]:g} s, beyond t_end = {end:g} s")
         return max(end, float(times[-1])), times
     end = arguments.positive("t_end", settings.t_end if t_end is None else t_end)

@@ -39,6 +39,11 @@ STALLED, HARDLY = 20_000, 1e-6  # the same where it has nearly stopped
 LEAST_GONE = 1e-4  # this share of its time, unless the user limits the number of steps
 FOLLOWED = 1e-3  # clearances in a step from which on the motion of a pin in its bush is what keeps steps short
 FAR = 1e6  # distance from the origin, in sizes, at which too few digits are left for the motion
+NEAR = 1e-9  # share of an instant that a search for a jump reaches beyond it, at least
+NEIGHBOURS = 4e-16  # share of an instant by which the next number follows it, two units in the last place
+JUMPS = 1e-6  # change between neighbours that is a jump [rad, mechanism sizes; of speeds, share of the larger one]
+SLOW = 1e-3  # speed [rad/s, mechanism sizes/s] with which slower ones are compared
+TINY = 1e-300  # what may be divided by, or halved no more [s]
 SENTENCES = {  # of notes, also in pages
     "opened": "joints opened by {share:.2g} of the mechanism's size (or rad): {shorter} reduces this",
     "sunk": "contacts sank up to {percent:.2g} % of the clearance, or of the range between stops, into their walls:"
@@ -188,7 +193,7 @@ def too_slow(run: Running, mark: tuple[int, float]) -> tuple[str, tuple[int, flo
         return ("", mark) if steps - mark[0] < STALLED or gone <= LEAST_GONE * ahead else ("", (steps, t))
     if gone > LEAST_GONE * ahead:
         return "", (steps, t)
-    more = (run.t_end - t) / max(gone, 1e-300) * (steps - mark[0])
+    more = (run.t_end - t) / max(gone, TINY) * (steps - mark[0])
     return (
         f"ended at t = {t:.6g} s: the last {steps - mark[0]} steps covered {gone:.2g} s, the rest would take {more:.1g}"
         f" more. {_haste(run, gone / (steps - mark[0]))}; most_steps lets it go on"
@@ -277,7 +282,7 @@ def jump(system: System, start: float, end: float) -> str:
         drive(workspace, t)
         return float(workspace.values[slot])
 
-    reach = max(end - start, 1e-9 * max(abs(start), abs(end)))
+    reach = max(end - start, NEAR * max(abs(start), abs(end)))
     for name in system.model.drivers:
         slot = system.driver_slot(name)
         unit = system.rows[system.first_row(name)].unit
@@ -285,7 +290,7 @@ def jump(system: System, start: float, end: float) -> str:
         for k, (what, per) in enumerate((("position", ""), ("speed", "/s"))):
             low, high = start - reach, end + reach
             before, after = value(low, slot + k), value(high, slot + k)
-            while high - low > 4e-16 * max(abs(low), abs(high)) + 1e-300:
+            while high - low > NEIGHBOURS * max(abs(low), abs(high)) + TINY:
                 middle = 0.5 * (low + high)
                 if not low < middle < high:
                     break
@@ -294,7 +299,7 @@ def jump(system: System, start: float, end: float) -> str:
                     high, after = middle, at
                 else:
                     low, before = middle, at
-            least = 1e-6 * scale if k == 0 else 1e-6 * max(abs(before), abs(after), 1e-3 * scale)
+            least = JUMPS * (scale if k == 0 else max(abs(before), abs(after), SLOW * scale))
             if abs(after - before) > least:
                 text = f"driver '{name}' jumps in {what} at t = {high:.9g} s"
                 return f"{text}, from {before:.6g} to {after:.6g} {unit}{per}; smooth its function there"

@@ -100,17 +100,22 @@ def needs_short_steps(outputs: Sequence[Output], model: RecordedModel) -> bool:
     if not sampled:
         return False
     inside, signals = model.system.model, model.system.model.signals
-    for reduction in sampled:
-        peak = isinstance(reduction.inner, Apply) and reduction.inner.name in PEAKS.get(reduction.kind, ())
-        parts = reduction.inner.operands if peak and isinstance(reduction.inner, Apply) else (reduction.inner,)
-        if reduction.kind in CONDITIONS or any(_brisk(part, signals) for part in parts):
-            return True
+    if any(_brief(reduction, signals) for reduction in sampled):
+        return True
     values = [value for load in inside.loads.values() for value in load.values]
     if any(_brisk(value, signals) for value in values if isinstance(value, Apply | Name)):
         return True
     driven = driven_bodies(model.system, model.start)
     loaded = {point.body for load in inside.loads.values() for point in (load.a, load.b)}
     return len(driven) == model.system.body_count or bool(driven & loaded)  # the motion of these is no measure
+
+
+def _brief(reduction: Any, signals: Container[str]) -> bool:
+    """Whether what a sampled reduction looks for may last shorter than a step of usual length."""
+    inner = reduction.inner
+    peak = isinstance(inner, Apply) and inner.name in PEAKS.get(reduction.kind, ())
+    parts = inner.operands if peak else (inner,)
+    return reduction.kind in CONDITIONS or any(_brisk(part, signals) for part in parts)
 
 
 def _brisk(node: Node, signals: Container[str]) -> bool:

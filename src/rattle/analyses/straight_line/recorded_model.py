@@ -35,6 +35,8 @@ from rattle.trace.recording import Recorder, Recording
 from rattle.trace.symbol_arrays import Table
 
 SAME = 1e-9  # share of the largest number by which a recording may differ from the kernels: rounding, well amplified
+LEAST = 1e-12  # number [SI] with which smaller ones are compared as if they were as large: rounding of zeros
+MOVED = 1e-3  # standard deviation of the state beside the start [SI] at which the record is checked
 NUDGES = (1e-4, -1e-4, 1e-7, -1e-7)  # changes of a parameter, in shares of it, at which the record is checked
 
 
@@ -224,7 +226,7 @@ def _require_same(model: RecordedModel) -> None:
                 other = compile_system(with_constants(read_at(model, changed), constants_of(model.system.model)))
             except ModelError:  # outside of the limits of a parameter
                 continue
-            moved = y + 1e-3 * random.standard_normal(len(y))
+            moved = y + MOVED * random.standard_normal(len(y))
             outputs = _at(model, functions, model.start.t, moved, changed)
             if outputs[3]:
                 _require_equal(other, model.start.t, moved, outputs[4:], where)
@@ -273,5 +275,5 @@ def _require_equal(system: System, t: float, y: np.ndarray, outputs: np.ndarray,
     ):
         if not np.isfinite(want).all():
             raise TraceError("a load, driver or signal has no finite value at the start")
-        if want.shape != got.shape or not np.abs(want - got).max() <= SAME * max(1e-12, size, np.abs(want).max()):
+        if want.shape != got.shape or not np.abs(want - got).max() <= SAME * max(LEAST, size, np.abs(want).max()):
             raise TraceError(f"the recorded {title} and those of the kernels differ {where}")

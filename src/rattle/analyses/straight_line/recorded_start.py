@@ -248,31 +248,40 @@ def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
 
 def lacking(system: System, start: Assembled) -> str:
     """What [initial] must give so that the start follows from it, in words; "" if it does."""
-    advice = []
     placed = _pins_at_offsets(system, start)
     links = [name for name, joint in system.model.joints.items() if is_link(joint)]
-    if without := [name for name in links if name not in placed]:
-        advice.append(f"give the offset of {', '.join(without)}")
-    for turn, pins in ((0, links), (1, _pins_at_rest(system, start))):
-        if turn == 1 and advice:  # rates follow once the positions do
-            break
-        wanted, now = given_values(system, turn), (start.q, start.v)[turn]
-        names = [f"{body}.{key}" for body in system.bodies for key in KEYS[turn]]
-        moved = [k for k in np.flatnonzero(~np.isnan(wanted)) if not _agrees(system, now, wanted)[k]]
-        if moved:
-            values = ", ".join(f"{names[k]} = {now[k]:.12g} (not {wanted[k]:.6g})" for k in moved)
-            advice.append(f"give what the joints allow: {values}")
-        placing = _placing(system) if turn == 0 else system
-        if _kept(placing, start, pins, turn) is None:
-            basis = _basis(_held(placing.model, pins, []), start, pins if turn == 0 else [])
-            for k in np.flatnonzero(~np.isnan(wanted)):
-                _add(basis, _unit(len(wanted), int(k)))
-            size = len(wanted)
-            order = (*range(2, size, 3), *range(0, size, 3), *range(1, size, 3))  # angles first
-            free = [k for k in order if _add(basis, _unit(size, k))]
-            if free:
-                advice.append(f"give {', '.join(f'{names[k]} (it is {now[k]:.12g})' for k in free)}")
+    without = [name for name in links if name not in placed]
+    advice = [f"give the offset of {', '.join(without)}"] if without else []
+    advice += _lacking_values(system, start, links, 0)
+    if not advice:  # rates follow once the positions do
+        advice = _lacking_values(system, start, _pins_at_rest(system, start), 1)
     return "; ".join(advice)
+
+
+def _lacking_values(system: System, start: Assembled, pins: list[str], turn: int) -> list[str]:
+    """What to give of the positions (turn 0) or rates (turn 1), in words; pins: links that are held at the start."""
+    wanted, now = given_values(system, turn), (start.q, start.v)[turn]
+    names = [f"{body}.{key}" for body in system.bodies for key in KEYS[turn]]
+    agrees, advice = _agrees(system, now, wanted), []
+    moved = [k for k in np.flatnonzero(~np.isnan(wanted)) if not agrees[k]]
+    if moved:
+        values = ", ".join(f"{names[k]} = {now[k]:.12g} (not {wanted[k]:.6g})" for k in moved)
+        advice.append(f"give what the joints allow: {values}")
+    if free := _undetermined(_placing(system) if turn == 0 else system, start, pins, turn):
+        advice.append(f"give {', '.join(f'{names[k]} (it is {now[k]:.12g})' for k in free)}")
+    return advice
+
+
+def _undetermined(system: System, start: Assembled, pins: list[str], turn: int) -> list[int]:
+    """Coordinates, angles first, that neither joints nor given positions (turn 0) or rates (turn 1) determine."""
+    if _kept(system, start, pins, turn) is not None:
+        return []
+    wanted = given_values(system, turn)
+    size, basis = len(wanted), _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
+    for k in np.flatnonzero(~np.isnan(wanted)):
+        _add(basis, _unit(size, int(k)))
+    order = (*range(2, size, 3), *range(0, size, 3), *range(1, size, 3))  # angles first
+    return [k for k in order if _add(basis, _unit(size, k))]
 
 
 # ---------------------------------------------------------------- the mechanism with what is kept

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle.analyses.assembly.assembly import assemble, ideal_system
-from rattle.analyses.own_states import require_no_states
+from rattle.analyses.history import require_no_states
 from rattle.analyses.travel import out_of_place
 from rattle.description.model import Joint
 from rattle.equations.system import System

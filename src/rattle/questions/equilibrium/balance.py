@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.rank import RANK, nonunique_reactions
-from rattle.analyses.clutches import require_known_torques
-from rattle.analyses.own_states import require_loads_without_states
+from rattle.analyses.history import require_known_torques, require_loads_without_states
 from rattle.analyses.undefined import undefined
 from rattle.description.model import Joint
 from rattle.elements.custom import load_law

@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.rank import RANK, unsure_friction
-from rattle.analyses.clutches import require_known_torques
-from rattle.analyses.own_states import require_loads_without_states
+from rattle.analyses.history import require_known_torques, require_loads_without_states
 from rattle.analyses.undefined import undefined
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import drive, solve_motion

@@ -13,11 +13,10 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
 from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
-from rattle.analyses.clutches import require_known_torques, run_backwards
 from rattle.analyses.dynamics.report import leave_out
 from rattle.analyses.dynamics.singular_passages import Passage
 from rattle.analyses.grip import grip_notes
-from rattle.analyses.own_states import require_no_states
+from rattle.analyses.history import require_known_torques, require_no_states, run_backwards
 from rattle.analyses.timetable import jump_notes, timetable
 from rattle.analyses.travel import out_of_place, past_stops, places, rates, with_stops, without_stops
 from rattle.analyses.undefined import undefined

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.analyses.assembly.rank import unlike_masses
-from rattle.analyses.clutches import require_known_torques
+from rattle.analyses.history import require_known_torques
 from rattle.equations.motion import loads, place
 from rattle.equations.rest_force import FACTORS, SHIFTS, force_at
 from rattle.equations.system import System

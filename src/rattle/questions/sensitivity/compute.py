@@ -15,7 +15,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.dynamics.simulate import output_times
-from rattle.analyses.own_states import require_no_states
+from rattle.analyses.history import require_no_states
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, record_model, require_parameters
