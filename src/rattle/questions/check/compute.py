@@ -78,20 +78,20 @@ class Check:
         if self.freedoms:
             more = f" and {len(self.freedoms) - 8} more" if len(self.freedoms) > 8 else ""
             lines.append(f"free: {', '.join(self.freedoms[:8])}{more}")
-        lines += [f"parameter: {one}" for one in self.parameters]
-        lines += [f"plate: {one}" for one in self.plates]
+        lines += [f"parameter: {line}" for line in self.parameters]
+        lines += [f"plate: {line}" for line in self.plates]
         lines += [f"without mass or inertia: {', '.join(self.massless)}"] if self.massless else []
-        lines += [f"loop: {one}" for one in self.loops[:8]]
+        lines += [f"loop: {line}" for line in self.loops[:8]]
         if len(self.loops) > 8:
             lines.append(f"... and {len(self.loops) - 8} more loops")
-        lines += [f"branch: {one}" for one in self.branches[:8]]
-        lines += [f"play: {one}" for one in self.clearances]
-        lines += [f"one-sided: {one}" for one in self.one_sided]
-        lines += [f"stop: {one}" for one in self.stops]
-        lines += [f"ends: {one}" for one in self.ends]
-        lines += [f"driver: {one}" for one in self.reach]
-        lines += [f"law: {one}" for one in self.laws]
-        lines += [f"start: {one}" for one in self.start]
+        lines += [f"branch: {line}" for line in self.branches[:8]]
+        lines += [f"play: {line}" for line in self.clearances]
+        lines += [f"one-sided: {line}" for line in self.one_sided]
+        lines += [f"stop: {line}" for line in self.stops]
+        lines += [f"ends: {line}" for line in self.ends]
+        lines += [f"driver: {line}" for line in self.reach]
+        lines += [f"law: {line}" for line in self.laws]
+        lines += [f"start: {line}" for line in self.start]
         return "\n".join(lines)
 
 
@@ -130,7 +130,7 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         freedoms=free_coordinates(system, start.t, start.q),
         stops=tuple(stop_lines(model)),
         ends=tuple(
-            f"{name}, {said}" for name, joint in model.joints.items() if (said := joint.leaf.ends(joint.fields))
+            f"{name}, {words}" for name, joint in model.joints.items() if (words := joint.leaf.ends(joint.fields))
         ),
         reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
@@ -138,16 +138,17 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         residual=start.residual,
         plates=tuple(_plates(model)),
         parameters=tuple(_parameters(model, written)),
-        massless=tuple(name for name, one in model.bodies.items() if one.mass == 0.0 or one.inertia == 0.0),
+        massless=tuple(name for name, body in model.bodies.items() if body.mass == 0.0 or body.inertia == 0.0),
     )
 
 
 def _parameters(model: Model, written: Mapping[str, tuple[float, str]]) -> list[str]:
     """Value, label and description of parameters that have one of the two."""
     return [
-        f"{one.title} {in_written_unit(one, written[name])}{f': {one.description}' if one.description else ''}"
-        for name, one in model.parameters.items()
-        if one.label or one.description
+        f"{parameter.title} {in_written_unit(parameter, written[name])}"
+        + (f": {parameter.description}" if parameter.description else "")
+        for name, parameter in model.parameters.items()
+        if parameter.label or parameter.description
     ]
 
 
@@ -176,27 +177,27 @@ def _branches(system: System, start: Assembled) -> list[str]:
         return []
     at = {name: point_at(system, start.q, joint.a) for name, joint in model.joints.items()}
     driven = {driver.joint for driver in model.drivers.values()}
-    found = []
+    sides = []
     for joint, path in loops(model):
         ring = [*path, joint.name]
         for k in range(len(ring)):
-            one, two, three = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
-            pins = all(model.joints[name].is_hinge for name in (one, two, three))
+            outer, middle, last = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
+            pins = all(model.joints[name].is_hinge for name in (outer, middle, last))
             if (
                 not pins
-                or len({one, two, three}) < 3
-                or two in driven
-                or "ground" in (model.joints[two].a.body, model.joints[two].b.body)
+                or len({outer, middle, last}) < 3
+                or middle in driven
+                or "ground" in (model.joints[middle].a.body, model.joints[middle].b.body)
             ):
                 continue
-            first, second = at[two] - at[one], at[three] - at[one]
+            first, second = at[middle] - at[outer], at[last] - at[outer]
             side = first[1] * second[0] - first[0] * second[1]
             if min(np.hypot(*first), np.hypot(*second), np.hypot(*(second - first))) < 1e-9 * system.size:
                 continue  # two pins coincide: there is no side
             scale = float(np.hypot(*first) * np.hypot(*second))
             where = "on" if abs(side) < 1e-9 * scale else "left of" if side > 0 else "right of"
-            found.append(f"{two} lies {where} the line {one} -> {three}")
-    return list(dict.fromkeys(found))
+            sides.append(f"{middle} lies {where} the line {outer} -> {last}")
+    return list(dict.fromkeys(sides))
 
 
 def _reach(system: System, start: Assembled) -> list[str]:
@@ -207,7 +208,7 @@ def _reach(system: System, start: Assembled) -> list[str]:
     links = any(is_link(joint) or joint.stop for joint in model.joints.values())
     ideal = ideal_system(model) if links else system
     frozen, slots, at_start = _hold_drivers(ideal, start.t)
-    found = []
+    lines = []
     q = start.q.copy()
     scratch = np.empty_like(q)
     close_position(frozen, 0.0, q, scratch, 1e-10 * system.size, 30)
@@ -224,14 +225,14 @@ def _reach(system: System, start: Assembled) -> list[str]:
         ]
         unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
         if full:
-            found.append(f"{name} can turn fully")
+            lines.append(f"{name} can turn fully")
         elif ends == [None, None]:
             now = f"{at_start[name] * scale:.5g} {unit}"
-            found.append(f"{name} can move as far as was tried, to both sides (now {now})")
+            lines.append(f"{name} can move as far as was tried, to both sides (now {now})")
         else:
             text = [f"{value * scale:.5g} {unit}" if value is not None else "beyond the range tried" for value in ends]
-            found.append(f"{name} can move from {text[1]} to {text[0]} (now {at_start[name] * scale:.5g} {unit})")
-    return found
+            lines.append(f"{name} can move from {text[1]} to {text[0]} (now {at_start[name] * scale:.5g} {unit})")
+    return lines
 
 
 def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], dict[str, float]]:
@@ -256,8 +257,8 @@ def _turning(workspace: Workspace, q: np.ndarray, slot: int) -> float:
     workspace.values[slot + 1] = 1.0
     close_rate(workspace, 0.0, q, v)
     workspace.values[slot + 1] = 0.0
-    found = float(np.abs(v[2::3]).max(initial=0.0))
-    return found if math.isfinite(found) else 0.0
+    fastest = float(np.abs(v[2::3]).max(initial=0.0))
+    return fastest if math.isfinite(fastest) else 0.0
 
 
 def _far(
