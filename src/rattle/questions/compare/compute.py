@@ -46,11 +46,11 @@ class Comparison:
     @property
     def notes(self) -> dict[str, tuple[str, ...]]:
         """Notes by model: the message of a run that ended early, and the notes of its trust."""
-        said = {
+        by_model = {
             model: (*([r.message] if r.message else []), *contact_lines(r), *r.trust.notes, *r.trust.coarse())
             for model, r in self.results.items()
         }
-        return {model: notes for model, notes in said.items() if notes}
+        return {model: notes for model, notes in by_model.items() if notes}
 
     def __repr__(self) -> str:
         return f"<rattle.Comparison: {self.name}, joint {self.joint}: {', '.join(self.results)}>"
@@ -98,8 +98,8 @@ HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "
 
 
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
-    found = result.contacts.get(joint)
-    peak = max(result.peak(f"{joint}.force")[0], found.peak if found else 0.0)
+    contact = result.contacts.get(joint)
+    peak = max(result.peak(f"{joint}.force")[0], contact.peak if contact else 0.0)
     until, end = result.trust.trusted_until(), result.trust.t_end
     reach = "-" if until is None else "the end" if until >= end else quantity(until, "s", 3)
     pull = max(result.trust.pulled.values(), default=0.0)
@@ -107,15 +107,15 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         reach += f" (pulls for {100.0 * pull:.2g} %)"
     elif result.trust.unread or result.trust.coarse():
         reach += " (not the peak)"
-    if not found or model == LINK:
-        touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
+    if not contact or model == LINK:
+        touched = (f"{100 * contact.share:.0f} %" if contact else "-", "-", "-", "-")
     else:
         oil = result.films.get(joint)  # its mean power has the dry friction beside it
-        lost = quantity(oil.mean_power * float(result.t[-1] - result.t[0]) if oil else found.energy_lost, "J", 3)
+        lost = quantity(oil.mean_power * float(result.t[-1] - result.t[0]) if oil else contact.energy_lost, "J", 3)
         mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
         hardest = max((event.impulse for event in mine), default=0.0)
-        hits = f"{found.impacts}, to {quantity(hardest, 'N*s', 2)}" if found.impacts else "0"
-        touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
+        hits = f"{contact.impacts}, to {quantity(hardest, 'N*s', 2)}" if contact.impacts else "0"
+        touched = (f"{100 * contact.share:.0f} %", str(contact.contacts), hits, lost)
     shown = readable(result, f"{joint}.force")
     forces = (newton(peak), newton(result.rms(f"{joint}.force"))) if shown else ("-", "-")
     return (model, *forces, *touched, reach)
@@ -145,7 +145,7 @@ def compare(
     from rattle.questions.poincare.compute import driver_period
     from rattle.solvers.stepper import usual_stepper
 
-    loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
+    loose = [name for name, element in m.model.joints.items() if element.clearance > 0.0]
     if not loose:
         raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
     if joint is not None and joint not in loose:
@@ -173,7 +173,9 @@ def compare(
             results[model] = loosened.simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
             changed += _say_once(results[model], loosened, changed)
             if results[model].cut_short:
-                skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
+                skipped.update(
+                    dict.fromkeys([later for later in models if later not in results], "stopped by the user")
+                )
                 break
         except ModelError as error:
             skipped[model] = error.problems[0].message
@@ -201,7 +203,7 @@ def _say_once(result: Result, model: Mechanism, before: list[str]) -> list[str]:
 
 def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> str:
     """Why a compliant run with assumed bushes says nothing about this mechanism, in words; "" if it does."""
-    if not any("bush radius" in one for one in assumed):
+    if not any("bush radius" in assumption for assumption in assumed):
         return ""
     for name in loose:
         play = m.model.joints[name].clearance
@@ -226,51 +228,56 @@ def _motion(m: Mechanism, ideal: Result) -> str:
 
 def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechanism, list[str]]:
     """The mechanism with compliant contacts, and the assumptions that were needed for them."""
-    made = m
+    compliant = m
     assumed: dict[str, list[str]] = {}
     for name in loose:
-        one = m.model.joints[name]
-        own = one.contact.normal.kind if one.contact and one.contact.normal else ""
-        given = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
-        written = {"model": given} if isinstance(given, str) else given
+        joint = m.model.joints[name]
+        own = joint.contact.normal.kind if joint.contact and joint.contact.normal else ""
+        contact = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
+        written = {"model": contact} if isinstance(contact, str) else contact
         fields = registry.kinds("normal")[written["model"]].fields
         more: dict[str, Any] = {}
-        said = []
+        assumptions = []
         if not any(key == "stiffness" or key.endswith("material") for key in written) and not _bedded(written):
-            if one.play.from_materials:
+            if joint.play.from_materials:
                 radius = written.get("bush_radius")
                 if radius is None:
-                    more["bush_radius"] = RADII * one.clearance
-                    said.append(f"bush radius {1e3 * RADII * one.clearance:.3g} mm")
+                    more["bush_radius"] = RADII * joint.clearance
+                    assumptions.append(f"bush radius {1e3 * RADII * joint.clearance:.3g} mm")
                 more |= {"bush_material": "steel", "pin_material": "steel"}
-                said.append("steel on steel, sphere in socket")
+                assumptions.append("steel on steel, sphere in socket")
             else:
                 more |= {"stiffness": CORNER, "exponent": 1.5}
-                said.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
-        if "friction" in written and "bush_radius" not in written and "bush_radius" not in more and one.play.has_radius:
-            more["bush_radius"] = RADII * one.clearance
+                assumptions.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
+        if (
+            "friction" in written
+            and "bush_radius" not in written
+            and "bush_radius" not in more
+            and joint.play.has_radius
+        ):
+            more["bush_radius"] = RADII * joint.clearance
         if (
             "restitution" in fields
             and fields["restitution"].default is registry.REQUIRED
             and "restitution" not in written
         ):
             more["restitution"] = DEFAULT_RESTITUTION
-            said.append(f"restitution {DEFAULT_RESTITUTION:g}")
-        if "restitution" in written and one.contact is not None and one.contact.rigid:
-            own_restitution = rigid_restitution(one.contact.fields)
+            assumptions.append(f"restitution {DEFAULT_RESTITUTION:g}")
+        if "restitution" in written and joint.contact is not None and joint.contact.rigid:
+            own_restitution = rigid_restitution(joint.contact.fields)
             if own_restitution < LEAST_RESTITUTION:  # the same bushes as in the bracket of a rigid contact
                 more["restitution"] = LEAST_RESTITUTION
-                said.append(f"restitution {LEAST_RESTITUTION:g} in place of {own_restitution:g}")
-        made = made.set({f"joints.{name}.contact": {**written, **more}})
-        if said:
-            assumed.setdefault(", ".join(said), []).append(name)
-    return made, [f"assumed for the compliant {', '.join(names)}: {said}" for said, names in assumed.items()]
+                assumptions.append(f"restitution {LEAST_RESTITUTION:g} in place of {own_restitution:g}")
+        compliant = compliant.set({f"joints.{name}.contact": {**written, **more}})
+        if assumptions:
+            assumed.setdefault(", ".join(assumptions), []).append(name)
+    return compliant, [f"assumed for the compliant {', '.join(names)}: {words}" for words, names in assumed.items()]
 
 
 def _bedded(written: Mapping[str, Any]) -> bool:
     """True of a contact with a geometry whose stiffness needs no materials."""
-    known = registry.kinds("stiffness").get(str(written.get("geometry")))
-    return known is not None and "bush_material" not in known.fields
+    kind = registry.kinds("stiffness").get(str(written.get("geometry")))
+    return kind is not None and "bush_material" not in kind.fields
 
 
 def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[str]) -> Mechanism:
@@ -278,33 +285,33 @@ def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[s
     changes: dict[str, Any] = {}
     by_words: dict[str, list[str]] = {}
     for name in loose:
-        one = m.model.joints[name]
-        if one.contact is not None and one.contact.film is not None:
+        joint = m.model.joints[name]
+        if joint.contact is not None and joint.contact.film is not None:
             changes[f"joints.{name}.contact"] = m.contact_of(name)
             continue
-        if not one.play.holds_oil:
+        if not joint.play.holds_oil:
             continue
-        made, said = recontact(compliant.contact_of(name), "lubricated"), [f"oil of {OIL}"]
-        assert isinstance(made, dict), "a compliant contact is a table"
+        contact, assumptions = recontact(compliant.contact_of(name), "lubricated"), [f"oil of {OIL}"]
+        assert isinstance(contact, dict), "a compliant contact is a table"
         if "bush_radius" not in m.contact_of(name):
-            made["bush_radius"] = BORE * one.clearance
-            if made["bush_radius"] > 0.5 * m.system.extent:
-                play, radius = f"{1e3 * one.clearance:.3g} mm", f"{made['bush_radius']:.3g} m"
+            contact["bush_radius"] = BORE * joint.clearance
+            if contact["bush_radius"] > 0.5 * m.system.extent:
+                play, radius = f"{1e3 * joint.clearance:.3g} mm", f"{contact['bush_radius']:.3g} m"
                 words = (
                     f"{name} has no bush_radius, and a usual one for {play} of play around oil, {radius}, does not fit"
                     " this mechanism; give bush_radius, length and viscosity"
                 )
                 raise ModelError([Problem(("joints", name), words)])
-            said.append(f"bush radius {1e3 * BORE * one.clearance:.3g} mm")
-        if "length" not in made:
-            radius = made["bush_radius"]
-            made["length"] = f"2*({radius})" if isinstance(radius, str) else 2.0 * radius
-            said.append("a bush as long as wide")
-        changes[f"joints.{name}.contact"] = {"viscosity": OIL, **made}
-        if math.hypot(*m.model.initial.offsets.get(name, (0.0, 0.0))) > 0.9 * one.clearance:
+            assumptions.append(f"bush radius {1e3 * BORE * joint.clearance:.3g} mm")
+        if "length" not in contact:
+            radius = contact["bush_radius"]
+            contact["length"] = f"2*({radius})" if isinstance(radius, str) else 2.0 * radius
+            assumptions.append("a bush as long as wide")
+        changes[f"joints.{name}.contact"] = {"viscosity": OIL, **contact}
+        if math.hypot(*m.model.initial.offsets.get(name, (0.0, 0.0))) > 0.9 * joint.clearance:
             changes[f"initial.{name}.offset"] = [0, 0]
-            said.append("it starts in the middle")
-        by_words.setdefault(", ".join(said), []).append(name)
+            assumptions.append("it starts in the middle")
+        by_words.setdefault(", ".join(assumptions), []).append(name)
     oiled = compliant.set(changes)
-    assumed += [f"assumed for the lubricated {', '.join(names)}: {said}" for said, names in by_words.items()]
+    assumed += [f"assumed for the lubricated {', '.join(names)}: {text}" for text, names in by_words.items()]
     return oiled
