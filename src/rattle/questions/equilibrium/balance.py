@@ -92,11 +92,11 @@ def has_pin(joint: Joint) -> bool:
 
 def _oiled(system: System) -> list[tuple[str, int, int, int]]:
     """Joints with oil: name, contact, numbers of both bodies."""
-    found = []
+    oiled = []
     for n, entry in enumerate(system.arrays["contact"]):
         if entry[at.FILM_LAW] >= 0:
-            found.append((system.joints[entry[at.OWNER]], n, int(entry[at.A_BODY]), int(entry[at.B_BODY])))
-    return found
+            oiled.append((system.joints[entry[at.OWNER]], n, int(entry[at.A_BODY]), int(entry[at.B_BODY])))
+    return oiled
 
 
 class StaticProblem:
@@ -113,15 +113,17 @@ class StaticProblem:
         self.scale = np.ones(3 * system.body_count)
         self.scale[2::3] = 1.0 / system.size
         joints = system.model.joints.values()
-        arms = [one.clearance for one in joints if is_link(one)] + [
-            one.distance for one in joints if one.distance > 0.0
+        arms = [joint.clearance for joint in joints if is_link(joint)] + [
+            joint.distance for joint in joints if joint.distance > 0.0
         ]
-        length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
+        length = min([1e-4 * system.size] + [3e-3 * joint for joint in arms])
         if len(self.workspace.contact_memory):  # penetrations are small
-            length = min([length] + [1e-5 * one.clearance for one in joints if one.clearance > 0.0 and one.is_loose])
+            length = min(
+                [length] + [1e-5 * joint.clearance for joint in joints if joint.clearance > 0.0 and joint.is_loose]
+            )
         self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * system.body_count)
-        self.links = [name for name, one in system.model.joints.items() if is_link(one)]
+        self.links = [name for name, joint in system.model.joints.items() if is_link(joint)]
         entries = system.arrays["joint"][np.array([system.joints.index(name) for name in self.links], np.int64)]
         self.pins = np.ascontiguousarray(entries[:, 1:4])
         self.room = Room.of(3 * system.body_count, system.row_count, len(self.links))
@@ -179,11 +181,11 @@ class StaticProblem:
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
         """(k, 2) pin centre minus bush centre of every massless link [m], at q (3 nb,)."""
-        found = []
+        offsets = []
         for name in self.links:
             joint = self.system.model.joints[name]
-            found.append(point_at(self.system, q, joint.b) - point_at(self.system, q, joint.a))
-        return np.array(found).reshape(-1, 2)
+            offsets.append(point_at(self.system, q, joint.b) - point_at(self.system, q, joint.a))
+        return np.array(offsets).reshape(-1, 2)
 
     def turn(self, q: np.ndarray) -> np.ndarray:
         """Let films see the rates (nb + 1,) [rad/s] of the ground and of all bodies that the drivers give at q (3 nb,).
@@ -196,13 +198,13 @@ class StaticProblem:
             return workspace.turning
         open_by(workspace, self.t, q, np.zeros_like(q))
         rows, rates = dense_rows(system, workspace), workspace.rows[:, at.NU].copy()
-        still = np.vstack([self.pin_rows(q, name) for name, one in system.model.joints.items() if has_pin(one)])
+        still = np.vstack([self.pin_rows(q, name) for name, joint in system.model.joints.items() if has_pin(joint)])
         whole = np.vstack([rows, still]) * self.scale
-        found = np.linalg.lstsq(whole, np.concatenate([rates, np.zeros(len(still))]), rcond=RANK)[0] * self.scale
-        workspace.turning[1:] = found[2::3]
-        speed = np.hypot(found[::3], found[1::3])
-        moves = speed > STILL * system.size * np.abs(found[2::3]).max()
-        self.moving = [name for name, one in zip(system.bodies, moves, strict=True) if one]
+        motion = np.linalg.lstsq(whole, np.concatenate([rates, np.zeros(len(still))]), rcond=RANK)[0] * self.scale
+        workspace.turning[1:] = motion[2::3]
+        speed = np.hypot(motion[::3], motion[1::3])
+        moves = speed > STILL * system.size * np.abs(motion[2::3]).max()
+        self.moving = [name for name, moves_on in zip(system.bodies, moves, strict=True) if moves_on]
         return workspace.turning.copy()
 
     def pin_rows(self, q: np.ndarray, name: str) -> np.ndarray:
@@ -220,40 +222,40 @@ class StaticProblem:
         self,
         start: np.ndarray,
         downhill: bool = False,
-        known: np.ndarray | None = None,
+        seen: np.ndarray | None = None,
         near: float = 0.0,
         most: int = MOST_TRIALS,
         turn: float = MOST_TURN,
     ) -> tuple[np.ndarray, int] | None:
         """Position (3 nb,) [m, m, rad] of an equilibrium near a start (3 nb,), and the iterations; or None.
 
-        downhill: find a stable one.  known (k, 3 nb): equilibria found already; the result is also None if the search
+        downhill: find a stable one.  seen (k, 3 nb): equilibria found already; the result is also None if the search
         comes within `near` [m] of one of them.  most: positions to try before the start is given up; `trials` counts
         them.  turn: largest rotation of a body in one step [rad]; a large one may leave the nearest valley.
         """
         self.turn(start)
-        found = self._find(start, downhill, known, near, most, turn)
-        if found is None or not self.oiled:
-            return found
+        solution = self._find(start, downhill, seen, near, most, turn)
+        if solution is None or not self.oiled:
+            return solution
         self.turn(
-            found[0]
+            solution[0]
         )  # the rates there differ a little, which a film much stiffer than its load needs may not see
-        return self._find(found[0], downhill, known, near, most, turn) or found
+        return self._find(solution[0], downhill, seen, near, most, turn) or solution
 
     def _find(
-        self, start: np.ndarray, downhill: bool, known: np.ndarray | None, near: float, most: int, turn: float
+        self, start: np.ndarray, downhill: bool, seen: np.ndarray | None, near: float, most: int, turn: float
     ) -> tuple[np.ndarray, int] | None:
         """`find` with the rates that films see now."""
         q, room = start.copy(), self.room
         room.state[:] = 0.0
         room.state[equilibrium_newton.MOST_TURN] = turn
-        known = np.zeros((0, len(q))) if known is None else known
+        seen = np.zeros((0, len(q))) if seen is None else seen
         rounds = max(1, min(equilibrium_newton.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
         status = equilibrium_newton.GOING
         while status == equilibrium_newton.GOING:  # in pieces, so that Ctrl-C works
             status = equilibrium_newton.find(
-                self.workspace, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
-                len(known), near, self.pins, *room, float(most),
+                self.workspace, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, seen,
+                len(seen), near, self.pins, *room, float(most),
             )  # fmt: skip
         self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
         self.arrived = status in (equilibrium_newton.FOUND, equilibrium_newton.KNOWN)
@@ -320,22 +322,23 @@ class StaticProblem:
             turning,
         )  # fmt: skip
 
-    def describe(self, found: Sequence[Found]) -> list[Equilibrium]:
+    def describe(self, solutions: Sequence[Found]) -> list[Equilibrium]:
         """Equilibria with all their quantities."""
-        if not found:
+        if not solutions:
             return []
-        turning = np.array([one.turning for one in found]) if self.oiled else None
-        data, names, units = columns(self.system, np.array([one.raw for one in found]), turning)
+        turning = np.array([solution.turning for solution in solutions]) if self.oiled else None
+        data, names, units = columns(self.system, np.array([solution.raw for solution in solutions]), turning)
         keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
         if self.table is None:
             self.table = self._table([names[k] for k in keep], units)
         data = np.ascontiguousarray(data[:, keep])
         return [
             Equilibrium(
-                self.t, one.q, one.multiplier, one.eigenvalue, one.residual, one.gap, one.iterations, one.nonunique,
-                one.dof, one.neutral, one.falling, row, self.table,
+                self.t, solution.q, solution.multiplier, solution.eigenvalue, solution.residual, solution.gap,
+                solution.iterations, solution.nonunique, solution.dof, solution.neutral, solution.falling, row,
+                self.table,
             )
-            for one, row in zip(found, data, strict=True)
+            for solution, row in zip(solutions, data, strict=True)
         ]  # fmt: skip
 
     def _table(self, names: Sequence[str], units: Mapping[str, str]) -> Table:
@@ -343,7 +346,9 @@ class StaticProblem:
         drawn = geometry(self.system.model)
         pins = [name for name, joint in drawn["joints"].items() if joint["contact"] not in ("", "ideal")]
         pins += [
-            name for name, one in self.system.model.joints.items() if one.contact is not None and one.contact.pushes
+            name
+            for name, joint in self.system.model.joints.items()
+            if joint.contact is not None and joint.contact.pushes
         ]
         return Table(
             column,

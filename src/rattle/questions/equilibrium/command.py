@@ -102,17 +102,17 @@ def equilibrium(
         finish_required(ctx, verdicts, None if as_json else click.echo)
         return
     check_required(m, required, "equilibrium", t or None)
-    found = m.equilibrium(t, branches=branches, effort=effort)
-    if found.note:
-        click.echo(found.note, err=True)
-    verdicts = judge(found[0].result, required) if found else []
+    equilibria = m.equilibrium(t, branches=branches, effort=effort)
+    if equilibria.note:
+        click.echo(equilibria.note, err=True)
+    verdicts = judge(equilibria[0].result, required) if equilibria else []
     if as_json:
         asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-        click.echo(to_json([entry(one) | (asked if n == 0 else {}) for n, one in enumerate(found)]))
+        click.echo(to_json([entry(rest) | (asked if n == 0 else {}) for n, rest in enumerate(equilibria)]))
     else:
-        listed(m, found)
-    if not found:
-        remedy = "" if found.undefined else "; try other angles in [initial] or --branches all"
+        listed(m, equilibria)
+    if not equilibria:
+        remedy = "" if equilibria.undefined else "; try other angles in [initial] or --branches all"
         click.echo(f"no equilibrium was found at t = {t:g} s{remedy}", err=True)
         ctx.exit(1)
     finish_required(ctx, verdicts, None if as_json else click.echo)
