@@ -77,18 +77,20 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
 
 def _loose(system: System) -> str:
     """Where there is open clearance, or contact on one side only, in words; "" if nowhere."""
-    joints = [one for one in system.model.joints.values() if one.is_loose or is_link(one)]
-    play = ", ".join(one.name for one in joints if one.clearance > 0.0)
-    sided = ", ".join(one.name for one in joints if not one.clearance > 0.0)
-    said = [f"clearance in {play}" if play else "", f"contact on one side only in {sided}" if sided else ""]
-    return " and ".join(one for one in said if one)
+    joints = [joint for joint in system.model.joints.values() if joint.is_loose or is_link(joint)]
+    play = ", ".join(joint.name for joint in joints if joint.clearance > 0.0)
+    sided = ", ".join(joint.name for joint in joints if not joint.clearance > 0.0)
+    parts = [f"clearance in {play}" if play else "", f"contact on one side only in {sided}" if sided else ""]
+    return " and ".join(part for part in parts if part)
 
 
 def _without_stretch(system: System) -> System:
     """The system with belts that cannot stretch; itself if there are none."""
     joints = dict(system.model.joints)
     stiff = [
-        name for name, one in joints.items() if one.is_loose and one.one_sided and one.one_sided.stiff_in_kinematics
+        name
+        for name, joint in joints.items()
+        if joint.is_loose and joint.one_sided and joint.one_sided.stiff_in_kinematics
     ]
     if not stiff:
         return system
@@ -105,7 +107,7 @@ def analyse(
     See `Mechanism.kinematics` and `Mechanism.inverse_dynamics`, which also say what is raised.
     """
     began = time.perf_counter()
-    times, given = instants(t_eval), system
+    times, original = instants(t_eval), system
     if with_stops(system.model):  # they do not hold what drivers move
         system = compile_system(without_stops(system.model))
     stiff = _without_stretch(system)
@@ -123,16 +125,16 @@ def analyse(
             loose = _loose(system)
             if not loose:
                 raise
-            said = str(error).removesuffix(".")
-            raise AssemblyError(f"{said}. There is {loose}: close it with ideal() or --ideal.") from None
+            words = str(error).removesuffix(".")
+            raise AssemblyError(f"{words}. There is {loose}: close it with ideal() or --ideal.") from None
     if system.row_count <= LARGE:
         require_driven(system, start, what)
     table = timetable(system, min(start.t, float(times[0])), float(times[-1]))
     jumps = table.jumps
     motors = motors_at(system, effort_at)
     if motors and system.dry_joints:
-        said = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
-        raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), said)])
+        words = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
+        raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), words)])
     arguments.require_room(len(times), width(system))
     sweep = begin(system, start, motors)
     if times[0] != start.t:  # the start values are given for t = 0: begin there
@@ -153,7 +155,7 @@ def analyse(
     passed = passed_there(first, times, raw, events) if forces else ()
     notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
     notes += out_of_place(system, reached, places(system, raw))
-    notes += past_stops(given, reached, places(system, raw), rates(system, raw))
+    notes += past_stops(original, reached, places(system, raw), rates(system, raw))
     notes += run_backwards(system, reached, raw)
     if forces:
         notes += _without_value(sweep, reached, raw)
@@ -163,7 +165,7 @@ def analyse(
     notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
     spent = time.perf_counter() - began
     sides = _sides(first, reached, table.instants, forces)
-    result = _result(given.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides, passed)
+    result = _result(original.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides, passed)
     if message and strict:
         raise SolverError(message, result)
     if message:

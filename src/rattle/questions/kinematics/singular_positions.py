@@ -61,19 +61,19 @@ def branch_points(
     rows = _independent(first)
     notes = []
     for low, high in sweep.spots[: sweep.tally[swept.FOUND]]:
-        found = _locate(first, times, raw, rows, min(low, high), max(low, high))
+        instant = _locate(first, times, raw, rows, min(low, high), max(low, high))
         if stuck and abs(high - sweep.clock[swept.NOW]) < 1e-6 * max(1.0, abs(high)):
             continue  # the approach to the end of the motion
-        if found is None or any(abs(found - event.t) < 1e-9 * max(1.0, abs(found)) for event in events):
+        if instant is None or any(abs(instant - event.t) < 1e-9 * max(1.0, abs(instant)) for event in events):
             continue
-        near = _at(first, times, raw, found)
-        open_by(near.workspace, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
+        near = _at(first, times, raw, instant)
+        open_by(near.workspace, instant, near.node[swept.Q_NEW], near.node[swept.V_NEW])
         free = left_null(system, near.workspace, 1e-3)
         share = np.abs(free).max(axis=1, initial=0.0)
         owners = list(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
-        events.append(Event(found, owners[0] if owners else "", "branch point"))
+        events.append(Event(instant, owners[0] if owners else "", "branch point"))
         notes.append(
-            f"branch point at t = {found:.9g} s: constraints of {', '.join(owners[:6])} lose rank,"
+            f"branch point at t = {instant:.9g} s: constraints of {', '.join(owners[:6])} lose rank,"
             " another motion starts there; the smooth one was followed, forces are not determined at that instant"
         )
     return events, notes
@@ -116,18 +116,18 @@ def _independent(first: Sweep) -> np.ndarray:
 
 def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
     """The sweep at time t [s] (in the rows Q_NEW, V_NEW of its node), restarted from the last output before t."""
-    made = first.fork()
+    sweep = first.fork()
     k = int(np.searchsorted(times[: len(raw)], t, side="right")) - 1
-    while k > 0 and times[k] > made.clock[swept.NOW]:
-        made.node[swept.Q_NEW : swept.Q_OLD] = motion(first.system, raw[k])
-        _, root, _, _ = swept.closed_at(made.workspace, times[k], made.node, first.system.size)
+    while k > 0 and times[k] > sweep.clock[swept.NOW]:
+        sweep.node[swept.Q_NEW : swept.Q_OLD] = motion(first.system, raw[k])
+        _, root, _, _ = swept.closed_at(sweep.workspace, times[k], sweep.node, first.system.size)
         if root > 2 * swept.WEAK_ROOT:
-            made.node[: swept.Q_NEW] = made.node[swept.Q_NEW : swept.Q_OLD]
-            made.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
+            sweep.node[: swept.Q_NEW] = sweep.node[swept.Q_NEW : swept.Q_OLD]
+            sweep.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
             break
         k -= 1
-    made.go(np.array([t]), False)
-    return made
+    sweep.go(np.array([t]), False)
+    return sweep
 
 
 def _locate(
@@ -136,9 +136,9 @@ def _locate(
     """Root [s] of the determinant of the independent rows between two times [s], by false position (Illinois)."""
 
     def determinant(t: float) -> float:
-        made = _at(first, times, raw, t)
-        open_by(made.workspace, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
-        return float(np.linalg.det(scaled_rows(first.system, made.workspace)[rows]))
+        sweep = _at(first, times, raw, t)
+        open_by(sweep.workspace, t, sweep.node[swept.Q_NEW], sweep.node[swept.V_NEW])
+        return float(np.linalg.det(scaled_rows(first.system, sweep.workspace)[rows]))
 
     f_low, f_high = determinant(low), determinant(high)
     if not f_low * f_high < 0.0:
