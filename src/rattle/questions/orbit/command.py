@@ -67,7 +67,7 @@ def orbit(
             for key in result.stored
             if key.startswith(f"{name}.") and len(result.t)
         }
-        summary = {key: one._asdict() for key, one in result.films.items()}
+        summary = {key: film._asdict() for key, film in result.films.items()}
         facts = {"success": result.success, "message": result.message, "trust": result.trust.to_dict()}
         click.echo(to_json({**facts, "films": summary, "curves": curves}))
     elif len(result.t):
