@@ -105,7 +105,7 @@ def _cycle(p: Power) -> str:
     numbers = elements[list(ENERGIES)]
     active = elements[(numbers.abs() > least).any(axis=1)]
     start = quantity(p.t0, "s", 6).split()[0]
-    said = [
+    lines = [
         f"energy [{energy}] and power [{power}] into bodies, t = {start} to {quantity(p.t1, 's', 6)}",
         _lines(ports[ports["E_in"] + ports["E_out"] > least], PORTS, least),
         *([p.remark] if p.remark else []),
@@ -115,7 +115,7 @@ def _cycle(p: Power) -> str:
         "",
         f"largest imbalance of a body: {quantity(p.residual, 'W', 2)}",
     ]
-    return "\n".join(said)
+    return "\n".join(lines)
 
 
 def _lines(frame: Any, columns: tuple[str, ...], least: float = 0.0) -> str:
