@@ -89,8 +89,8 @@ def _map(ax: Axes, profile: Profile, joint: str, radius_of_bush: float) -> None:
         bar = length * scale
         ax.plot([-limit, -limit + bar], [-limit, -limit], color="black", linewidth=2.0, solid_capstyle="butt")
         ax.text(-limit + bar + 0.05, -limit, f"depth {length * size:.3g} {unit}", va="center", fontsize=8)
-        said = f"depths drawn {factor:g} times deeper than radii; the pin drawn smaller"
-        ax.text(-limit, -limit - 0.1, said, va="top", fontsize=8, color=GREY)
+        caption = f"depths drawn {factor:g} times deeper than radii; the pin drawn smaller"
+        ax.text(-limit, -limit - 0.1, caption, va="top", fontsize=8, color=GREY)
 
 
 def _round(size: float) -> float:
@@ -107,7 +107,7 @@ def _history(ax: Axes, worn: Worn, what: str, unit: str) -> None:
     factor, shown = (1e9, "mm^3") if unit == "m^3" else handy_unit(unit, largest or 1e-6)
     for name in names:
         colour = BLUE if ".bush." in name else RED
-        several = len({one.split(".")[0] for one in names}) > 1
+        several = len({column.split(".")[0] for column in names}) > 1
         ax.plot(
             columns["cycle"], factor * columns[name], marker=".", markersize=4, linewidth=1.3,
             color=None if several else colour, label=name.removesuffix(f".{what}").replace(".", ", "),
