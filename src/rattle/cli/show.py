@@ -77,8 +77,8 @@ def plot(
 
     read = Path(result)
     target = Path(output) if output else read.with_suffix(".png") if read.name else Path("result.png")
-    for option, given in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
-        if any(one.startswith("-") for one in given):
+    for option, chosen in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
+        if any(text.startswith("-") for text in chosen):
             raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")
     if output and not (names or orbit or xy):
         raise click.UsageError(f"name what to draw; `rattle plot {result}` lists all names")
