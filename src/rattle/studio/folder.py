@@ -31,13 +31,13 @@ class Folder:
 
         At most 500 are named, and at most 2000 files looked at: the folder may hold any number of other files.
         """
-        found: list[str] = []
+        names: list[str] = []
         for looked, place in enumerate(self._walk(self.root, 0)):
-            if len(found) >= MOST or looked >= MOST_LOOKED:
-                return found, False
+            if len(names) >= MOST or looked >= MOST_LOOKED:
+                return names, False
             if self._is_model(place):
-                found.append(place.relative_to(self.root).as_posix())
-        return found, True
+                names.append(place.relative_to(self.root).as_posix())
+        return names, True
 
     def _walk(self, folder: Path, depth: int) -> Iterator[Path]:
         """Files that may be models by their names: those of TOML first in every folder, then those below it."""
@@ -45,15 +45,15 @@ class Folder:
             entries = sorted(os.scandir(folder), key=_order)
         except OSError:
             return
-        for one in entries:
-            place, is_folder = Path(one.path), one.is_dir(follow_symlinks=False)
-            if one.name.startswith(".") or one.name in SKIPPED:
+        for entry in entries:
+            place, is_folder = Path(entry.path), entry.is_dir(follow_symlinks=False)
+            if entry.name.startswith(".") or entry.name in SKIPPED:
                 continue
             if not is_folder and place.suffix.lower() not in model_file.SUFFIXES:
                 continue
             if not place.resolve().is_relative_to(self.root):
                 continue
-            if not is_folder and one.is_file():
+            if not is_folder and entry.is_file():
                 yield place
             elif is_folder and depth < DEEPEST:
                 yield from self._walk(place, depth + 1)
