@@ -20,13 +20,16 @@ from rattle.results.display import quantity, table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from rattle.description.model import Joint
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
+    from rattle.results.trust import Trust
 
 IDEAL, LINK, IMPACT, COMPLIANT, OILED = "ideal", "massless link", "one-sided impact", "compliant", "lubricated"
 DEFAULT_LAW, DEFAULT_RESTITUTION = "exact", 0.5
 RADII = 10.0  # bush radius that is assumed if none is given, in clearances
 POINTS = 4000  # output intervals
+STILL = 1e-6  # [rad] a body that turns less does not turn: its angle moves by rounding and the drift of joints
 OIL = "50 mPa*s"  # viscosity that is assumed if none is given: an oil ISO VG 46 at 40 degrees
 BORE = 100.0  # bush radius around oil that is assumed if none is given, in clearances
 CORNER = 1e9  # stiffness of a guide's corner that is assumed if none is given [N/m^1.5]
@@ -100,13 +103,6 @@ HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
     contact = result.contacts.get(joint)
     peak = max(result.peak(f"{joint}.force")[0], contact.peak if contact else 0.0)
-    until, end = result.trust.trusted_until(), result.trust.t_end
-    reach = "-" if until is None else "the end" if until >= end else quantity(until, "s", 3)
-    pull = max(result.trust.pulled.values(), default=0.0)
-    if pull > 0.0:
-        reach += f" (pulls for {100.0 * pull:.2g} %)"
-    elif result.trust.unread or result.trust.coarse():
-        reach += " (not the peak)"
     if not contact or model == LINK:
         touched = (f"{100 * contact.share:.0f} %" if contact else "-", "-", "-", "-")
     else:
@@ -118,7 +114,17 @@ def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
         touched = (f"{100 * contact.share:.0f} %", str(contact.contacts), hits, lost)
     shown = readable(result, f"{joint}.force")
     forces = (newton(peak), newton(result.rms(f"{joint}.force"))) if shown else ("-", "-")
-    return (model, *forces, *touched, reach)
+    return (model, *forces, *touched, _reach(result.trust))
+
+
+def _reach(trust: Trust) -> str:
+    """How long a run can be trusted, and what of it cannot."""
+    until = trust.trusted_until()
+    reach = "-" if until is None else "the end" if until >= trust.t_end else quantity(until, "s", 3)
+    pull = max(trust.pulled.values(), default=0.0)
+    if pull > 0.0:
+        return f"{reach} (pulls for {100.0 * pull:.2g} %)"
+    return f"{reach} (not the peak)" if trust.unread or trust.coarse() else reach
 
 
 def newton(force: float) -> str:
@@ -141,9 +147,7 @@ def compare(
     joints, with the compliant contact beside it; 50 mPa s, a bush as long as wide with a radius of 100 clearances.
     Raises ModelError if no joint has clearance, or not the one to show, and ValueError for an unknown law.
     """
-    from rattle.analyses.dynamics.methods import contacts_of
     from rattle.questions.poincare.compute import driver_period
-    from rattle.solvers.stepper import usual_stepper
 
     loose = [name for name, element in m.model.joints.items() if element.clearance > 0.0]
     if not loose:
@@ -153,19 +157,37 @@ def compare(
     if law is not None and law not in registry.kinds("normal"):
         raise InputError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
     end = t_end if t_end is not None else min(driver_period(m.system) or math.inf, m.model.settings.t_end)
-    times = np.linspace(0.0, end, POINTS + 1)
     compliant, assumed = _compliant(m, loose, law)
     models: dict[str, Callable[[], Mechanism]] = {
         IDEAL: m.ideal,
         LINK: lambda: m.with_contact("massless-link"),
         IMPACT: lambda: m.with_contact("impact"),
+        COMPLIANT: lambda: compliant,
     }
+    if any(m.model.joints[name].play.holds_oil for name in loose):
+        models[OILED] = lambda: _oiled(m, compliant, loose, assumed)
+    results, skipped = _runs(models, end, progress)
+    if COMPLIANT in results and (why := _too_soft(m, loose, results[COMPLIANT], assumed)):
+        skipped[COMPLIANT] = why
+        del results[COMPLIANT]
+    first = next(iter(results.values()))
+    shown = ((curve,) if isinstance(curve, str) else tuple(curve or ())) or (_motion(m, first),)
+    for name in shown:
+        _ = first.unit(name)  # raises UnknownName
+    return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
+
+
+def _runs(
+    models: Mapping[str, Callable[[], Mechanism]], end: float, progress: bool
+) -> tuple[dict[str, Result], dict[str, str]]:
+    """Results to the time `end` [s] by model, and why others have none.  Raises AssemblyError if none has."""
+    from rattle.analyses.dynamics.methods import contacts_of
+    from rattle.solvers.stepper import usual_stepper
+
+    times = np.linspace(0.0, end, POINTS + 1)
     results: dict[str, Result] = {}
     skipped: dict[str, str] = {}
     changed: list[str] = []  # what became of given start values, in the first model in which that matters
-    models[COMPLIANT] = lambda: compliant
-    if any(m.model.joints[name].play.holds_oil for name in loose):
-        models[OILED] = lambda: _oiled(m, compliant, loose, assumed)
     for model, make in models.items():
         try:
             loosened = make()
@@ -183,14 +205,7 @@ def compare(
             skipped[model] = str(error)
             if len(skipped) == len(models):
                 raise
-    if COMPLIANT in results and (why := _too_soft(m, loose, results[COMPLIANT], assumed)):
-        skipped[COMPLIANT] = why
-        del results[COMPLIANT]
-    first = next(iter(results.values()))
-    shown = ((curve,) if isinstance(curve, str) else tuple(curve or ())) or (_motion(m, first),)
-    for name in shown:
-        _ = first.unit(name)  # raises UnknownName
-    return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
+    return results, skipped
 
 
 def _say_once(result: Result, model: Mechanism, before: list[str]) -> list[str]:
@@ -221,7 +236,7 @@ def _motion(m: Mechanism, ideal: Result) -> str:
     """Name of the angle of the last body, or of its larger motion if it does not turn."""
     body = list(m.model.bodies)[-1]
     turned = ideal[f"{body}.angle"]
-    if float(turned.max() - turned.min()) > 1e-6:
+    if float(turned.max() - turned.min()) > STILL:
         return f"{body}.angle"
     return max((f"{body}.x", f"{body}.y"), key=lambda name: float(ideal[name].max() - ideal[name].min()))
 
@@ -235,43 +250,48 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
         own = joint.contact.normal.kind if joint.contact and joint.contact.normal else ""
         contact = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
         written = {"model": contact} if isinstance(contact, str) else contact
-        fields = registry.kinds("normal")[written["model"]].fields
-        more: dict[str, Any] = {}
-        assumptions = []
-        if not any(key == "stiffness" or key.endswith("material") for key in written) and not _bedded(written):
-            if joint.play.from_materials:
-                radius = written.get("bush_radius")
-                if radius is None:
-                    more["bush_radius"] = RADII * joint.clearance
-                    assumptions.append(f"bush radius {1e3 * RADII * joint.clearance:.3g} mm")
-                more |= {"bush_material": "steel", "pin_material": "steel"}
-                assumptions.append("steel on steel, sphere in socket")
-            else:
-                more |= {"stiffness": CORNER, "exponent": 1.5}
-                assumptions.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
-        if (
-            "friction" in written
-            and "bush_radius" not in written
-            and "bush_radius" not in more
-            and joint.play.has_radius
-        ):
-            more["bush_radius"] = RADII * joint.clearance
-        if (
-            "restitution" in fields
-            and fields["restitution"].default is registry.REQUIRED
-            and "restitution" not in written
-        ):
-            more["restitution"] = DEFAULT_RESTITUTION
-            assumptions.append(f"restitution {DEFAULT_RESTITUTION:g}")
-        if "restitution" in written and joint.contact is not None and joint.contact.rigid:
-            own_restitution = rigid_restitution(joint.contact.fields)
-            if own_restitution < LEAST_RESTITUTION:  # the same bushes as in the bracket of a rigid contact
-                more["restitution"] = LEAST_RESTITUTION
-                assumptions.append(f"restitution {LEAST_RESTITUTION:g} in place of {own_restitution:g}")
+        more, assumptions = _stiffness(joint, written)
+        restitution = _restitution(joint, written)
+        if restitution:
+            more["restitution"] = restitution[0]
+            assumptions.append(restitution[1])
         compliant = compliant.set({f"joints.{name}.contact": {**written, **more}})
         if assumptions:
             assumed.setdefault(", ".join(assumptions), []).append(name)
     return compliant, [f"assumed for the compliant {', '.join(names)}: {words}" for words, names in assumed.items()]
+
+
+def _stiffness(joint: Joint, written: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Keys that a compliant contact needs for its stiffness and friction, and what is said of them."""
+    more: dict[str, Any] = {}
+    assumptions = []
+    if not any(key == "stiffness" or key.endswith("material") for key in written) and not _bedded(written):
+        if joint.play.from_materials:
+            if written.get("bush_radius") is None:
+                more["bush_radius"] = RADII * joint.clearance
+                assumptions.append(f"bush radius {1e3 * RADII * joint.clearance:.3g} mm")
+            more |= {"bush_material": "steel", "pin_material": "steel"}
+            assumptions.append("steel on steel, sphere in socket")
+        else:
+            more |= {"stiffness": CORNER, "exponent": 1.5}
+            assumptions.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
+    if "friction" in written and "bush_radius" not in {**written, **more} and joint.play.has_radius:
+        more["bush_radius"] = RADII * joint.clearance
+    return more, assumptions
+
+
+def _restitution(joint: Joint, written: Mapping[str, Any]) -> tuple[float, str] | None:
+    """The restitution that a compliant contact gets, and what is said of it; None if it needs none but its own."""
+    fields = registry.kinds("normal")[written["model"]].fields
+    if "restitution" not in written:
+        needed = "restitution" in fields and fields["restitution"].default is registry.REQUIRED
+        return (DEFAULT_RESTITUTION, f"restitution {DEFAULT_RESTITUTION:g}") if needed else None
+    if joint.contact is None or not joint.contact.rigid:
+        return None
+    own = rigid_restitution(joint.contact.fields)
+    if own >= LEAST_RESTITUTION:  # the same bushes as in the bracket of a rigid contact
+        return None
+    return LEAST_RESTITUTION, f"restitution {LEAST_RESTITUTION:g} in place of {own:g}"
 
 
 def _bedded(written: Mapping[str, Any]) -> bool:

@@ -157,6 +157,24 @@ def _force(ax: Axes, comparison: Comparison, model: str, floor: float, scale: fl
         highest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
     if highest > 0.0 and not cut(r, name):
         ax.plot([scale * when], [highest], "v", color=COLOURS[model], markersize=5, zorder=5)
+    _force_axis(ax, comparison, model, floor)
+    if model == LINK:
+        for a, b in r.trust.intervals.get(joint, ()):
+            ax.axvspan(scale * a, scale * b, color=RED, alpha=0.16, linewidth=0)
+        share = 100 * r.trust.pulled.get(joint, 0.0)
+        pulls = f"red: N < 0 for {share:.2g} % of the time, the bush would have to pull" if share else "N stays above 0"
+        note(ax, f"{pulls}; {TOP}")
+    else:
+        _events(ax, r, joint, scale, CUT if cut(r, name) else TOP)
+    if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
+        ax.axvspan(scale * r.trust.horizon, scale * r.trust.t_end, color=SHADE, linewidth=0, zorder=0)
+    play = _play(r, joint)
+    _title(ax, SAYS[model].format(borne=play.borne, bearer=play.bearer))
+
+
+def _force_axis(ax: Axes, comparison: Comparison, model: str, floor: float) -> None:
+    """The same range of forces [N] for all models, with its ticks: powers of ten from `floor` on."""
+    joint = comparison.joint
     loose = [run for run in comparison.results.values() if f"{joint}.normal" in run]
     top = max(largest(run, f"{joint}.normal") for run in loose)
     top = max([top, *(c.peak for run in loose if (c := run.contacts.get(joint)) and c.readable)])
@@ -170,18 +188,6 @@ def _force(ax: Axes, comparison: Comparison, model: str, floor: float, scale: fl
     ax.set_ylabel(
         f"{'force' if model == OILED else 'N'} at {joint} [N]\nlogarithmic beyond {_force_label(floor)}", fontsize=9
     )
-    if model == LINK:
-        for a, b in r.trust.intervals.get(joint, ()):
-            ax.axvspan(scale * a, scale * b, color=RED, alpha=0.16, linewidth=0)
-        share = 100 * r.trust.pulled.get(joint, 0.0)
-        pulls = f"red: N < 0 for {share:.2g} % of the time, the bush would have to pull" if share else "N stays above 0"
-        note(ax, f"{pulls}; {TOP}")
-    else:
-        _events(ax, r, joint, scale, CUT if cut(r, name) else TOP)
-    if r.trust.horizon is not None and r.trust.horizon < r.trust.t_end:
-        ax.axvspan(scale * r.trust.horizon, scale * r.trust.t_end, color=SHADE, linewidth=0, zorder=0)
-    play = _play(r, joint)
-    _title(ax, SAYS[model].format(borne=play.borne, bearer=play.bearer))
 
 
 def _play(r: Result, joint: str) -> Any:
@@ -205,16 +211,16 @@ def _events(ax: Axes, r: Result, joint: str, scale: float, top: str) -> None:
     for a, b in pressing_spans(mine):
         ax.fill_between([scale * a, scale * b], 0.02, 0.09, color=GREY, alpha=0.55, linewidth=0, **place)
     hits = [event for event in mine if event.kind == "impact"]
+    contacts = sum(event.kind == "contact" for event in mine)
+    parts = ["grey: in contact"] if contacts else []
     if hits:
         ax.vlines([scale * event.t for event in hits], 0.02, 0.16, color=RED, linewidth=0.7, **place)
-    parts = ["grey: in contact"] if any(e.kind == "contact" for e in mine) else []
-    if hits:
         many = "s" if len(hits) > 1 else ""
         parts.append(f"red: {len(hits)} impact{many}, up to {max(e.impulse for e in hits):.2g} N·s")
     elif mine:
         summary = r.contacts[joint]
         peak = f", peak {newton(summary.peak)}" if summary.readable else ""
-        parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts{peak}")
+        parts.append(f"{contacts} contacts{peak}")
     note(ax, "; ".join([*parts, top]))
 
 
