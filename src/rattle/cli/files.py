@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -103,39 +104,53 @@ def kinds(name: str | None) -> None:
     Examples: rattle kinds spring
               rattle kinds units
     """
-    from rattle import registry
-    from rattle.description.reference import common, topics
-    from rattle.language.materials import MATERIALS
+    shown = [*_families(name), *_topics(name)]
+    if not shown:
+        shown = [_material(name)]
+    for text in shown:
+        click.echo(text)
 
-    shown = False
+
+def _families(name: str | None) -> Iterator[str]:
+    """Lines of all kinds, of a family of kinds or of the kinds of a name."""
+    from rattle import registry
+    from rattle.description.reference import common
+
     for family in registry.families():
         entries = {key: kind for key, kind in registry.kinds(family).items() if name in (None, key, family)}
         if entries:
-            shown = True
-            click.secho(f"{family}", bold=True)
+            yield click.style(family, bold=True)
         for key, kind in entries.items():
-            click.echo(f"  {click.style(key, fg='cyan')}: {kind.summary}")
-            for line in common(family, key):
-                click.echo(f"      {line}")
+            yield f"  {click.style(key, fg='cyan')}: {kind.summary}"
+            yield from (f"      {line}" for line in common(family, key))
             for field, spec in kind.fields.items():
-                click.echo(f"      {field} {_unit(spec)}: {spec.meaning}{_default(spec, family)}")
+                yield f"      {field} {_unit(spec)}: {spec.meaning}{_default(spec, family)}"
             if name is not None and kind.source:
-                click.echo(f"      source: {kind.source}")
+                yield f"      source: {kind.source}"
+
+
+def _topics(name: str | None) -> Iterator[str]:
+    """Lines of all topics, in short, or of one of them, whole."""
+    from rattle.description.reference import topics
+
     for topic in topics().values():
         if name is None or name in (topic.name, topic.name.removesuffix("s")):
-            shown = True
-            click.echo(f"{click.style(topic.name, bold=True)}: {topic.summary}")
-            for line in topic.lines if name is not None else ():
-                click.echo(f"      {line}")
-    if not shown:
-        from rattle.errors import suggest
+            yield f"{click.style(topic.name, bold=True)}: {topic.summary}"
+            if name is not None:
+                yield from (f"      {line}" for line in topic.lines)
 
-        names = [key for family in registry.families() for key in (family, *registry.kinds(family))]
-        names += [*topics(), *MATERIALS]
-        if name in MATERIALS:
-            click.echo(next(line for line in topics()["materials"].lines if line.startswith(f"{name}:")))
-            return
-        raise click.UsageError(f"no kind '{name}'{suggest(str(name), names)}")
+
+def _material(name: str | None) -> str:
+    """The line of a material.  Raises click.UsageError for another name."""
+    from rattle import registry
+    from rattle.description.reference import topics
+    from rattle.errors import suggest
+    from rattle.language.materials import MATERIALS
+
+    if name in MATERIALS:
+        return next(line for line in topics()["materials"].lines if line.startswith(f"{name}:"))
+    names = [key for family in registry.families() for key in (family, *registry.kinds(family))]
+    raise click.UsageError(f"no kind '{name}'{suggest(str(name), [*names, *topics(), *MATERIALS])}")
 
 
 def _unit(spec: Any) -> str:

@@ -46,14 +46,19 @@ def _as_parameter(m: Mechanism, path: str, values: list[float | str]) -> tuple[M
 
 def axis_values(text: str) -> tuple[str, list[float | str]]:
     """A parameter and its values from NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE."""
-    from rattle.language.units import QuantityError, parse_quantity, unit_name
-
     name, _, rest = text.partition("=")
     parts = [part.strip() for part in rest.split(":")]
     if not name.strip() or not rest.strip() or len(parts) not in (1, 3):
         raise click.UsageError(f"--over needs NAME=FIRST:LAST:COUNT, as in r3=0.001:0.005:21, got '{text}'")
     if len(parts) == 1:
         return name.strip(), [value(part) for part in rest.split(",")]
+    return name.strip(), _evenly(text, parts)
+
+
+def _evenly(text: str, parts: list[str]) -> list[float | str]:
+    """So many values from the first to the last; text: as it was written.  Raises click.UsageError."""
+    from rattle.language.units import QuantityError, parse_quantity, unit_name
+
     try:
         first, last = (parse_quantity(part) or (float(part), None) for part in parts[:2])
     except (QuantityError, ValueError) as error:
@@ -68,4 +73,4 @@ def axis_values(text: str) -> tuple[str, list[float | str]]:
     dimension = last[1] if first[1] is None else first[1]
     unit = "" if dimension is None else unit_name(dimension) or "rad"  # kept: it may not be that of the parameter
     values = np.linspace(first[0], last[0], count).tolist()
-    return name.strip(), [f"{x!r} {unit}" if unit else x for x in values]
+    return [f"{x!r} {unit}" if unit else x for x in values]

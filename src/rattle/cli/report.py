@@ -60,10 +60,9 @@ def _typed(ctx: click.Context, file: str, target: object) -> str:
     from pathlib import Path
 
     words = ["rattle", "report", Path(file).name]
+    options = {param.name: param for param in ctx.command.params if isinstance(param, click.Option)}
     for name, value in ctx.params.items():
-        option = next(
-            (param for param in ctx.command.params if param.name == name and isinstance(param, click.Option)), None
-        )
+        option = options.get(name)
         if option is None or name in ("file", "output") or not value or value == option.default:
             continue
         flag = option.opts[-1]

@@ -77,43 +77,47 @@ def plot(
 
     read = Path(result)
     target = Path(output) if output else read.with_suffix(".png") if read.name else Path("result.png")
+    drawn = bool(names or orbit or xy)
     for option, chosen in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
         if any(text.startswith("-") for text in chosen):
             raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")
-    if output and not (names or orbit or xy):
+    if output and not drawn:
         raise click.UsageError(f"name what to draw; `rattle plot {result}` lists all names")
-    for option, used in {
-        "--over": over is not None,
-        "--spectrum": spectrum,
-        "--compare": compare,
-        "--robust": robust,
-    }.items():
-        if used and not names:
-            raise click.UsageError(f"{option} needs curves to draw: rattle plot RESULT NAME... {option}")
-    if spectrum and (over is not None or robust):
-        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
-    if names or orbit or xy:
+    _require_curves(names, over, spectrum, bool(compare), robust)
+    if drawn:
         check_pictures(result, target)
     loaded = read_result(result, settings)
-    if not names and not orbit and not xy:
+    if not drawn:
         for name in loaded.names:
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
         return
     others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
-    figures = []
     alone = output is not None and bool(names) + bool(xy) + len(orbit) == 1
+
+    def beside(word: str) -> Path:
+        return target if alone else target.with_stem(f"{target.stem}-{word}")
+
+    figures = []
     if names and spectrum:
-        place = target if alone else target.with_stem(f"{target.stem}-spectrum")
-        figures.append((loaded.plot_spectrum(*names, compare=others), place))
+        figures.append((loaded.plot_spectrum(*names, compare=others), beside("spectrum")))
     elif names:
         figures.append((loaded.plot(*names, over=over, compare=others, robust=robust), target))
     if xy:
-        figures.append((loaded.plot_path(*xy), target if alone else target.with_stem(f"{target.stem}-path")))
-    for joint in orbit:
-        figures.append((loaded.plot_orbit(joint), target if alone else target.with_stem(f"{target.stem}-{joint}")))
+        figures.append((loaded.plot_path(*xy), beside("path")))
+    figures += [(loaded.plot_orbit(joint), beside(joint)) for joint in orbit]
     for figure, path in figures:
         save_figure(figure, path)
         say_written(path)
+
+
+def _require_curves(names: tuple[str, ...], over: str | None, spectrum: bool, compare: bool, robust: bool) -> None:
+    """Raise click.UsageError for options of curves without curves, and for those that do not go together."""
+    options = {"--over": over is not None, "--spectrum": spectrum, "--compare": compare, "--robust": robust}
+    for option, used in options.items():
+        if used and not names:
+            raise click.UsageError(f"{option} needs curves to draw: rattle plot RESULT NAME... {option}")
+    if spectrum and (over is not None or robust):
+        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
 
 
 def _labelled(text: str) -> tuple[str, str]:
