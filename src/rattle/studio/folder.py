@@ -72,13 +72,7 @@ class Folder:
         """Where the file of this name is, links followed.  Raises Refused if that is outside, or no model file."""
         if not isinstance(name, str) or not name.strip() or len(name) > 400 or not name.isprintable():
             raise Refused("give a file name, such as fourbar.toml")
-        parts = PureWindowsPath(name)
-        if PurePosixPath(name).is_absolute() or parts.drive or parts.root or ".." in parts.parts:
-            raise Refused(f"{name} leads out of the folder of the studio; give a name inside of it")
-        if any(part.startswith(".") for part in parts.parts):
-            raise Refused(f"{name} is a hidden file; give another name")
-        if parts.suffix.lower() not in model_file.SUFFIXES:
-            raise Refused(f"{name}: a model is a .toml or .json file; give a name that ends so")
+        parts = _inside(name)
         try:
             place = (self.root / PurePosixPath(*parts.parts)).resolve()
         except (OSError, RuntimeError) as error:
@@ -110,6 +104,18 @@ class Folder:
             return ""
         except OSError as error:
             raise Refused(f"{name}: cannot read the file: {error.strerror or error}") from None
+
+
+def _inside(name: str) -> PureWindowsPath:
+    """The parts of the name of a model file inside of a folder.  Raises Refused."""
+    parts = PureWindowsPath(name)
+    if PurePosixPath(name).is_absolute() or parts.drive or parts.root or ".." in parts.parts:
+        raise Refused(f"{name} leads out of the folder of the studio; give a name inside of it")
+    if any(part.startswith(".") for part in parts.parts):
+        raise Refused(f"{name} is a hidden file; give another name")
+    if parts.suffix.lower() not in model_file.SUFFIXES:
+        raise Refused(f"{name}: a model is a .toml or .json file; give a name that ends so")
+    return parts
 
 
 def _order(entry: os.DirEntry[str]) -> tuple[bool, bool, str]:
