@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -91,24 +91,35 @@ def _question(
     count = arguments.positive("cycles", written[0].cycles if cycles is None else cycles)
     if isinstance(jump, str) and jump != "auto":
         raise InputError(f'jump must be a number of cycles or "auto", got {jump!r}')
-    jumps = [entry.jump for entry in written if entry.jump == entry.jump]
-    chosen = jump if jump is not None else jumps[0] if jumps else "auto"
-    size = math.nan if chosen == "auto" else arguments.positive("jump", chosen)
+    if jump is None:
+        jump = _first(entry.jump for entry in written)
+    size = math.nan if jump in (None, "auto") else arguments.positive("jump", jump)
     if size < 1.0:
         raise InputError(f"jump must be at least one cycle, got {size:g}")
-    periods = [entry.cycle for entry in written if entry.cycle == entry.cycle]
-    period = cycle if cycle is not None else periods[0] if periods else driver_period(m.system)
+    if cycle is None:
+        cycle = _first(entry.cycle for entry in written)
+    period = driver_period(m.system) if cycle is None else cycle
     if period is None:
         raise InputError("no driver turns at constant rate; give the duration of a cycle in s")
-    if unknown := [key for key in stop or {} if key not in STOPS]:
-        raise InputError(f"stop knows {' and '.join(STOPS)}, not {unknown[0]!r}")
-    ends = {key: arguments.positive(f"stop: {key}", value) for key, value in (stop or {}).items()}
+    ends = _ends(stop or {})
     settings = m.model.settings
     tolerance = arguments.relative_tolerance(rtol or settings.rtol or RTOL)
     return Question(
         count, size, arguments.positive("cycle", period), ends.get("depth", math.inf),
         ends.get("volume", math.inf), tolerance, settings.atol or ATOL * tolerance,
     )  # fmt: skip
+
+
+def _first(written: Iterable[float]) -> float | None:
+    """The first of the numbers that the joints have; nan: a joint has none."""
+    return next((number for number in written if not math.isnan(number)), None)
+
+
+def _ends(stop: Mapping[str, float]) -> dict[str, float]:
+    """Depth [m] and volume [m^3] at which the study ends.  Raises InputError."""
+    if unknown := [key for key in stop if key not in STOPS]:
+        raise InputError(f"stop knows {' and '.join(STOPS)}, not {unknown[0]!r}")
+    return {key: arguments.positive(f"stop: {key}", value) for key, value in stop.items()}
 
 
 class _Study:
