@@ -39,6 +39,8 @@ from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
 
 log = logging.getLogger("rattle")
+RANK = 1e-9  # [-] singular value over the largest below which a constraint repeats others: far above rounding
+MOVES = 1e-6  # [-] share of a body in a free motion above which it is named: what is less is rounding
 BESIDE = 1e-9  # share of the span at which the values on either side of a switch are taken
 MOST_NUMBERS = 8_000_000  # of rows beside switches
 
@@ -49,7 +51,7 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     open_by(workspace, start.t, start.q, start.v)
     rows = scaled_rows(system, workspace)
     _, values, right = np.linalg.svd(rows)
-    independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
+    independent = int((values > RANK * values[0]).sum()) if len(values) else 0
     alone = unjoined(system) if what == "kinematics" else []
     left = 3 * (system.body_count - len(alone)) - independent
     if left == 0:
@@ -61,18 +63,20 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
         where = describe_rank_loss(system, workspace)
         raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
     free = np.abs(right[independent:]).reshape(-1, system.body_count, 3).max(axis=(0, 2))
-    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6 and name not in alone]
-    loose = _loose(system)
+    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > MOVES and name not in alone]
     dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
     text = f"{what} needs drivers that determine every position; {dof} (can still move: {names})."
+    raise ModelError([Problem(("drivers",), f"{text} {_remedy(system, left)}")])
+
+
+def _remedy(system: System, left: int) -> str:
+    """What to do about degrees of freedom that are left."""
     if passing := ", ".join(name for name, joint in system.model.joints.items() if joint.passing):
-        text += f" What {passing} hold where bodies touch only a run in time follows: use simulate."
-    elif loose:
-        text += f" There is {loose}: close it with ideal() or --ideal."
-    else:
-        text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
-    raise ModelError([Problem(("drivers",), text)])
+        return f"What {passing} hold where bodies touch only a run in time follows: use simulate."
+    if loose := _loose(system):
+        return f"There is {loose}: close it with ideal() or --ideal."
+    return f"Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
 
 
 def _loose(system: System) -> str:
@@ -119,14 +123,7 @@ def analyse(
     if forces:
         require_known_torques(system, what)
     if start is None:
-        try:
-            start = assemble(system, float(times[0]))
-        except AssemblyError as error:
-            loose = _loose(system)
-            if not loose:
-                raise
-            words = str(error).removesuffix(".")
-            raise AssemblyError(f"{words}. There is {loose}: close it with ideal() or --ideal.") from None
+        start = _assembled(system, float(times[0]))
     if system.row_count <= LARGE:
         require_driven(system, start, what)
     table = timetable(system, min(start.t, float(times[0])), float(times[-1]))
@@ -136,29 +133,19 @@ def analyse(
         words = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
         raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), words)])
     arguments.require_room(len(times), width(system))
-    sweep = begin(system, start, motors)
-    if times[0] != start.t:  # the start values are given for t = 0: begin there
-        if not len(sweep.go(times[:1], False)):
-            raise AssemblyError(f"the first position cannot be reached: {why_stuck(sweep)}")
-        sweep.tally[:] = 0
-        sweep.clock[swept.GAP] = 0.0
+    sweep = _begun(system, start, motors, times)
     first = sweep.fork()
     raw = sweep.go(times, forces)
     reached = times[: len(raw)]
     message = why_stuck(sweep) if len(raw) < len(times) else ""
-    events, notes = branch_points(first, sweep, times, raw, bool(message))
-    if not forces and (alone := unjoined(system)):
-        notes = [
-            f"no joint and no driver holds {', '.join(map(repr, alone))}: kinematics leaves it where it is",
-            *notes,
-        ]
+    events, branches = branch_points(first, sweep, times, raw, bool(message))
     passed = passed_there(first, times, raw, events) if forces else ()
-    notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
+    notes = [*start.notes, *([] if forces else _left_alone(system)), *branches]
+    notes += without_effort(sweep, reached, raw, motors)
     notes += out_of_place(system, reached, places(system, raw))
     notes += past_stops(original, reached, places(system, raw), rates(system, raw))
     notes += run_backwards(system, reached, raw)
-    if forces:
-        notes += _without_value(sweep, reached, raw)
+    notes += _without_value(sweep, reached, raw) if forces else []
     if message:
         ends = float(sweep.clock[swept.NOW])
         events.append(Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end"))
@@ -171,6 +158,35 @@ def analyse(
     if message:
         log.warning(message)
     return result
+
+
+def _assembled(system: System, t: float) -> Assembled:
+    """The start at t [s].  Raises AssemblyError, which says where there is play if there is."""
+    try:
+        return assemble(system, t)
+    except AssemblyError as error:
+        loose = _loose(system)
+        if not loose:
+            raise
+        words = str(error).removesuffix(".")
+        raise AssemblyError(f"{words}. There is {loose}: close it with ideal() or --ideal.") from None
+
+
+def _begun(system: System, start: Assembled, motors: Sequence[tuple[int, str]], times: np.ndarray) -> Sweep:
+    """A sweep that has come to the first of the times (n,) [s].  Raises AssemblyError."""
+    sweep = begin(system, start, motors)
+    if times[0] != start.t:  # the start values are given for t = 0: begin there
+        if not len(sweep.go(times[:1], False)):
+            raise AssemblyError(f"the first position cannot be reached: {why_stuck(sweep)}")
+        sweep.tally[:] = 0
+        sweep.clock[swept.GAP] = 0.0
+    return sweep
+
+
+def _left_alone(system: System) -> list[str]:
+    """A note on bodies that nothing holds."""
+    alone = ", ".join(map(repr, unjoined(system)))
+    return [f"no joint and no driver holds {alone}: kinematics leaves it where it is"] if alone else []
 
 
 def _sides(
