@@ -81,13 +81,7 @@ def film(
     and whirl/w the rate of whirl there, over the speed w ("never": every mass is stable).  With --of the chart has a
     dot for every output of its orbit; dots beside the line carry by squeezing oil.
     """
-    table = output is not None and Path(output).suffix.lower() == ".csv"
-    if output is not None and not table and Path(output).suffix.lower() not in PICTURES:
-        raise InputError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
-    if boundary_film is None and (load is None) != (speed is None):
-        raise click.UsageError("the point of a load needs both, --load and --speed")
-    if boundary_film is not None and load is None:
-        raise click.UsageError("a Stribeck curve needs --load")
+    _require_complete(load, speed, boundary_film, output)
     orbit = None
     if source is None:
         if joint is not None:
@@ -106,7 +100,7 @@ def film(
         click.echo(f"note: {note}", err=True)
     if output is None:
         return
-    if table:
+    if Path(output).suffix.lower() == ".csv":
         _write(oil_film.table() if curve is None else curve, output)
     else:
         from rattle.plots.curves import save_figure
@@ -117,6 +111,16 @@ def film(
             drawn = oil_film.plot(load, speed, result=orbit, joint=joint or "")
         save_figure(drawn, output)
     say_written(output)
+
+
+def _require_complete(load: str | None, speed: str | None, boundary_film: str | None, output: str | None) -> None:
+    """Raise InputError for a file that cannot be written, click.UsageError for half of a question."""
+    if output is not None and Path(output).suffix.lower() not in (".csv", *PICTURES):
+        raise InputError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
+    if boundary_film is None and (load is None) != (speed is None):
+        raise click.UsageError("the point of a load needs both, --load and --speed")
+    if boundary_film is not None and load is None:
+        raise click.UsageError("a Stribeck curve needs --load")
 
 
 def _of_sizes(bearing: Mapping[str, str | None]) -> Film:

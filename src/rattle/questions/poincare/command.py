@@ -80,14 +80,7 @@ def poincare(
     m = read_model(file, settings, ideal)
     if contact is not None:
         m = m.with_contact(contact)
-    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
-    curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
-    if not curves:
-        raise click.UsageError("name the curves to sample: --of NAME --of NAME")
-    most = 2 if parameter is None else 1
-    if len(curves) > most and names:
-        drawn = "a section takes two curves" if parameter is None else "a diagram over --parameter takes one curve"
-        raise click.UsageError(f"--of is given {len(names)} times; {drawn}")
+    curves = _curves(m, names, parameter is None)
     interrupted = early = False
     if parameter is not None:
         if first is None or last is None:
@@ -116,6 +109,17 @@ def poincare(
     say_written(picture)
     if interrupted or early:
         ctx.exit(STOPPED if interrupted else 1)
+
+
+def _curves(m: Mechanism, names: tuple[str, ...], section: bool) -> tuple[str, ...]:
+    """The curves to sample: those named, or where the first pin with clearance is.  Raises click.UsageError."""
+    if len(names) > (2 if section else 1):
+        drawn = "a section takes two curves" if section else "a diagram over --parameter takes one curve"
+        raise click.UsageError(f"--of is given {len(names)} times; {drawn}")
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
+    if not names and not loose:
+        raise click.UsageError("name the curves to sample: --of NAME --of NAME")
+    return names or (f"{loose[0]}.ex", f"{loose[0]}.ey")
 
 
 def _amount(m: Mechanism, parameter: str, text: str, option: str) -> float:

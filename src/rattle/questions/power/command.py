@@ -55,13 +55,7 @@ def power(
               rattle power out.nc -o power.csv
     """
 
-    table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
-    if table and Path(str(output)).suffix.lower() != ".csv":
-        raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
-    if curves and (output is None or table):
-        raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
-    if instant is not None and output is not None and not table:
-        raise click.UsageError("--at prints or writes a table: give the name of a .csv file, or leave -o out")
+    table = _is_table(output, curves, instant)
     if output is not None:
         (check_files if table else check_pictures)(result, output)
     run_laws(laws)
@@ -78,6 +72,18 @@ def power(
 
         save_figure(p.plot_curves() if curves else p.plot(), output)
     say_written(output)
+
+
+def _is_table(output: str | None, curves: bool, instant: float | None) -> bool:
+    """True for the name of a table.  Raises InputError, and click.UsageError for options that ask for the other."""
+    table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
+    if table and Path(str(output)).suffix.lower() != ".csv":
+        raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
+    if curves and (output is None or table):
+        raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
+    if instant is not None and output is not None and not table:
+        raise click.UsageError("--at prints or writes a table: give the name of a .csv file, or leave -o out")
+    return table
 
 
 def _write(frame: Any, path: str) -> None:

@@ -123,6 +123,11 @@ def graph_of(p: Power) -> tuple[list[Node], list[Link]]:
             graph.to_outside(at, f"{name}, kinetic", gained, 0.0, "kept")
         else:
             graph.from_outside(at, f"{name}, kinetic", gained, 0.0)
+    return _thick(graph)
+
+
+def _thick(graph: _Graph) -> tuple[list[Node], list[Link]]:
+    """The links that are thick enough to see, and the nodes that they join."""
     largest = max((link.net + link.back for link in graph.links), default=0.0)
     links = [link for link in graph.links if link.net + link.back > LEAST * largest]
     used = sorted({n for link in links for n in (link.start, link.end)})
