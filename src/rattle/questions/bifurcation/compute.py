@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -110,8 +110,26 @@ def bifurcation(
         return sampled, r
 
     bar = progress_bar(len(changed), "bifurcation", unit="run") if progress else None
+    rows, first = _rows(run, changed, threads, bar)
+    interrupted = len(rows) < len(changed)
+    if not (interrupted or first.success or np.isfinite(rows).any()):
+        where = f"the first one at t = {first.trust.t_end:.6g} s, {first.message}"
+        raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", first)
+    what = m.model.parameters.get(parameter)
+    rule = _rule(changed, period)
+    if interrupted:
+        rule += f", stopped by the user after {len(rows)} of {len(chosen)} values"
+        rows += [np.full(points, np.nan)] * (len(chosen) - len(rows))
+    return Bifurcation(
+        parameter, chosen, what.unit if what else "", of, first.unit(of), np.array(rows), rule, interrupted
+    )
+
+
+def _rows(
+    run: Callable[[Mechanism], tuple[np.ndarray, Result]], changed: Sequence[Mechanism], threads: int | None, bar: Any
+) -> tuple[list[np.ndarray], Result]:
+    """Points of all mechanisms, or of those before Ctrl-C, and the result of the first."""
     rows: list[np.ndarray] = []
-    interrupted = False
     pool = ThreadPoolExecutor(threads)
     try:
         for k in range(len(changed)):
@@ -126,21 +144,10 @@ def bifurcation(
     except KeyboardInterrupt:
         if not rows:
             raise
-        interrupted = True
         stop.set()  # ends the runs in the other threads
     finally:
         pool.shutdown(cancel_futures=True)
         stop.clear()
         if bar is not None:
             bar.close()
-    if not (interrupted or first.success or np.isfinite(rows).any()):
-        where = f"the first one at t = {first.trust.t_end:.6g} s, {first.message}"
-        raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", first)
-    what = m.model.parameters.get(parameter)
-    rule = _rule(changed, period)
-    if interrupted:
-        rule += f", stopped by the user after {len(rows)} of {len(chosen)} values"
-        rows += [np.full(points, np.nan)] * (len(chosen) - len(rows))
-    return Bifurcation(
-        parameter, chosen, what.unit if what else "", of, first.unit(of), np.array(rows), rule, interrupted
-    )
+    return rows, first
