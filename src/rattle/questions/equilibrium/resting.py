@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -152,11 +153,20 @@ class Stopped:
             high *= 2.0
         return float(brentq(missing, 0.0, high))
 
+    def _drawn(self, rest: Equilibrium) -> dict[str, Any]:
+        """What is drawn of the mechanism: joints as in the equilibrium, with their stops."""
+        drawn = geometry(self.system.model)
+        drawn["joints"] = {
+            name: form | {key: drawn["joints"][name][key] for key in ("stop",) if key in drawn["joints"][name]}
+            for name, form in rest.table.geometry["joints"].items()
+        }
+        return drawn
+
     def _shown(self, rest: Equilibrium, resting: Ends, efforts: Mapping[str, float]) -> Equilibrium:
         """The equilibrium with the columns of the mechanism with stops; efforts: of the joints held [N or N m]."""
         values = {name: float(rest.row[k]) for name, k in rest.table.column.items() if not name.startswith(AT_STOP)}
         units = {name: rest.table.units[name] for name in values}
-        joints, drawn = self.system.model.joints, geometry(self.system.model)
+        joints = self.system.model.joints
         for name in (name for name, joint in joints.items() if joint.stop is not None):
             force, joint = efforts.get(name, 0.0), joints[name]
             if name not in efforts and f"{name}.stop" in values:
@@ -172,9 +182,6 @@ class Stopped:
             units[f"{name}.stop"] = "N*m" if joint.stops_angle else "N"
         column = {name: k for k, name in enumerate(values)}
         pins = tuple((name, column[f"{name}.normal"]) for name, _ in rest.table.pins)
-        drawn["joints"] = {
-            name: form | {key: drawn["joints"][name][key] for key in ("stop",) if key in drawn["joints"][name]}
-            for name, form in rest.table.geometry["joints"].items()
-        }
+        drawn = self._drawn(rest)
         table = Table(column, units, pins, drawn, provenance(self.system.model, "equilibrium"))
         return replace(rest, row=np.array(list(values.values())), table=table, resting=dict(resting))

@@ -22,6 +22,7 @@ from rattle.questions.equilibrium.position import Equilibrium
 MOST_STRIDES = 160  # steps along a degree of freedom whose motion does not close, at most
 STRIDES = 12  # steps along one of several degrees of freedom, in either direction
 DIRECTIONS = 4  # degrees of freedom along which starts are made, at most
+NO_FORCE = 1e-9  # [-] share of the largest force below which there is none: rounding may give it any sign
 FAR = 0.3  # shift of sliding or free bodies, as a share of the mechanism's size
 
 
@@ -176,16 +177,21 @@ def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> 
                 break
         if closed:
             break
-    nothing = 1e-9 * max(problem.force_scale(), max(map(abs, force)))
+    nothing = NO_FORCE * max(problem.force_scale(), max(map(abs, force)))
+    return [path[k] for k in _turning_points(force, nothing)]
+
+
+def _turning_points(force: Sequence[float], nothing: float) -> list[int]:
+    """Places along a path next to which the force changes sign or is least; nothing: what is no force [N]."""
     size = [abs(value) if abs(value) > nothing else math.inf for value in force]  # without force it may be anywhere
-    starts = []
-    for k in range(1, len(path)):
+    places = []
+    for k in range(1, len(size)):
         if size[k - 1] < math.inf and size[k] < math.inf and force[k - 1] * force[k] < 0.0:
-            starts += [path[k - 1], path[k]]
-    for k in range(1, len(path) - 1):  # without a change of sign: two equilibria may lie close together
+            places += [k - 1, k]
+    for k in range(1, len(size) - 1):  # without a change of sign: two equilibria may lie close together
         if size[k] < min(size[k - 1], size[k + 1]) and force[k - 1] * force[k + 1] > 0.0:
-            starts.append(path[k])
-    return starts
+            places.append(k)
+    return places
 
 
 def apart(system: System, position: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -69,23 +69,25 @@ def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.nda
     if name not in model.loads:
         names = [*model.loads, *model.drivers, GRAVITY]
         raise InputError(f"no load or driver '{name}'{suggest(name, names)}")
+    return _sought_load(system, name, t, q)
+
+
+def _sought_load(system: System, name: str, t: float, q: np.ndarray) -> Sought:
+    """The load of that name, with its value in the unit in which it acts.  Raises InputError."""
+    model = system.model
     load, force = model.loads[name], load_forces(system, t, q, np.zeros_like(q))[name]
     end = force[0 if load.b.body == "ground" else 1 + system.bodies.index(load.b.body)]
     kind = registry.kinds("load")[load.kind] if load.law is None else None
     record = getattr(kind.leaf, "record", None) if kind else None
     acts = next((field.unit for field in kind.fields.values() if field.live), "") if kind and record is None else ""
-    if record is not None and record.unit == "N":
+    if record is None:
+        value = {"N": float(np.hypot(*end[:2])), "N*m": float(end[2])}.get(acts, 1.0)
+        return _scaled(name, force[1:].ravel(), acts if acts in ("N", "N*m") else "", value)
+    value = record.power * float(end[2])
+    if record.unit == "N":
         line = point_at(system, q, load.b) - point_at(system, q, load.a)
-        value, unit = math.copysign(float(np.hypot(*end[:2])), record.power * float(line @ end[:2])), record.unit
-    elif record is not None:
-        value, unit = record.power * float(end[2]), record.unit
-    elif acts == "N":
-        value, unit = float(np.hypot(*end[:2])), acts
-    elif acts == "N*m":
-        value, unit = float(end[2]), acts
-    else:
-        value, unit = 1.0, ""
-    return _scaled(name, force[1:].ravel(), unit, value)
+        value = math.copysign(float(np.hypot(*end[:2])), record.power * float(line @ end[:2]))
+    return _scaled(name, force[1:].ravel(), record.unit, value)
 
 
 def _scaled(name: str, force: np.ndarray, unit: str, value: float) -> Sought:
