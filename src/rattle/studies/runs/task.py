@@ -145,13 +145,7 @@ def task_of(
     texts = _texts(outputs)
     analysis, varying = analysis_named(analysis), tuple(varied)
     end = _end(m, varying, analysis, t_end, step)
-    settings = m.model.settings
-    method = settings.method if method is None else method
-    if method is not None and method not in kinds("stepper"):
-        raise InputError(f"unknown method '{method}'; expected {' or '.join(kinds('stepper'))}")
-    rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
-    atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
-    step = settings.step if step is None else arguments.positive("step", step)
+    how = _stepping(m, method, rtol, atol, step)
     units = {name: parameter.unit for name, parameter in m.model.parameters.items()}
     loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0 or joint.stop is not None]
     vocabulary = Known(analysis_of(analysis).names(m), units, loose if analysis == "simulate" else ())
@@ -163,8 +157,18 @@ def task_of(
     if late := next((words for output in asked if (words := outside(output, fixed, end))), ""):
         raise InputError(late)
     curves = _histories(histories, vocabulary, end)
-    how = Stepping(method, rtol, atol, step)
     return Task(m, varying, asked, analysis, end, how, tuple(curves), tuple(curves.values()))
+
+
+def _stepping(m: Mechanism, method: str | None, rtol: float | None, atol: float | None, step: float | None) -> Stepping:
+    """How all runs are stepped: what is given, or else what the model says.  Raises InputError, TypeError."""
+    settings = m.model.settings
+    method = settings.method if method is None else method
+    if method is not None and method not in kinds("stepper"):
+        raise InputError(f"unknown method '{method}'; expected {' or '.join(kinds('stepper'))}")
+    rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
+    atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
+    return Stepping(method, rtol, atol, settings.step if step is None else arguments.positive("step", step))
 
 
 def with_outputs(task: Task, outputs: Sequence[str]) -> Task:
