@@ -112,11 +112,7 @@ def analyse(
     """
     began = time.perf_counter()
     times, original = instants(t_eval), system
-    if with_stops(system.model):  # they do not hold what drivers move
-        system = compile_system(without_stops(system.model))
-    stiff = _without_stretch(system)
-    if stiff is not system:
-        system, start = stiff, None
+    system, start = _as_driven(system, start)
     what = "inverse dynamics" if forces else "kinematics"
     require_no_states(system.model, what)
     functions.start()
@@ -127,11 +123,7 @@ def analyse(
     if system.row_count <= LARGE:
         require_driven(system, start, what)
     table = timetable(system, min(start.t, float(times[0])), float(times[-1]))
-    jumps = table.jumps
-    motors = motors_at(system, effort_at)
-    if motors and system.dry_joints:
-        words = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
-        raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), words)])
+    motors = _motors(system, effort_at)
     arguments.require_room(len(times), width(system))
     sweep = _begun(system, start, motors, times)
     first = sweep.fork()
@@ -146,18 +138,34 @@ def analyse(
     notes += past_stops(original, reached, places(system, raw), rates(system, raw))
     notes += run_backwards(system, reached, raw)
     notes += _without_value(sweep, reached, raw) if forces else []
+    notes += jump_notes([jump for jump in table.jumps if len(reached) and jump.t <= reached[-1]], forces)
     if message:
-        ends = float(sweep.clock[swept.NOW])
-        events.append(Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end"))
-    notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
+        events.append(_end(sweep, message))
     spent = time.perf_counter() - began
     sides = _sides(first, reached, table.instants, forces)
     result = _result(original.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides, passed)
-    if message and strict:
-        raise SolverError(message, result)
     if message:
+        if strict:
+            raise SolverError(message, result)
         log.warning(message)
     return result
+
+
+def _as_driven(system: System, start: Assembled | None) -> tuple[System, Assembled | None]:
+    """The system without stops, which do not hold what drivers move, and with belts that cannot stretch; its start."""
+    if with_stops(system.model):
+        system = compile_system(without_stops(system.model))
+    stiff = _without_stretch(system)
+    return stiff, start if stiff is system else None
+
+
+def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[tuple[int, str]]:
+    """`motors_at`.  Raises ModelError where joints rub."""
+    motors = motors_at(system, effort_at)
+    if motors and system.dry_joints:
+        words = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
+        raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), words)])
+    return motors
 
 
 def _assembled(system: System, t: float) -> Assembled:
@@ -181,6 +189,12 @@ def _begun(system: System, start: Assembled, motors: Sequence[tuple[int, str]], 
         sweep.tally[:] = 0
         sweep.clock[swept.GAP] = 0.0
     return sweep
+
+
+def _end(sweep: Sweep, message: str) -> Event:
+    """The event at which a sweep cannot go on; message: why."""
+    ends = float(sweep.clock[swept.NOW])
+    return Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end")
 
 
 def _left_alone(system: System) -> list[str]:
