@@ -149,11 +149,7 @@ def compare(
     """
     from rattle.questions.poincare.compute import driver_period
 
-    loose = [name for name, element in m.model.joints.items() if element.clearance > 0.0]
-    if not loose:
-        raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
-    if joint is not None and joint not in loose:
-        raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
+    loose = _joints_with_play(m, joint)
     if law is not None and law not in registry.kinds("normal"):
         raise InputError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
     end = t_end if t_end is not None else min(driver_period(m.system) or math.inf, m.model.settings.t_end)
@@ -175,6 +171,16 @@ def compare(
     for name in shown:
         _ = first.unit(name)  # raises UnknownName
     return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
+
+
+def _joints_with_play(m: Mechanism, shown: str | None) -> list[str]:
+    """Joints with clearance.  Raises ModelError if there are none, or if the one that is to be shown has none."""
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
+    if not loose:
+        raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
+    if shown is not None and shown not in loose:
+        raise ModelError([Problem(("joints", shown), f"has no clearance{suggest(shown, loose)}")])
+    return loose
 
 
 def _runs(

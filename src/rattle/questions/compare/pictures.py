@@ -173,12 +173,9 @@ def _force(ax: Axes, comparison: Comparison, model: str, floor: float, scale: fl
 
 
 def _force_axis(ax: Axes, comparison: Comparison, model: str, floor: float) -> None:
-    """The same range of forces [N] for all models, with its ticks: powers of ten from `floor` on."""
+    """Ticks of the forces [N] of all models: powers of ten from `floor` on."""
     joint = comparison.joint
-    loose = [run for run in comparison.results.values() if f"{joint}.normal" in run]
-    top = max(largest(run, f"{joint}.normal") for run in loose)
-    top = max([top, *(c.peak for run in loose if (c := run.contacts.get(joint)) and c.readable)])
-    least = min([0.0, *(float(np.nanmin(shown_curve(run, f"{joint}.normal"))) for run in loose)])
+    least, top = _force_range(comparison)
     ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
     low, high = ax.get_ylim()
     powers = [floor * 10.0**k for k in range(8)]
@@ -188,6 +185,16 @@ def _force_axis(ax: Axes, comparison: Comparison, model: str, floor: float) -> N
     ax.set_ylabel(
         f"{'force' if model == OILED else 'N'} at {joint} [N]\nlogarithmic beyond {_force_label(floor)}", fontsize=9
     )
+
+
+def _force_range(comparison: Comparison) -> tuple[float, float]:
+    """Least (not above zero) and largest force [N] of the joint under all models."""
+    joint = comparison.joint
+    loose = [run for run in comparison.results.values() if f"{joint}.normal" in run]
+    top = max(largest(run, f"{joint}.normal") for run in loose)
+    top = max([top, *(c.peak for run in loose if (c := run.contacts.get(joint)) and c.readable)])
+    least = min([0.0, *(float(np.nanmin(shown_curve(run, f"{joint}.normal"))) for run in loose)])
+    return least, top
 
 
 def _play(r: Result, joint: str) -> Any:

@@ -89,13 +89,7 @@ def _question(
     """The arguments, or what the first joint that wears says.  Raises InputError."""
     written = [joint.wear for joint in m.model.joints.values() if joint.wear is not None]
     count = arguments.positive("cycles", written[0].cycles if cycles is None else cycles)
-    if isinstance(jump, str) and jump != "auto":
-        raise InputError(f'jump must be a number of cycles or "auto", got {jump!r}')
-    if jump is None:
-        jump = _first(entry.jump for entry in written)
-    size = math.nan if jump in (None, "auto") else arguments.positive("jump", jump)
-    if size < 1.0:
-        raise InputError(f"jump must be at least one cycle, got {size:g}")
+    size = _size(jump, _first(entry.jump for entry in written))
     if cycle is None:
         cycle = _first(entry.cycle for entry in written)
     period = driver_period(m.system) if cycle is None else cycle
@@ -108,6 +102,17 @@ def _question(
         count, size, arguments.positive("cycle", period), ends.get("depth", math.inf),
         ends.get("volume", math.inf), tolerance, settings.atol or ATOL * tolerance,
     )  # fmt: skip
+
+
+def _size(jump: float | str | None, written: float | None) -> float:
+    """The cycles of a jump, nan if they are sought; written: those that a joint asks for.  Raises InputError."""
+    if isinstance(jump, str) and jump != "auto":
+        raise InputError(f'jump must be a number of cycles or "auto", got {jump!r}')
+    chosen = written if jump is None else jump
+    size = math.nan if chosen in (None, "auto") else arguments.positive("jump", chosen)
+    if size < 1.0:
+        raise InputError(f"jump must be at least one cycle, got {size:g}")
+    return size
 
 
 def _first(written: Iterable[float]) -> float | None:
