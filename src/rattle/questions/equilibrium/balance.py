@@ -38,6 +38,13 @@ from rattle.solvers.positions import equilibrium_newton, reduced_forces
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
 STILL = 1e-9  # speed over size and largest rate, below which a body does not move
+DIFFERENCE = 1e-4  # [of the mechanism's size] step of differences: cancellation and curvature are alike small
+ON_LINK = 3e-3  # [of the length of a link or rod] the same where a short one turns: its curvature is large
+IN_PENETRATION = 1e-5  # [of the clearance] the same where contacts sink in, which is by little
+CLOSED = 1e-13  # [of the mechanism's size] gap to which joints are closed: just above rounding
+CLOSING = 60  # iterations of that, at most
+EVEN = 1e-9  # [of the largest entry] asymmetry of a stiffness that is rounding: loads are conservative then
+NEUTRAL = (1e-8, 1e-13)  # [of typical force over size, of the largest eigenvalue] stiffness that rounding makes of none
 CHUNK = 10_000_000  # operations, roughly, between two checks for Ctrl-C
 
 
@@ -116,10 +123,11 @@ class StaticProblem:
         arms = [joint.clearance for joint in joints if is_link(joint)] + [
             joint.distance for joint in joints if joint.distance > 0.0
         ]
-        length = min([1e-4 * system.size] + [3e-3 * joint for joint in arms])
+        length = min([DIFFERENCE * system.size] + [ON_LINK * joint for joint in arms])
         if len(self.workspace.contact_memory):  # penetrations are small
             length = min(
-                [length] + [1e-5 * joint.clearance for joint in joints if joint.clearance > 0.0 and joint.is_loose]
+                [length]
+                + [IN_PENETRATION * joint.clearance for joint in joints if joint.clearance > 0.0 and joint.is_loose]
             )
         self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * system.body_count)
@@ -143,7 +151,7 @@ class StaticProblem:
 
     def close(self, q: np.ndarray) -> float:
         """Close the joints, q (3 nb,) [m, m, rad] in place; returns the largest residual [m or rad]."""
-        gap, _ = close_position(self.workspace, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
+        gap, _ = close_position(self.workspace, self.t, q, np.empty_like(q), CLOSED * self.system.size, CLOSING)
         return float(gap)
 
     def reduce(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -299,11 +307,11 @@ class StaticProblem:
         if len(g):
             h = self.hessian(q, null)
             largest = float(np.abs(h).max())
-            even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # conservative loads
+            even = float(np.abs(h - h.T).max()) <= EVEN * largest  # conservative loads
             roots = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h)
             values = roots.real
             # only what is within rounding counts as zero: a soft direction beside a stiff contact is not neutral
-            tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
+            tiny = max(NEUTRAL[0] * self.force_scale() / system.size, NEUTRAL[1] * float(np.abs(values).max()))
             neutral, falling = int((np.abs(roots) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
         force_at(workspace, self.t, q, self.out)

@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from rattle.analyses.assembly.assembly import consistent_start, ideal_system
-from rattle.analyses.assembly.rank import scaled_rows
+from rattle.analyses.assembly.rank import RANK, scaled_rows
 from rattle.analyses.travel import left_out, with_friction, with_stops
 from rattle.description.model import Contact
 from rattle.elements.custom import load_law
@@ -47,6 +47,9 @@ QUIET = 20  # starts in a row without a new equilibrium after which the search e
 QUIET_DOWNHILL = (4, 2)  # the same for descents
 TRIALS_EACH = 250  # positions evaluated from one start of a descent, at most
 TRIALS_NEWTON = 40  # and of Newton's method, which converges in far fewer if it does
+NEAR = 1e-3  # [of the smallest length] distance from a known equilibrium at which a search towards it is given up
+ALIKE = 1e-9  # [of the forces, or of forces times size] difference of energies and residuals that is only rounding
+AS_CLOSED = 1e-12  # [of the mechanism's size] by which a gap may grow where a whole turn of a body is taken away
 WIDE = 1.0  # rotation of a body in one step of a descent, at most [rad]: any valley will do
 
 
@@ -148,7 +151,7 @@ def position_at(system: System, t: float) -> np.ndarray:
     drive(workspace, 0.0)
     merit_at(workspace, start.q)
     driven = (
-        system.row_count and np.linalg.matrix_rank(scaled_rows(system, workspace), tol=1e-9) == 3 * system.body_count
+        system.row_count and np.linalg.matrix_rank(scaled_rows(system, workspace), tol=RANK) == 3 * system.body_count
     )
     if not driven:
         return consistent_start(system, t).q
@@ -172,7 +175,7 @@ class Search:
         self._work, self._left = 0.0, WORK * effort
         self._known = np.zeros((16, 3 * problem.system.body_count))
         self._count = 0
-        self._near = 1e-3 * tiny(problem.system)
+        self._near = NEAR * tiny(problem.system)
         self._trials = problem.trials
         self._turning: Turning | None = None
         self._start = np.zeros(3 * problem.system.body_count)
@@ -212,9 +215,9 @@ class Search:
             same = self._turning.unwound(q, self._start)
             if (same != q).any():
                 wound, other = self.problem.assess(q, iterations), self.problem.assess(same, iterations)
-                slight = 1e-9 * wound.force
+                slight = ALIKE * wound.force
                 alike = abs(wound.potential - other.potential) <= slight * self.problem.system.size
-                closed = other.gap <= wound.gap + 1e-12 * self.problem.system.size
+                closed = other.gap <= wound.gap + AS_CLOSED * self.problem.system.size
                 return other if alike and closed and other.residual <= wound.residual + slight else wound
         return self.problem.assess(q, iterations)
 
@@ -342,10 +345,10 @@ def _one_family(first: Found, other: Found, links: np.ndarray, size: float) -> b
     """
     if not first.neutral or (first.neutral, first.falling) != (other.neutral, other.falling):
         return False
-    if abs(first.potential - other.potential) > 1e-9 * first.force * size:
+    if abs(first.potential - other.potential) > ALIKE * first.force * size:
         return False
     pulls, others = first.multiplier[links], other.multiplier[links]
-    return bool((pulls * others >= -1e-18 * first.force**2).all())
+    return bool((pulls * others >= -((ALIKE * first.force) ** 2)).all())
 
 
 def _first_offset(ideal: StaticProblem, rigid: System, start: np.ndarray) -> np.ndarray:

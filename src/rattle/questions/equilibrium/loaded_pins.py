@@ -29,6 +29,9 @@ from rattle.questions.equilibrium.starts import opened, same
 from rattle.solvers.mobility import film_at, still_force
 
 DEPTHS = (1e-4, 1e-3, 1e-2, 1e-5, 1e-1)  # to which pins are let sink in at first, in clearances
+NEAREST = 1e-6  # [of the clearance] film up to which it is halved in the search for a load; then the pin sinks in
+FIRST_DEPTH = 1e-9  # [of the clearance] first depth there, which is doubled
+PLACE = (1e-16, 1e-14)  # [of the clearance, relative] how near the place of a pin is found: as near as rounding allows
 DEEPEST = 1e3  # of the clearance
 
 
@@ -111,10 +114,10 @@ class Loaded:
         low, high = 0.0, 0.5
         while excess(high) < 0.0 and high < DEEPEST:  # towards the bush, then into it
             low = high
-            high = 0.5 * (1.0 + high) if high < 1.0 - 1e-6 else 1.0 + 2.0 * max(high - 1.0, 1e-9)
+            high = 0.5 * (1.0 + high) if high < 1.0 - NEAREST else 1.0 + 2.0 * max(high - 1.0, FIRST_DEPTH)
         if load == 0.0 or not excess(high) >= 0.0:
             return np.zeros(2)
-        size = clearance * float(brentq(excess, low, high, xtol=1e-16, rtol=1e-14))
+        size = clearance * float(brentq(excess, low, high, xtol=PLACE[0], rtol=PLACE[1]))
         fx, fy = exerted(size)
         angle = math.atan2(force[1], force[0]) - math.atan2(fy, fx)
         return np.array([size * math.cos(angle), size * math.sin(angle)])

@@ -22,6 +22,7 @@ from rattle.results.film_columns import DRY
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 
+PULLS = 1e-9  # [of the largest normal force] negative force above which a bush has to pull: below is rounding
 MORE = 10.0  # factor on the effort that is advised after a search was cut short
 
 
@@ -90,7 +91,7 @@ class Equilibrium:
         """Pins at which the bush would have to pull, and joints whose stop would have to."""
         scale = max([abs(n) for n in self.normals.values()] + [1e-300])
         stops = [name for name, side in self.resting.items() if side * self[f"{name}.stop"] < 0.0]
-        return (*(name for name, n in self.normals.items() if n < -1e-9 * scale), *stops)
+        return (*(name for name, n in self.normals.items() if n < -PULLS * scale), *stops)
 
     @property
     def admissible(self) -> bool:

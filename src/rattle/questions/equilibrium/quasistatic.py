@@ -38,6 +38,14 @@ from rattle.results.trust import Trust
 log = logging.getLogger("rattle")
 
 SMALLEST = 1e-7  # share of an interval below which no step is tried
+FARTHEST = 0.3  # [of the mechanism's size] step of a body beyond which a position belongs to another branch
+TURNED = 0.7  # [-] cosine of the angle by which a pin may move around its bush in a step: half a right angle
+AHEAD = 1e-3  # [of the interval] beyond a fold at which the equilibrium downhill of it is sought
+INSTANT = 1e-9  # [s] interval that is not divided for that
+CHANGE = (1e-10, 1e-3)  # [of the time, but at least of so many s] how near the time of a change of sides is found
+RANK = 1e-13  # [-] singular values below this share of the largest are those of redundant constraints
+TOGGLE = 1e-12  # [of the largest reaction] effort below which none is needed: a toggle
+NO_LENGTH = 1e-300  # in a denominator that may be zero
 MOST_SNAPS = 5  # snap-throughs in one interval, at most
 MOST_STEPS = 300  # steps in one interval, at most
 MOST_TRIALS = 20_000  # positions evaluated in one interval, at most
@@ -79,11 +87,11 @@ class Path:
 
     def _near(self, q: np.ndarray) -> bool:
         """True if a position (3 nb,) is so close to the last one that it belongs to the same branch."""
-        if np.abs((q - self.last.q) / self.problem.scale).max() > 0.3 * self.problem.system.size:
+        if np.abs((q - self.last.q) / self.problem.scale).max() > FARTHEST * self.problem.system.size:
             return False
         last, other = self.problem.offsets(self.last.q), self.problem.offsets(q)
-        cosine = (last * other).sum(axis=1) / (np.linalg.norm(last, axis=1) * np.linalg.norm(other, axis=1) + 1e-300)
-        return bool((cosine > 0.7).all())
+        cosine = (last * other).sum(axis=1) / (np.linalg.norm(last, axis=1) * np.linalg.norm(other, axis=1) + NO_LENGTH)
+        return bool((cosine > TURNED).all())
 
     def go(self, rest: Equilibrium) -> None:
         """Append an equilibrium that was found."""
@@ -162,7 +170,7 @@ def _lead(path: Path, t: float, events: list[Event]) -> str:
 
 def _snap(path: Path, t: float) -> Equilibrium | None:
     """Snap-through: the stable equilibrium downhill of the last one, which has ceased to exist; or None."""
-    ahead = min(t, path.last.t + 1e-3 * (t - path.last.t)) if t - path.last.t > 1e-9 else t
+    ahead = min(t, path.last.t + AHEAD * (t - path.last.t)) if t - path.last.t > INSTANT else t
     path.problem.at(ahead)
     solution = path.problem.find(path.last.q, downhill=True)
     return path.problem.finish(*solution) if solution is not None else None
@@ -176,7 +184,7 @@ def _change_sides(path: Path, reached: Equilibrium, pulled: list[str], events: l
         for _ in range(60):
             t = low + (high - low) * (n_low / (n_low - n_high)) if n_low > 0.0 else low
             t = min(max(t, low + 0.01 * (high - low)), high - 0.01 * (high - low))
-            if high - low < 1e-10 * max(abs(high), 1e-3):
+            if high - low < CHANGE[0] * max(abs(high), CHANGE[1]):
                 break
             middle = path.step(t)
             if middle is None:
@@ -219,11 +227,11 @@ def advantage(problem: StaticProblem, rest: Equilibrium) -> dict[tuple[str, str]
     for name in acting:
         right = np.zeros(n + nr)
         right[:n] = _direction(problem, rest, name)
-        answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=1e-13)[0] * scale
+        answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=RANK)[0] * scale
         for driver in drivers:
             row = system.first_row(driver)
             effort = -float(answer[n + row])  # effort for one unit of the load
-            ratios[name, driver] = -1.0 / effort if abs(effort) > 1e-12 * np.abs(answer[n:]).max() else math.inf
+            ratios[name, driver] = -1.0 / effort if abs(effort) > TOGGLE * np.abs(answer[n:]).max() else math.inf
     return ratios
 
 

@@ -31,6 +31,7 @@ from rattle.results.columns import geometry
 
 MOST = 27  # combinations of ends that are tried: all of three joints with two ends each
 AT_STOP = "stop of "  # name of the driver that holds a joint, before the name of the joint
+FIRST_DEPTH = 1e-12  # [m or rad] to which a compliant stop is let sink in first, then doubled until it carries
 SLIGHT = 1e-9  # share of the forces below which a joint does not rest on its stop; of its scale by which it is beyond
 
 Ends = Mapping[str, int]  # joints that rest on a stop: 1 on its least value, -1 on its largest
@@ -148,7 +149,7 @@ class Stopped:
         def missing(depth: float) -> float:
             return float(call_stiffness(kind.kernel, (depth, p, 0))) - force
 
-        high = 1e-12
+        high = FIRST_DEPTH
         while missing(high) < 0.0:
             high *= 2.0
         return float(brentq(missing, 0.0, high))

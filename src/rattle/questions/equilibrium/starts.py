@@ -22,7 +22,11 @@ from rattle.questions.equilibrium.position import Equilibrium
 MOST_STRIDES = 160  # steps along a degree of freedom whose motion does not close, at most
 STRIDES = 12  # steps along one of several degrees of freedom, in either direction
 DIRECTIONS = 4  # degrees of freedom along which starts are made, at most
-NO_FORCE = 1e-9  # [-] share of the largest force below which there is none: rounding may give it any sign
+NO_FORCE = 1e-9  # [-] share of the typical or largest force below which there is none: rounding may give it any sign
+SINGLE = 1e-9  # [of the mechanism's size] supports that lie nearer to each other give no line
+SAME = (1e-5, 1e-10)  # [of the smallest length, of the mechanism's size] distance of positions that are one: both are
+# far above where the search ends and far below what tells two sides of a pin apart
+UNLOADED = 1e-12  # [-] share of the largest reaction (at least of 1 N) below which a reaction has no direction
 FAR = 0.3  # shift of sliding or free bodies, as a share of the mechanism's size
 
 
@@ -116,7 +120,7 @@ def _level(system: System) -> float:
     ends = [end for joint in system.model.joints.values() for end in (joint.a, joint.b) if end.body == "ground"]
     supports = [complex(*end.at) for end in ends]
     line = max((b - a for a, b in itertools.combinations(supports, 2)), key=abs, default=0j)
-    if abs(line) < 1e-9 * system.size:
+    if abs(line) < SINGLE * system.size:
         line = 1j * complex(*system.arrays["gravity"])
     return cmath.phase(line) if line else 0.0
 
@@ -212,7 +216,7 @@ def same(system: System, position: np.ndarray, others: np.ndarray) -> bool:
     """True if a position (3 nb,) is one of the others (k, 3 nb)."""
     if not len(others):
         return False
-    return bool(apart(system, position, others).min() < 1e-5 * tiny(system) + 1e-10 * system.size)
+    return bool(apart(system, position, others).min() < SAME[0] * tiny(system) + SAME[1] * system.size)
 
 
 def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -232,7 +236,7 @@ def sides(ideal: StaticProblem, play: StaticProblem, equilibria: Sequence[Equili
     pressed = []
     for rest in equilibria:
         directions = np.zeros((len(play.links), 2))
-        tiny = 1e-12 * max(1.0, np.abs(rest.multiplier).max(initial=0.0))
+        tiny = UNLOADED * max(1.0, np.abs(rest.multiplier).max(initial=0.0))
         for n, name in enumerate(play.links):
             force = np.array([rest[f"{name}.fx"], rest[f"{name}.fy"]])
             size = float(np.hypot(*force))
