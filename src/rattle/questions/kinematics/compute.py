@@ -12,7 +12,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
-from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
+from rattle.analyses.assembly.rank import RANK, describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.analyses.clutches import require_known_torques, run_backwards
 from rattle.analyses.dynamics.report import leave_out
 from rattle.analyses.dynamics.singular_passages import Passage
@@ -39,7 +39,6 @@ from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
 
 log = logging.getLogger("rattle")
-RANK = 1e-9  # [-] singular value over the largest below which a constraint repeats others: far above rounding
 MOVES = 1e-6  # [-] share of a body in a free motion above which it is named: what is less is rounding
 BESIDE = 1e-9  # share of the span at which the values on either side of a switch are taken
 MOST_NUMBERS = 8_000_000  # of rows beside switches
