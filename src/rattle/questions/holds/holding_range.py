@@ -11,6 +11,7 @@ import numpy as np
 from rattle.results.display import lines
 
 ROUNDING = 1e-9  # share of the largest value below which a value is zero
+ALIKE = 1e-6  # [-] relative difference of factors on friction that are told as one
 NEAR = 2.0  # factor on friction within which jamming is spoken of
 
 
@@ -103,7 +104,7 @@ class HoldingRange:
         """Lines on the senses in which the load jams, or nearly does."""
         ways = {"": (self.high, self.jams_from[1]), " the other way": (self.low, self.jams_from[0])}
         up, down = ways.values()
-        if math.isinf(up[0]) == math.isinf(down[0]) and math.isclose(up[1], down[1], rel_tol=1e-6):
+        if math.isinf(up[0]) == math.isinf(down[0]) and math.isclose(up[1], down[1], rel_tol=ALIKE):
             ways = {", either way": up}
         sentences = []
         for way, (end, share) in ways.items():

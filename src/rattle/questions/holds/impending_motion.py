@@ -24,6 +24,7 @@ CLOSE = 1e-14  # share of x that ends them
 FIRST = 0.125  # first step of theta
 LEAST = 1e-13  # step of theta at which the path has turned back
 MOST = 100.0  # theta up to which jamming is looked for
+YIELDS = 1e-9  # [of the largest share] negative share above which less friction would hold more: below is rounding
 NOTHING = 1e-12  # share of the forces below which a normal force is rounding
 
 
@@ -91,7 +92,7 @@ def yields_more(rubbing: Rubbing, x: np.ndarray) -> np.ndarray:
     _, slopes = normal_forces(rubbing, rubbing.still + rubbing.response @ x)
     jacobian = np.eye(len(x)) - rubbing.mu[:, None] * np.einsum("ij,ijk->ik", slopes, rubbing.response)
     share = np.linalg.solve(jacobian.T, rubbing.slip)
-    return np.asarray(share < -1e-9 * np.abs(share).max(initial=0.0))
+    return np.asarray(share < -YIELDS * np.abs(share).max(initial=0.0))
 
 
 def _follow(rubbing: Rubbing, until: float) -> tuple[np.ndarray, float]:

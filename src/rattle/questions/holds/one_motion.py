@@ -26,6 +26,7 @@ from rattle.jit.workspace import Workspace
 from rattle.questions.holds.impending_motion import NOTHING, Limit, Rubbing, limit
 
 STILL = 1e-9  # share of the whole motion below which a joint does not move in it
+NO_WORK = 1e-9  # [-] cosine between a load and the motion below which it does no work in it: rounding
 MOST_STILL = 6  # joints with friction that do not move in the motion, whose friction is tried both ways
 
 
@@ -115,7 +116,7 @@ def one_motion(system: System, workspace: Workspace, sought: Sought | None) -> M
     z = scale * right[rank]
     sought = sought or Sought("", right[rank] / scale, "N", 0.0, -1)
     worth = float(z @ sought.direction)
-    if abs(worth) <= 1e-9 * float(np.linalg.norm(z / scale) * np.linalg.norm(sought.direction * scale)):
+    if abs(worth) <= NO_WORK * float(np.linalg.norm(z / scale) * np.linalg.norm(sought.direction * scale)):
         raise InputError(
             f"'{sought.name}' does no work in the motion that is left at this position (a dead centre, or a load across"
             " the motion): friction or not, no value of it moves the mechanism"

@@ -24,6 +24,7 @@ from rattle.results.display import lines
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
+ROUNDING = 1e-9  # [-] by which stretches may be longer than the run: that of its division
 SHORTER = 6  # how often a stretch is cut to a quarter if the growth in it is not linear
 UNSURE = 0.8  # uncertainty, as a share of the exponent, above which the exponent is not determined
 ROUGH = 0.3  # the same above which it is called rough
@@ -104,7 +105,7 @@ def lyapunov(
     span = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     length = span / 400 if stretch is None else arguments.positive("stretch", stretch)
     rtol = arguments.relative_tolerance(rtol)
-    if 2 * BLOCKS * length > span * (1.0 + 1e-9):
+    if 2 * BLOCKS * length > span * (1.0 + ROUNDING):
         raise InputError(f"a stretch of {length:g} s is too long for {span:g} s; take at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:
         raise InputError(f"skip must be a share of the run, from 0 to below 1; got {skip}")

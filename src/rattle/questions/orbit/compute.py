@@ -46,6 +46,8 @@ MOST_STEPS = 5_000_000
 FIRST = 1e-3  # share of the clearance that the first step goes
 FEWEST = 36  # outputs in a turn with which it is compared with the one before
 CLOSED = 1e-2  # change of the path from turn to turn, in clearances, below which it is closed
+UNSURE = 1e-3  # [-] share of the time, with a force that changes too fast to follow, from which it is told
+ROUNDING = 1e-6  # [turns] by which two turns of the driver may fall short
 LEFT_OUT = "the path of the pin follows the forces of the mechanism without play; its own inertia is left out"
 MEMORY = "dry friction by a law with a memory is left out of an orbit"
 
@@ -155,7 +157,7 @@ def _followed(system: System, name: str, carried: Course, times: Array, e: Array
 
 
 def _unsure(name: str, carried: Course) -> list[str]:
-    if carried.unsure < 1e-3:
+    if carried.unsure < UNSURE:
         return []
     return [f"{name}: its force changes faster than it was followed at {100 * carried.unsure:.2g} % of the time"]
 
@@ -166,7 +168,7 @@ def _open(joint: Joint, base: Result, path: Orbit) -> list[str]:
     if not driven or len(path.rows) < len(base.t):
         return []
     turns = np.abs(base[f"{driven[0]}.angle"] - base[f"{driven[0]}.angle"][0]) / (2.0 * math.pi)
-    if turns[-1] < 2.0 - 1e-6 or not (np.diff(turns) > 0.0).all() or (turns > turns[-1] - 1.0).sum() < FEWEST:
+    if turns[-1] < 2.0 - ROUNDING or not (np.diff(turns) > 0.0).all() or (turns > turns[-1] - 1.0).sum() < FEWEST:
         return []
     now = turns[turns > turns[-1] - 1.0]
     place = path.rows[turns > turns[-1] - 1.0, :2].T

@@ -22,6 +22,8 @@ from rattle.language.units import TIME, describe, dimension_of
 from rattle.results.display import quantity, table
 from rattle.results.sampled_curve import SampledCurve
 
+STEADY = 1e-9  # [-] relative change of the rate of a driver that turns steadily: rounding of its function
+LOOKS = (0.0, 0.0137, 0.171, 1.93)  # [s] where the rate is looked at: no multiples of each other, as periods are
 PER_STEP = 4  # instants for each step, in which a curve may rise and fall: between two of them a rise is not seen
 MOST_INSTANTS = 1_000_000
 NARROWINGS, PARTS = 3, 16  # an interval of outputs around a crossing is cut so often into so many parts, of which a
@@ -45,10 +47,10 @@ def driver_period(system: System) -> float | None:
             continue
         slot = system.driver_slot(name)
         rates = []
-        for t in (0.0, 0.0137, 0.171, 1.93):
+        for t in LOOKS:
             drive(workspace, t)
             rates.append(float(workspace.values[slot + 1]))
-        if rates[0] and max(rates) - min(rates) <= 1e-9 * abs(rates[0]):
+        if rates[0] and max(rates) - min(rates) <= STEADY * abs(rates[0]):
             return 2.0 * math.pi / abs(rates[0])
     return None
 

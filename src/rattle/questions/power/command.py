@@ -17,6 +17,7 @@ from rattle.questions.power.in_units import in_units, with_units
 if TYPE_CHECKING:
     from rattle.questions.power.compute import Power
 
+WHOLE = 1e-9  # [of the run] difference of a cycle from the whole run that is rounding
 SEEN = 1e-9  # share of the largest energy below which one is rounding
 WORDS = ("element", "kind", "body")
 PORTS = ("element", "body", "E_in", "E_out", "net", "recirculated", "peak", "mean")
@@ -61,7 +62,7 @@ def power(
     run_laws(laws)
     r = read_result(result, settings)
     end = r.trust.t_end
-    p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < 1e-9 * end else end - cycle)
+    p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < WHOLE * end else end - cycle)
     if output is None:
         click.echo(_instant(p, instant) if instant is not None else _cycle(p))
         return

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 NOISE = 1e-9  # share of the largest energy into a body below which one is rounding
+PAST = 1e-9  # [of the end] by which a time may lie beyond the end of the run: rounding of what a user adds up
+EARLY = 1e-12  # [of the end] the same before its start, of a turn of the driver that is as long as the run
 NEEDED = ("document", "t_end", "method", "rtol", "atol")  # in the provenance: the run is gone through again
 RUN_AGAIN = "run it again with this version"
 
@@ -55,9 +57,9 @@ def _window(r: Result, m: Mechanism, t0: float | None, t1: float | None) -> tupl
     end = min(float(r.provenance["t_end"]), r.trust.t_end)
     last = end if t1 is None else float(t1)
     period = driver_period(m.system)
-    first = last - period if period is not None and last - period >= -1e-12 * last else 0.0
+    first = last - period if period is not None and last - period >= -EARLY * last else 0.0
     first = max(first, 0.0) if t0 is None else float(t0)
-    if not 0.0 <= first < last <= end * (1.0 + 1e-9):
+    if not 0.0 <= first < last <= end * (1.0 + PAST):
         raise InputError(f"power from {first:g} to {last:g} s: give times in order between 0 and the end, {end:g} s")
     return first, min(last, end)
 
@@ -161,7 +163,7 @@ class Power:
     def powers(self, t: Array) -> Array:
         """Powers (n, ports) [W] at increasing instants (n,) [s], in the order of `table`."""
         end = min(float(self._settings.t_end), self.result.trust.t_end)
-        if not 0.0 <= t[0] <= t[-1] <= end * (1.0 + 1e-9):
+        if not 0.0 <= t[0] <= t[-1] <= end * (1.0 + PAST):
             raise InputError(f"expected a time within the run, from 0 to {end:g} s, got {t[0]:g} s")
         rows = rows_at(self._mechanism, self._settings, np.minimum(t, end))
         return self._ports.flow(rows).ports

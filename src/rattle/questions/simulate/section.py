@@ -29,6 +29,7 @@ from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
 
 MOST_EVENTS = 10
+NO_IDEAL = 1e-9  # [of the force] force without play below which a ratio says nothing
 ROUNDING = 1e-9  # moment over force times size below which it is rounding
 KINDS = {
     "contact": "touches", "release": "lifts off", "impact": "impact", "stick": "sticks", "slip": "slips",
@@ -81,7 +82,7 @@ def _joints(s: Study, run: Result) -> str:
             continue
         row = [name, said(force, "N"), _at(run, when), said(run.rms(f"{name}.force"), "N")]
         ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else math.nan
-        row += [said(ideal, "N"), f"{force / ideal:.3g}"] if 1e-9 * force < ideal else ["", ""]
+        row += [said(ideal, "N"), f"{force / ideal:.3g}"] if NO_IDEAL * force < ideal else ["", ""]
         shown = f"{name}.moment" in run and readable(run, f"{name}.moment")
         moment = run.peak(f"{name}.moment")[0] if shown else 0.0
         rows.append([*row, said(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])

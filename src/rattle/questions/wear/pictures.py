@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 SHARE = 0.28  # of the radius of the picture, for the largest depth
 BAND = {"bush": 1.0, "pin": 0.62}  # radii of the round surfaces in the picture
+ROUNDING = 1e-9  # [-] by which a round number may exceed what it is rounded down from
 STEPS = (1.0, 2.0, 5.0)
 
 
@@ -96,7 +97,7 @@ def _map(ax: Axes, profile: Profile, joint: str, radius_of_bush: float) -> None:
 def _round(size: float) -> float:
     """1, 2 or 5 times a power of ten, at most `size`."""
     decade = 10.0 ** math.floor(math.log10(size))
-    return max(step * decade for step in STEPS if step * decade <= size * (1.0 + 1e-9))
+    return max(step * decade for step in STEPS if step * decade <= size * (1.0 + ROUNDING))
 
 
 def _history(ax: Axes, worn: Worn, what: str, unit: str) -> None:
