@@ -33,7 +33,7 @@ MOST_LINES = 8  # of one figure; more could not be told apart
 
 def content(told: str, *blocks: Block | None) -> Content:
     """The content of a tab; told: its state in one line."""
-    return {"told": told, "blocks": [one for one in blocks if one is not None]}
+    return {"told": told, "blocks": [block for block in blocks if block is not None]}
 
 
 def words(text: str, tone: str = "") -> Block | None:
@@ -76,7 +76,7 @@ def of_result(
     sized = [(largest(result, name), name) for name in names]
     if not sized or not len(result.t):
         return None
-    kept = [name for _, name in sorted(sized, key=lambda one: -one[0])[:MOST_LINES]]
+    kept = [name for _, name in sorted(sized, key=lambda pair: -pair[0])[:MOST_LINES]]
     kept.sort(key=list(names).index)
     unit = result.unit(kept[0])
     factor, shown = handy_unit(unit, max(size for size, _ in sized), units_of_result(result.provenance))
@@ -90,7 +90,7 @@ def of_result(
 def _line_of(result: Result, name: str, label: str, factor: float) -> Block:
     """A curve of a result with what it reaches between two outputs: `top` (t, y), `short` contacts [(t, y)]."""
     top = summit(result, name)
-    short = [(one.t, factor * one.y) for one in bursts(result, name)]
+    short = [(burst.t, factor * burst.y) for burst in bursts(result, name)]
     if told := cut(result, name):
         label = f"{label} ({told})"
     return line(label, result.t, factor * shown_curve(result, name), top=top and (top.t, factor * top.y), short=short)
@@ -98,5 +98,11 @@ def _line_of(result: Result, name: str, label: str, factor: float) -> Block:
 
 def bars(title: str, y: str, labels: Sequence[str], values: Sequence[float]) -> Block | None:
     """Bars with names; None without any."""
-    found = {"kind": "bars", "title": title, "y": y, "labels": list(labels), "values": [float(one) for one in values]}
-    return found if labels else None
+    chart = {
+        "kind": "bars",
+        "title": title,
+        "y": y,
+        "labels": list(labels),
+        "values": [float(value) for value in values],
+    }
+    return chart if labels else None

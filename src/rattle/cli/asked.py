@@ -21,14 +21,14 @@ def command_of(question: Question) -> click.Command:
     options = [_option(question, name, kind) for name, kind in types_of(question).items()]
     progress = "progress" in inspect.signature(question.answer).parameters
 
-    def ask(file: str, settings: tuple[str, ...], as_json_too: bool, picture: str | None, **given: Any) -> None:
+    def ask(file: str, settings: tuple[str, ...], as_json_too: bool, picture: str | None, **chosen: Any) -> None:
         check_pictures(file, picture)
-        ideal = given.pop("ideal", False)
+        ideal = chosen.pop("ideal", False)
         on_result = question.of == "result"
         subject = read_result(file, settings) if on_result else read_model(file, settings, ideal)
         if progress:
-            given["progress"] = shows_progress(click.get_current_context())
-        answer = question.answer(subject, **{name: value for name, value in given.items() if value != ()})
+            chosen["progress"] = shows_progress(click.get_current_context())
+        answer = question.answer(subject, **{name: value for name, value in chosen.items() if value != ()})
         click.echo(as_json(answer.record()) if as_json_too else str(answer))
         if picture is not None:
             from rattle.plots.curves import save_figure
@@ -40,11 +40,11 @@ def command_of(question: Question) -> click.Command:
         click.Option(["-o", "--output", "picture"], metavar="FILE", help="Draw the answer (.svg, .png, .pdf)."),
         click.Option(["--json", "as_json_too"], is_flag=True, help="The answer as JSON, in SI units."),
     ]
-    made = click.command(question.command, cls=Command, help=_help(question), short_help=question.asks)(
+    command = click.command(question.command, cls=Command, help=_help(question), short_help=question.asks)(
         (_result_options if question.of == "result" else model_options)(ask)
     )
-    made.params += [*options, *shared]
-    return made
+    command.params += [*options, *shared]
+    return command
 
 
 def _result_options(function: Any) -> Any:

@@ -82,11 +82,11 @@ def _write_straight_line(m: Mechanism, in_c: bool, until: float, longest: float,
     from rattle.analyses.straight_line.code import c_program, javascript_module, program
     from rattle.atomic_file import atomic
 
-    made = program(m.recorded())
-    text = (c_program if in_c else javascript_module)(made, m.name or "A mechanism", until, longest)
+    straight = program(m.recorded())
+    text = (c_program if in_c else javascript_module)(straight, m.name or "A mechanism", until, longest)
     with atomic(output) as place:
         place.write_text(text, encoding="utf-8")
-    for name, why in made.constants.items():
+    for name, why in straight.constants.items():
         click.echo(f"note: {name} stays fixed: {why}", err=True)
     say_written(output)
 
@@ -122,14 +122,14 @@ def _write_fmu(m: Mechanism, name: str, until: float, output: str) -> None:
 
     why = ""
     try:
-        made = mock_up(m.recorded(), name, until)
+        unit = mock_up(m.recorded(), name, until)
     except TraceError as error:
         from rattle.pages.compiled_unit import compiled_unit
 
-        made, why = compiled_unit(m, name, until), f"note: {error}: the file holds compiled kernels, for co-simulation"
+        unit, why = compiled_unit(m, name, until), f"note: {error}: the file holds compiled kernels, for co-simulation"
     with atomic(output) as place:
-        place.write_bytes(made.content)
-    for note in made.notes:
+        place.write_bytes(unit.content)
+    for note in unit.notes:
         click.echo(f"note: {note}", err=True)
     say_written(output)
     if why:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,32 +29,32 @@ def example(name: str | None, output: str | None) -> None:
     from rattle.description.file import parse
     from rattle.loading import examples, load
 
-    known = examples()
+    shipped = examples()
     if name is None and output is not None:
         raise click.UsageError("-o needs the name of an example; `rattle example` lists them")
     if name is None:
-        width = max(len(one) for one in known)
-        for one, path in known.items():
+        width = max(len(key) for key in shipped)
+        for key, path in shipped.items():
             title = parse(path.read_text(encoding="utf-8")).get("name", "")
-            click.echo(f"{one:{width}}  {title}")
+            click.echo(f"{key:{width}}  {title}")
         return
-    if name not in known:
+    if name not in shipped:
         from rattle.errors import suggest
 
-        raise click.UsageError(f"no example '{name}'{suggest(name, known)}")
-    text = known[name].read_text(encoding="utf-8")
-    tables = [one["file"] for one in parse(text).get("tables", {}).values() if "file" in one]
+        raise click.UsageError(f"no example '{name}'{suggest(name, shipped)}")
+    text = shipped[name].read_text(encoding="utf-8")
+    tables = [table["file"] for table in parse(text).get("tables", {}).values() if "file" in table]
     if output is None:
-        click.echo(load(known[name]).to_toml() if tables else text, nl=False)
+        click.echo(load(shipped[name]).to_toml() if tables else text, nl=False)
     else:
-        _write_example(known[name], output, tables)
+        _write_example(shipped[name], output, tables)
 
 
 def _write_example(path: Path, output: str, tables: list[str]) -> None:
     """A shipped model file, and beside it the files of its tables."""
     from rattle.description.file import save
 
-    targets = {path: Path(output), **{path.parent / one: Path(output).parent / one for one in tables}}
+    targets = {path: Path(output), **{path.parent / file: Path(output).parent / file for file in tables}}
     check_files(str(path), *targets.values())
     for source, target in targets.items():
         save(target, source.read_text(encoding="utf-8"))
@@ -103,39 +104,53 @@ def kinds(name: str | None) -> None:
     Examples: rattle kinds spring
               rattle kinds units
     """
-    from rattle import registry
-    from rattle.description.reference import common, topics
-    from rattle.language.materials import MATERIALS
+    shown = [*_families(name), *_topics(name)]
+    if not shown:
+        shown = [_material(name)]
+    for text in shown:
+        click.echo(text)
 
-    found = False
+
+def _families(name: str | None) -> Iterator[str]:
+    """Lines of all kinds, of a family of kinds or of the kinds of a name."""
+    from rattle import registry
+    from rattle.description.reference import common
+
     for family in registry.families():
-        entries = {key: one for key, one in registry.kinds(family).items() if name in (None, key, family)}
+        entries = {key: kind for key, kind in registry.kinds(family).items() if name in (None, key, family)}
         if entries:
-            found = True
-            click.secho(f"{family}", bold=True)
-        for key, one in entries.items():
-            click.echo(f"  {click.style(key, fg='cyan')}: {one.summary}")
-            for line in common(family, key):
-                click.echo(f"      {line}")
-            for field, spec in one.fields.items():
-                click.echo(f"      {field} {_unit(spec)}: {spec.meaning}{_default(spec, family)}")
-            if name is not None and one.source:
-                click.echo(f"      source: {one.source}")
+            yield click.style(family, bold=True)
+        for key, kind in entries.items():
+            yield f"  {click.style(key, fg='cyan')}: {kind.summary}"
+            yield from (f"      {line}" for line in common(family, key))
+            for field, spec in kind.fields.items():
+                yield f"      {field} {_unit(spec)}: {spec.meaning}{_default(spec, family)}"
+            if name is not None and kind.source:
+                yield f"      source: {kind.source}"
+
+
+def _topics(name: str | None) -> Iterator[str]:
+    """Lines of all topics, in short, or of one of them, whole."""
+    from rattle.description.reference import topics
+
     for topic in topics().values():
         if name is None or name in (topic.name, topic.name.removesuffix("s")):
-            found = True
-            click.echo(f"{click.style(topic.name, bold=True)}: {topic.summary}")
-            for line in topic.lines if name is not None else ():
-                click.echo(f"      {line}")
-    if not found:
-        from rattle.errors import suggest
+            yield f"{click.style(topic.name, bold=True)}: {topic.summary}"
+            if name is not None:
+                yield from (f"      {line}" for line in topic.lines)
 
-        known = [key for family in registry.families() for key in (family, *registry.kinds(family))]
-        known += [*topics(), *MATERIALS]
-        if name in MATERIALS:
-            click.echo(next(line for line in topics()["materials"].lines if line.startswith(f"{name}:")))
-            return
-        raise click.UsageError(f"no kind '{name}'{suggest(str(name), known)}")
+
+def _material(name: str | None) -> str:
+    """The line of a material.  Raises click.UsageError for another name."""
+    from rattle import registry
+    from rattle.description.reference import topics
+    from rattle.errors import suggest
+    from rattle.language.materials import MATERIALS
+
+    if name in MATERIALS:
+        return next(line for line in topics()["materials"].lines if line.startswith(f"{name}:"))
+    names = [key for family in registry.families() for key in (family, *registry.kinds(family))]
+    raise click.UsageError(f"no kind '{name}'{suggest(str(name), [*names, *topics(), *MATERIALS])}")
 
 
 def _unit(spec: Any) -> str:

@@ -79,7 +79,7 @@ class Lazy(click.Group):
         if name not in COMMANDS:
             return None
         command = _command(name)
-        if not any("--quiet" in one.opts for one in command.params):
+        if not any("--quiet" in option.opts for option in command.params):
             quiet = click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quieten, help=QUIET)
             command.params.append(quiet)
             if name in WITH_UNITS:

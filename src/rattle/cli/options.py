@@ -73,8 +73,8 @@ def run_laws(files: Iterable[str]) -> None:
 
         from rattle.elements.custom.law_file import run_law_file
 
-        found = run_law_file(file)
-        logging.getLogger("rattle").info(f"{file}: its Python code was run; laws: {', '.join(found)}")
+        laws = run_law_file(file)
+        logging.getLogger("rattle").info(f"{file}: its Python code was run; laws: {', '.join(laws)}")
 
 
 settings_option = click.option(
@@ -105,7 +105,7 @@ def model_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return click.argument("file", metavar="FILE")(function)
 
 
-def _value(text: str, one: str) -> Any:
+def _value(text: str, setting: str) -> Any:
     """A value as in a model file: a number, true or false, a table or list, a text also without quotes."""
     import tomllib
 
@@ -114,7 +114,7 @@ def _value(text: str, one: str) -> Any:
             return tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError as error:
             what = "text in quotes" if text[0] in "\"'" else "table or list"
-            raise click.UsageError(f"--set {one}: {error}; expected a {what} as in a model file") from None
+            raise click.UsageError(f"--set {setting}: {error}; expected a {what} as in a model file") from None
     try:
         return float(text)
     except ValueError:
@@ -155,12 +155,12 @@ def _model(file: str) -> Mechanism:
     from rattle.loading import example, examples, load
     from rattle.user_paths import expanded
 
-    known = examples()
-    if file not in known and not expanded(file).exists() and Path(file).suffix == "":
+    shipped = examples()
+    if file not in shipped and not expanded(file).exists() and Path(file).suffix == "":
         from rattle.errors import suggest
 
-        raise click.UsageError(f"there is no file {file!r} and no example of that name{suggest(file, known)}")
-    return example(file) if file in known and not Path(file).exists() else load(file)
+        raise click.UsageError(f"there is no file {file!r} and no example of that name{suggest(file, shipped)}")
+    return example(file) if file in shipped and not Path(file).exists() else load(file)
 
 
 def read_result(file: str, settings: tuple[str, ...] = ()) -> Result:
@@ -193,10 +193,12 @@ def read_result(file: str, settings: tuple[str, ...] = ()) -> Result:
 
 def only_oiled(m: Mechanism) -> str:
     """The joint with oil.  Raises click.UsageError if there is none, or more than one."""
-    oiled = [name for name, one in m.model.joints.items() if one.contact is not None and one.contact.film is not None]
+    oiled = [
+        name for name, joint in m.model.joints.items() if joint.contact is not None and joint.contact.film is not None
+    ]
     if len(oiled) == 1:
         return oiled[0]
     if oiled:
         raise click.UsageError(f"--joint says which of the joints with oil: {', '.join(oiled)}")
-    said = 'this needs a joint with oil: contact = { model = "lubricated", viscosity, length, bush_radius }'
-    raise click.UsageError(said)
+    words = 'this needs a joint with oil: contact = { model = "lubricated", viscosity, length, bush_radius }'
+    raise click.UsageError(words)

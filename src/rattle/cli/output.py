@@ -29,9 +29,9 @@ def _finite(value: Any) -> Any:
     to_python = getattr(value, "tolist", None)
     value = to_python() if callable(to_python) else value
     if isinstance(value, Mapping):
-        return {str(key): _finite(one) for key, one in value.items()}
+        return {str(key): _finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
+        return [_finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

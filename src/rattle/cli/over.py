@@ -46,21 +46,26 @@ def _as_parameter(m: Mechanism, path: str, values: list[float | str]) -> tuple[M
 
 def axis_values(text: str) -> tuple[str, list[float | str]]:
     """A parameter and its values from NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE."""
-    from rattle.language.units import QuantityError, parse_quantity, unit_name
-
     name, _, rest = text.partition("=")
-    parts = [one.strip() for one in rest.split(":")]
+    parts = [part.strip() for part in rest.split(":")]
     if not name.strip() or not rest.strip() or len(parts) not in (1, 3):
         raise click.UsageError(f"--over needs NAME=FIRST:LAST:COUNT, as in r3=0.001:0.005:21, got '{text}'")
     if len(parts) == 1:
-        return name.strip(), [value(one) for one in rest.split(",")]
+        return name.strip(), [value(part) for part in rest.split(",")]
+    return name.strip(), _evenly(text, parts)
+
+
+def _evenly(text: str, parts: list[str]) -> list[float | str]:
+    """So many values from the first to the last; text: as it was written.  Raises click.UsageError."""
+    from rattle.language.units import QuantityError, parse_quantity, unit_name
+
     try:
-        first, last = (parse_quantity(one) or (float(one), None) for one in parts[:2])
+        first, last = (parse_quantity(part) or (float(part), None) for part in parts[:2])
     except (QuantityError, ValueError) as error:
         raise click.UsageError(f"--over {text}: {error}") from None
     if not parts[2].isdecimal() or not 1 <= (count := int(parts[2])) <= MOST_VALUES:
-        said = f"the number of values must be a whole number from 1 to {MOST_VALUES}, got '{parts[2]}'"
-        raise click.UsageError(f"--over {text}: {said}")
+        words = f"the number of values must be a whole number from 1 to {MOST_VALUES}, got '{parts[2]}'"
+        raise click.UsageError(f"--over {text}: {words}")
     if first[1] != last[1] and all(end[0] or end[1] is not None for end in (first, last)):  # 0 has every unit
         raise click.UsageError(f"--over {text}: both ends need the same kind of unit, as in r3=1 mm:5 mm:21")
     import numpy as np
@@ -68,4 +73,4 @@ def axis_values(text: str) -> tuple[str, list[float | str]]:
     dimension = last[1] if first[1] is None else first[1]
     unit = "" if dimension is None else unit_name(dimension) or "rad"  # kept: it may not be that of the parameter
     values = np.linspace(first[0], last[0], count).tolist()
-    return name.strip(), [f"{x!r} {unit}" if unit else x for x in values]
+    return [f"{x!r} {unit}" if unit else x for x in values]

@@ -43,14 +43,14 @@ def report(
     require_name(target, paper)
     check_files(file, target)
     command = _typed(ctx, file, target)
-    found = write_report(
+    written = write_report(
         m, target, title=title, author=author, t_end=t_end, paper=paper, command=command,
         progress=shows_progress(ctx),
     )  # fmt: skip
     say_written(target)
-    if found.trouble:
-        for one in found.trouble:
-            click.echo(f"error: {one}", err=True)
+    if written.trouble:
+        for problem in written.trouble:
+            click.echo(f"error: {problem}", err=True)
         ctx.exit(1)
 
 
@@ -60,13 +60,14 @@ def _typed(ctx: click.Context, file: str, target: object) -> str:
     from pathlib import Path
 
     words = ["rattle", "report", Path(file).name]
+    options = {param.name: param for param in ctx.command.params if isinstance(param, click.Option)}
     for name, value in ctx.params.items():
-        option = next((one for one in ctx.command.params if one.name == name and isinstance(one, click.Option)), None)
+        option = options.get(name)
         if option is None or name in ("file", "output") or not value or value == option.default:
             continue
         flag = option.opts[-1]
-        for one in value if isinstance(value, tuple) else (value,):
-            words += [flag] if one is True else [flag, str(one)]
+        for entry in value if isinstance(value, tuple) else (value,):
+            words += [flag] if entry is True else [flag, str(entry)]
     words += [part for path in ctx.meta.get("rattle.without", ()) for part in ("--without", path)]
     words += [part for path in ctx.meta.get("rattle.laws", ()) for part in ("--laws", Path(path).name)]
     return shlex.join([*words, "-o", Path(str(target)).name])

@@ -103,12 +103,12 @@ def judge(result: Result, required: Sequence[str]) -> list[Verdict]:
     from rattle.results.reductions import Known, read, read_constraint
 
     verdicts = []
-    known = Known.of(result)
+    vocabulary = Known.of(result)
     for condition in map(Condition.read, required):
         equal = condition.comparison == "=="
-        constraint = read_constraint(condition.text, known)
+        constraint = read_constraint(condition.text, vocabulary)
         margin = evaluate(constraint.margin, result)
-        output = read(condition.output, known)
+        output = read(condition.output, vocabulary)
         number = evaluate(output, result)
         holds = abs(margin) <= EQUAL * max(abs(number), abs(number - margin)) if equal else margin >= 0.0
         towers = unread_curves(constraint.margin, result)
@@ -120,10 +120,10 @@ def judge(result: Result, required: Sequence[str]) -> list[Verdict]:
             seen = f"cannot be judged: {no_number(towers[0])}"
         elif apart:
             seen += "".join(f"; elastic bushes in {name} would show about {bracket(result, name)}" for name in apart)
-        said = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'}, {condition.output} {seen}"
+        line = f"required {condition.text}: {'kept' if kept else 'NOT KEPT'}, {condition.output} {seen}"
         value_read = math.nan if towers else number
         record = {"condition": condition.text, "kept": kept, "value": value_read, "unit": output.unit}
-        verdicts.append(Verdict(kept, said, record))
+        verdicts.append(Verdict(kept, line, record))
     return verdicts
 
 

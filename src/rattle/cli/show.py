@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
 
 from rattle.cli.command import Command
 from rattle.cli.options import read_result, settings_option
 from rattle.cli.output import check_files, check_pictures, say_written
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from rattle.results.result import Result
 
 
 @click.command(cls=Command)
@@ -71,55 +80,68 @@ def plot(
               rattle plot out.nc --xy coupler.O3
               rattle plot out.nc --orbit O3
     """
-    from pathlib import Path
-
     from rattle.plots.curves import save_figure
 
     read = Path(result)
     target = Path(output) if output else read.with_suffix(".png") if read.name else Path("result.png")
-    for option, given in (("--orbit", orbit), ("--xy", xy), ("--over", (over or "",))):
-        if any(one.startswith("-") for one in given):
-            raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")
-    if output and not (names or orbit or xy):
+    drawn = bool(names or orbit or xy)
+    _require_names(result, {"--orbit": orbit, "--xy": xy, "--over": (over or "",)})
+    if output and not drawn:
         raise click.UsageError(f"name what to draw; `rattle plot {result}` lists all names")
-    for option, used in {
-        "--over": over is not None,
-        "--spectrum": spectrum,
-        "--compare": compare,
-        "--robust": robust,
-    }.items():
-        if used and not names:
-            raise click.UsageError(f"{option} needs curves to draw: rattle plot RESULT NAME... {option}")
-    if spectrum and (over is not None or robust):
-        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
-    if names or orbit or xy:
+    _require_curves(names, over, spectrum, bool(compare), robust)
+    if drawn:
         check_pictures(result, target)
     loaded = read_result(result, settings)
-    if not names and not orbit and not xy:
+    if not drawn:
         for name in loaded.names:
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
         return
     others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
-    figures = []
-    alone = output is not None and bool(names) + bool(xy) + len(orbit) == 1
-    if names and spectrum:
-        place = target if alone else target.with_stem(f"{target.stem}-spectrum")
-        figures.append((loaded.plot_spectrum(*names, compare=others), place))
-    elif names:
-        figures.append((loaded.plot(*names, over=over, compare=others, robust=robust), target))
-    if xy:
-        figures.append((loaded.plot_path(*xy), target if alone else target.with_stem(f"{target.stem}-path")))
-    for joint in orbit:
-        figures.append((loaded.plot_orbit(joint), target if alone else target.with_stem(f"{target.stem}-{joint}")))
-    for figure, path in figures:
+    figures = [*_figures(loaded, target, names, orbit, xy, over, spectrum, others, robust, output is not None)]
+    for figure, path in figures:  # nothing is written if one of them cannot be drawn
         save_figure(figure, path)
         say_written(path)
 
 
+def _figures(
+    loaded: Result, target: Path, names: tuple[str, ...], orbit: tuple[str, ...], xy: tuple[str, ...],
+    over: str | None, spectrum: bool, others: list[tuple[str, Result]], robust: bool, to_file: bool,
+) -> Iterator[tuple[Figure, Path]]:  # fmt: skip
+    """Figures and where they go: what is drawn alone into a file that is named goes there, others beside it."""
+    alone = to_file and bool(names) + bool(xy) + len(orbit) == 1
+
+    def beside(word: str) -> Path:
+        return target if alone else target.with_stem(f"{target.stem}-{word}")
+
+    if names and spectrum:
+        yield loaded.plot_spectrum(*names, compare=others), beside("spectrum")
+    elif names:
+        yield loaded.plot(*names, over=over, compare=others, robust=robust), target
+    if xy:
+        yield loaded.plot_path(*xy), beside("path")
+    for joint in orbit:
+        yield loaded.plot_orbit(joint), beside(joint)
+
+
+def _require_names(result: str, chosen: dict[str, tuple[str, ...]]) -> None:
+    """Raise click.UsageError for an option that has swallowed another one in place of a name."""
+    for option, names in chosen.items():
+        if any(name.startswith("-") for name in names):
+            raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")
+
+
+def _require_curves(names: tuple[str, ...], over: str | None, spectrum: bool, compare: bool, robust: bool) -> None:
+    """Raise click.UsageError for options of curves without curves, and for those that do not go together."""
+    options = {"--over": over is not None, "--spectrum": spectrum, "--compare": compare, "--robust": robust}
+    for option, used in options.items():
+        if used and not names:
+            raise click.UsageError(f"{option} needs curves to draw: rattle plot RESULT NAME... {option}")
+    if spectrum and (over is not None or robust):
+        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
+
+
 def _labelled(text: str) -> tuple[str, str]:
     """Label and file of LABEL=FILE; the name of the file without its suffix if there is no label."""
-    from pathlib import Path
-
     label, equals, file = text.partition("=")
     return (label.strip(), file.strip()) if equals and not Path(text).exists() else (Path(text).stem, text)
 
@@ -171,8 +193,6 @@ def animate(
     Example:  rattle animate out.nc -o out.html
               rattle animate out.nc --trace coupler.O3 --frames 40 -o out.gif
     """
-    from pathlib import Path
-
     from rattle.plots.movie_file import require_film
 
     if Path(output).suffix.lower() != ".html":

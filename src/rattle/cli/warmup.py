@@ -48,7 +48,7 @@ def _native_modules() -> list[str]:
 
     from rattle.jit import functions
 
-    count = Counter(one.__module__ for one in functions.natives())
+    count = Counter(function.__module__ for function in functions.natives())
     return sorted(count, key=lambda module: -count[module])
 
 
@@ -78,6 +78,6 @@ def _warm(what: str) -> None:
         example("fourbar").modes()
         example("balanced_arm").modes()  # several degrees of freedom
     else:
-        for one in functions.natives():
-            if one.__module__ == what:
-                _ = one.address
+        for function in functions.natives():
+            if function.__module__ == what:
+                _ = function.address

@@ -34,9 +34,9 @@ def _context() -> Any:
 
 def prepare() -> None:
     """Start what processes are made from, so that the first page does not wait for it."""
-    one = Process(lambda outcome: None)
-    one.wait()
-    one.end()
+    process = Process(lambda outcome: None)
+    process.wait()
+    process.end()
 
 
 class Process:
@@ -203,9 +203,9 @@ class Bench:
     def _renew(self) -> None:
         if self._process is not None:
             self._process.end()
-        made: list[Process] = []
-        self._process = Process(lambda outcome: self._post(lambda: self._hear(made[0], outcome)))
-        made.append(self._process)
+        started: list[Process] = []
+        self._process = Process(lambda outcome: self._post(lambda: self._hear(started[0], outcome)))
+        started.append(self._process)
 
     def _hear(self, process: Process, outcome: Outcome) -> None:
         if process is not self._process or self.ended:

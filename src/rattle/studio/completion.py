@@ -29,14 +29,14 @@ def entries() -> dict[str, Any]:
     def number(part: Schema) -> int:
         small: dict[str, Any] = {ours: part[key] for key, ours in TOLD.items() if key in part}
         if "properties" in part:
-            small["keys"] = {key: number(one) for key, one in part["properties"].items()}
+            small["keys"] = {key: number(entry) for key, entry in part["properties"].items()}
         if isinstance(part.get("additionalProperties"), dict):
             small["any"] = number(part["additionalProperties"])
         if isinstance(part.get("items"), dict):
             small["items"] = number(part["items"])
             small["pair"] = NAMES in part["items"]  # two names, such as the ends of a joint
         if "anyOf" in part:
-            small["either"] = [number(one) for one in part["anyOf"]]
+            small["either"] = [number(entry) for entry in part["anyOf"]]
         text = repr(small)
         if text not in numbers:
             numbers[text] = len(parts)

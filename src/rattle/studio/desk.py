@@ -171,10 +171,10 @@ class Desk:
 
     def do_example(self, name: str) -> None:
         """Begin with a shipped example, without a file; tables that it reads are written out."""
-        known = examples()
-        if not isinstance(name, str) or name not in known:
-            raise InputError(f"no example '{name}'{suggest(str(name), known)}")
-        self._errand("open", lambda _: example_text(known[name]), lambda text: self._begin(text, ""))
+        library = examples()
+        if not isinstance(name, str) or name not in library:
+            raise InputError(f"no example '{name}'{suggest(str(name), library)}")
+        self._errand("open", lambda _: example_text(library[name]), lambda text: self._begin(text, ""))
 
     def do_new(self) -> None:
         """Begin with an empty text."""
@@ -248,10 +248,10 @@ class Desk:
         """
 
         def changed(text: str) -> str:
-            made = change(edits.require_turnable(text))
+            after = change(edits.require_turnable(text))
             if sound and self.sound is not None and self.sound["text"] == text:
-                Mechanism.from_text(made, self.draft.source()["file"])
-            return made
+                Mechanism.from_text(after, self.draft.source()["file"])
+            return after
 
         self._errand(about, changed, self._edit, of_text=True)
 
@@ -301,15 +301,15 @@ class Desk:
             return
         version, source = self.version, self.draft.source()
         self._checking = True
-        self._later(lambda: check(source), lambda found: self._checked(version, source, found))
+        self._later(lambda: check(source), lambda answer: self._checked(version, source, answer))
 
-    def _checked(self, version: int, source: Source, found: Message) -> None:
+    def _checked(self, version: int, source: Source, answer: Message) -> None:
         self._checking = False
         if version != self.version:
             self._check()
             return
-        self.send({"kind": "model", **found})
-        if found["problems"]:
+        self.send({"kind": "model", **answer})
+        if answer["problems"]:
             return
         if source != self.sound or not self._is_current("motion"):
             self.sound = source
@@ -379,7 +379,7 @@ def title_of(path: Path) -> str:
 def example_text(path: Path) -> str:
     """The text of a shipped example; tables that it reads from files are written out."""
     text = path.read_text(encoding="utf-8")
-    reads = any("file" in one for one in model_file.parse(text).get("tables", {}).values())
+    reads = any("file" in table for table in model_file.parse(text).get("tables", {}).values())
     return load(path).to_toml() if reads else text
 
 

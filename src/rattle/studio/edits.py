@@ -48,12 +48,12 @@ def with_contact(text: str, joint: str, model: str) -> str:
 
 
 def _written(text: str, document: dict[str, Any], changes: Sequence[Change]) -> str:
-    made = copied(document)
+    renewed = copied(document)
     for path, value in changes:
-        put(made, path, value)
+        put(renewed, path, value)
     if model_file.is_json(text):
-        return json.dumps(made, indent=2, ensure_ascii=False) + "\n"
-    return model_file.dump(made, text, changes)
+        return json.dumps(renewed, indent=2, ensure_ascii=False) + "\n"
+    return model_file.dump(renewed, text, changes)
 
 
 def as_python(text: str, name: str, original: str | None) -> str:
@@ -86,15 +86,15 @@ def _difference(old: Any, new: Any, path: tuple[str, ...] = ()) -> dict[str, Any
         ):
             return None
         if old.keys() == new.keys():
-            found: dict[str, Any] = {}
+            changes: dict[str, Any] = {}
             for key in old:
                 if "." in key:
                     return None
                 part = _difference(old[key], new[key], (*path, key))
                 if part is None:
                     return None
-                found |= part
-            return found
+                changes |= part
+            return changes
     return {} if old == new else {".".join(path): new}
 
 

@@ -23,51 +23,52 @@ def facts(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
         "contacts": _contacts(document),
         "settings": _settings(m, document),
         "names": {"bodies": list(m.model.bodies), "joints": list(m.model.joints), "loads": list(m.model.loads)},
-        "wear": [name for name, one in m.model.joints.items() if one.wear is not None],
-        "oil": [name for name, one in m.model.joints.items() if one.contact and one.contact.film is not None],
-        "tolerances": [name for name, one in m.model.parameters.items() if one.tol],
+        "wear": [name for name, joint in m.model.joints.items() if joint.wear is not None],
+        "oil": [name for name, joint in m.model.joints.items() if joint.contact and joint.contact.film is not None],
+        "tolerances": [name for name, parameter in m.model.parameters.items() if parameter.tol],
     }
 
 
 def _knob(m: Mechanism, document: Mapping[str, Any], name: str) -> dict[str, Any]:
     """A parameter: its value [SI], between which values it can be turned, and in which unit it is shown."""
-    one = m.model.parameters[name]
+    parameter = m.model.parameters[name]
     written = document.get("parameters", {}).get(name)
     text = written.get("value") if isinstance(written, Mapping) else written
     follows = isinstance(text, str) and parse_quantity(text) is None
-    size = abs(one.value) or 1.0
-    reach = SPAN * size if one.value else size
-    least = one.value - reach if one.minimum is None else one.minimum
-    most = one.value + reach if one.maximum is None else one.maximum
+    size = abs(parameter.value) or 1.0
+    reach = SPAN * size if parameter.value else size
+    least = parameter.value - reach if parameter.minimum is None else parameter.minimum
+    most = parameter.value + reach if parameter.maximum is None else parameter.maximum
     factor, unit = m.written_unit(name) if not follows else (1.0, "")
     if not unit:
-        times, unit = scale(one.unit, size)
+        times, unit = scale(parameter.unit, size)
         factor = 1.0 / times
     return {
-        "name": name, "value": one.value, "unit": unit, "factor": factor, "min": least, "max": most,
-        "label": one.label or name, "description": one.description,
-        "bounded": [one.minimum is not None, one.maximum is not None], "follows": str(text) if follows else "",
+        "name": name, "value": parameter.value, "unit": unit, "factor": factor, "min": least, "max": most,
+        "label": parameter.label or name, "description": parameter.description,
+        "bounded": [parameter.minimum is not None, parameter.maximum is not None],
+        "follows": str(text) if follows else "",
     }  # fmt: skip
 
 
 def _contacts(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Joints with a contact: the model that is written, and those that the joint may have."""
-    found = []
+    contacts = []
     for name, joint in document.get("joints", {}).items():
         if "clearance" not in joint and "contact" not in joint:
             continue
         written = joint.get("contact", "massless-link")
         model = written if isinstance(written, str) else written.get("model", "")
-        found.append({"joint": name, "model": model, "models": contact_models(str(joint.get("type", "")))})
-    return found
+        contacts.append({"joint": name, "model": model, "models": contact_models(str(joint.get("type", "")))})
+    return contacts
 
 
 def _settings(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
-    given = document.get("simulate", {})
+    settings = document.get("simulate", {})
     return {
-        "gravity": [str(one) for one in document.get("gravity", [0, 0])],
-        "t_end": str(given.get("t_end", "")) or f"{m.model.settings.t_end:g} s",
-        "method": str(given.get("method", "")),
+        "gravity": [str(component) for component in document.get("gravity", [0, 0])],
+        "t_end": str(settings.get("t_end", "")) or f"{m.model.settings.t_end:g} s",
+        "method": str(settings.get("method", "")),
         "methods": list(kinds("stepper")),
     }
 
@@ -75,7 +76,7 @@ def _settings(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
 def problems_of(error: ModelError, text: str) -> list[dict[str, Any]]:
     """Problems for the editor: line and column counted from 1, 0 where they are not known."""
     lines = text.split("\n")
-    return [_problem(one, lines) for one in error.problems]
+    return [_problem(problem, lines) for problem in error.problems]
 
 
 def problem_without_place(words: str) -> dict[str, Any]:
@@ -83,9 +84,9 @@ def problem_without_place(words: str) -> dict[str, Any]:
     return {"line": 0, "column": 0, "width": 0, "where": "", "words": words}
 
 
-def _problem(one: Problem, lines: Sequence[str]) -> dict[str, Any]:
+def _problem(problem: Problem, lines: Sequence[str]) -> dict[str, Any]:
     column, width = 0, 0
-    source, _, marks = one.caret.rpartition("\n")
-    if one.line and source == lines[one.line - 1].rstrip("\r"):  # otherwise a part of a very long line is shown
+    source, _, marks = problem.caret.rpartition("\n")
+    if problem.line and source == lines[problem.line - 1].rstrip("\r"):  # otherwise a part of a very long line is shown
         column, width = len(marks) - len(marks.lstrip()) + 1, marks.count("^")
-    return {"line": one.line or 0, "column": column, "width": width, "where": one.key, "words": one.message}
+    return {"line": problem.line or 0, "column": column, "width": width, "where": problem.key, "words": problem.message}

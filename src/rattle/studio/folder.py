@@ -31,13 +31,13 @@ class Folder:
 
         At most 500 are named, and at most 2000 files looked at: the folder may hold any number of other files.
         """
-        found: list[str] = []
+        names: list[str] = []
         for looked, place in enumerate(self._walk(self.root, 0)):
-            if len(found) >= MOST or looked >= MOST_LOOKED:
-                return found, False
+            if len(names) >= MOST or looked >= MOST_LOOKED:
+                return names, False
             if self._is_model(place):
-                found.append(place.relative_to(self.root).as_posix())
-        return found, True
+                names.append(place.relative_to(self.root).as_posix())
+        return names, True
 
     def _walk(self, folder: Path, depth: int) -> Iterator[Path]:
         """Files that may be models by their names: those of TOML first in every folder, then those below it."""
@@ -45,15 +45,15 @@ class Folder:
             entries = sorted(os.scandir(folder), key=_order)
         except OSError:
             return
-        for one in entries:
-            place, is_folder = Path(one.path), one.is_dir(follow_symlinks=False)
-            if one.name.startswith(".") or one.name in SKIPPED:
+        for entry in entries:
+            place, is_folder = Path(entry.path), entry.is_dir(follow_symlinks=False)
+            if entry.name.startswith(".") or entry.name in SKIPPED:
                 continue
             if not is_folder and place.suffix.lower() not in model_file.SUFFIXES:
                 continue
             if not place.resolve().is_relative_to(self.root):
                 continue
-            if not is_folder and one.is_file():
+            if not is_folder and entry.is_file():
                 yield place
             elif is_folder and depth < DEEPEST:
                 yield from self._walk(place, depth + 1)
@@ -72,13 +72,7 @@ class Folder:
         """Where the file of this name is, links followed.  Raises Refused if that is outside, or no model file."""
         if not isinstance(name, str) or not name.strip() or len(name) > 400 or not name.isprintable():
             raise Refused("give a file name, such as fourbar.toml")
-        parts = PureWindowsPath(name)
-        if PurePosixPath(name).is_absolute() or parts.drive or parts.root or ".." in parts.parts:
-            raise Refused(f"{name} leads out of the folder of the studio; give a name inside of it")
-        if any(part.startswith(".") for part in parts.parts):
-            raise Refused(f"{name} is a hidden file; give another name")
-        if parts.suffix.lower() not in model_file.SUFFIXES:
-            raise Refused(f"{name}: a model is a .toml or .json file; give a name that ends so")
+        parts = _inside(name)
         try:
             place = (self.root / PurePosixPath(*parts.parts)).resolve()
         except (OSError, RuntimeError) as error:
@@ -110,6 +104,18 @@ class Folder:
             return ""
         except OSError as error:
             raise Refused(f"{name}: cannot read the file: {error.strerror or error}") from None
+
+
+def _inside(name: str) -> PureWindowsPath:
+    """The parts of the name of a model file inside of a folder.  Raises Refused."""
+    parts = PureWindowsPath(name)
+    if PurePosixPath(name).is_absolute() or parts.drive or parts.root or ".." in parts.parts:
+        raise Refused(f"{name} leads out of the folder of the studio; give a name inside of it")
+    if any(part.startswith(".") for part in parts.parts):
+        raise Refused(f"{name} is a hidden file; give another name")
+    if parts.suffix.lower() not in model_file.SUFFIXES:
+        raise Refused(f"{name}: a model is a .toml or .json file; give a name that ends so")
+    return parts
 
 
 def _order(entry: os.DirEntry[str]) -> tuple[bool, bool, str]:

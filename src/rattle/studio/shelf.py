@@ -32,8 +32,8 @@ class Shelf:
     def motion(self, source: Source, horizon: bool = False) -> Result:
         """The motion of a model over the time that it says.  Raises ModelError, AssemblyError."""
         m = self.mechanism(source)
-        found = self._results.get(True) or self._results.get(horizon)
-        if found is None:
-            found = m.simulate(progress=True, horizon=horizon).whole()
-            self._results[horizon] = found
-        return found
+        result = self._results.get(True) or self._results.get(horizon)
+        if result is None:
+            result = m.simulate(progress=True, horizon=horizon).whole()
+            self._results[horizon] = result
+        return result

@@ -70,7 +70,7 @@ class _Worker:
     def _next(self) -> None:
         number, name, arguments = self.jobs.get()
         with self.guard:
-            self.dropped = {one for one in self.dropped if one >= number}
+            self.dropped = {asked for asked in self.dropped if asked >= number}
             stopped = number in self.dropped
             self.current = 0 if stopped else number
         answer: tuple[Any, ...] = ("stopped", number)

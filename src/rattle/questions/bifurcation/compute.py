@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -39,8 +39,10 @@ class Bifurcation:
     interrupted: bool = False  # stopped by the user; points at values that were not reached are nan
 
     def _repr_html_(self) -> str:
-        known = self.points[np.isfinite(self.points)]
-        sizes = [quantity(float(x), self.of_unit, 6) for x in (known.min(), known.max())] if len(known) else ["-", "-"]
+        finite = self.points[np.isfinite(self.points)]
+        sizes = (
+            [quantity(float(x), self.of_unit, 6) for x in (finite.min(), finite.max())] if len(finite) else ["-", "-"]
+        )
         ends = [quantity(float(x), self.parameter_unit, 6) for x in self.values[[0, -1]]] if len(self.values) else []
         rows = [(self.parameter, *ends), (self.of, *sizes)] if ends else []
         title = f"{len(self.values)} values, {self.points.shape[1]} points each, {self.rule}"
@@ -68,7 +70,7 @@ def _rule(changed: Sequence[Mechanism], period: Seconds | None) -> str:
     """When points are taken, in words."""
     if period is None:
         return "once per turn of the driver"
-    first, last = (period_of(one, period) for one in (changed[0], changed[-1]))
+    first, last = (period_of(neighbour, period) for neighbour in (changed[0], changed[-1]))
     if first != last:
         return f"once every {period}, from {first:.4g} to {last:.4g} s"
     return f"once every {first:.4g} s at every value"
@@ -90,32 +92,50 @@ def bifurcation(
     """
     arguments.whole("skip", skip, 0)
     arguments.whole("points", points, 1)
-    given = np.asarray(values, dtype=float)
-    if not given.size or given.ndim != 1:
+    chosen = np.asarray(values, dtype=float)
+    if not chosen.size or chosen.ndim != 1:
         raise InputError("values of the parameter: expected a one-dimensional array with at least one value")
-    changed = [m.neighbour({parameter: float(value)}) for value in given]
+    changed = [m.neighbour({parameter: float(value)}) for value in chosen]
 
-    def run(one: Mechanism) -> tuple[np.ndarray, Result]:
+    def run(neighbour: Mechanism) -> tuple[np.ndarray, Result]:
         if stop.is_set():
             raise KeyboardInterrupt
-        times = period_of(one, period) * (skip + np.arange(points))
-        r = one.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
+        times = period_of(neighbour, period) * (skip + np.arange(points))
+        r = neighbour.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
         if r.interrupted:
             stop.set()  # here, so that no other run begins
             raise KeyboardInterrupt
-        found = np.full(points, np.nan)
-        found[: len(r.t)] = r[of]
-        return found, r
+        sampled = np.full(points, np.nan)
+        sampled[: len(r.t)] = r[of]
+        return sampled, r
 
     bar = progress_bar(len(changed), "bifurcation", unit="run") if progress else None
+    rows, first = _rows(run, changed, threads, bar)
+    interrupted = len(rows) < len(changed)
+    if not (interrupted or first.success or np.isfinite(rows).any()):
+        where = f"the first one at t = {first.trust.t_end:.6g} s, {first.message}"
+        raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", first)
+    what = m.model.parameters.get(parameter)
+    rule = _rule(changed, period)
+    if interrupted:
+        rule += f", stopped by the user after {len(rows)} of {len(chosen)} values"
+        rows += [np.full(points, np.nan)] * (len(chosen) - len(rows))
+    return Bifurcation(
+        parameter, chosen, what.unit if what else "", of, first.unit(of), np.array(rows), rule, interrupted
+    )
+
+
+def _rows(
+    run: Callable[[Mechanism], tuple[np.ndarray, Result]], changed: Sequence[Mechanism], threads: int | None, bar: Any
+) -> tuple[list[np.ndarray], Result]:
+    """Points of all mechanisms, or of those before Ctrl-C, and the result of the first."""
     rows: list[np.ndarray] = []
-    interrupted = False
     pool = ThreadPoolExecutor(threads)
     try:
         for k in range(len(changed)):
             if k == 0:  # the first run alone, because it compiles
                 row, first = run(changed[0])
-                waiting = [pool.submit(lambda one: run(one)[0], one) for one in changed[1:]]
+                waiting = [pool.submit(lambda neighbour: run(neighbour)[0], neighbour) for neighbour in changed[1:]]
             else:
                 row = waiting[k - 1].result()
             rows.append(row)
@@ -124,21 +144,10 @@ def bifurcation(
     except KeyboardInterrupt:
         if not rows:
             raise
-        interrupted = True
         stop.set()  # ends the runs in the other threads
     finally:
         pool.shutdown(cancel_futures=True)
         stop.clear()
         if bar is not None:
             bar.close()
-    if not (interrupted or first.success or np.isfinite(rows).any()):
-        where = f"the first one at t = {first.trust.t_end:.6g} s, {first.message}"
-        raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", first)
-    what = m.model.parameters.get(parameter)
-    rule = _rule(changed, period)
-    if interrupted:
-        rule += f", stopped by the user after {len(rows)} of {len(given)} values"
-        rows += [np.full(points, np.nan)] * (len(given) - len(rows))
-    return Bifurcation(
-        parameter, given, what.unit if what else "", of, first.unit(of), np.array(rows), rule, interrupted
-    )
+    return rows, first

@@ -17,25 +17,27 @@ if TYPE_CHECKING:
 
 
 @overload
-def plot_bifurcation(found: Bifurcation, ax: None = None) -> Figure: ...
+def plot_bifurcation(diagram: Bifurcation, ax: None = None) -> Figure: ...
 @overload
-def plot_bifurcation(found: Bifurcation, ax: Axes) -> Axes: ...
-def plot_bifurcation(found: Bifurcation, ax: Axes | None = None) -> Figure | Axes:
+def plot_bifurcation(diagram: Bifurcation, ax: Axes) -> Axes: ...
+def plot_bifurcation(diagram: Bifurcation, ax: Axes | None = None) -> Figure | Axes:
     """All points of the output over the parameter, in handy units (mm, deg); on a new figure, or on `ax`, which is
     then returned."""
-    given, ax = ax, ax if ax is not None else new_axes(8.0, 5.0)[0]
-    count = found.points.shape[1]
-    x = np.repeat(found.values, count)
-    wide = handy_unit(found.parameter_unit, float(np.abs(found.values).max(initial=0.0)))
-    high = handy_unit(found.of_unit, float(np.nanmax(np.abs(found.points), initial=0.0)))
+    asked, ax = ax, ax if ax is not None else new_axes(8.0, 5.0)[0]
+    count = diagram.points.shape[1]
+    x = np.repeat(diagram.values, count)
+    wide = handy_unit(diagram.parameter_unit, float(np.abs(diagram.values).max(initial=0.0)))
+    high = handy_unit(diagram.of_unit, float(np.nanmax(np.abs(diagram.points), initial=0.0)))
     dot = float(
         np.clip(60.0 / np.sqrt(max(x.size, 1)), 2.5, 6.0)
     )  # [points] few dots are large enough to be seen, many do not merge
-    ax.plot(wide[0] * x, high[0] * found.points.ravel(), ".", color=BLUE, markersize=dot, alpha=0.7, markeredgewidth=0)
-    ax.set_xlabel(axis_label(found.parameter, wide[1]))
-    ax.set_ylabel(axis_label(found.of, high[1]))
-    ax.set_title(f"{found.of}, {found.rule}", loc="left", fontsize=11, pad=16)
-    missing = int(np.isnan(found.points).any(axis=1).sum())
-    note(ax, f"{len(found.values)} runs, {count} points each" + (f"; {missing} ended early" if missing else ""))
+    ax.plot(
+        wide[0] * x, high[0] * diagram.points.ravel(), ".", color=BLUE, markersize=dot, alpha=0.7, markeredgewidth=0
+    )
+    ax.set_xlabel(axis_label(diagram.parameter, wide[1]))
+    ax.set_ylabel(axis_label(diagram.of, high[1]))
+    ax.set_title(f"{diagram.of}, {diagram.rule}", loc="left", fontsize=11, pad=16)
+    missing = int(np.isnan(diagram.points).any(axis=1).sum())
+    note(ax, f"{len(diagram.values)} runs, {count} points each" + (f"; {missing} ended early" if missing else ""))
     ax.margins(x=0.01)
-    return drawn(ax, given)
+    return drawn(ax, asked)

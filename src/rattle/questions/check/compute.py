@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,13 @@ from rattle.results.display import in_written_unit, quantity, table
 
 TURN = 72  # positions of a driver tried around a full turn, for bodies that turn no faster
 MOST_PIECES = 100  # times as many for those that do
+MOST_SHOWN = 8  # free coordinates, loops and branches in the report
+COINCIDENT = 1e-9  # [of the mechanism's size] pins nearer than this are one: no line has a side there
+STRAIGHT = 1e-9  # [-] sine of an angle below which three pins lie on one line: far above rounding
+CLOSED = 1e-10  # [of the mechanism's size] gap to which joints are closed before a driver is moved
+REACHED = 1e-9  # [of the mechanism's size] gap up to which a position of a driver counts as reached
+CLOSER = 1e-3  # [-] share of that gap to which joints are closed there, so that what is left decides nothing
+ITERATIONS = 30  # of closing joints at most; where they are not enough the position is out of reach
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,38 +68,36 @@ class Check:
         return table(("what", "found"), rows, first, hint="m.plot(), m.simulate()")
 
     def __str__(self) -> str:
-        dof = (
-            "moves as driven"
-            if self.mobility == 0
-            else f"{self.mobility} degree{'s' if self.mobility > 1 else ''} of freedom left"
-        )
+        lines = [f"{self.name or 'mechanism'}: {self._counts()}", "assembled: all joints close", *self._redundancy()]
+        if self.freedoms:
+            more = f" and {len(self.freedoms) - MOST_SHOWN} more" if len(self.freedoms) > MOST_SHOWN else ""
+            lines.append(f"free: {', '.join(self.freedoms[:MOST_SHOWN])}{more}")
+        lines += [*_listed("parameter", self.parameters), *_listed("plate", self.plates)]
+        lines += [f"without mass or inertia: {', '.join(self.massless)}"] if self.massless else []
+        lines += _listed("loop", self.loops[:MOST_SHOWN])
+        if len(self.loops) > MOST_SHOWN:
+            lines.append(f"... and {len(self.loops) - MOST_SHOWN} more loops")
+        rest = {
+            "branch": self.branches[:MOST_SHOWN], "play": self.clearances, "one-sided": self.one_sided,
+            "stop": self.stops, "ends": self.ends, "driver": self.reach, "law": self.laws, "start": self.start,
+        }  # fmt: skip
+        return "\n".join([*lines, *(line for what, texts in rest.items() for line in _listed(what, texts))])
+
+    def _counts(self) -> str:
         bodies = f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}"
         joints = f"{self.joints} joint{'' if self.joints == 1 else 's'}"
-        lines = [
-            f"{self.name or 'mechanism'}: {bodies}, {joints}, mobility {self.mobility} ({dof})",
-            "assembled: all joints close",
-        ]
-        if self.redundant:
-            rows = "1 redundant constraint" if self.redundant == 1 else f"{self.redundant} redundant constraints"
-            lines.append(f"{rows}: reactions of {', '.join(self.redundant_joints)} are not unique")
-        if self.freedoms:
-            more = f" and {len(self.freedoms) - 8} more" if len(self.freedoms) > 8 else ""
-            lines.append(f"free: {', '.join(self.freedoms[:8])}{more}")
-        lines += [f"parameter: {one}" for one in self.parameters]
-        lines += [f"plate: {one}" for one in self.plates]
-        lines += [f"without mass or inertia: {', '.join(self.massless)}"] if self.massless else []
-        lines += [f"loop: {one}" for one in self.loops[:8]]
-        if len(self.loops) > 8:
-            lines.append(f"... and {len(self.loops) - 8} more loops")
-        lines += [f"branch: {one}" for one in self.branches[:8]]
-        lines += [f"play: {one}" for one in self.clearances]
-        lines += [f"one-sided: {one}" for one in self.one_sided]
-        lines += [f"stop: {one}" for one in self.stops]
-        lines += [f"ends: {one}" for one in self.ends]
-        lines += [f"driver: {one}" for one in self.reach]
-        lines += [f"law: {one}" for one in self.laws]
-        lines += [f"start: {one}" for one in self.start]
-        return "\n".join(lines)
+        dof = f"{self.mobility} degree{'s' if self.mobility > 1 else ''} of freedom left"
+        return f"{bodies}, {joints}, mobility {self.mobility} ({'moves as driven' if self.mobility == 0 else dof})"
+
+    def _redundancy(self) -> list[str]:
+        if not self.redundant:
+            return []
+        rows = "1 redundant constraint" if self.redundant == 1 else f"{self.redundant} redundant constraints"
+        return [f"{rows}: reactions of {', '.join(self.redundant_joints)} are not unique"]
+
+
+def _listed(what: str, texts: Iterable[str]) -> list[str]:
+    return [f"{what}: {text}" for text in texts]
 
 
 def check(system: System, start: Assembled, written: Mapping[str, tuple[float, str]]) -> Check:
@@ -107,11 +112,10 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         factorise(workspace)
     independent = rank(system, workspace)
     redundant = system.row_count - independent
-    reach, ends = _reach(system, start), with_ends(model)
-    if reach and ends:
-        reach.append(f"the ends of {ends} are left out of the range")
-    if reach and (stopped := with_stops(model)):
-        reach.append(f"the stops of {stopped} are left out of the range")
+    reach = _reach(system, start)
+    if reach:
+        left_out = {"ends": with_ends(model), "stops": with_stops(model)}
+        reach += [f"the {what} of {names} are left out of the range" for what, names in left_out.items() if names]
     return Check(
         name=model.name,
         bodies=system.body_count,
@@ -122,15 +126,11 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         loops=tuple(describe_loop(model, joint, path) for joint, path in loops(model)),
         branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
-        one_sided=tuple(
-            f"{name}, {joint.contact.model}"
-            for name, joint in model.joints.items()
-            if joint.contact is not None and joint.one_sided is not None
-        ),
+        one_sided=tuple(_one_sided(model)),
         freedoms=free_coordinates(system, start.t, start.q),
         stops=tuple(stop_lines(model)),
         ends=tuple(
-            f"{name}, {said}" for name, joint in model.joints.items() if (said := joint.leaf.ends(joint.fields))
+            f"{name}, {words}" for name, joint in model.joints.items() if (words := joint.leaf.ends(joint.fields))
         ),
         reach=(*reach, *jump_lines(jumps)),
         laws=tuple(law_faults(model)),
@@ -138,16 +138,25 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         residual=start.residual,
         plates=tuple(_plates(model)),
         parameters=tuple(_parameters(model, written)),
-        massless=tuple(name for name, one in model.bodies.items() if one.mass == 0.0 or one.inertia == 0.0),
+        massless=tuple(name for name, body in model.bodies.items() if body.mass == 0.0 or body.inertia == 0.0),
     )
+
+
+def _one_sided(model: Model) -> list[str]:
+    return [
+        f"{name}, {joint.contact.model}"
+        for name, joint in model.joints.items()
+        if joint.contact is not None and joint.one_sided is not None
+    ]
 
 
 def _parameters(model: Model, written: Mapping[str, tuple[float, str]]) -> list[str]:
     """Value, label and description of parameters that have one of the two."""
     return [
-        f"{one.title} {in_written_unit(one, written[name])}{f': {one.description}' if one.description else ''}"
-        for name, one in model.parameters.items()
-        if one.label or one.description
+        f"{parameter.title} {in_written_unit(parameter, written[name])}"
+        + (f": {parameter.description}" if parameter.description else "")
+        for name, parameter in model.parameters.items()
+        if parameter.label or parameter.description
     ]
 
 
@@ -176,27 +185,27 @@ def _branches(system: System, start: Assembled) -> list[str]:
         return []
     at = {name: point_at(system, start.q, joint.a) for name, joint in model.joints.items()}
     driven = {driver.joint for driver in model.drivers.values()}
-    found = []
+    sides = []
     for joint, path in loops(model):
         ring = [*path, joint.name]
         for k in range(len(ring)):
-            one, two, three = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
-            pins = all(model.joints[name].is_hinge for name in (one, two, three))
+            outer, middle, last = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
+            pins = all(model.joints[name].is_hinge for name in (outer, middle, last))
             if (
                 not pins
-                or len({one, two, three}) < 3
-                or two in driven
-                or "ground" in (model.joints[two].a.body, model.joints[two].b.body)
+                or len({outer, middle, last}) < 3
+                or middle in driven
+                or "ground" in (model.joints[middle].a.body, model.joints[middle].b.body)
             ):
                 continue
-            first, second = at[two] - at[one], at[three] - at[one]
+            first, second = at[middle] - at[outer], at[last] - at[outer]
             side = first[1] * second[0] - first[0] * second[1]
-            if min(np.hypot(*first), np.hypot(*second), np.hypot(*(second - first))) < 1e-9 * system.size:
+            if min(np.hypot(*first), np.hypot(*second), np.hypot(*(second - first))) < COINCIDENT * system.size:
                 continue  # two pins coincide: there is no side
             scale = float(np.hypot(*first) * np.hypot(*second))
-            where = "on" if abs(side) < 1e-9 * scale else "left of" if side > 0 else "right of"
-            found.append(f"{two} lies {where} the line {one} -> {three}")
-    return list(dict.fromkeys(found))
+            where = "on" if abs(side) < STRAIGHT * scale else "left of" if side > 0 else "right of"
+            sides.append(f"{middle} lies {where} the line {outer} -> {last}")
+    return list(dict.fromkeys(sides))
 
 
 def _reach(system: System, start: Assembled) -> list[str]:
@@ -207,31 +216,33 @@ def _reach(system: System, start: Assembled) -> list[str]:
     links = any(is_link(joint) or joint.stop for joint in model.joints.values())
     ideal = ideal_system(model) if links else system
     frozen, slots, at_start = _hold_drivers(ideal, start.t)
-    found = []
+    lines = []
     q = start.q.copy()
     scratch = np.empty_like(q)
-    close_position(frozen, 0.0, q, scratch, 1e-10 * system.size, 30)
+    close_position(frozen, 0.0, q, scratch, CLOSED * system.size, ITERATIONS)
     for name, slot in slots.items():
         turning = system.rows[system.first_row(name)].unit == "rad"
         step = 2 * math.pi / TURN if turning else system.size / 36
         pieces = min(MOST_PIECES, math.ceil(step * _turning(frozen, q, slot) / 0.5) or 1)
         step /= pieces
-        up = _far(frozen, q, scratch, slot, at_start[name], step, 1e-9 * system.size, pieces * TURN)
-        full = turning and up is None
-        ends = [
-            up,
-            None if full else _far(frozen, q, scratch, slot, at_start[name], -step, 1e-9 * system.size, pieces * TURN),
-        ]
-        unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
-        if full:
-            found.append(f"{name} can turn fully")
-        elif ends == [None, None]:
-            now = f"{at_start[name] * scale:.5g} {unit}"
-            found.append(f"{name} can move as far as was tried, to both sides (now {now})")
-        else:
-            text = [f"{value * scale:.5g} {unit}" if value is not None else "beyond the range tried" for value in ends]
-            found.append(f"{name} can move from {text[1]} to {text[0]} (now {at_start[name] * scale:.5g} {unit})")
-    return found
+        up = _far(frozen, q, scratch, slot, at_start[name], step, REACHED * system.size, pieces * TURN)
+        if turning and up is None:
+            lines.append(f"{name} can turn fully")
+            continue
+        down = _far(frozen, q, scratch, slot, at_start[name], -step, REACHED * system.size, pieces * TURN)
+        lines.append(_range(name, at_start[name], down, up, turning))
+    return lines
+
+
+def _range(name: str, now: float, down: float | None, up: float | None, turning: bool) -> str:
+    """Between which values [rad or m] a driver can move; None: as far as was tried."""
+    unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
+    at, low, high = (
+        f"{value * scale:.5g} {unit}" if value is not None else "beyond the range tried" for value in (now, down, up)
+    )
+    if up is None and down is None:
+        return f"{name} can move as far as was tried, to both sides (now {at})"
+    return f"{name} can move from {low} to {high} (now {at})"
 
 
 def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], dict[str, float]]:
@@ -256,8 +267,8 @@ def _turning(workspace: Workspace, q: np.ndarray, slot: int) -> float:
     workspace.values[slot + 1] = 1.0
     close_rate(workspace, 0.0, q, v)
     workspace.values[slot + 1] = 0.0
-    found = float(np.abs(v[2::3]).max(initial=0.0))
-    return found if math.isfinite(found) else 0.0
+    fastest = float(np.abs(v[2::3]).max(initial=0.0))
+    return fastest if math.isfinite(fastest) else 0.0
 
 
 def _far(
@@ -269,7 +280,7 @@ def _far(
     reached = value
     for _ in range(most):
         workspace.values[slot] = reached + step
-        gap, _ = close_position(workspace, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        gap, _ = close_position(workspace, 0.0, q, scratch, CLOSER * tolerance, ITERATIONS)
         if not gap <= tolerance or np.abs(q - good)[2::3].max() > 1.5:
             break
         reached += step
@@ -282,7 +293,7 @@ def _far(
         middle = 0.5 * (low + high)
         q[:] = good
         workspace.values[slot] = reached + middle * step
-        gap, _ = close_position(workspace, 0.0, q, scratch, 1e-3 * tolerance, 30)
+        gap, _ = close_position(workspace, 0.0, q, scratch, CLOSER * tolerance, ITERATIONS)
         low, high = (middle, high) if gap <= tolerance and np.abs(q - good)[2::3].max() <= 1.5 else (low, middle)
     workspace.values[slot] = value
     return reached + low * step

@@ -15,14 +15,14 @@ def section(s: Study) -> Section:
     words = {"free": "free coordinates", "loop": "closed loop", "play": "radial play", "driver": "range of the driver"}
     rows: dict[str, list[str]] = {}
     for line in str(check).splitlines()[1:]:
-        what, colon, found = line.partition(": ")
+        what, colon, rest = line.partition(": ")
         if what != "parameter":  # these have a table of their own
-            rows.setdefault(words.get(what, what) if colon else "assembly", []).append(found if colon else line)
+            rows.setdefault(words.get(what, what) if colon else "assembly", []).append(rest if colon else line)
     left = "it moves as it is driven" if check.mobility == 0 else "free to move under the loads"
     lead = f"Degrees of freedom beside the drivers: {check.mobility} ({left})."
     return Section(
         "Checks before the run",
-        paragraph(lead) + table(("what", "found"), [(what, "; ".join(found)) for what, found in rows.items()]),
+        paragraph(lead) + table(("what", "found"), [(what, "; ".join(texts)) for what, texts in rows.items()]),
     )
 
 

@@ -50,13 +50,13 @@ def compare(
     from rattle.plots.curves import save_figure
 
     check_pictures(file, output)
-    found = read_model(file, settings, ideal).compare(
+    comparison = read_model(file, settings, ideal).compare(
         joint=joint, curve=curves, t_end=t_end, law=law, progress=shows_progress(ctx)
     )
-    click.echo(str(found))
-    if any(r.cut_short for r in found.results.values()):
+    click.echo(str(comparison))
+    if any(r.cut_short for r in comparison.results.values()):
         ctx.exit(STOPPED)
-    save_figure(found.figure(), output)
+    save_figure(comparison.figure(), output)
     say_written(output)
-    if not all(r.success for r in found.results.values()):
+    if not all(r.success for r in comparison.results.values()):
         ctx.exit(1)

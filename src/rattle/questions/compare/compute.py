@@ -20,13 +20,16 @@ from rattle.results.display import quantity, table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from rattle.description.model import Joint
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
+    from rattle.results.trust import Trust
 
 IDEAL, LINK, IMPACT, COMPLIANT, OILED = "ideal", "massless link", "one-sided impact", "compliant", "lubricated"
 DEFAULT_LAW, DEFAULT_RESTITUTION = "exact", 0.5
 RADII = 10.0  # bush radius that is assumed if none is given, in clearances
 POINTS = 4000  # output intervals
+STILL = 1e-6  # [rad] a body that turns less does not turn: its angle moves by rounding and the drift of joints
 OIL = "50 mPa*s"  # viscosity that is assumed if none is given: an oil ISO VG 46 at 40 degrees
 BORE = 100.0  # bush radius around oil that is assumed if none is given, in clearances
 CORNER = 1e9  # stiffness of a guide's corner that is assumed if none is given [N/m^1.5]
@@ -46,11 +49,11 @@ class Comparison:
     @property
     def notes(self) -> dict[str, tuple[str, ...]]:
         """Notes by model: the message of a run that ended early, and the notes of its trust."""
-        said = {
+        by_model = {
             model: (*([r.message] if r.message else []), *contact_lines(r), *r.trust.notes, *r.trust.coarse())
             for model, r in self.results.items()
         }
-        return {model: notes for model, notes in said.items() if notes}
+        return {model: notes for model, notes in by_model.items() if notes}
 
     def __repr__(self) -> str:
         return f"<rattle.Comparison: {self.name}, joint {self.joint}: {', '.join(self.results)}>"
@@ -98,27 +101,30 @@ HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "
 
 
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
-    found = result.contacts.get(joint)
-    peak = max(result.peak(f"{joint}.force")[0], found.peak if found else 0.0)
-    until, end = result.trust.trusted_until(), result.trust.t_end
-    reach = "-" if until is None else "the end" if until >= end else quantity(until, "s", 3)
-    pull = max(result.trust.pulled.values(), default=0.0)
-    if pull > 0.0:
-        reach += f" (pulls for {100.0 * pull:.2g} %)"
-    elif result.trust.unread or result.trust.coarse():
-        reach += " (not the peak)"
-    if not found or model == LINK:
-        touched = (f"{100 * found.share:.0f} %" if found else "-", "-", "-", "-")
+    contact = result.contacts.get(joint)
+    peak = max(result.peak(f"{joint}.force")[0], contact.peak if contact else 0.0)
+    if not contact or model == LINK:
+        touched = (f"{100 * contact.share:.0f} %" if contact else "-", "-", "-", "-")
     else:
         oil = result.films.get(joint)  # its mean power has the dry friction beside it
-        lost = quantity(oil.mean_power * float(result.t[-1] - result.t[0]) if oil else found.energy_lost, "J", 3)
+        lost = quantity(oil.mean_power * float(result.t[-1] - result.t[0]) if oil else contact.energy_lost, "J", 3)
         mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
         hardest = max((event.impulse for event in mine), default=0.0)
-        hits = f"{found.impacts}, to {quantity(hardest, 'N*s', 2)}" if found.impacts else "0"
-        touched = (f"{100 * found.share:.0f} %", str(found.contacts), hits, lost)
+        hits = f"{contact.impacts}, to {quantity(hardest, 'N*s', 2)}" if contact.impacts else "0"
+        touched = (f"{100 * contact.share:.0f} %", str(contact.contacts), hits, lost)
     shown = readable(result, f"{joint}.force")
     forces = (newton(peak), newton(result.rms(f"{joint}.force"))) if shown else ("-", "-")
-    return (model, *forces, *touched, reach)
+    return (model, *forces, *touched, _reach(result.trust))
+
+
+def _reach(trust: Trust) -> str:
+    """How long a run can be trusted, and what of it cannot."""
+    until = trust.trusted_until()
+    reach = "-" if until is None else "the end" if until >= trust.t_end else quantity(until, "s", 3)
+    pull = max(trust.pulled.values(), default=0.0)
+    if pull > 0.0:
+        return f"{reach} (pulls for {100.0 * pull:.2g} %)"
+    return f"{reach} (not the peak)" if trust.unread or trust.coarse() else reach
 
 
 def newton(force: float) -> str:
@@ -141,46 +147,22 @@ def compare(
     joints, with the compliant contact beside it; 50 mPa s, a bush as long as wide with a radius of 100 clearances.
     Raises ModelError if no joint has clearance, or not the one to show, and ValueError for an unknown law.
     """
-    from rattle.analyses.dynamics.methods import contacts_of
     from rattle.questions.poincare.compute import driver_period
-    from rattle.solvers.stepper import usual_stepper
 
-    loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
-    if not loose:
-        raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
-    if joint is not None and joint not in loose:
-        raise ModelError([Problem(("joints", joint), f"has no clearance{suggest(joint, loose)}")])
+    loose = _joints_with_play(m, joint)
     if law is not None and law not in registry.kinds("normal"):
         raise InputError(f"law: no compliant law '{law}'{suggest(str(law), registry.kinds('normal'))}")
     end = t_end if t_end is not None else min(driver_period(m.system) or math.inf, m.model.settings.t_end)
-    times = np.linspace(0.0, end, POINTS + 1)
     compliant, assumed = _compliant(m, loose, law)
     models: dict[str, Callable[[], Mechanism]] = {
         IDEAL: m.ideal,
         LINK: lambda: m.with_contact("massless-link"),
         IMPACT: lambda: m.with_contact("impact"),
+        COMPLIANT: lambda: compliant,
     }
-    results: dict[str, Result] = {}
-    skipped: dict[str, str] = {}
-    changed: list[str] = []  # what became of given start values, in the first model in which that matters
-    models[COMPLIANT] = lambda: compliant
     if any(m.model.joints[name].play.holds_oil for name in loose):
         models[OILED] = lambda: _oiled(m, compliant, loose, assumed)
-    for model, make in models.items():
-        try:
-            loosened = make()
-            method = usual_stepper(contacts_of(loosened.system))
-            results[model] = loosened.simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
-            changed += _say_once(results[model], loosened, changed)
-            if results[model].cut_short:
-                skipped.update(dict.fromkeys([one for one in models if one not in results], "stopped by the user"))
-                break
-        except ModelError as error:
-            skipped[model] = error.problems[0].message
-        except AssemblyError as error:
-            skipped[model] = str(error)
-            if len(skipped) == len(models):
-                raise
+    results, skipped = _runs(models, end, progress)
     if COMPLIANT in results and (why := _too_soft(m, loose, results[COMPLIANT], assumed)):
         skipped[COMPLIANT] = why
         del results[COMPLIANT]
@@ -189,6 +171,47 @@ def compare(
     for name in shown:
         _ = first.unit(name)  # raises UnknownName
     return Comparison(m.name or "mechanism", results, skipped, joint or loose[0], shown, tuple(assumed))
+
+
+def _joints_with_play(m: Mechanism, shown: str | None) -> list[str]:
+    """Joints with clearance.  Raises ModelError if there are none, or if the one that is to be shown has none."""
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
+    if not loose:
+        raise ModelError([Problem((), "no joint has a clearance, so there is nothing to compare")])
+    if shown is not None and shown not in loose:
+        raise ModelError([Problem(("joints", shown), f"has no clearance{suggest(shown, loose)}")])
+    return loose
+
+
+def _runs(
+    models: Mapping[str, Callable[[], Mechanism]], end: float, progress: bool
+) -> tuple[dict[str, Result], dict[str, str]]:
+    """Results to the time `end` [s] by model, and why others have none.  Raises AssemblyError if none has."""
+    from rattle.analyses.dynamics.methods import contacts_of
+    from rattle.solvers.stepper import usual_stepper
+
+    times = np.linspace(0.0, end, POINTS + 1)
+    results: dict[str, Result] = {}
+    skipped: dict[str, str] = {}
+    changed: list[str] = []  # what became of given start values, in the first model in which that matters
+    for model, make in models.items():
+        try:
+            loosened = make()
+            method = usual_stepper(contacts_of(loosened.system))
+            results[model] = loosened.simulate(end, t_eval=times, method=method, horizon=True, progress=progress)
+            changed += _say_once(results[model], loosened, changed)
+            if results[model].cut_short:
+                skipped.update(
+                    dict.fromkeys([later for later in models if later not in results], "stopped by the user")
+                )
+                break
+        except ModelError as error:
+            skipped[model] = error.problems[0].message
+        except AssemblyError as error:
+            skipped[model] = str(error)
+            if len(skipped) == len(models):
+                raise
+    return results, skipped
 
 
 def _say_once(result: Result, model: Mechanism, before: list[str]) -> list[str]:
@@ -201,7 +224,7 @@ def _say_once(result: Result, model: Mechanism, before: list[str]) -> list[str]:
 
 def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> str:
     """Why a compliant run with assumed bushes says nothing about this mechanism, in words; "" if it does."""
-    if not any("bush radius" in one for one in assumed):
+    if not any("bush radius" in assumption for assumption in assumed):
         return ""
     for name in loose:
         play = m.model.joints[name].clearance
@@ -219,58 +242,68 @@ def _motion(m: Mechanism, ideal: Result) -> str:
     """Name of the angle of the last body, or of its larger motion if it does not turn."""
     body = list(m.model.bodies)[-1]
     turned = ideal[f"{body}.angle"]
-    if float(turned.max() - turned.min()) > 1e-6:
+    if float(turned.max() - turned.min()) > STILL:
         return f"{body}.angle"
     return max((f"{body}.x", f"{body}.y"), key=lambda name: float(ideal[name].max() - ideal[name].min()))
 
 
 def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechanism, list[str]]:
     """The mechanism with compliant contacts, and the assumptions that were needed for them."""
-    made = m
+    compliant = m
     assumed: dict[str, list[str]] = {}
     for name in loose:
-        one = m.model.joints[name]
-        own = one.contact.normal.kind if one.contact and one.contact.normal else ""
-        given = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
-        written = {"model": given} if isinstance(given, str) else given
-        fields = registry.kinds("normal")[written["model"]].fields
-        more: dict[str, Any] = {}
-        said = []
-        if not any(key == "stiffness" or key.endswith("material") for key in written) and not _bedded(written):
-            if one.play.from_materials:
-                radius = written.get("bush_radius")
-                if radius is None:
-                    more["bush_radius"] = RADII * one.clearance
-                    said.append(f"bush radius {1e3 * RADII * one.clearance:.3g} mm")
-                more |= {"bush_material": "steel", "pin_material": "steel"}
-                said.append("steel on steel, sphere in socket")
-            else:
-                more |= {"stiffness": CORNER, "exponent": 1.5}
-                said.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
-        if "friction" in written and "bush_radius" not in written and "bush_radius" not in more and one.play.has_radius:
-            more["bush_radius"] = RADII * one.clearance
-        if (
-            "restitution" in fields
-            and fields["restitution"].default is registry.REQUIRED
-            and "restitution" not in written
-        ):
-            more["restitution"] = DEFAULT_RESTITUTION
-            said.append(f"restitution {DEFAULT_RESTITUTION:g}")
-        if "restitution" in written and one.contact is not None and one.contact.rigid:
-            own_restitution = rigid_restitution(one.contact.fields)
-            if own_restitution < LEAST_RESTITUTION:  # the same bushes as in the bracket of a rigid contact
-                more["restitution"] = LEAST_RESTITUTION
-                said.append(f"restitution {LEAST_RESTITUTION:g} in place of {own_restitution:g}")
-        made = made.set({f"joints.{name}.contact": {**written, **more}})
-        if said:
-            assumed.setdefault(", ".join(said), []).append(name)
-    return made, [f"assumed for the compliant {', '.join(names)}: {said}" for said, names in assumed.items()]
+        joint = m.model.joints[name]
+        own = joint.contact.normal.kind if joint.contact and joint.contact.normal else ""
+        contact = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
+        written = {"model": contact} if isinstance(contact, str) else contact
+        more, assumptions = _stiffness(joint, written)
+        restitution = _restitution(joint, written)
+        if restitution:
+            more["restitution"] = restitution[0]
+            assumptions.append(restitution[1])
+        compliant = compliant.set({f"joints.{name}.contact": {**written, **more}})
+        if assumptions:
+            assumed.setdefault(", ".join(assumptions), []).append(name)
+    return compliant, [f"assumed for the compliant {', '.join(names)}: {words}" for words, names in assumed.items()]
+
+
+def _stiffness(joint: Joint, written: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Keys that a compliant contact needs for its stiffness and friction, and what is said of them."""
+    more: dict[str, Any] = {}
+    assumptions = []
+    if not any(key == "stiffness" or key.endswith("material") for key in written) and not _bedded(written):
+        if joint.play.from_materials:
+            if written.get("bush_radius") is None:
+                more["bush_radius"] = RADII * joint.clearance
+                assumptions.append(f"bush radius {1e3 * RADII * joint.clearance:.3g} mm")
+            more |= {"bush_material": "steel", "pin_material": "steel"}
+            assumptions.append("steel on steel, sphere in socket")
+        else:
+            more |= {"stiffness": CORNER, "exponent": 1.5}
+            assumptions.append(f"stiffness of a contact {CORNER:.1e} N/m^1.5")
+    if "friction" in written and "bush_radius" not in {**written, **more} and joint.play.has_radius:
+        more["bush_radius"] = RADII * joint.clearance
+    return more, assumptions
+
+
+def _restitution(joint: Joint, written: Mapping[str, Any]) -> tuple[float, str] | None:
+    """The restitution that a compliant contact gets, and what is said of it; None if it needs none but its own."""
+    fields = registry.kinds("normal")[written["model"]].fields
+    if "restitution" not in written:
+        needed = "restitution" in fields and fields["restitution"].default is registry.REQUIRED
+        return (DEFAULT_RESTITUTION, f"restitution {DEFAULT_RESTITUTION:g}") if needed else None
+    if joint.contact is None or not joint.contact.rigid:
+        return None
+    own = rigid_restitution(joint.contact.fields)
+    if own >= LEAST_RESTITUTION:  # the same bushes as in the bracket of a rigid contact
+        return None
+    return LEAST_RESTITUTION, f"restitution {LEAST_RESTITUTION:g} in place of {own:g}"
 
 
 def _bedded(written: Mapping[str, Any]) -> bool:
     """True of a contact with a geometry whose stiffness needs no materials."""
-    known = registry.kinds("stiffness").get(str(written.get("geometry")))
-    return known is not None and "bush_material" not in known.fields
+    kind = registry.kinds("stiffness").get(str(written.get("geometry")))
+    return kind is not None and "bush_material" not in kind.fields
 
 
 def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[str]) -> Mechanism:
@@ -278,33 +311,33 @@ def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[s
     changes: dict[str, Any] = {}
     by_words: dict[str, list[str]] = {}
     for name in loose:
-        one = m.model.joints[name]
-        if one.contact is not None and one.contact.film is not None:
+        joint = m.model.joints[name]
+        if joint.contact is not None and joint.contact.film is not None:
             changes[f"joints.{name}.contact"] = m.contact_of(name)
             continue
-        if not one.play.holds_oil:
+        if not joint.play.holds_oil:
             continue
-        made, said = recontact(compliant.contact_of(name), "lubricated"), [f"oil of {OIL}"]
-        assert isinstance(made, dict), "a compliant contact is a table"
+        contact, assumptions = recontact(compliant.contact_of(name), "lubricated"), [f"oil of {OIL}"]
+        assert isinstance(contact, dict), "a compliant contact is a table"
         if "bush_radius" not in m.contact_of(name):
-            made["bush_radius"] = BORE * one.clearance
-            if made["bush_radius"] > 0.5 * m.system.extent:
-                play, radius = f"{1e3 * one.clearance:.3g} mm", f"{made['bush_radius']:.3g} m"
+            contact["bush_radius"] = BORE * joint.clearance
+            if contact["bush_radius"] > 0.5 * m.system.extent:
+                play, radius = f"{1e3 * joint.clearance:.3g} mm", f"{contact['bush_radius']:.3g} m"
                 words = (
                     f"{name} has no bush_radius, and a usual one for {play} of play around oil, {radius}, does not fit"
                     " this mechanism; give bush_radius, length and viscosity"
                 )
                 raise ModelError([Problem(("joints", name), words)])
-            said.append(f"bush radius {1e3 * BORE * one.clearance:.3g} mm")
-        if "length" not in made:
-            radius = made["bush_radius"]
-            made["length"] = f"2*({radius})" if isinstance(radius, str) else 2.0 * radius
-            said.append("a bush as long as wide")
-        changes[f"joints.{name}.contact"] = {"viscosity": OIL, **made}
-        if math.hypot(*m.model.initial.offsets.get(name, (0.0, 0.0))) > 0.9 * one.clearance:
+            assumptions.append(f"bush radius {1e3 * BORE * joint.clearance:.3g} mm")
+        if "length" not in contact:
+            radius = contact["bush_radius"]
+            contact["length"] = f"2*({radius})" if isinstance(radius, str) else 2.0 * radius
+            assumptions.append("a bush as long as wide")
+        changes[f"joints.{name}.contact"] = {"viscosity": OIL, **contact}
+        if math.hypot(*m.model.initial.offsets.get(name, (0.0, 0.0))) > 0.9 * joint.clearance:
             changes[f"initial.{name}.offset"] = [0, 0]
-            said.append("it starts in the middle")
-        by_words.setdefault(", ".join(said), []).append(name)
+            assumptions.append("it starts in the middle")
+        by_words.setdefault(", ".join(assumptions), []).append(name)
     oiled = compliant.set(changes)
-    assumed += [f"assumed for the lubricated {', '.join(names)}: {said}" for said, names in by_words.items()]
+    assumed += [f"assumed for the lubricated {', '.join(names)}: {text}" for text, names in by_words.items()]
     return oiled

@@ -47,59 +47,63 @@ TOP = "▼ largest N"
 WIDTH = 13.0  # of the page [inches]
 
 
-def page(found: Comparison) -> Figure:
+def page(comparison: Comparison) -> Figure:
     """Motion, its deviation from the ideal one, joint force and orbit per model, energy lost, and a table.
 
     Units stand on the axes: N, J, mm or deg as the size asks, time in s or ms.
     """
-    loose = [model for model in (LINK, IMPACT, COMPLIANT, OILED) if model in found.results and _has_orbit(found, model)]
-    said = _said(found)
-    panels = [*[1.9, 1.5] * len(found.curves), *[2.15] * len(loose), 1.5]
-    heights = [*panels, 0.42 + 0.26 * len(found.results), *([0.1 + 0.17 * len(said)] if said else [])]
+    loose = [
+        model
+        for model in (LINK, IMPACT, COMPLIANT, OILED)
+        if model in comparison.results and _has_orbit(comparison, model)
+    ]
+    remarks = _said(comparison)
+    panels = [*[1.9, 1.5] * len(comparison.curves), *[2.15] * len(loose), 1.5]
+    heights = [*panels, 0.42 + 0.26 * len(comparison.results), *([0.1 + 0.17 * len(remarks)] if remarks else [])]
     figure = new_figure(WIDTH, sum(heights) + 1.4)
     grid = figure.add_gridspec(len(heights), 2, width_ratios=[2.9, 1.0], height_ratios=heights)
     left = [tidy(figure.add_subplot(grid[0, 0]))]
     left += [tidy(figure.add_subplot(grid[k, 0], sharex=left[0])) for k in range(1, len(panels))]
-    scale, unit = _time_unit(found)
-    for k, curve in enumerate(found.curves):
-        _motion(left[2 * k], left[2 * k + 1], found, curve, scale)
-    _sketch(figure.add_subplot(grid[0:2, 1]), found)
-    floor = _force_floor(found)
-    for k, model in enumerate(loose, 2 * len(found.curves)):
-        _force(left[k], found, model, floor, scale)
-        _orbit(figure.add_subplot(grid[k, 1]), found, model)
-    _energy(left[-1], found, scale)
-    _legend(figure.add_subplot(grid[len(panels) - 1, 1]), found)
+    scale, unit = _time_unit(comparison)
+    for k, curve in enumerate(comparison.curves):
+        _motion(left[2 * k], left[2 * k + 1], comparison, curve, scale)
+    _sketch(figure.add_subplot(grid[0:2, 1]), comparison)
+    floor = _force_floor(comparison)
+    for k, model in enumerate(loose, 2 * len(comparison.curves)):
+        _force(left[k], comparison, model, floor, scale)
+        _orbit(figure.add_subplot(grid[k, 1]), comparison, model)
+    _energy(left[-1], comparison, scale)
+    _legend(figure.add_subplot(grid[len(panels) - 1, 1]), comparison)
     for ax in left[:-1]:
         ax.tick_params(labelbottom=False)
     left[-1].set_xlabel(f"time [{unit}]")
-    left[0].set_xlim(0.0, scale * max(r.trust.t_end for r in found.results.values()))
-    _table(figure.add_subplot(grid[len(panels), :]), found)
-    if said:
-        _remarks(figure.add_subplot(grid[-1, :]), said)
+    left[0].set_xlim(0.0, scale * max(r.trust.t_end for r in comparison.results.values()))
+    _table(figure.add_subplot(grid[len(panels), :]), comparison)
+    if remarks:
+        _remarks(figure.add_subplot(grid[-1, :]), remarks)
     figure.align_ylabels(left)
-    title = f"{found.name}: what its play does, by model"
+    title = f"{comparison.name}: what its play does, by model"
     figure.suptitle(title, x=0.012, ha="left", fontsize=15, fontweight="bold", parse_math=False)
     return figure
 
 
-def _has_orbit(found: Comparison, model: str) -> bool:
-    return f"{found.joint}.ex" in found.results[model] and len(found.results[model].t) > 1
+def _has_orbit(comparison: Comparison, model: str) -> bool:
+    return f"{comparison.joint}.ex" in comparison.results[model] and len(comparison.results[model].t) > 1
 
 
-def _time_unit(found: Comparison) -> tuple[float, str]:
-    end = max(r.trust.t_end for r in found.results.values())
+def _time_unit(comparison: Comparison) -> tuple[float, str]:
+    end = max(r.trust.t_end for r in comparison.results.values())
     return (1.0, "s") if end >= 0.5 else (1e3, "ms") if end >= 5e-4 else (1e6, "µs")
 
 
 # ---------------------------------------------------------------- panels
-def _motion(top: Axes, below: Axes, found: Comparison, curve: str, scale: float) -> None:
+def _motion(top: Axes, below: Axes, comparison: Comparison, curve: str, scale: float) -> None:
     """A curve under every model, and how far each is from the ideal one."""
-    reference = found.reference
-    ideal = found.results[reference]
+    reference = comparison.reference
+    ideal = comparison.results[reference]
     unit = ideal.unit(curve)
     turn, shown = (math.degrees(1.0), "deg") if unit == "rad" else (1.0, unit)
-    for model, r in found.results.items():
+    for model, r in comparison.results.items():
         first = model == reference
         style: dict[str, Any] = {"color": COLOURS[model], "linewidth": 2.2 if first else 1.0}
         style["alpha"] = 0.35 if first else 0.9
@@ -108,7 +112,7 @@ def _motion(top: Axes, below: Axes, found: Comparison, curve: str, scale: float)
     _title(top, f"Motion: {curve}")
     small = {"m": (1e3, "mm")}.get(shown, (1.0, shown))
     worst = 0.0
-    for model, r in found.results.items():
+    for model, r in comparison.results.items():
         if model == reference:
             continue
         n = min(len(r.t), len(ideal.t))
@@ -128,15 +132,15 @@ def _mark_horizon(ax: Axes, r: Result, colour: str, scale: float) -> None:
         ax.axvline(scale * r.trust.horizon, color=colour, linewidth=1.1, linestyle=":")
 
 
-def _force_floor(found: Comparison) -> float:
+def _force_floor(comparison: Comparison) -> float:
     """Force [N] at which the scale turns from linear to logarithmic: the size of the ideal reaction, rounded."""
-    typical = float(np.nanmedian(found.results[found.reference][f"{found.joint}.force"])) or 1.0
+    typical = float(np.nanmedian(comparison.results[comparison.reference][f"{comparison.joint}.force"])) or 1.0
     return float(10.0 ** math.floor(math.log10(typical)))
 
 
-def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) -> None:
+def _force(ax: Axes, comparison: Comparison, model: str, floor: float, scale: float) -> None:
     """Normal force on a scale that shows both the reaction without play and the peaks, with a strip of events."""
-    r, joint, ideal = found.results[model], found.joint, found.results.get(IDEAL)
+    r, joint, ideal = comparison.results[model], comparison.joint, comparison.results.get(IDEAL)
     name = f"{joint}.force" if model == OILED else f"{joint}.normal"
     normal = shown_curve(r, name)
     ax.set_yscale("symlog", linthresh=floor, linscale=0.7)
@@ -145,27 +149,15 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
         ax.plot(scale * ideal.t, ideal[f"{joint}.force"], color=BLACK, linewidth=2.0, alpha=0.3)
     ax.plot(scale * r.t, normal, color=COLOURS[model], linewidth=0.9)
     if short := bursts(r, f"{joint}.normal"):  # longer contacts are seen in the curve itself
-        at = [scale * one.t for one in short]
-        ax.vlines(at, 0.0, [one.y for one in short], color=COLOURS[model], linewidth=0.7)
+        at = [scale * burst.t for burst in short]
+        ax.vlines(at, 0.0, [burst.y for burst in short], color=COLOURS[model], linewidth=0.7)
     if model == OILED:
         highest, when = r.peak(f"{joint}.force")
     else:
         highest, when = r.peaks.get(f"{joint}.pressing", r.peaks.get(f"{joint}.normal", (0.0, 0.0)))[:2]
     if highest > 0.0 and not cut(r, name):
         ax.plot([scale * when], [highest], "v", color=COLOURS[model], markersize=5, zorder=5)
-    loose = [one for one in found.results.values() if f"{joint}.normal" in one]
-    top = max(largest(one, f"{joint}.normal") for one in loose)
-    top = max([top, *(c.peak for one in loose if (c := one.contacts.get(joint)) and c.readable)])
-    least = min([0.0, *(float(np.nanmin(shown_curve(one, f"{joint}.normal"))) for one in loose)])
-    ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
-    low, high = ax.get_ylim()
-    powers = [floor * 10.0**k for k in range(8)]
-    ticks = [-p for p in powers if -p >= low and model == LINK][::-1] + [0.0] + [p for p in powers if p <= high]
-    ax.set_yticks(ticks, [_force_label(tick) for tick in ticks])
-    ax.minorticks_off()
-    ax.set_ylabel(
-        f"{'force' if model == OILED else 'N'} at {joint} [N]\nlogarithmic beyond {_force_label(floor)}", fontsize=9
-    )
+    _force_axis(ax, comparison, model, floor)
     if model == LINK:
         for a, b in r.trust.intervals.get(joint, ()):
             ax.axvspan(scale * a, scale * b, color=RED, alpha=0.16, linewidth=0)
@@ -180,11 +172,36 @@ def _force(ax: Axes, found: Comparison, model: str, floor: float, scale: float) 
     _title(ax, SAYS[model].format(borne=play.borne, bearer=play.bearer))
 
 
+def _force_axis(ax: Axes, comparison: Comparison, model: str, floor: float) -> None:
+    """Ticks of the forces [N] of all models: powers of ten from `floor` on."""
+    joint = comparison.joint
+    least, top = _force_range(comparison)
+    ax.set_ylim(min(1.6 * least, -floor) if model == LINK else -1.3 * floor, 2.0 * top)
+    low, high = ax.get_ylim()
+    powers = [floor * 10.0**k for k in range(8)]
+    ticks = [-p for p in powers if -p >= low and model == LINK][::-1] + [0.0] + [p for p in powers if p <= high]
+    ax.set_yticks(ticks, [_force_label(tick) for tick in ticks])
+    ax.minorticks_off()
+    ax.set_ylabel(
+        f"{'force' if model == OILED else 'N'} at {joint} [N]\nlogarithmic beyond {_force_label(floor)}", fontsize=9
+    )
+
+
+def _force_range(comparison: Comparison) -> tuple[float, float]:
+    """Least (not above zero) and largest force [N] of the joint under all models."""
+    joint = comparison.joint
+    loose = [run for run in comparison.results.values() if f"{joint}.normal" in run]
+    top = max(largest(run, f"{joint}.normal") for run in loose)
+    top = max([top, *(c.peak for run in loose if (c := run.contacts.get(joint)) and c.readable)])
+    least = min([0.0, *(float(np.nanmin(shown_curve(run, f"{joint}.normal"))) for run in loose)])
+    return least, top
+
+
 def _play(r: Result, joint: str) -> Any:
     """What the kind of play of a joint says about itself."""
-    found = registry.play_of(r.geometry["joints"][joint]["type"])
-    assert found is not None, "only joints with play are compared"
-    return found.leaf
+    kind = registry.play_of(r.geometry["joints"][joint]["type"])
+    assert kind is not None, "only joints with play are compared"
+    return kind.leaf
 
 
 def _force_label(force: float) -> str:
@@ -201,24 +218,24 @@ def _events(ax: Axes, r: Result, joint: str, scale: float, top: str) -> None:
     for a, b in pressing_spans(mine):
         ax.fill_between([scale * a, scale * b], 0.02, 0.09, color=GREY, alpha=0.55, linewidth=0, **place)
     hits = [event for event in mine if event.kind == "impact"]
+    contacts = sum(event.kind == "contact" for event in mine)
+    parts = ["grey: in contact"] if contacts else []
     if hits:
         ax.vlines([scale * event.t for event in hits], 0.02, 0.16, color=RED, linewidth=0.7, **place)
-    parts = ["grey: in contact"] if any(e.kind == "contact" for e in mine) else []
-    if hits:
         many = "s" if len(hits) > 1 else ""
         parts.append(f"red: {len(hits)} impact{many}, up to {max(e.impulse for e in hits):.2g} N·s")
     elif mine:
         summary = r.contacts[joint]
         peak = f", peak {newton(summary.peak)}" if summary.readable else ""
-        parts.append(f"{sum(e.kind == 'contact' for e in mine)} contacts{peak}")
+        parts.append(f"{contacts} contacts{peak}")
     note(ax, "; ".join([*parts, top]))
 
 
-def _orbit(ax: Axes, found: Comparison, model: str) -> None:
+def _orbit(ax: Axes, comparison: Comparison, model: str) -> None:
     """Path of the pin in its clearance circle (or of the block across its guide)."""
     from matplotlib.patches import Circle
 
-    r, joint = found.results[model], found.joint
+    r, joint = comparison.results[model], comparison.joint
     form = r.geometry["joints"][joint]
     scale, unit = length_unit(form["clearance"])
     c = scale * form["clearance"]
@@ -245,12 +262,12 @@ def _orbit(ax: Axes, found: Comparison, model: str) -> None:
         ax.set_xticks([-reach, 0, reach], [f"\N{MINUS SIGN}{reach:.3g}", "0", f"{reach:.3g} {unit}"], fontsize=8)
     ax.set_yticklabels([])
     ax.tick_params(length=0)
-    said = BELOW[model]
+    below = BELOW[model]
     if guide:
         _walls(ax, form, c, limit)
     what = f"{play.borne} in its {play.bearer}"
     deep = f"; sinks in by {reach - c:.3g} {unit}" if reach > 1.05 * c else ""
-    ax.set_title(f"{joint}: {what}\n{said}{deep}", fontsize=8.0, color=GREY, pad=3, parse_math=False)
+    ax.set_title(f"{joint}: {what}\n{below}{deep}", fontsize=8.0, color=GREY, pad=3, parse_math=False)
 
 
 def _walls(ax: Axes, form: Mapping[str, Any], c: float, limit: float) -> None:
@@ -263,10 +280,10 @@ def _walls(ax: Axes, form: Mapping[str, Any], c: float, limit: float) -> None:
     ax.fill(x, y, facecolor=BORE, edgecolor=GREY, linewidth=1.0, zorder=0)
 
 
-def _energy(ax: Axes, found: Comparison, scale: float) -> None:
+def _energy(ax: Axes, comparison: Comparison, scale: float) -> None:
     """Energy lost in the contacts and elsewhere."""
     top = 0.0
-    for model, r in found.results.items():
+    for model, r in comparison.results.items():
         lost = r["energy.dissipated"]
         top = max(top, float(lost.max(initial=0.0)))
         first = model == IDEAL
@@ -274,19 +291,19 @@ def _energy(ax: Axes, found: Comparison, scale: float) -> None:
         ax.plot(scale * r.t, lost, color=COLOURS[model], **style)
     ax.set_ylabel(axis_label("energy lost", "J"))
     _title(ax, "Energy lost in all joints and dampers (impacts, contact damping, friction, oil)")
-    audit = max(r.trust.energy_balance for r in found.results.values())
+    audit = max(r.trust.energy_balance for r in comparison.results.values())
     note(ax, f"largest energy error of all runs {audit:.1g} J")
 
 
-def _legend(ax: Axes, found: Comparison) -> None:
+def _legend(ax: Axes, comparison: Comparison) -> None:
     """What the colours mean, and what was assumed."""
     from textwrap import fill
 
     ax.axis("off")
     for k, model in enumerate(COLOURS):
         y = 0.95 - 0.15 * k
-        why = found.skipped.get(model, "")
-        if model in found.results:
+        why = comparison.skipped.get(model, "")
+        if model in comparison.results:
             ax.plot(
                 [0.0, 0.1],
                 [y, y],
@@ -306,28 +323,28 @@ def _legend(ax: Axes, found: Comparison) -> None:
             color=GREY if why else BLACK,
             transform=ax.transAxes,
         )
-    if found.assumed:
-        said = "\n".join(fill(one, 46) for one in found.assumed)
-        ax.text(0.0, 0.2, said, va="top", fontsize=7.5, color=GREY, transform=ax.transAxes)
+    if comparison.assumed:
+        caption = "\n".join(fill(assumption, 46) for assumption in comparison.assumed)
+        ax.text(0.0, 0.2, caption, va="top", fontsize=7.5, color=GREY, transform=ax.transAxes)
 
 
-def _sketch(ax: Axes, found: Comparison) -> None:
+def _sketch(ax: Axes, comparison: Comparison) -> None:
     """The mechanism at the start."""
     from rattle.plots.sketch import draw_at
 
-    shown = next(model for model in (LINK, IMPACT, found.reference) if model in found.results)
-    draw_at(ax, found.results[shown], 0)
+    shown = next(model for model in (LINK, IMPACT, comparison.reference) if model in comparison.results)
+    draw_at(ax, comparison.results[shown], 0)
     ax.set_title("at the start [m]", fontsize=8.5, color=GREY, pad=3)
 
 
-def _table(ax: Axes, found: Comparison) -> None:
+def _table(ax: Axes, comparison: Comparison) -> None:
     """The numbers of the joint, one row for each model."""
     ax.axis("off")
-    rows = found.rows()
+    rows = comparison.rows()
     at = [0.0, 0.16, 0.28, 0.40, 0.50, 0.59, 0.75, 0.88]
     step = 1.0 / (len(rows) + 1)
     for k, head in enumerate(HEAD):
-        text = f"joint {found.joint}" if k == 0 else head
+        text = f"joint {comparison.joint}" if k == 0 else head
         ax.text(at[k], 1.0 - 0.5 * step, text, fontsize=9.5, fontweight="bold", va="center", transform=ax.transAxes)
     for n, row in enumerate(rows):
         y = 1.0 - (n + 1.5) * step
@@ -347,12 +364,12 @@ def _table(ax: Axes, found: Comparison) -> None:
     ax.plot([0, 1], [1.0 - step] * 2, color=GREY, linewidth=0.8, transform=ax.transAxes)
 
 
-def _said(found: Comparison) -> list[tuple[str, str]]:
+def _said(comparison: Comparison) -> list[tuple[str, str]]:
     """Lines of remarks: model (where a remark begins), text."""
     from textwrap import wrap
 
-    remarks = [(model, f"left out: {why}") for model, why in found.skipped.items()]
-    remarks += [(model, note) for model, notes in found.notes.items() for note in notes]
+    remarks = [(model, f"left out: {why}") for model, why in comparison.skipped.items()]
+    remarks += [(model, note) for model, notes in comparison.notes.items() for note in notes]
     lines = []
     for model, text in remarks:
         first, *rest = wrap(text, 150)

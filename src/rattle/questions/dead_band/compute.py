@@ -52,13 +52,13 @@ class DeadBand:
 
     def __str__(self) -> str:
         if CLOSED in self.ends:
-            said = "friction holds it in every position of its motion"
+            words = "friction holds it in every position of its motion"
         else:
             ways = [f"{name} {self._said(name, 0)} to {self._said(name, 1)}" for name in self.shown[:MOST_SHOWN]]
-            said = f"friction holds it from {', '.join(ways)}"
+            words = f"friction holds it from {', '.join(ways)}"
             others = [f"at {self._said(self.shown[0], k)} {end}" for k, end in enumerate(self.ends) if end != SLIPS]
-            said += f" ({'; '.join(others)})" if others else ""
-        return "\n".join([said, *(f"note: {one}" for one in self.notes)])
+            words += f" ({'; '.join(others)})" if others else ""
+        return "\n".join([words, *(f"note: {note}" for note in self.notes)])
 
     def _said(self, name: str, end: int) -> str:
         values = self[name]
@@ -68,28 +68,30 @@ class DeadBand:
 
 def dead_band(system: System, t: float, at_rest: Equilibrium | None) -> DeadBand:
     """The dead band around the start or around an equilibrium; see `Mechanism.dead_band`."""
-    given, system, t, q = position_asked(system, t, at_rest)
+    original, system, t, q = position_asked(system, t, at_rest)
     problem = StaticProblem(system, t)
     z = one_motion(system, evaluated(system, t, q), None).z
     if not _rests(system, t, q):
         raise InputError("friction does not hold it at this position: it moves under the loads as they are")
-    found = []
+    followed = []
     for direction in (z, -z):
-        found.append(_followed(problem, q, direction))
-        if found[0][1] == CLOSED:
-            found.append(found[0])
+        followed.append(_followed(problem, q, direction))
+        if followed[0][1] == CLOSED:
+            followed.append(followed[0])
             break
-    ends = [(problem.finish(one, 0), beyond) for one, beyond in found]
+    ends = [(problem.finish(position, 0), beyond) for position, beyond in followed]
     shown = _coordinates(system)
     ends.sort(key=lambda end: end[0][shown[0]])
     (first, before), (last, beyond) = ends
-    return DeadBand(t, first, last, (before, beyond), shown, left_out(given))
+    return DeadBand(t, first, last, (before, beyond), shown, left_out(original))
 
 
 def _coordinates(system: System) -> tuple[str, ...]:
     """Names of the coordinates of the joints whose friction holds."""
-    joints = {name: one for name, one in system.model.joints.items() if one.friction and one.friction.law is None}
-    return tuple(f"{name}.{one.leaf.coordinate}" for name, one in joints.items())
+    joints = {
+        name: joint for name, joint in system.model.joints.items() if joint.friction and joint.friction.law is None
+    }
+    return tuple(f"{name}.{joint.leaf.coordinate}" for name, joint in joints.items())
 
 
 def _rests(system: System, t: float, q: np.ndarray) -> bool:
@@ -124,13 +126,13 @@ def _followed(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) 
 
 def _end(problem: StaticProblem, start: np.ndarray, direction: np.ndarray, stride: float) -> np.ndarray:
     """The last position (3 nb,) at which it rests, less than `stride` [m] beyond a position, by bisection."""
-    low, high, found = 0.0, 1.0, start
+    low, high, resting = 0.0, 1.0, start
     for _ in range(HALVINGS):
         share = 0.5 * (low + high)
         q = start.copy()
         went = problem.walk(q, direction.copy(), share * stride)[0]
         if went and _rests(problem.system, problem.t, q):
-            low, found = share, q
+            low, resting = share, q
         else:
             high = share
-    return found
+    return resting

@@ -37,6 +37,13 @@ from rattle.solvers.positions import equilibrium_newton, reduced_forces
 MOST_TURN = 0.4  # of a body in one step [rad]
 MOST_TRIALS = 600  # positions tried from one start before it is given up
 STILL = 1e-9  # speed over size and largest rate, below which a body does not move
+DIFFERENCE = 1e-4  # [of the mechanism's size] step of differences: cancellation and curvature are alike small
+ON_LINK = 3e-3  # [of the length of a link or rod] the same where a short one turns: its curvature is large
+IN_PENETRATION = 1e-5  # [of the clearance] the same where contacts sink in, which is by little
+CLOSED = 1e-13  # [of the mechanism's size] gap to which joints are closed: just above rounding
+CLOSING = 60  # iterations of that, at most
+EVEN = 1e-9  # [of the largest entry] asymmetry of a stiffness that is rounding: loads are conservative then
+NEUTRAL = (1e-8, 1e-13)  # [of typical force over size, of the largest eigenvalue] stiffness that rounding makes of none
 CHUNK = 10_000_000  # operations, roughly, between two checks for Ctrl-C
 
 
@@ -91,11 +98,11 @@ def has_pin(joint: Joint) -> bool:
 
 def _oiled(system: System) -> list[tuple[str, int, int, int]]:
     """Joints with oil: name, contact, numbers of both bodies."""
-    found = []
+    oiled = []
     for n, entry in enumerate(system.arrays["contact"]):
         if entry[at.FILM_LAW] >= 0:
-            found.append((system.joints[entry[at.OWNER]], n, int(entry[at.A_BODY]), int(entry[at.B_BODY])))
-    return found
+            oiled.append((system.joints[entry[at.OWNER]], n, int(entry[at.A_BODY]), int(entry[at.B_BODY])))
+    return oiled
 
 
 class StaticProblem:
@@ -112,15 +119,18 @@ class StaticProblem:
         self.scale = np.ones(3 * system.body_count)
         self.scale[2::3] = 1.0 / system.size
         joints = system.model.joints.values()
-        arms = [one.clearance for one in joints if is_link(one)] + [
-            one.distance for one in joints if one.distance > 0.0
+        arms = [joint.clearance for joint in joints if is_link(joint)] + [
+            joint.distance for joint in joints if joint.distance > 0.0
         ]
-        length = min([1e-4 * system.size] + [3e-3 * one for one in arms])
+        length = min([DIFFERENCE * system.size] + [ON_LINK * joint for joint in arms])
         if len(self.workspace.contact_memory):  # penetrations are small
-            length = min([length] + [1e-5 * one.clearance for one in joints if one.clearance > 0.0 and one.is_loose])
+            length = min(
+                [length]
+                + [IN_PENETRATION * joint.clearance for joint in joints if joint.clearance > 0.0 and joint.is_loose]
+            )
         self.length, self.step = length, length * self.scale
         self.out = np.zeros(3 * system.body_count)
-        self.links = [name for name, one in system.model.joints.items() if is_link(one)]
+        self.links = [name for name, joint in system.model.joints.items() if is_link(joint)]
         entries = system.arrays["joint"][np.array([system.joints.index(name) for name in self.links], np.int64)]
         self.pins = np.ascontiguousarray(entries[:, 1:4])
         self.room = Room.of(3 * system.body_count, system.row_count, len(self.links))
@@ -140,7 +150,7 @@ class StaticProblem:
 
     def close(self, q: np.ndarray) -> float:
         """Close the joints, q (3 nb,) [m, m, rad] in place; returns the largest residual [m or rad]."""
-        gap, _ = close_position(self.workspace, self.t, q, np.empty_like(q), 1e-13 * self.system.size, 60)
+        gap, _ = close_position(self.workspace, self.t, q, np.empty_like(q), CLOSED * self.system.size, CLOSING)
         return float(gap)
 
     def reduce(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -178,11 +188,11 @@ class StaticProblem:
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
         """(k, 2) pin centre minus bush centre of every massless link [m], at q (3 nb,)."""
-        found = []
+        offsets = []
         for name in self.links:
             joint = self.system.model.joints[name]
-            found.append(point_at(self.system, q, joint.b) - point_at(self.system, q, joint.a))
-        return np.array(found).reshape(-1, 2)
+            offsets.append(point_at(self.system, q, joint.b) - point_at(self.system, q, joint.a))
+        return np.array(offsets).reshape(-1, 2)
 
     def turn(self, q: np.ndarray) -> np.ndarray:
         """Let films see the rates (nb + 1,) [rad/s] of the ground and of all bodies that the drivers give at q (3 nb,).
@@ -195,13 +205,13 @@ class StaticProblem:
             return workspace.turning
         open_by(workspace, self.t, q, np.zeros_like(q))
         rows, rates = dense_rows(system, workspace), workspace.rows[:, at.NU].copy()
-        still = np.vstack([self.pin_rows(q, name) for name, one in system.model.joints.items() if has_pin(one)])
+        still = np.vstack([self.pin_rows(q, name) for name, joint in system.model.joints.items() if has_pin(joint)])
         whole = np.vstack([rows, still]) * self.scale
-        found = np.linalg.lstsq(whole, np.concatenate([rates, np.zeros(len(still))]), rcond=RANK)[0] * self.scale
-        workspace.turning[1:] = found[2::3]
-        speed = np.hypot(found[::3], found[1::3])
-        moves = speed > STILL * system.size * np.abs(found[2::3]).max()
-        self.moving = [name for name, one in zip(system.bodies, moves, strict=True) if one]
+        motion = np.linalg.lstsq(whole, np.concatenate([rates, np.zeros(len(still))]), rcond=RANK)[0] * self.scale
+        workspace.turning[1:] = motion[2::3]
+        speed = np.hypot(motion[::3], motion[1::3])
+        moves = speed > STILL * system.size * np.abs(motion[2::3]).max()
+        self.moving = [name for name, moves_on in zip(system.bodies, moves, strict=True) if moves_on]
         return workspace.turning.copy()
 
     def pin_rows(self, q: np.ndarray, name: str) -> np.ndarray:
@@ -219,40 +229,40 @@ class StaticProblem:
         self,
         start: np.ndarray,
         downhill: bool = False,
-        known: np.ndarray | None = None,
+        seen: np.ndarray | None = None,
         near: float = 0.0,
         most: int = MOST_TRIALS,
         turn: float = MOST_TURN,
     ) -> tuple[np.ndarray, int] | None:
         """Position (3 nb,) [m, m, rad] of an equilibrium near a start (3 nb,), and the iterations; or None.
 
-        downhill: find a stable one.  known (k, 3 nb): equilibria found already; the result is also None if the search
+        downhill: find a stable one.  seen (k, 3 nb): equilibria found already; the result is also None if the search
         comes within `near` [m] of one of them.  most: positions to try before the start is given up; `trials` counts
         them.  turn: largest rotation of a body in one step [rad]; a large one may leave the nearest valley.
         """
         self.turn(start)
-        found = self._find(start, downhill, known, near, most, turn)
-        if found is None or not self.oiled:
-            return found
+        solution = self._find(start, downhill, seen, near, most, turn)
+        if solution is None or not self.oiled:
+            return solution
         self.turn(
-            found[0]
+            solution[0]
         )  # the rates there differ a little, which a film much stiffer than its load needs may not see
-        return self._find(found[0], downhill, known, near, most, turn) or found
+        return self._find(solution[0], downhill, seen, near, most, turn) or solution
 
     def _find(
-        self, start: np.ndarray, downhill: bool, known: np.ndarray | None, near: float, most: int, turn: float
+        self, start: np.ndarray, downhill: bool, seen: np.ndarray | None, near: float, most: int, turn: float
     ) -> tuple[np.ndarray, int] | None:
         """`find` with the rates that films see now."""
         q, room = start.copy(), self.room
         room.state[:] = 0.0
         room.state[equilibrium_newton.MOST_TURN] = turn
-        known = np.zeros((0, len(q))) if known is None else known
+        seen = np.zeros((0, len(q))) if seen is None else seen
         rounds = max(1, min(equilibrium_newton.ROUNDS, CHUNK // (len(q) ** 3 + 1)))
         status = equilibrium_newton.GOING
         while status == equilibrium_newton.GOING:  # in pieces, so that Ctrl-C works
             status = equilibrium_newton.find(
-                self.workspace, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, known,
-                len(known), near, self.pins, *room, float(most),
+                self.workspace, self.t, q, self.scale, self.system.size, self.length, downhill, rounds, seen,
+                len(seen), near, self.pins, *room, float(most),
             )  # fmt: skip
         self.trials += int(room.state[equilibrium_newton.TRIALS]) + 1
         self.arrived = status in (equilibrium_newton.FOUND, equilibrium_newton.KNOWN)
@@ -296,11 +306,11 @@ class StaticProblem:
         if len(g):
             h = self.hessian(q, null)
             largest = float(np.abs(h).max())
-            even = float(np.abs(h - h.T).max()) <= 1e-9 * largest  # conservative loads
+            even = float(np.abs(h - h.T).max()) <= EVEN * largest  # conservative loads
             roots = np.linalg.eigvalsh(0.5 * (h + h.T)) if even else np.linalg.eigvals(h)
             values = roots.real
             # only what is within rounding counts as zero: a soft direction beside a stiff contact is not neutral
-            tiny = max(1e-8 * self.force_scale() / system.size, 1e-13 * float(np.abs(values).max()))
+            tiny = max(NEUTRAL[0] * self.force_scale() / system.size, NEUTRAL[1] * float(np.abs(values).max()))
             neutral, falling = int((np.abs(roots) < tiny).sum()), int((values <= -tiny).sum())
             eigenvalue = float(values.min()) if abs(values.min()) >= tiny else 0.0
         force_at(workspace, self.t, q, self.out)
@@ -319,22 +329,23 @@ class StaticProblem:
             turning,
         )  # fmt: skip
 
-    def describe(self, found: Sequence[Found]) -> list[Equilibrium]:
+    def describe(self, solutions: Sequence[Found]) -> list[Equilibrium]:
         """Equilibria with all their quantities."""
-        if not found:
+        if not solutions:
             return []
-        turning = np.array([one.turning for one in found]) if self.oiled else None
-        data, names, units = columns(self.system, np.array([one.raw for one in found]), turning)
+        turning = np.array([solution.turning for solution in solutions]) if self.oiled else None
+        data, names, units = columns(self.system, np.array([solution.raw for solution in solutions]), turning)
         keep = [k for k, name in enumerate(names) if name not in ("energy.work", "energy.dissipated", "energy.balance")]
         if self.table is None:
             self.table = self._table([names[k] for k in keep], units)
         data = np.ascontiguousarray(data[:, keep])
         return [
             Equilibrium(
-                self.t, one.q, one.multiplier, one.eigenvalue, one.residual, one.gap, one.iterations, one.nonunique,
-                one.dof, one.neutral, one.falling, row, self.table,
+                self.t, solution.q, solution.multiplier, solution.eigenvalue, solution.residual, solution.gap,
+                solution.iterations, solution.nonunique, solution.dof, solution.neutral, solution.falling, row,
+                self.table,
             )
-            for one, row in zip(found, data, strict=True)
+            for solution, row in zip(solutions, data, strict=True)
         ]  # fmt: skip
 
     def _table(self, names: Sequence[str], units: Mapping[str, str]) -> Table:
@@ -342,7 +353,9 @@ class StaticProblem:
         drawn = geometry(self.system.model)
         pins = [name for name, joint in drawn["joints"].items() if joint["contact"] not in ("", "ideal")]
         pins += [
-            name for name, one in self.system.model.joints.items() if one.contact is not None and one.contact.pushes
+            name
+            for name, joint in self.system.model.joints.items()
+            if joint.contact is not None and joint.contact.pushes
         ]
         return Table(
             column,

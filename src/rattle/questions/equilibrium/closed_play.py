@@ -16,19 +16,19 @@ def without_guide_play(system: System) -> System:
     """
     require_none_passing(system.model, "an equilibrium")
     joints = dict(system.model.joints)
-    for name, one in joints.items():
-        if not one.leaf.massless and one.is_loose and (one.clearance > 0.0 or _is_rigid(one)):
-            joints[name] = replace(one, contact=Contact("ideal", pushes=one.one_sided is not None))
-        elif one.constants and (constants := one.leaf.resting(one.constants)) != one.constants:
-            joints[name] = replace(one, constants=constants)
-    changed = any(joints[name] is not one for name, one in system.model.joints.items())
+    for name, joint in joints.items():
+        if not joint.leaf.massless and joint.is_loose and (joint.clearance > 0.0 or _is_rigid(joint)):
+            joints[name] = replace(joint, contact=Contact("ideal", pushes=joint.one_sided is not None))
+        elif joint.constants and (constants := joint.leaf.resting(joint.constants)) != joint.constants:
+            joints[name] = replace(joint, constants=constants)
+    changed = any(joints[name] is not joint for name, joint in system.model.joints.items())
     return compile_system(replace(system.model, joints=joints)) if changed else system
 
 
 def without_oil(system: System) -> System:
     """The mechanism without play in the joints with oil; the system itself if there are none."""
     joints = dict(system.model.joints)
-    oiled = [name for name, one in joints.items() if one.is_loose and _has_oil(one)]
+    oiled = [name for name, joint in joints.items() if joint.is_loose and _has_oil(joint)]
     if not oiled:
         return system
     joints |= {name: replace(joints[name], contact=Contact("ideal")) for name in oiled}
@@ -41,20 +41,20 @@ def rigid_model(system: System, floating: bool = False) -> System | None:
     floating: pins in oil stay in it.
     """
     joints = dict(system.model.joints)
-    for name, one in joints.items():
-        if one.leaf.massless and (one.is_loose or is_link(one)) and not (floating and _has_oil(one)):
-            joints[name] = replace(one, contact=Contact("massless-link"))
+    for name, joint in joints.items():
+        if joint.leaf.massless and (joint.is_loose or is_link(joint)) and not (floating and _has_oil(joint)):
+            joints[name] = replace(joint, contact=Contact("massless-link"))
     model = replace(system.model, joints=joints)
-    return compile_system(model) if any(is_link(one) for one in joints.values()) else None
+    return compile_system(model) if any(is_link(joint) for joint in joints.values()) else None
 
 
 def with_rigid_pins(system: System) -> System:
     """The mechanism with the pins that nothing can penetrate on massless links; compliant ones stay as they are."""
     joints = dict(system.model.joints)
-    for name, one in joints.items():
-        if one.leaf.massless and one.is_loose and _is_rigid(one):
-            joints[name] = replace(one, contact=Contact("massless-link"))
-    changed = any(joints[name] is not one for name, one in system.model.joints.items())
+    for name, joint in joints.items():
+        if joint.leaf.massless and joint.is_loose and _is_rigid(joint):
+            joints[name] = replace(joint, contact=Contact("massless-link"))
+    changed = any(joints[name] is not joint for name, joint in system.model.joints.items())
     return compile_system(replace(system.model, joints=joints)) if changed else system
 
 

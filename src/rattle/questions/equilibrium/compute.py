@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from rattle.analyses.assembly.assembly import consistent_start, ideal_system
-from rattle.analyses.assembly.rank import scaled_rows
+from rattle.analyses.assembly.rank import RANK, scaled_rows
 from rattle.analyses.travel import left_out, with_friction, with_stops
 from rattle.description.model import Contact
 from rattle.elements.custom import load_law
@@ -47,15 +47,18 @@ QUIET = 20  # starts in a row without a new equilibrium after which the search e
 QUIET_DOWNHILL = (4, 2)  # the same for descents
 TRIALS_EACH = 250  # positions evaluated from one start of a descent, at most
 TRIALS_NEWTON = 40  # and of Newton's method, which converges in far fewer if it does
+NEAR = 1e-3  # [of the smallest length] distance from a known equilibrium at which a search towards it is given up
+ALIKE = 1e-9  # [of the forces, or of forces times size] difference of energies and residuals that is only rounding
+AS_CLOSED = 1e-12  # [of the mechanism's size] by which a gap may grow where a whole turn of a body is taken away
 WIDE = 1.0  # rotation of a body in one step of a descent, at most [rad]: any valley will do
 
 
-def price(problem: StaticProblem, trials: int, found: bool) -> float:
+def price(problem: StaticProblem, trials: int, assessed: bool) -> float:
     """Estimated cost of a start for a mechanism of this size, roughly in microseconds of one core [1e-6 s]."""
     n = 3.0 * problem.system.body_count
     look = 3.0 + 0.05 * n * n + 0.0003 * n * n * n
     weighing = 150.0 + 2.0 * look + (1000.0 if problem.redundant else 0.0)
-    return 60.0 + look * trials + (weighing if found else 0.0)
+    return 60.0 + look * trials + (weighing if assessed else 0.0)
 
 
 def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: float = 1.0) -> Equilibria:
@@ -66,7 +69,7 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
     load_law.forget()
     if not with_stops(system.model):
         return _equilibria(system, t, branches, effort)
-    stopped, found, parts = Stopped(without_guide_play(system), t), [], []
+    stopped, answer, parts = Stopped(without_guide_play(system), t), [], []
     ways = list(itertools.islice(combinations(system.model), MOST + 1))
     for resting in ways[:MOST]:
         try:
@@ -76,16 +79,16 @@ def equilibria(system: System, t: float = 0.0, branches: str = "near", effort: f
                 raise
             continue
         parts.append(part)
-        found += stopped.taken(part, resting)
+        answer += stopped.taken(part, resting)
     start = position_at(resting_system(system, {}), t)
     cut = len(ways) > MOST or any(part.stopped for part in parts)
     undefined = next((part.undefined for part in parts if part.undefined), "")
-    if stopped.passed and not found and not undefined:
+    if stopped.passed and not answer and not undefined:
         undefined = f"the positions of balance without stops are beyond those of {', '.join(stopped.passed)}"
-    one, starts = parts[0], sum(part.starts for part in parts)
-    extent = f"every combination of stops: {one.extent}" if one.extent else ""
-    ends = one.left_out, one.rubbing, one.moving
-    return Equilibria(_sorted(found, start), starts, cut, extent, effort, undefined, *ends)
+    first, starts = parts[0], sum(part.starts for part in parts)
+    extent = f"every combination of stops: {first.extent}" if first.extent else ""
+    ends = first.left_out, first.rubbing, first.moving
+    return Equilibria(_sorted(answer, start), starts, cut, extent, effort, undefined, *ends)
 
 
 def _equilibria(system: System, t: float, branches: str, effort: float) -> Equilibria:
@@ -99,17 +102,17 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     problem = StaticProblem(shut, t)
     search = Search(problem, effort if rigid is None else 0.5 * effort)
     search.explore(start, branches == "all")
-    found = problem.describe(search.found)
+    answer = problem.describe(search.found)
     if rigid is None:
-        found = search.pressed(system, found) if floats else found
+        answer = search.pressed(system, answer) if floats else answer
         extent = f"without play {search.extent}" if floats and search.extent else search.extent
         return Equilibria(
-            _sorted(found, start), search.starts, search.stopped, extent, effort, problem.undefined, *ends,
+            _sorted(answer, start), search.starts, search.stopped, extent, effort, problem.undefined, *ends,
             search.moving,
         )  # fmt: skip
     play = StaticProblem(rigid, t)
     partners = Search(play, 0.5 * effort)
-    partners.partners(sides(problem, play, sorted(found, key=_height)))
+    partners.partners(sides(problem, play, sorted(answer, key=_height)))
     if not partners.found:
         partners.explore(position_at(rigid, t), True)
     reference = start + _first_offset(problem, rigid, start)
@@ -122,9 +125,9 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     return Equilibria(_sorted(pressing, reference), starts, stopped, extent, effort, undefined, *ends, partners.moving)
 
 
-def _height(one: Equilibrium) -> tuple[bool, float]:
+def _height(rest: Equilibrium) -> tuple[bool, float]:
     """Sorting key: stable positions first, then by potential energy [J]."""
-    return not one.stable, one["energy.potential"]
+    return not rest.stable, rest["energy.potential"]
 
 
 def _compliant(contact: Contact | None) -> bool:
@@ -148,7 +151,7 @@ def position_at(system: System, t: float) -> np.ndarray:
     drive(workspace, 0.0)
     merit_at(workspace, start.q)
     driven = (
-        system.row_count and np.linalg.matrix_rank(scaled_rows(system, workspace), tol=1e-9) == 3 * system.body_count
+        system.row_count and np.linalg.matrix_rank(scaled_rows(system, workspace), tol=RANK) == 3 * system.body_count
     )
     if not driven:
         return consistent_start(system, t).q
@@ -172,7 +175,7 @@ class Search:
         self._work, self._left = 0.0, WORK * effort
         self._known = np.zeros((16, 3 * problem.system.body_count))
         self._count = 0
-        self._near = 1e-3 * tiny(problem.system)
+        self._near = NEAR * tiny(problem.system)
         self._trials = problem.trials
         self._turning: Turning | None = None
         self._start = np.zeros(3 * problem.system.body_count)
@@ -198,10 +201,10 @@ class Search:
         new = False
         if solution is not None and assessed:
             self._remember(solution[0])
-            one = self._assessed(*solution)
-            new = not any(_one_family(one, other, self._links, problem.system.size) for other in self.found)
+            candidate = self._assessed(*solution)
+            new = not any(_one_family(candidate, other, self._links, problem.system.size) for other in self.found)
             if new:
-                self.found.append(one)
+                self.found.append(candidate)
         self._work += price(problem, problem.trials - self._trials, assessed)
         self._trials = problem.trials
         return new
@@ -211,11 +214,11 @@ class Search:
         if self._turning is not None:
             same = self._turning.unwound(q, self._start)
             if (same != q).any():
-                one, other = self.problem.assess(q, iterations), self.problem.assess(same, iterations)
-                slight = 1e-9 * one.force
-                alike = abs(one.potential - other.potential) <= slight * self.problem.system.size
-                closed = other.gap <= one.gap + 1e-12 * self.problem.system.size
-                return other if alike and closed and other.residual <= one.residual + slight else one
+                wound, other = self.problem.assess(q, iterations), self.problem.assess(same, iterations)
+                slight = ALIKE * wound.force
+                alike = abs(wound.potential - other.potential) <= slight * self.problem.system.size
+                closed = other.gap <= wound.gap + AS_CLOSED * self.problem.system.size
+                return other if alike and closed and other.residual <= wound.residual + slight else wound
         return self.problem.assess(q, iterations)
 
     def _remember(self, q: np.ndarray) -> None:
@@ -239,12 +242,12 @@ class Search:
         count = 0
         if everywhere or dof:
             count = int((RANDOM_STARTS if everywhere else FEW_STARTS) * max(1.0, self.effort))
-        for one in itertools.chain(starts, itertools.islice(anywhere, count)):
+        for position in itertools.chain(starts, itertools.islice(anywhere, count)):
             for downhill in (False, True)[: dof + 1]:
                 if self.spent():
                     self.stopped = True
                     return
-                self.try_start(one, downhill)
+                self.try_start(position, downhill)
         if dof:  # other branches, as long as new ones are found
             self._until_quiet({"random": anywhere}, 2 * QUIET, self._left)
         self.extent = (
@@ -293,7 +296,7 @@ class Search:
         yield start
         while True:
             yield turning.anywhere(start, random)
-            lowest = min(self.found, key=lambda one: (one.falling, one.potential), default=None)
+            lowest = min(self.found, key=lambda solution: (solution.falling, solution.potential), default=None)
             yield turning.nearby(start if lowest is None else lowest.q, random)
 
     def _turned(self, turning: Turning, random: np.random.Generator) -> Iterator[np.ndarray]:
@@ -306,9 +309,9 @@ class Search:
                     yield turning.turned(self.found[k].q, [group], self._start)
                 k += 1
             elif self.found:
-                one = self.found[int(random.integers(len(self.found)))].q
+                q = self.found[int(random.integers(len(self.found)))].q
                 chosen = [group for group in groups if random.random() < 0.5]
-                yield turning.turned(one, chosen, self._start)
+                yield turning.turned(q, chosen, self._start)
             else:
                 return
 
@@ -326,57 +329,57 @@ class Search:
     def pressed(self, system: System, held: list[Equilibrium]) -> list[Equilibrium]:
         """Equilibria with pins that sink in or float, from those that hold every pin and press where they have to."""
         most = self._left + PRESSED * WORK * self.effort - self._work
-        admissible = sorted((one for one in held if one.admissible), key=_height)
-        made = pressed(self.problem, system, admissible, most, price)
-        self._work += made.work
-        self.stopped = self.stopped or made.stopped
-        self.moving = ", ".join(map(repr, made.moving))
-        return made.found
+        admissible = sorted((rest for rest in held if rest.admissible), key=_height)
+        outcome = pressed(self.problem, system, admissible, most, price)
+        self._work += outcome.work
+        self.stopped = self.stopped or outcome.stopped
+        self.moving = ", ".join(map(repr, outcome.moving))
+        return outcome.found
 
 
-def _one_family(one: Found, other: Found, links: np.ndarray, size: float) -> bool:
+def _one_family(first: Found, other: Found, links: np.ndarray, size: float) -> bool:
     """True if a free motion, without change of energy, leads from one equilibrium to the other.
 
     links: (k,) rows of the massless links; the signs of their multipliers tell the sides of the pins.
     size: size of the mechanism [m].
     """
-    if not one.neutral or (one.neutral, one.falling) != (other.neutral, other.falling):
+    if not first.neutral or (first.neutral, first.falling) != (other.neutral, other.falling):
         return False
-    if abs(one.potential - other.potential) > 1e-9 * one.force * size:
+    if abs(first.potential - other.potential) > ALIKE * first.force * size:
         return False
-    pulls, others = one.multiplier[links], other.multiplier[links]
-    return bool((pulls * others >= -1e-18 * one.force**2).all())
+    pulls, others = first.multiplier[links], other.multiplier[links]
+    return bool((pulls * others >= -((ALIKE * first.force) ** 2)).all())
 
 
 def _first_offset(ideal: StaticProblem, rigid: System, start: np.ndarray) -> np.ndarray:
     """(3 nb,) change [m, m, rad] of the ideal position by the given offsets of pins at the start."""
-    given = rigid.model.initial.offsets
+    offsets = rigid.model.initial.offsets
     wanted = {
         name: np.array(at)
-        for name, at in given.items()
+        for name, at in offsets.items()
         if name in rigid.model.joints and is_link(rigid.model.joints[name])
     }
     return opened(ideal, start, wanted) - start if wanted else np.zeros_like(start)
 
 
-def _sorted(found: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
+def _sorted(members: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
     """Admissible and stable ones first, then by their distance from the initial guess."""
 
-    def key(one: Equilibrium) -> tuple[bool, bool, float]:
-        apart = one.q - start
+    def key(rest: Equilibrium) -> tuple[bool, bool, float]:
+        apart = rest.q - start
         apart[2::3] = (apart[2::3] + math.pi) % (2 * math.pi) - math.pi
-        fine = one.admissible and not one.falling
-        return not (fine and one.stable), not fine, float(np.linalg.norm(apart))
+        fine = rest.admissible and not rest.falling
+        return not (fine and rest.stable), not fine, float(np.linalg.norm(apart))
 
-    return sorted(found, key=key)
+    return sorted(members, key=key)
 
 
-def static_problem(system: System, one: Equilibrium) -> StaticProblem:
+def static_problem(system: System, rest: Equilibrium) -> StaticProblem:
     """The equilibrium problem to which an equilibrium belongs, with rigid or with compliant pins, held at its stops."""
     system = without_guide_play(system)
     if with_stops(system.model):
-        system = resting_system(system, one.resting)
+        system = resting_system(system, rest.resting)
     rigid = rigid_model(system)
-    if rigid is not None and rigid.row_count == len(one.multiplier):
-        return StaticProblem(rigid, one.t)
-    return StaticProblem(with_rigid_pins(system), one.t)
+    if rigid is not None and rigid.row_count == len(rest.multiplier):
+        return StaticProblem(rigid, rest.t)
+    return StaticProblem(with_rigid_pins(system), rest.t)

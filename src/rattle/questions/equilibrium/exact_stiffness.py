@@ -43,8 +43,8 @@ class RestForces:
         workspace = recorder.workspace(problem.system)
         workspace.multiplier[:] = problem.workspace.multiplier
 
-        def run(function: KernelFunction, *given: Any) -> None:
-            recorder.recorded(function.python)(workspace, *given)
+        def run(function: KernelFunction, *operands: Any) -> None:
+            recorder.recorded(function.python)(workspace, *operands)
 
         def forces() -> list[Any]:
             run(drive, problem.t)
@@ -53,9 +53,9 @@ class RestForces:
             run(loads, problem.t)
             return [*balance, *workspace.force[1:].ravel()]
 
-        made, sound = recording.guarded(forces)
-        self.forces = Linearised(graph, [*made, sound], by_numpy)
-        margins = switching_functions(graph, made)
+        outputs, sound = recording.guarded(forces)
+        self.forces = Linearised(graph, [*outputs, sound], by_numpy)
+        margins = switching_functions(graph, outputs)
         self.margins = Linearised(graph, margins, by_numpy) if margins else None
 
     def slopes(self, q: np.ndarray, v: np.ndarray, null: np.ndarray) -> np.ndarray:
@@ -63,11 +63,11 @@ class RestForces:
         n, dof = null.shape
         along = np.zeros((2 * n, 2 * dof))
         along[:n, :dof] = along[n:, dof:] = null
-        value, found = self.forces(np.concatenate([q, v]), along)
-        made = -np.array([null.T @ found[:n, :dof], null.T @ found[n : 2 * n, dof:]])
-        if not (value[-1] == 1.0 and np.isfinite(made).all()):
+        value, derivative = self.forces(np.concatenate([q, v]), along)
+        reduced = -np.array([null.T @ derivative[:n, :dof], null.T @ derivative[n : 2 * n, dof:]])
+        if not (value[-1] == 1.0 and np.isfinite(reduced).all()):
             raise TraceError("a force has no finite derivative at the equilibrium")
-        return made
+        return reduced
 
     def require_same(self, q: np.ndarray) -> None:
         """Compare the record with the kernels near q (3 nb,).  Raises TraceError where they differ."""
@@ -96,12 +96,12 @@ class RestForces:
                 np.sign(self.margins(np.concatenate(x), np.zeros((2 * len(q), 1)))[0])
                 for x in ((q - step, -step), (q, rest), (q + step, step))
             ]
-            found = np.array([self.slopes(q + s * step, s * step, null) for s in (-1.0, 0.0, 1.0)])
-            apart.append(np.ptp(found, axis=0).max(axis=(1, 2)))
-        largest = np.abs(found).max(axis=(0, 2, 3))
+            slopes = np.array([self.slopes(q + s * step, s * step, null) for s in (-1.0, 0.0, 1.0)])
+            apart.append(np.ptp(slopes, axis=0).max(axis=(1, 2)))
+        largest = np.abs(slopes).max(axis=(0, 2, 3))
         jumps = (apart[1] > 0.5 * apart[0]) & (apart[1] > ROUNDING * largest)
         if np.ptp(np.array(sides), axis=0).any() and jumps.any():
-            names = ", ".join(sorted({one.name for one in self.problem.system.switches})) or "an expression"
+            names = ", ".join(sorted({switch.name for switch in self.problem.system.switches})) or "an expression"
             raise TraceError(f"{names} switches right at the equilibrium, where it has no derivative")
 
 
@@ -111,9 +111,9 @@ def exact_stiffness(problem: StaticProblem, q: np.ndarray, null: np.ndarray) -> 
     Call `StaticProblem.reduce` first, for the multipliers.
     Raises TraceError, with the reason, where the forces cannot be recorded or have no derivative.
     """
-    made = RestForces(problem)
-    made.require_same(q)
+    forces = RestForces(problem)
+    forces.require_same(q)
     force_at(problem.workspace, problem.t, q, problem.out)
-    made.require_smooth(q, null)
-    stiffness, damping = made.slopes(q, np.zeros_like(q), null)
+    forces.require_smooth(q, null)
+    stiffness, damping = forces.slopes(q, np.zeros_like(q), null)
     return stiffness, damping

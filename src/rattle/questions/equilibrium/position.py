@@ -22,6 +22,7 @@ from rattle.results.film_columns import DRY
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 
+PULLS = 1e-9  # [of the largest normal force] negative force above which a bush has to pull: below is rounding
 MORE = 10.0  # factor on the effort that is advised after a search was cut short
 
 
@@ -90,7 +91,7 @@ class Equilibrium:
         """Pins at which the bush would have to pull, and joints whose stop would have to."""
         scale = max([abs(n) for n in self.normals.values()] + [1e-300])
         stops = [name for name, side in self.resting.items() if side * self[f"{name}.stop"] < 0.0]
-        return (*(name for name, n in self.normals.items() if n < -1e-9 * scale), *stops)
+        return (*(name for name, n in self.normals.items() if n < -PULLS * scale), *stops)
 
     @property
     def admissible(self) -> bool:
@@ -172,10 +173,10 @@ class Equilibria(list[Equilibrium]):
     """The equilibria that were found, in order, and how far the search went; shows itself as a table."""
 
     def __init__(
-        self, found: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0,
+        self, members: Iterable[Equilibrium], starts: int, stopped: bool, extent: str = "", effort: float = 1.0,
         undefined: str = "", left_out: str = "", rubbing: str = "", moving: str = "",
     ) -> None:  # fmt: skip
-        super().__init__(found)
+        super().__init__(members)
         self.moving = moving  # bodies that drivers move while films see their speeds, in quotes; "" if there are none
         self.left_out = left_out  # what of the model an equilibrium does not contain; "" if it contains all
         self.rubbing = rubbing  # joints whose friction holds other positions too, in quotes; "" if there are none
@@ -190,7 +191,7 @@ class Equilibria(list[Equilibrium]):
 
         If no equilibrium or no forces were found because a load or an expression has no finite value: which, and why.
         """
-        lacking = self.undefined if not self or any(math.isnan(one.residual) for one in self) else ""
+        lacking = self.undefined if not self or any(math.isnan(member.residual) for member in self) else ""
         if self.left_out:
             hint = (
                 "check that the pin stays inside" if self
@@ -218,8 +219,8 @@ class Equilibria(list[Equilibrium]):
     @property
     def extent(self) -> str:
         """How far the search went, in words."""
-        said = self.note or self._extent
-        return f"{said}; elsewhere {self.undefined}" if self.undefined and self.undefined not in said else said
+        words = self.note or self._extent
+        return f"{words}; elsewhere {self.undefined}" if self.undefined and self.undefined not in words else words
 
     def first_at(self, t: float) -> Equilibrium:
         """The first equilibrium.  Raises InputError, with the reason if known, if there is none at t [s]."""
@@ -228,16 +229,18 @@ class Equilibria(list[Equilibrium]):
         raise InputError(f"no equilibrium was found at t = {t:g} s{f': {self.note}' if self.note else ''}")
 
     def __repr__(self) -> str:
-        listed = "[" + ",\n ".join(repr(one) for one in self) + "]"
+        listed = "[" + ",\n ".join(repr(member) for member in self) + "]"
         return f"{listed}\n{self.note}" if self.note else listed
 
     def _repr_html_(self) -> str:
         rows = []
-        for n, one in enumerate(self):
+        for n, member in enumerate(self):
             angles = ", ".join(
-                f"{name} {quantity(one[f'{name}.angle'], 'rad')}" for name in one.table.geometry["bodies"]
+                f"{name} {quantity(member[f'{name}.angle'], 'rad')}" for name in member.table.geometry["bodies"]
             )
-            rows.append((str(n), "yes" if one.stable else "no", "yes" if one.admissible else "no", angles, str(one)))
+            rows.append(
+                (str(n), "yes" if member.stable else "no", "yes" if member.admissible else "no", angles, str(member))
+            )
         if not rows:
             return card("no equilibrium was found", f"<p>{escape(self.note)}</p>" if self.note else "")
         title = f"{len(self)} equilibri{'a' if len(self) > 1 else 'um'}"

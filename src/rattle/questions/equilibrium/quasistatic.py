@@ -38,6 +38,14 @@ from rattle.results.trust import Trust
 log = logging.getLogger("rattle")
 
 SMALLEST = 1e-7  # share of an interval below which no step is tried
+FARTHEST = 0.3  # [of the mechanism's size] step of a body beyond which a position belongs to another branch
+TURNED = 0.7  # [-] cosine of the angle by which a pin may move around its bush in a step: half a right angle
+AHEAD = 1e-3  # [of the interval] beyond a fold at which the equilibrium downhill of it is sought
+INSTANT = 1e-9  # [s] interval that is not divided for that
+CHANGE = (1e-10, 1e-3)  # [of the time, but at least of so many s] how near the time of a change of sides is found
+RANK = 1e-13  # [-] singular values below this share of the largest are those of redundant constraints
+TOGGLE = 1e-12  # [of the largest reaction] effort below which none is needed: a toggle
+NO_LENGTH = 1e-300  # in a denominator that may be zero
 MOST_SNAPS = 5  # snap-throughs in one interval, at most
 MOST_STEPS = 300  # steps in one interval, at most
 MOST_TRIALS = 20_000  # positions evaluated in one interval, at most
@@ -79,15 +87,15 @@ class Path:
 
     def _near(self, q: np.ndarray) -> bool:
         """True if a position (3 nb,) is so close to the last one that it belongs to the same branch."""
-        if np.abs((q - self.last.q) / self.problem.scale).max() > 0.3 * self.problem.system.size:
+        if np.abs((q - self.last.q) / self.problem.scale).max() > FARTHEST * self.problem.system.size:
             return False
-        one, other = self.problem.offsets(self.last.q), self.problem.offsets(q)
-        cosine = (one * other).sum(axis=1) / (np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1) + 1e-300)
-        return bool((cosine > 0.7).all())
+        last, other = self.problem.offsets(self.last.q), self.problem.offsets(q)
+        cosine = (last * other).sum(axis=1) / (np.linalg.norm(last, axis=1) * np.linalg.norm(other, axis=1) + NO_LENGTH)
+        return bool((cosine > TURNED).all())
 
-    def go(self, one: Equilibrium) -> None:
+    def go(self, rest: Equilibrium) -> None:
         """Append an equilibrium that was found."""
-        self.before, self.last = self.last, one
+        self.before, self.last = self.last, rest
 
 
 def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Result:
@@ -95,7 +103,7 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
     began = time.perf_counter()
     times = instants(t_eval)
     functions.start()
-    given, system = system, without_guide_play(compile_system(without_stops(system.model)))
+    original, system = system, without_guide_play(compile_system(without_stops(system.model)))
     first = equilibria(system, float(times[0]), effort=effort)
     rigid = rigid_model(system, floating=True)
     ideal = StaticProblem(ideal_system(system.model), float(times[0])) if rigid is not None else None
@@ -115,10 +123,10 @@ def quasistatic(system: System, t_eval: np.ndarray, effort: float = 1.0) -> Resu
         kept.append(path.last)
     if message:
         log.warning(message)
-    t, q = np.array([one.t for one in kept]), np.array([one.q for one in kept])
+    t, q = np.array([rest.t for rest in kept]), np.array([rest.q for rest in kept])
     v = np.gradient(q, t, axis=0) if len(t) > 1 else np.zeros_like(q)
-    beyond = past_stops(given, t, q.reshape(len(t), -1, 3), v.reshape(len(t), -1, 3))
-    notes = (*(one for one in (first.note,) if one), *beyond)
+    beyond = past_stops(original, t, q.reshape(len(t), -1, 3), v.reshape(len(t), -1, 3))
+    notes = (*(note for note in (first.note,) if note), *beyond)
     return _result(path.problem, kept, events, message, notes, time.perf_counter() - began)
 
 
@@ -139,44 +147,44 @@ def _lead(path: Path, t: float, events: list[Event]) -> str:
                 " equilibrium changes too fast there; ask for more instants, or for the motion with simulate"
             )
         whole = t - path.last.t
-        share, found = 1.0, None
-        while found is None and share > SMALLEST:
-            found = path.step(path.last.t + share * whole if share < 1.0 else t)
+        share, reached = 1.0, None
+        while reached is None and share > SMALLEST:
+            reached = path.step(path.last.t + share * whole if share < 1.0 else t)
             share *= 0.5
-        if found is None:
+        if reached is None:
             snaps += 1
-            found = _snap(path, t) if snaps <= MOST_SNAPS else None
-            if found is None:
+            reached = _snap(path, t) if snaps <= MOST_SNAPS else None
+            if reached is None:
                 why = f": {path.problem.undefined}" if path.problem.undefined else ""
                 return f"no equilibrium beyond t = {path.last.t:.8g} s near the last one{why}"
             events.append(Event(path.last.t, "", "snap"))
-            path.last, path.before = found, None
+            path.last, path.before = reached, None
             continue
-        pulled = [name for name in found.pulled if name not in path.last.pulled]
+        pulled = [name for name in reached.pulled if name not in path.last.pulled]
         if pulled and path.ideal is not None:
-            _change_sides(path, found, pulled, events)
+            _change_sides(path, reached, pulled, events)
         else:
-            path.go(found)
+            path.go(reached)
     return ""
 
 
 def _snap(path: Path, t: float) -> Equilibrium | None:
     """Snap-through: the stable equilibrium downhill of the last one, which has ceased to exist; or None."""
-    ahead = min(t, path.last.t + 1e-3 * (t - path.last.t)) if t - path.last.t > 1e-9 else t
+    ahead = min(t, path.last.t + AHEAD * (t - path.last.t)) if t - path.last.t > INSTANT else t
     path.problem.at(ahead)
     solution = path.problem.find(path.last.q, downhill=True)
     return path.problem.finish(*solution) if solution is not None else None
 
 
-def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: list[Event]) -> None:
-    """Locate where N of some pins passed zero on the way to `found`, and move these pins to the other side."""
+def _change_sides(path: Path, reached: Equilibrium, pulled: list[str], events: list[Event]) -> None:
+    """Locate where N of some pins passed zero on the way to `reached`, and move these pins to the other side."""
     for name in pulled:
-        low, high, n_low, n_high = path.last.t, found.t, path.last[f"{name}.normal"], found[f"{name}.normal"]
+        low, high, n_low, n_high = path.last.t, reached.t, path.last[f"{name}.normal"], reached[f"{name}.normal"]
         t = high
         for _ in range(60):
             t = low + (high - low) * (n_low / (n_low - n_high)) if n_low > 0.0 else low
             t = min(max(t, low + 0.01 * (high - low)), high - 0.01 * (high - low))
-            if high - low < 1e-10 * max(abs(high), 1e-3):
+            if high - low < CHANGE[0] * max(abs(high), CHANGE[1]):
                 break
             middle = path.step(t)
             if middle is None:
@@ -186,19 +194,19 @@ def _change_sides(path: Path, found: Equilibrium, pulled: list[str], events: lis
         events.append(Event(t, name, "side"))
     events.sort(key=lambda event: event.t)
     assert path.ideal is not None
-    path.ideal.at(found.t)
-    offsets = dict(zip(path.problem.links, path.problem.offsets(found.q), strict=True))
-    turned = {name: -e if name in found.pulled else e for name, e in offsets.items()}
-    path.problem.at(found.t)
-    solution = path.problem.find(opened(path.ideal, found.q, turned))
+    path.ideal.at(reached.t)
+    offsets = dict(zip(path.problem.links, path.problem.offsets(reached.q), strict=True))
+    turned = {name: -e if name in reached.pulled else e for name, e in offsets.items()}
+    path.problem.at(reached.t)
+    solution = path.problem.find(opened(path.ideal, reached.q, turned))
     other = path.problem.finish(*solution) if solution is not None else None
-    path.go(found)
-    if other is not None and len(other.pulled) < len(found.pulled):
+    path.go(reached)
+    if other is not None and len(other.pulled) < len(reached.pulled):
         path.last, path.before = other, None
 
 
 # ---------------------------------------------------------------- mechanical advantage
-def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str], float]:
+def advantage(problem: StaticProblem, rest: Equilibrium) -> dict[tuple[str, str], float]:
     """(load, driver) -> force or moment held at the load per unit of the driver's effort, signed [-, m or 1/m].
 
     Only for loads of constant direction (force, torque); inf if no effort is needed (a toggle).
@@ -209,25 +217,25 @@ def advantage(problem: StaticProblem, one: Equilibrium) -> dict[tuple[str, str],
     if not drivers or not acting:
         return {}
     n, nr = 3 * system.body_count, system.row_count
-    problem.reduce(one.q)
+    problem.reduce(rest.q)
     tangent = np.zeros((n, n))
-    stiffness(workspace, problem.t, one.q, problem.step, problem.out, tangent)
+    stiffness(workspace, problem.t, rest.q, problem.step, problem.out, tangent)
     rows = dense_rows(system, workspace)
     whole = np.block([[tangent, rows.T], [rows, np.zeros((nr, nr))]])
     scale = np.concatenate([problem.scale, np.ones(nr)])
-    found = {}
+    ratios = {}
     for name in acting:
         right = np.zeros(n + nr)
-        right[:n] = _direction(problem, one, name)
-        answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=1e-13)[0] * scale
+        right[:n] = _direction(problem, rest, name)
+        answer = np.linalg.lstsq(whole * scale[:, None] * scale, right * scale, rcond=RANK)[0] * scale
         for driver in drivers:
             row = system.first_row(driver)
             effort = -float(answer[n + row])  # effort for one unit of the load
-            found[name, driver] = -1.0 / effort if abs(effort) > 1e-12 * np.abs(answer[n:]).max() else math.inf
-    return found
+            ratios[name, driver] = -1.0 / effort if abs(effort) > TOGGLE * np.abs(answer[n:]).max() else math.inf
+    return ratios
 
 
-def _direction(problem: StaticProblem, one: Equilibrium, name: str) -> np.ndarray:
+def _direction(problem: StaticProblem, rest: Equilibrium, name: str) -> np.ndarray:
     """(3 nb,) generalised force [N, N, N*m] of a load of 1 N or 1 N*m in its present direction."""
     system, workspace = problem.system, problem.workspace
     load = system.model.loads[name]
@@ -240,7 +248,7 @@ def _direction(problem: StaticProblem, one: Equilibrium, name: str) -> np.ndarra
         return unit
     at = int(system.arrays["load"][list(system.model.loads).index(name), 3])
     px, py, fx, fy, turning = workspace.values[at : at + 5]
-    angle = float(one.q[k + 2])
+    angle = float(rest.q[k + 2])
     if turning == 1.0:
         fx, fy = turned(angle, (fx, fy))
     size = math.hypot(fx, fy)
@@ -264,24 +272,24 @@ def _result(
 ) -> Result:
     system, first = problem.system, kept[0].result
     names, units = list(first.stored), {name: first.unit(name) for name in first.stored}
-    table = [[one[name] for name in names] for one in kept]
+    table = [[rest[name] for name in names] for rest in kept]
     extra = {"equilibrium.stiffness": "N/m", "equilibrium.stable": "", "equilibrium.admissible": ""}
-    for line, one in zip(table, kept, strict=True):
-        line += [one.eigenvalue, float(one.stable), float(one.admissible)]
-        problem.at(one.t)
-        for (load, driver), value in advantage(problem, one).items():
+    for line, rest in zip(table, kept, strict=True):
+        line += [rest.eigenvalue, float(rest.stable), float(rest.admissible)]
+        problem.at(rest.t)
+        for (load, driver), value in advantage(problem, rest).items():
             effort = registry.kinds("driver")[system.model.drivers[driver].kind].leaf.effort[1]
             name = f"{load}.advantage" if len(system.model.drivers) == 1 else f"{load}.advantage_{driver}"
             extra[name] = ADVANTAGE_UNITS[system.model.loads[load].kind, effort]
             line.append(value)
-    pulled = {name: float(np.mean([name in one.pulled for one in kept])) for name in kept[0].normals}
-    first_pull = {name: next((one.t for one in kept if name in one.pulled), None) for name in pulled}
+    pulled = {name: float(np.mean([name in rest.pulled for rest in kept])) for name in kept[0].normals}
+    first_pull = {name: next((rest.t for rest in kept if name in rest.pulled), None) for name in pulled}
     trust = Trust(
-        drift=max(one.gap for one in kept), t_end=kept[-1].t, horizon=kept[-1].t, pulled=pulled, first_pull=first_pull,
-        nonunique=kept[0].nonunique, notes=notes,
+        drift=max(rest.gap for rest in kept), t_end=kept[-1].t, horizon=kept[-1].t, pulled=pulled,
+        first_pull=first_pull, nonunique=kept[0].nonunique, notes=notes,
     )  # fmt: skip
     return build_result(
-        system.model, "quasi-static path", t=[one.t for one in kept], data=np.array(table, dtype=float),
+        system.model, "quasi-static path", t=[rest.t for rest in kept], data=np.array(table, dtype=float),
         names=[*names, *extra], units=units | extra, trust=trust, events=events, message=message,
-        stats={"positions": len(kept), "residual": max(one.residual for one in kept), "wall_time": wall},
+        stats={"positions": len(kept), "residual": max(rest.residual for rest in kept), "wall_time": wall},
     )  # fmt: skip

@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -30,6 +31,7 @@ from rattle.results.columns import geometry
 
 MOST = 27  # combinations of ends that are tried: all of three joints with two ends each
 AT_STOP = "stop of "  # name of the driver that holds a joint, before the name of the joint
+FIRST_DEPTH = 1e-12  # [m or rad] to which a compliant stop is let sink in first, then doubled until it carries
 SLIGHT = 1e-9  # share of the forces below which a joint does not rest on its stop; of its scale by which it is beyond
 
 Ends = Mapping[str, int]  # joints that rest on a stop: 1 on its least value, -1 on its largest
@@ -39,9 +41,9 @@ def combinations(model: Model) -> Iterator[dict[str, int]]:
     """Joints that rest on a stop, and at which end: none at first, then one after the other, then several."""
     driven = {driver.joint for driver in model.drivers.values()}
     ends = {
-        name: [k for k, end in ((1, one.stop.minimum), (-1, one.stop.maximum)) if math.isfinite(end)]
-        for name, one in model.joints.items()
-        if one.stop is not None and name not in driven
+        name: [k for k, end in ((1, joint.stop.minimum), (-1, joint.stop.maximum)) if math.isfinite(end)]
+        for name, joint in model.joints.items()
+        if joint.stop is not None and name not in driven
     }
     for count in range(len(ends) + 1):
         for names in itertools.combinations(ends, count):
@@ -77,51 +79,51 @@ class Stopped:
         self.workspace = system.workspace()
         self.passed: dict[str, None] = {}  # joints that were beyond their stops in positions without them
 
-    def taken(self, found: Iterable[Equilibrium], resting: Ends) -> list[Equilibrium]:
+    def taken(self, equilibria: Iterable[Equilibrium], resting: Ends) -> list[Equilibrium]:
         """The equilibria in which no joint is beyond its stop, with the forces of stops; compliant ones sink in."""
         taken = []
-        for one in found:
-            efforts = {name: self._effort(one, name) for name in resting}
-            forces = [abs(one[name]) for name in one.table.column if name.endswith((".fx", ".fy", ".moment"))]
-            weight = max([*forces, *map(abs, efforts.values()), one.residual])
+        for rest in equilibria:
+            efforts = {name: self._effort(rest, name) for name in resting}
+            forces = [abs(rest[name]) for name in rest.table.column if name.endswith((".fx", ".fy", ".moment"))]
+            weight = max([*forces, *map(abs, efforts.values()), rest.residual])
             if any(abs(force) <= SLIGHT * weight for force in efforts.values()):
                 continue  # it needs no stop, and is found without it
             soft = [name for name in resting if not self._contact(name).rigid]
             if soft and all(resting[name] * efforts[name] > 0.0 for name in soft):
-                sunk = self._sunk(one, resting, efforts)
+                sunk = self._sunk(rest, resting, efforts)
                 taken += [sunk] if sunk is not None else []
-            elif not soft and not self.beyond(one.q, resting):
-                taken.append(self._shown(one, resting, efforts))
+            elif not soft and not self.beyond(rest.q, resting):
+                taken.append(self._shown(rest, resting, efforts))
         return taken
 
     def beyond(self, q: np.ndarray, resting: Ends) -> bool:
         """True if a joint that does not rest is beyond its stop at q (3 nb,) [m, m, rad]."""
-        contact, lever, found = self.system.arrays["contact"], self.system.arrays["lever"], False
+        contact, lever, beyond = self.system.arrays["contact"], self.system.arrays["lever"], False
         place(self.workspace, q, np.zeros_like(q))
         locate_contacts(self.workspace)
-        for entry, one, kinematics in zip(contact, lever, self.workspace.contact_kinematics, strict=True):
+        for entry, row, kinematics in zip(contact, lever, self.workspace.contact_kinematics, strict=True):
             name = self.system.joints[entry[at.OWNER]]
             stops = entry[at.FORCE_COLUMN] == at.STOP and name not in resting
-            if stops and kinematics[at.GAP] < -SLIGHT * one[at.GAP_SIZE]:
+            if stops and kinematics[at.GAP] < -SLIGHT * row[at.GAP_SIZE]:
                 self.passed[name] = None
-                found = True
-        return found
+                beyond = True
+        return beyond
 
     def _contact(self, name: str) -> Contact:
         stop = self.system.model.joints[name].stop
         assert stop is not None, "only joints with a stop rest on one"
         return stop.contact
 
-    def _effort(self, one: Equilibrium, name: str) -> float:
+    def _effort(self, rest: Equilibrium, name: str) -> float:
         """Force [N] or moment [N m] with which a joint is held at its stop, on B."""
         motor = self.system.model.joints[name].leaf.motor
         effort = registry.kinds("driver")[motor.driver].leaf.effort[0]
-        return float(one.row[one.table.column[f"{AT_STOP}{name}.{effort}"]])
+        return float(rest.row[rest.table.column[f"{AT_STOP}{name}.{effort}"]])
 
-    def _sunk(self, one: Equilibrium, resting: Ends, efforts: Mapping[str, float]) -> Equilibrium | None:
+    def _sunk(self, rest: Equilibrium, resting: Ends, efforts: Mapping[str, float]) -> Equilibrium | None:
         """The equilibrium near one with rigid stops in which compliant ones give way; None if none was found."""
         depth = {name: self._depth(name, abs(efforts[name])) for name in resting if not self._contact(name).rigid}
-        start = one.q.copy()
+        start = rest.q.copy()
         StaticProblem(resting_system(self.system, resting, {**dict.fromkeys(resting, 0.0), **depth}), self.t).close(
             start
         )
@@ -129,12 +131,16 @@ class Stopped:
         solution = problem.find(start)
         if solution is None or self.beyond(solution[0], resting):
             return None
-        found = problem.finish(*solution)
-        return self._shown(found, resting, {name: self._effort(found, name) for name in resting if name not in depth})
+        settled = problem.finish(*solution)
+        return self._shown(
+            settled, resting, {name: self._effort(settled, name) for name in resting if name not in depth}
+        )
 
     def _depth(self, name: str, force: float) -> float:
         """Depth [m or rad] at which the static force of a compliant stop is `force` [N or N m]."""
-        group = next(one for one in contact_groups(self.system.model.joints[name]) if "stop" in one.path)
+        group = next(
+            candidate for candidate in contact_groups(self.system.model.joints[name]) if "stop" in candidate.path
+        )
         static = group.contact.static
         assert static is not None, "called for compliant stops"
         kind = registry.kinds("stiffness")[static.kind]
@@ -143,16 +149,25 @@ class Stopped:
         def missing(depth: float) -> float:
             return float(call_stiffness(kind.kernel, (depth, p, 0))) - force
 
-        high = 1e-12
+        high = FIRST_DEPTH
         while missing(high) < 0.0:
             high *= 2.0
         return float(brentq(missing, 0.0, high))
 
-    def _shown(self, one: Equilibrium, resting: Ends, efforts: Mapping[str, float]) -> Equilibrium:
+    def _drawn(self, rest: Equilibrium) -> dict[str, Any]:
+        """What is drawn of the mechanism: joints as in the equilibrium, with their stops."""
+        drawn = geometry(self.system.model)
+        drawn["joints"] = {
+            name: form | {key: drawn["joints"][name][key] for key in ("stop",) if key in drawn["joints"][name]}
+            for name, form in rest.table.geometry["joints"].items()
+        }
+        return drawn
+
+    def _shown(self, rest: Equilibrium, resting: Ends, efforts: Mapping[str, float]) -> Equilibrium:
         """The equilibrium with the columns of the mechanism with stops; efforts: of the joints held [N or N m]."""
-        values = {name: float(one.row[k]) for name, k in one.table.column.items() if not name.startswith(AT_STOP)}
-        units = {name: one.table.units[name] for name in values}
-        joints, drawn = self.system.model.joints, geometry(self.system.model)
+        values = {name: float(rest.row[k]) for name, k in rest.table.column.items() if not name.startswith(AT_STOP)}
+        units = {name: rest.table.units[name] for name in values}
+        joints = self.system.model.joints
         for name in (name for name, joint in joints.items() if joint.stop is not None):
             force, joint = efforts.get(name, 0.0), joints[name]
             if name not in efforts and f"{name}.stop" in values:
@@ -161,16 +176,13 @@ class Stopped:
                 values[f"{name}.moment"] = values.get(f"{name}.moment", 0.0) + force
                 units[f"{name}.moment"] = "N*m"
             else:
-                axis = pose(self.system, one.q, joint.a.body)[2] + (joint.line or 0.0)
+                axis = pose(self.system, rest.q, joint.a.body)[2] + (joint.line or 0.0)
                 values[f"{name}.fx"] += force * math.cos(axis)
                 values[f"{name}.fy"] += force * math.sin(axis)
             values[f"{name}.stop"] = force
             units[f"{name}.stop"] = "N*m" if joint.stops_angle else "N"
         column = {name: k for k, name in enumerate(values)}
-        pins = tuple((name, column[f"{name}.normal"]) for name, _ in one.table.pins)
-        drawn["joints"] = {
-            name: form | {key: drawn["joints"][name][key] for key in ("stop",) if key in drawn["joints"][name]}
-            for name, form in one.table.geometry["joints"].items()
-        }
+        pins = tuple((name, column[f"{name}.normal"]) for name, _ in rest.table.pins)
+        drawn = self._drawn(rest)
         table = Table(column, units, pins, drawn, provenance(self.system.model, "equilibrium"))
-        return replace(one, row=np.array(list(values.values())), table=table, resting=dict(resting))
+        return replace(rest, row=np.array(list(values.values())), table=table, resting=dict(resting))

@@ -22,6 +22,11 @@ from rattle.questions.equilibrium.position import Equilibrium
 MOST_STRIDES = 160  # steps along a degree of freedom whose motion does not close, at most
 STRIDES = 12  # steps along one of several degrees of freedom, in either direction
 DIRECTIONS = 4  # degrees of freedom along which starts are made, at most
+NO_FORCE = 1e-9  # [-] share of the typical or largest force below which there is none: rounding may give it any sign
+SINGLE = 1e-9  # [of the mechanism's size] supports that lie nearer to each other give no line
+SAME = (1e-5, 1e-10)  # [of the smallest length, of the mechanism's size] distance of positions that are one: both are
+# far above where the search ends and far below what tells two sides of a pin apart
+UNLOADED = 1e-12  # [-] share of the largest reaction (at least of 1 N) below which a reaction has no direction
 FAR = 0.3  # shift of sliding or free bodies, as a share of the mechanism's size
 
 
@@ -33,10 +38,10 @@ class Turning:
         self.edges: list[tuple[int, int, complex, complex, float]] = []  # body, parent, points, axis of a guide or nan
         hung = set()
         for body, parent, joint in outward(model):
-            one, other = (joint.a, joint.b) if joint.a.body == body else (joint.b, joint.a)
+            mine, other = (joint.a, joint.b) if joint.a.body == body else (joint.b, joint.a)
             axis = joint.line if joint.line is not None else math.nan
             child, bearer = system.bodies.index(body), -1 if parent == "ground" else system.bodies.index(parent)
-            self.edges.append((child, bearer, complex(*one.at), complex(*other.at), axis))
+            self.edges.append((child, bearer, complex(*mine.at), complex(*other.at), axis))
             hung.add(child)
         self.loose = [k for k in range(system.body_count) if k not in hung]  # not connected by joints
         self.groups = _groups(system)
@@ -115,7 +120,7 @@ def _level(system: System) -> float:
     ends = [end for joint in system.model.joints.values() for end in (joint.a, joint.b) if end.body == "ground"]
     supports = [complex(*end.at) for end in ends]
     line = max((b - a for a, b in itertools.combinations(supports, 2)), key=abs, default=0j)
-    if abs(line) < 1e-9 * system.size:
+    if abs(line) < SINGLE * system.size:
         line = 1j * complex(*system.arrays["gravity"])
     return cmath.phase(line) if line else 0.0
 
@@ -135,13 +140,13 @@ def _groups(system: System) -> list[list[int]]:
         if driver.sets_angle:
             a, b, _ = driven_ends(model, driver)
             ties.append((a.body, b.body))
-    for one, other in ties:
-        group[leader(other)] = leader(one)
-    found: dict[str, list[int]] = {}
+    for first, other in ties:
+        group[leader(other)] = leader(first)
+    members: dict[str, list[int]] = {}
     for k, name in enumerate(system.bodies):
         if leader(name) != leader("ground"):
-            found.setdefault(leader(name), []).append(k)
-    return list(found.values())
+            members.setdefault(leader(name), []).append(k)
+    return list(members.values())
 
 
 # ---------------------------------------------------------------- along degrees of freedom
@@ -176,21 +181,26 @@ def around(problem: StaticProblem, start: np.ndarray, direction: np.ndarray) -> 
                 break
         if closed:
             break
-    nothing = 1e-9 * max(problem.force_scale(), max(map(abs, force)))
-    size = [abs(one) if abs(one) > nothing else math.inf for one in force]  # without force it may be anywhere
-    found = []
-    for k in range(1, len(path)):
+    nothing = NO_FORCE * max(problem.force_scale(), max(map(abs, force)))
+    return [path[k] for k in _turning_points(force, nothing)]
+
+
+def _turning_points(force: Sequence[float], nothing: float) -> list[int]:
+    """Places along a path next to which the force changes sign or is least; nothing: what is no force [N]."""
+    size = [abs(value) if abs(value) > nothing else math.inf for value in force]  # without force it may be anywhere
+    places = []
+    for k in range(1, len(size)):
         if size[k - 1] < math.inf and size[k] < math.inf and force[k - 1] * force[k] < 0.0:
-            found += [path[k - 1], path[k]]
-    for k in range(1, len(path) - 1):  # without a change of sign: two equilibria may lie close together
+            places += [k - 1, k]
+    for k in range(1, len(size) - 1):  # without a change of sign: two equilibria may lie close together
         if size[k] < min(size[k - 1], size[k + 1]) and force[k - 1] * force[k + 1] > 0.0:
-            found.append(path[k])
-    return found
+            places.append(k)
+    return places
 
 
-def apart(system: System, one: np.ndarray, others: np.ndarray) -> np.ndarray:
+def apart(system: System, position: np.ndarray, others: np.ndarray) -> np.ndarray:
     """(k,) largest distance [m] of a position from others (k, 3 nb); angles times the size of the mechanism."""
-    distance = one - others
+    distance = position - others
     distance[:, 2::3] = (distance[:, 2::3] + math.pi) % (2 * math.pi) - math.pi
     distance[:, 2::3] *= system.size
     return np.asarray(np.abs(distance).max(axis=1))
@@ -202,11 +212,11 @@ def tiny(system: System) -> float:
     return min([system.size] + [joint.clearance for joint in system.model.joints.values() if joint.clearance > 0])
 
 
-def same(system: System, one: np.ndarray, others: np.ndarray) -> bool:
+def same(system: System, position: np.ndarray, others: np.ndarray) -> bool:
     """True if a position (3 nb,) is one of the others (k, 3 nb)."""
     if not len(others):
         return False
-    return bool(apart(system, one, others).min() < 1e-5 * tiny(system) + 1e-10 * system.size)
+    return bool(apart(system, position, others).min() < SAME[0] * tiny(system) + SAME[1] * system.size)
 
 
 def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -221,21 +231,21 @@ def opened(ideal: StaticProblem, q: np.ndarray, wanted: Mapping[str, np.ndarray]
     return q
 
 
-def sides(ideal: StaticProblem, play: StaticProblem, found: Sequence[Equilibrium]) -> Iterator[np.ndarray]:
+def sides(ideal: StaticProblem, play: StaticProblem, equilibria: Sequence[Equilibrium]) -> Iterator[np.ndarray]:
     """Starts [m, m, rad] with every pin on either side of its bush along the ideal reaction: first all pressing."""
     pressed = []
-    for one in found:
+    for rest in equilibria:
         directions = np.zeros((len(play.links), 2))
-        tiny = 1e-12 * max(1.0, np.abs(one.multiplier).max(initial=0.0))
+        tiny = UNLOADED * max(1.0, np.abs(rest.multiplier).max(initial=0.0))
         for n, name in enumerate(play.links):
-            force = np.array([one[f"{name}.fx"], one[f"{name}.fy"]])
+            force = np.array([rest[f"{name}.fx"], rest[f"{name}.fy"]])
             size = float(np.hypot(*force))
             direction = -force / size if size > tiny else np.array([1.0, 0.0])
             directions[n] = play.system.model.joints[name].clearance * direction
         pressed.append(directions)
     count = len(play.links)
     for pulling in range(count + 1):
-        for one, directions in zip(found, pressed, strict=True):
+        for rest, directions in zip(equilibria, pressed, strict=True):
             for chosen in itertools.combinations(range(count), pulling):
                 signs = [-1.0 if n in chosen else 1.0 for n in range(count)]
-                yield opened(ideal, one.q, dict(zip(play.links, np.array(signs)[:, None] * directions, strict=True)))
+                yield opened(ideal, rest.q, dict(zip(play.links, np.array(signs)[:, None] * directions, strict=True)))

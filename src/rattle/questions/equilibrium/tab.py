@@ -24,42 +24,46 @@ ROOM = 0.15  # around a drawing, as a share of its size
 def tab(shelf: Shelf, source: Source, t: str = "0", branches: str = "near") -> Content:
     """Equilibria with the drivers held, and natural frequencies about the first."""
     m = shelf.mechanism(source)
-    found = m.equilibrium(seconds(t, "drivers held at"), branches=branches)
-    rows = [_row(k, one) for k, one in enumerate(found, 1)]
+    equilibria = m.equilibrium(seconds(t, "drivers held at"), branches=branches)
+    rows = [_row(k, rest) for k, rest in enumerate(equilibria, 1)]
     head = ("", "kind", *(f"angle of {name}" for name in _free(m)), "pins that would have to be pulled")
-    told = f"{len(found)} equilibri{'um' if len(found) == 1 else 'a'} found, {found.extent}" if found else found.extent
+    told = (
+        f"{len(equilibria)} equilibri{'um' if len(equilibria) == 1 else 'a'} found, {equilibria.extent}"
+        if equilibria
+        else equilibria.extent
+    )
     return content(
         told,
-        table(head, [_cells(m, row, one) for row, one in zip(rows, found, strict=True)]),
-        _drawn(found[:DRAWN]),
-        *_vibrations(m, t, bool(found)),
+        table(head, [_cells(m, row, rest) for row, rest in zip(rows, equilibria, strict=True)]),
+        _drawn(equilibria[:DRAWN]),
+        *_vibrations(m, t, bool(equilibria)),
     )
 
 
-def _row(k: int, one: Equilibrium) -> tuple[str, str]:
-    said = "stable" if one.stable else "unstable" if one.falling else "neutral"
-    return str(k), said if one.admissible else f"{said}, not possible"
+def _row(k: int, rest: Equilibrium) -> tuple[str, str]:
+    kind = "stable" if rest.stable else "unstable" if rest.falling else "neutral"
+    return str(k), kind if rest.admissible else f"{kind}, not possible"
 
 
 def _free(m: Mechanism) -> list[str]:
     return list(m.model.bodies)[:5]
 
 
-def _cells(m: Mechanism, row: tuple[str, str], one: Equilibrium) -> tuple[str, ...]:
-    return (*row, *(quantity(one[f"{name}.angle"], "rad") for name in _free(m)), ", ".join(one.pulled) or "none")
+def _cells(m: Mechanism, row: tuple[str, str], rest: Equilibrium) -> tuple[str, ...]:
+    return (*row, *(quantity(rest[f"{name}.angle"], "rad") for name in _free(m)), ", ".join(rest.pulled) or "none")
 
 
-def _drawn(found: list[Equilibrium]) -> Block | None:
+def _drawn(equilibria: list[Equilibrium]) -> Block | None:
     """The equilibria side by side."""
-    if not found:
+    if not equilibria:
         return None
-    columns = min(3, len(found))
-    lines = math.ceil(len(found) / columns)
+    columns = min(3, len(equilibria))
+    lines = math.ceil(len(equilibria) / columns)
     figure = new_figure(3.6 * columns, 3.0 * lines)
-    for k, (ax, one) in enumerate(
-        zip(np.ravel(figure.subplots(lines, columns, squeeze=False)), found, strict=False), 1
+    for k, (ax, rest) in enumerate(
+        zip(np.ravel(figure.subplots(lines, columns, squeeze=False)), equilibria, strict=False), 1
     ):
-        scene = Scene(one.result, np.array([0]), 1.0)
+        scene = Scene(rest.result, np.array([0]), 1.0)
         low, high = extent(scene)
         size = float(max(high - low)) or 1.0
         scene = scene._replace(size=size)
@@ -68,8 +72,8 @@ def _drawn(found: list[Equilibrium]) -> Block | None:
         tidy(ax).grid(False)
         length_axes(ax, float(max(high - low)))
         draw_mechanism(ax, scene, names=False)
-        ax.set_title(f"{k}: {_row(k, one)[1]}", loc="left", fontsize=10)
-    for ax in figure.axes[len(found) :]:
+        ax.set_title(f"{k}: {_row(k, rest)[1]}", loc="left", fontsize=10)
+    for ax in figure.axes[len(equilibria) :]:
         ax.set_visible(False)
     return drawing(figure)
 
@@ -79,8 +83,8 @@ def _vibrations(m: Mechanism, t: str, rests: bool) -> list[Block | None]:
     if not rests:
         return []
     try:
-        found = m.modes(seconds(t, "drivers held at"))
+        modes = m.modes(seconds(t, "drivers held at"))
     except (ModelError, AssemblyError, ValueError) as error:
         return [words(f"Small vibrations about it: {error}")]
-    rows = [(str(k + 1), found.behaviour(k, 4)) for k in range(min(8, len(found)))]
-    return [table(("mode", "small vibrations about the first"), rows), words(found.note)]
+    rows = [(str(k + 1), modes.behaviour(k, 4)) for k in range(min(8, len(modes)))]
+    return [table(("mode", "small vibrations about the first"), rows), words(modes.note)]

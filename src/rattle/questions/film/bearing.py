@@ -90,8 +90,8 @@ class Film:
         """The film of a joint with oil.  Raises ModelError for another one."""
         film = joint.contact.film if joint.contact is not None and joint.is_loose else None
         if film is None:
-            said = 'a clearance, and contact = { model = "lubricated", viscosity, length, bush_radius }'
-            raise ModelError([Problem(("joints", joint.name, "contact"), f"a film needs oil in the joint: {said}")])
+            needs = 'a clearance, and contact = { model = "lubricated", viscosity, length, bush_radius }'
+            raise ModelError([Problem(("joints", joint.name, "contact"), f"a film needs oil in the joint: {needs}")])
         values = dict(film.law.values)
         sizes = (values.pop("viscosity"), values.pop("length"), values.pop("bush_radius"))
         return cls(*sizes, joint.clearance, film.law.kind, **values)
@@ -120,8 +120,8 @@ class Film:
     @property
     def notes(self) -> list[str]:
         """Remarks on the range of validity of the model."""
-        found: list[str] = self._kind.leaf.notes(self._values)
-        return found
+        remarks: list[str] = self._kind.leaf.notes(self._values)
+        return remarks
 
     def force(
         self, ex: float, ey: float, vx: float, vy: float, omega_bush: float = 0.0, omega_pin: float = 0.0
@@ -133,7 +133,7 @@ class Film:
         bush.
         Raises InputError for numbers that are not finite.
         """
-        state = [float(one) for one in (ex, ey, vx, vy, omega_bush, omega_pin)]
+        state = [float(number) for number in (ex, ey, vx, vy, omega_bush, omega_pin)]
         if not all(map(math.isfinite, state)):
             raise InputError(f"a film has a force at finite places and speeds only, got {state}")
         kernel: Any = self._kind.kernel
@@ -155,8 +155,8 @@ class Film:
 
         A rigid rotor on two such bearings has twice that mass.  Raises as `static` does.
         """
-        found = self.static(load, speed)
-        return threshold(found.stiffness, found.damping)[0]
+        position = self.static(load, speed)
+        return threshold(position.stiffness, position.damping)[0]
 
     def peak_pressure(self, ex: float, ey: float, vx: float, vy: float, omega_mean: float = 0.0) -> float:
         """Largest pressure [Pa] in the film; omega_mean [rad/s]: mean of the rates of both bodies."""
@@ -216,8 +216,8 @@ class Film:
 
         weight, boundary = _positive("load", load), _positive("boundary_film", boundary_film)
         if not boundary < 0.5 * self.clearance:
-            said = f"the boundary film of {boundary:.3g} m must be thinner than half the clearance"
-            raise InputError(f"{said} of {self.clearance:.3g} m")
+            words = f"the boundary film of {boundary:.3g} m must be thinner than half the clearance"
+            raise InputError(f"{words} of {self.clearance:.3g} m")
         if not (math.isfinite(friction) and friction >= 0.0):
             raise InputError(f"friction is a coefficient, 0 or more, not {friction!r}")
         k = weight / (stribeck.SINKS * boundary) if stiffness is None else _positive("stiffness", stiffness)
@@ -231,7 +231,7 @@ class Film:
         if speeds is None:
             alone = stribeck.lift_off(force, weight, self.clearance - boundary)
             speeds = [float(w) for w in np.geomspace(1e-3 * alone, 1e2 * alone, 251)]
-        turning = [abs(_speed(one)) for one in speeds]
+        turning = [abs(_speed(speed)) for speed in speeds]
         sizes = (self.radius, self.clearance)
         return stribeck.stribeck_curve(force, weight, turning, sizes, boundary, float(friction), k)
 
@@ -264,10 +264,10 @@ class Film:
 
 
 def _kind(model: str) -> registry.Kind:
-    known = registry.kinds("film")
-    if model not in known:
-        raise InputError(f"no film '{model}'{suggest(str(model), known)}; there are {', '.join(sorted(known))}")
-    return known[model]
+    kinds = registry.kinds("film")
+    if model not in kinds:
+        raise InputError(f"no film '{model}'{suggest(str(model), kinds)}; there are {', '.join(sorted(kinds))}")
+    return kinds[model]
 
 
 def _check_words(kind: registry.Kind, chosen: dict[str, str]) -> None:
@@ -275,24 +275,24 @@ def _check_words(kind: registry.Kind, chosen: dict[str, str]) -> None:
     for key, word in chosen.items():
         choices = kind.fields[key].choices if key in kind.fields else ("reynolds",)
         if word not in choices:
-            said = f"{key} of a film '{kind.name}' is {' or '.join(repr(one) for one in choices)}"
-            raise InputError(f"{said}, not {word!r}{suggest(str(word), choices)}")
+            expected = f"{key} of a film '{kind.name}' is {' or '.join(repr(choice) for choice in choices)}"
+            raise InputError(f"{expected}, not {word!r}{suggest(str(word), choices)}")
 
 
 def _positive(name: str, value: Quantity) -> float:
     unit, example = EXAMPLES[name]
-    found = in_si(_no_flag(name, value), name, unit, example)
-    if not (found > 0.0 and math.isfinite(found)):
+    number = in_si(_no_flag(name, value), name, unit, example)
+    if not (number > 0.0 and math.isfinite(number)):
         raise InputError(f"{name} must be positive and finite, as in {example}; got {value!r}")
-    return found
+    return number
 
 
 def _speed(value: Quantity) -> float:
     unit, example = EXAMPLES["speed"]
-    found = in_si(_no_flag("speed", value), "speed", unit, example)
-    if found == 0.0 or not math.isfinite(found):
+    number = in_si(_no_flag("speed", value), "speed", unit, example)
+    if number == 0.0 or not math.isfinite(number):
         raise InputError(f"speed must be finite and not zero, as in {example}: a film at rest carries nothing")
-    return found
+    return number
 
 
 def _no_flag(name: str, value: Any) -> Any:

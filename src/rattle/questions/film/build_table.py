@@ -27,10 +27,10 @@ def main(processes: int) -> Path:
     with ProcessPoolExecutor(processes) as pool:
         lines = list(pool.map(line, *zip(*tasks, strict=True)))
     shape = (len(RATIOS), NODES)
-    found = {name: np.array([one[name] for one in lines]).reshape(*shape, NODES) for name in NAMES}
-    found["full"] = np.moveaxis(np.array([one["full"] for one in lines]).reshape(*shape, 2), 1, 2)
+    table = {name: np.array([row[name] for row in lines]).reshape(*shape, NODES) for name in NAMES}
+    table["full"] = np.moveaxis(np.array([row["full"] for row in lines]).reshape(*shape, 2), 1, 2)
     exact = ("potential", "full")
-    kept: dict[str, Any] = {key: one if key in exact else one.astype(np.float32) for key, one in found.items()}
+    kept: dict[str, Any] = {key: values if key in exact else values.astype(np.float32) for key, values in table.items()}
     np.savez_compressed(FILE, **kept)
     return FILE
 
@@ -38,22 +38,22 @@ def main(processes: int) -> Path:
 def line(ratio: float, e: float) -> dict[str, Array]:
     """All nodes of one L/D and eccentricity e."""
     angles = directions(e) if e > 0.0 else np.full(NODES, 0.5 * math.pi)  # at the centre all are the same
-    cavitated = [solve_film(e, float(one), ratio, fine=GRID) for one in angles]
+    cavitated = [solve_film(e, float(alpha), ratio, fine=GRID) for alpha in angles]
     full, (along, across) = full_films(ratio, e, angles)
     s = math.sqrt((1.0 - e) * (1.0 + e))
-    peaks = np.array([short_peak.python(e, float(one)) for one in angles])
-    found = {"potential": potentials(cavitated, e, angles)}
+    peaks = np.array([short_peak.python(e, float(alpha)) for alpha in angles])
+    values = {"potential": potentials(cavitated, e, angles)}
     for kind, states in (("", cavitated), ("full_", full)):
-        found[f"{kind}peak"] = np.log([one.peak for one in states] / peaks)
-        found[f"{kind}leakage"] = np.log([one.leakage for one in states])
+        values[f"{kind}peak"] = np.log([state.peak for state in states] / peaks)
+        values[f"{kind}leakage"] = np.log([state.leakage for state in states])
     short = math.pi * (1.0 + 2.0 * e * e) / s**5, math.pi / s**3
-    found["full"] = np.log([along.normal / short[0], across.tangential / short[1]])
-    return found
+    values["full"] = np.log([along.normal / short[0], across.tangential / short[1]])
+    return values
 
 
 def potentials(states: list[FilmState], e: float, angles: Array) -> Array:
     """Lambda of films at the angles alpha [rad]."""
-    return np.array([potential(one, e, float(alpha)) for one, alpha in zip(states, angles, strict=True)])
+    return np.array([potential(state, e, float(alpha)) for state, alpha in zip(states, angles, strict=True)])
 
 
 def potential(state: FilmState, e: float, alpha: float) -> float:

@@ -81,53 +81,57 @@ def film(
     and whirl/w the rate of whirl there, over the speed w ("never": every mass is stable).  With --of the chart has a
     dot for every output of its orbit; dots beside the line carry by squeezing oil.
     """
-    table = output is not None and Path(output).suffix.lower() == ".csv"
-    if output is not None and not table and Path(output).suffix.lower() not in PICTURES:
+    _require_complete(load, speed, boundary_film, output)
+    orbit = None
+    if source is None:
+        if joint is not None:
+            raise click.UsageError("--joint names a joint of a model: give --of FILE")
+        oil_film = _of_sizes(bearing)
+    else:
+        oil_film, orbit, joint = _of_model(source, joint, bearing)
+    position = None if load is None or speed is None else oil_film.static(load, speed)
+    lines = [*_locus(oil_film), *(["", *_position(oil_film, position)] if position is not None else [])]
+    curve = None
+    if boundary_film is not None and load is not None:
+        curve = oil_film.stribeck(load, boundary_film=boundary_film, friction=friction)
+        lines += ["", f"Stribeck curve at {load}, boundary film {boundary_film}", *_stribeck(curve)]
+    click.echo("\n".join(lines))
+    for note in oil_film.notes:
+        click.echo(f"note: {note}", err=True)
+    if output is None:
+        return
+    if Path(output).suffix.lower() == ".csv":
+        _write(oil_film.table() if curve is None else curve, output)
+    else:
+        from rattle.plots.curves import save_figure
+
+        if boundary_film is not None and load is not None:
+            drawn = oil_film.plot_stribeck(load, boundary_film=boundary_film, friction=friction)
+        else:
+            drawn = oil_film.plot(load, speed, result=orbit, joint=joint or "")
+        save_figure(drawn, output)
+    say_written(output)
+
+
+def _require_complete(load: str | None, speed: str | None, boundary_film: str | None, output: str | None) -> None:
+    """Raise InputError for a file that cannot be written, click.UsageError for half of a question."""
+    if output is not None and Path(output).suffix.lower() not in (".csv", *PICTURES):
         raise InputError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
     if boundary_film is None and (load is None) != (speed is None):
         raise click.UsageError("the point of a load needs both, --load and --speed")
     if boundary_film is not None and load is None:
         raise click.UsageError("a Stribeck curve needs --load")
-    orbit = None
-    if source is None:
-        if joint is not None:
-            raise click.UsageError("--joint names a joint of a model: give --of FILE")
-        made = _of_sizes(bearing)
-    else:
-        made, orbit, joint = _of_model(source, joint, bearing)
-    found = None if load is None or speed is None else made.static(load, speed)
-    lines = [*_locus(made), *(["", *_position(made, found)] if found is not None else [])]
-    curve = None
-    if boundary_film is not None and load is not None:
-        curve = made.stribeck(load, boundary_film=boundary_film, friction=friction)
-        lines += ["", f"Stribeck curve at {load}, boundary film {boundary_film}", *_stribeck(curve)]
-    click.echo("\n".join(lines))
-    for note in made.notes:
-        click.echo(f"note: {note}", err=True)
-    if output is None:
-        return
-    if table:
-        _write(made.table() if curve is None else curve, output)
-    else:
-        from rattle.plots.curves import save_figure
-
-        if boundary_film is not None and load is not None:
-            drawn = made.plot_stribeck(load, boundary_film=boundary_film, friction=friction)
-        else:
-            drawn = made.plot(load, speed, result=orbit, joint=joint or "")
-        save_figure(drawn, output)
-    say_written(output)
 
 
 def _of_sizes(bearing: Mapping[str, str | None]) -> Film:
     """The film of a bearing that is given by itself.  Raises click.UsageError for sizes that are missing."""
     from rattle.questions.film.bearing import Film
 
-    given = {name: one for name, one in bearing.items() if one is not None}
-    missing = [f"--{name}" for name in SIZES if name not in given]
+    sizes = {name: size for name, size in bearing.items() if size is not None}
+    missing = [f"--{name}" for name in SIZES if name not in sizes]
     if missing:
         raise click.UsageError(f"missing {', '.join(missing)}; or take them from a model: --of FILE")
-    return Film(**given)
+    return Film(**sizes)
 
 
 def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None]) -> tuple[Film, Result, str]:
@@ -135,13 +139,13 @@ def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None])
     from rattle.cli.options import only_oiled, read_model
 
     context = click.get_current_context()
-    given = [f"--{name}" for name in bearing if context.get_parameter_source(name) is not ParameterSource.DEFAULT]
-    if given:
-        raise click.UsageError(f"{', '.join(given)}: the model says that already; leave it out with --of")
+    options = [f"--{name}" for name in bearing if context.get_parameter_source(name) is not ParameterSource.DEFAULT]
+    if options:
+        raise click.UsageError(f"{', '.join(options)}: the model says that already; leave it out with --of")
     m = read_model(source, (), False)
     name = joint if joint is not None else only_oiled(m)
-    made = m.film(name)
-    return made, m.orbit(name), name
+    oil_film = m.film(name)
+    return oil_film, m.orbit(name), name
 
 
 def _stribeck(frame: DataFrame) -> list[str]:
@@ -164,11 +168,11 @@ def _write(frame: DataFrame, path: str) -> None:
         frame.to_csv(file, index=False, lineterminator="\n")
 
 
-def _locus(made: Film) -> list[str]:
+def _locus(oil_film: Film) -> list[str]:
     """The static positions, a line each."""
     from rattle.questions.film.locus import locus
 
-    columns = locus(made, SHOWN)
+    columns = locus(oil_film, SHOWN)
     heads = ("e/c", "S", "attitude", "f R/c", "p_max", "leakage", "m c w^2/W", "whirl/w")
     rows: list[tuple[str, ...]] = [heads]
     for k, e in enumerate(columns["eccentricity"]):
@@ -176,40 +180,40 @@ def _locus(made: Film) -> list[str]:
         angle = f"{math.degrees(columns['attitude'][k]):.2f} deg"
         rows.append((f"{e:.2f}", f"{columns['sommerfeld'][k]:.4g}", angle, *map(_number, numbers)))
     widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
-    said = f"film '{made.model}', L/D = {made.ratio:.3g}, R/c = {made.radius / made.clearance:.4g}"
-    return [said, *("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)]
+    title = f"film '{oil_film.model}', L/D = {oil_film.ratio:.3g}, R/c = {oil_film.radius / oil_film.clearance:.4g}"
+    return [title, *("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)]
 
 
 def _number(value: float) -> str:
     return "never" if value == math.inf else "-" if math.isnan(value) else f"{value:.4g}"
 
 
-def _position(made: Film, found: JournalPosition) -> list[str]:
+def _position(oil_film: Film, position: JournalPosition) -> list[str]:
     """Where the load comes to rest."""
     from rattle.questions.film.journal import threshold
     from rattle.results.chosen_units import Shown, chosen
     from rattle.results.display import quantity
 
-    turned = quantity(found.attitude, "rad", 6) if chosen("rad") else f"{math.degrees(found.attitude):.3f} deg"
-    film = quantity(found.film_thickness, "m", usual=Shown(1e6, "um"))
+    turned = quantity(position.attitude, "rad", 6) if chosen("rad") else f"{math.degrees(position.attitude):.3f} deg"
+    film = quantity(position.film_thickness, "m", usual=Shown(1e6, "um"))
 
-    mass, whirl = threshold(found.stiffness, found.damping)
+    mass, whirl = threshold(position.stiffness, position.damping)
     limit = "whirls with no mass at this speed" if mass == math.inf else f"whirls from {mass:.4g} kg on"
     lines = [
-        f"load {quantity(found.load, 'N', 5)} at {quantity(found.speed, 'rad/s', 5, Shown(1.0, 'rad/s'))}",
-        f"  Sommerfeld number  {found.sommerfeld:.5g}",
-        f"  eccentricity       {found.eccentricity:.5f} of the clearance",
+        f"load {quantity(position.load, 'N', 5)} at {quantity(position.speed, 'rad/s', 5, Shown(1.0, 'rad/s'))}",
+        f"  Sommerfeld number  {position.sommerfeld:.5g}",
+        f"  eccentricity       {position.eccentricity:.5f} of the clearance",
         f"  attitude           {turned}",
         f"  least film         {film}",
-        f"  peak pressure      {quantity(found.pressure, 'Pa', usual=Shown(1e-6, 'MPa'))}",
-        f"  friction           {found.friction:.4g} (coefficient), {quantity(found.loss, 'W')}",
-        f"  leakage            {quantity(found.leakage, 'm^3/s', usual=Shown(1e6, 'cm^3/s'))}",
-        f"  stiffness [N/m]    {_matrix(found.stiffness)}",
-        f"  damping [N*s/m]    {_matrix(found.damping)}",
+        f"  peak pressure      {quantity(position.pressure, 'Pa', usual=Shown(1e-6, 'MPa'))}",
+        f"  friction           {position.friction:.4g} (coefficient), {quantity(position.loss, 'W')}",
+        f"  leakage            {quantity(position.leakage, 'm^3/s', usual=Shown(1e6, 'cm^3/s'))}",
+        f"  stiffness [N/m]    {_matrix(position.stiffness)}",
+        f"  damping [N*s/m]    {_matrix(position.damping)}",
         f"  stability          {limit}"
-        + ("" if math.isnan(whirl) else f", {whirl / abs(found.speed):.4g} of the speed"),
+        + ("" if math.isnan(whirl) else f", {whirl / abs(position.speed):.4g} of the speed"),
     ]
-    return [one for one in lines if "nan" not in one]
+    return [line for line in lines if "nan" not in line]
 
 
 def _matrix(numbers: Any) -> str:

@@ -138,12 +138,12 @@ def stiffness_and_damping(film: Bearing, e: float, attitude: float, speed: float
 
 def _slopes(force: Callable[[float, float], tuple[float, ...]], step: float) -> Array:
     """Minus the derivatives (2, 2) of a force by central differences of fourth order."""
-    found = np.empty((2, 2))
+    slopes = np.empty((2, 2))
     for k in range(2):
-        one = step * np.eye(2)[k]
-        f = [np.array(force(*(n * one).tolist())) for n in (-2.0, -1.0, 1.0, 2.0)]
-        found[:, k] = -(f[0] - 8.0 * f[1] + 8.0 * f[2] - f[3]) / (12.0 * step)
-    return found
+        shift = step * np.eye(2)[k]
+        f = [np.array(force(*(n * shift).tolist())) for n in (-2.0, -1.0, 1.0, 2.0)]
+        slopes[:, k] = -(f[0] - 8.0 * f[1] + 8.0 * f[2] - f[3]) / (12.0 * step)
+    return slopes
 
 
 def threshold(stiffness: Array, damping: Array) -> tuple[float, float]:

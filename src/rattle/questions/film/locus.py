@@ -22,10 +22,10 @@ def locus(film: Bearing, eccentricities: Sequence[float], coefficients: bool = T
 
     Raises InputError for an eccentricity that is not between 0 and 1.
     """
-    wrong = [one for one in eccentricities if not 0.0 < one < 1.0]
+    wrong = [e for e in eccentricities if not 0.0 < e < 1.0]
     if wrong:
         raise InputError(f"an eccentricity is between 0 and 1 clearances, not {wrong[0]:g}")
-    rows = [_row(film, float(one), coefficients) for one in eccentricities]
+    rows = [_row(film, float(e), coefficients) for e in eccentricities]
     return {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}
 
 
@@ -35,7 +35,7 @@ def _row(film: Bearing, e: float, coefficients: bool) -> dict[str, float]:
     fx, fy, _, torque, _ = film.force(e * c, 0.0, 0.0, 0.0, 0.0, 1.0)
     load, attitude = math.hypot(fx, fy), math.atan2(fy, -fx)
     turns = 0.5 / math.pi  # revolutions per second
-    found = {
+    values = {
         "eccentricity": e,
         "attitude": attitude,
         "sommerfeld": sommerfeld(film, load, 1.0),
@@ -44,13 +44,13 @@ def _row(film: Bearing, e: float, coefficients: bool) -> dict[str, float]:
         "leakage": film.leakage(e * c, 0.0, 0.0, 0.0, 0.5) / (film.radius * c * turns * film.length),
     }
     if not coefficients:
-        return found
+        return values
     stiffness, damping = stiffness_and_damping(film, e, attitude, 1.0)
     mass, whirl = threshold(stiffness, damping)
     return {
-        **found,
-        **{f"k_{axes}": one * c / load for axes, one in zip(AXES, stiffness.ravel(), strict=True)},
-        **{f"c_{axes}": one * c / load for axes, one in zip(AXES, damping.ravel(), strict=True)},
+        **values,
+        **{f"k_{axes}": entry * c / load for axes, entry in zip(AXES, stiffness.ravel(), strict=True)},
+        **{f"c_{axes}": entry * c / load for axes, entry in zip(AXES, damping.ravel(), strict=True)},
         "critical_mass": mass * c / load,
         "whirl": whirl,
     }

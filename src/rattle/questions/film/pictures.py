@@ -59,15 +59,15 @@ def load_points(result: Result, joint: str) -> LoadPoints:
     )
     turned = np.arctan2(ey, ex) - np.arctan2(-fy, -fx)
     angle = np.sign(a + b) * np.arctan2(np.sin(turned), np.cos(turned))
-    known = np.isfinite(s) & (s > 0.0) & (e > 0.0)
-    return LoadPoints(s[known], e[known], angle[known], joint)
+    defined = np.isfinite(s) & (s > 0.0) & (e > 0.0)
+    return LoadPoints(s[defined], e[defined], angle[defined], joint)
 
 
 def plot_film(film: Film, position: JournalPosition | None, points: LoadPoints | None = None) -> Figure:
     """The chart of a film, with the point of a load if there is one, and the points of a joint."""
     from rattle.questions.film.locus import locus
 
-    curves = locus(film, [float(one) for one in ECCENTRICITIES], coefficients=False)
+    curves = locus(film, [float(e) for e in ECCENTRICITIES], coefficients=False)
     figure = new_figure(9.6, 5.2)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     top = tidy(figure.add_subplot(grid[0, 0]))
@@ -89,8 +89,8 @@ def plot_film(film: Film, position: JournalPosition | None, points: LoadPoints |
         top.plot([position.sommerfeld], [position.eccentricity], "o", color=RED)
         below.plot([position.sommerfeld], [DEGREES * position.attitude], "o", color=RED)
     _clearance(figure.add_subplot(grid[:, 1]), curves, position, points)
-    said = f"film '{film.model}', L/D = {film.ratio:.3g}" + (", no cavitation" if film.cavitation == "full" else "")
-    top.set_title(said, loc="left", fontsize=11)
+    title = f"film '{film.model}', L/D = {film.ratio:.3g}" + (", no cavitation" if film.cavitation == "full" else "")
+    top.set_title(title, loc="left", fontsize=11)
     return figure
 
 
@@ -130,7 +130,7 @@ def _clearance(ax: Axes, curves: Columns, position: JournalPosition | None, poin
     )
     turn = np.radians(np.linspace(100.0, 165.0, 30)) if way > 0.0 else np.radians(np.linspace(80.0, 15.0, 30))
     ax.plot(0.85 * np.cos(turn[:-1]), 0.85 * np.sin(turn[:-1]), color=GREY, linewidth=1.0)
-    ends = [(0.85 * math.cos(one), 0.85 * math.sin(one)) for one in (turn[-1], turn[-3])]
+    ends = [(0.85 * math.cos(angle), 0.85 * math.sin(angle)) for angle in (turn[-1], turn[-3])]
     ax.annotate("", ends[0], ends[1], arrowprops={"arrowstyle": "-|>", "color": GREY, "linewidth": 1.0})
     ax.text(-0.42 * way, 0.52, "pin", color=GREY, fontsize=9, ha="center")
     if position is not None:
@@ -178,7 +178,7 @@ def plot_stribeck(film: Film, columns: dict[str, np.ndarray], load: float, bound
     note(below, "dashed: boundary film")
     top.set_xlim(float(speed.min()), float(speed.max()))
     least = int(np.argmin(friction))
-    said = f"least friction {friction[least]:.2g} at {speed[least]:.3g} rad/s"
-    title = f"film '{film.model}', L/D = {film.ratio:.3g}, {load:.4g} N: {said}"
+    lowest = f"least friction {friction[least]:.2g} at {speed[least]:.3g} rad/s"
+    title = f"film '{film.model}', L/D = {film.ratio:.3g}, {load:.4g} N: {lowest}"
     top.set_title(title, loc="left", fontsize=11, pad=18)
     return figure

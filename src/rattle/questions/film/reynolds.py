@@ -122,7 +122,7 @@ def solve_film(
     """
     coarse, grid = (Grid(eccentricity, ratio, fine[0] // part, fine[1] // part) for part in (2, 1))
     if full:
-        return extrapolated(*(one.state(full_pressure(one, alpha), alpha) for one in (coarse, grid)))
+        return extrapolated(*(mesh.state(full_pressure(mesh, alpha), alpha) for mesh in (coarse, grid)))
     first = cavitated_pressure(coarse, alpha)
     second = cavitated_pressure(grid, alpha, refined(first > 0.0))
     return extrapolated(coarse.state(first, alpha), grid.state(second, alpha))
@@ -133,8 +133,8 @@ def refined(positive: NDArray[np.bool_]) -> NDArray[np.bool_]:
     around, along = positive.shape
     lines = np.empty((2 * around, along), bool)
     lines[::2], lines[1::2] = positive, positive | np.roll(positive, -1, axis=0)
-    found: NDArray[np.bool_] = np.repeat(lines, 2, axis=1)
-    return found
+    finer: NDArray[np.bool_] = np.repeat(lines, 2, axis=1)
+    return finer
 
 
 def extrapolated(coarse: FilmState, fine: FilmState) -> FilmState:
@@ -164,9 +164,9 @@ def _pressure_on(grid: Grid, source: Array, positive: NDArray[np.bool_]) -> Arra
     order = np.roll(np.arange(len(lines)), -start)
     last = len(lines) - int(np.argmax(lines[order][::-1]))
     order = order[1:last]
-    found = np.zeros(source.shape)
-    found[order] = _solved(grid, order, source[order], positive[order])
-    return found
+    pressure = np.zeros(source.shape)
+    pressure[order] = _solved(grid, order, source[order], positive[order])
+    return pressure
 
 
 def _solved(grid: Grid, order: NDArray[np.int64], source: Array, positive: NDArray[np.bool_]) -> Array:

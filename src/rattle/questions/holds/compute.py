@@ -27,15 +27,15 @@ GRAVITY = "gravity"  # the name by which it is asked for
 
 def holding_range(system: System, name: str, t: float, at_rest: Equilibrium | None) -> HoldingRange:
     """The interval of values of a load, or of the effort of a driver, that friction holds; see `Mechanism.holds`."""
-    given, system, t, q = position_asked(system, t, at_rest)
+    original, system, t, q = position_asked(system, t, at_rest)
     workspace = evaluated(system, t, q)
     sought = _sought(system, workspace, name, t, q)
     motion = one_motion(system, workspace, sought)
     low, high = (impending(system, workspace, motion, sense) for sense in (-1.0, 1.0))
-    doubtful = sorted({joint for one in (low, high) for joint in _doubtful(system, one)})
+    doubtful = sorted({joint for end in (low, high) for joint in _doubtful(system, end)})
     return HoldingRange(
         sought.name, sought.unit, sought.value, low.load, high.load, motion.free,
-        (low.limit.jams_at, high.limit.jams_at), t, q, (*left_out(given), *_doubts(doubtful)),
+        (low.limit.jams_at, high.limit.jams_at), t, q, (*left_out(original), *_doubts(doubtful)),
     )  # fmt: skip
 
 
@@ -67,25 +67,27 @@ def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.nda
         weight[:, :2] = mass * system.arrays["gravity"]
         return _scaled(name, weight.ravel(), "", 1.0)
     if name not in model.loads:
-        known = [*model.loads, *model.drivers, GRAVITY]
-        raise InputError(f"no load or driver '{name}'{suggest(name, known)}")
+        names = [*model.loads, *model.drivers, GRAVITY]
+        raise InputError(f"no load or driver '{name}'{suggest(name, names)}")
+    return _sought_load(system, name, t, q)
+
+
+def _sought_load(system: System, name: str, t: float, q: np.ndarray) -> Sought:
+    """The load of that name, with its value in the unit in which it acts.  Raises InputError."""
+    model = system.model
     load, force = model.loads[name], load_forces(system, t, q, np.zeros_like(q))[name]
     end = force[0 if load.b.body == "ground" else 1 + system.bodies.index(load.b.body)]
     kind = registry.kinds("load")[load.kind] if load.law is None else None
     record = getattr(kind.leaf, "record", None) if kind else None
-    acts = next((one.unit for one in kind.fields.values() if one.live), "") if kind and record is None else ""
-    if record is not None and record.unit == "N":
+    acts = next((field.unit for field in kind.fields.values() if field.live), "") if kind and record is None else ""
+    if record is None:
+        value = {"N": float(np.hypot(*end[:2])), "N*m": float(end[2])}.get(acts, 1.0)
+        return _scaled(name, force[1:].ravel(), acts if acts in ("N", "N*m") else "", value)
+    value = record.power * float(end[2])
+    if record.unit == "N":
         line = point_at(system, q, load.b) - point_at(system, q, load.a)
-        value, unit = math.copysign(float(np.hypot(*end[:2])), record.power * float(line @ end[:2])), record.unit
-    elif record is not None:
-        value, unit = record.power * float(end[2]), record.unit
-    elif acts == "N":
-        value, unit = float(np.hypot(*end[:2])), acts
-    elif acts == "N*m":
-        value, unit = float(end[2]), acts
-    else:
-        value, unit = 1.0, ""
-    return _scaled(name, force[1:].ravel(), unit, value)
+        value = math.copysign(float(np.hypot(*end[:2])), record.power * float(line @ end[:2]))
+    return _scaled(name, force[1:].ravel(), record.unit, value)
 
 
 def _scaled(name: str, force: np.ndarray, unit: str, value: float) -> Sought:
@@ -97,21 +99,21 @@ def _scaled(name: str, force: np.ndarray, unit: str, value: float) -> Sought:
     return Sought(name, force / value, unit, value, -1)
 
 
-def _doubtful(system: System, one: Impending) -> list[str]:
+def _doubtful(system: System, motion: Impending) -> list[str]:
     """Joints whose friction need not be at its limit for the load to be largest."""
-    x = one.limit.x
+    x = motion.limit.x
     if not np.isfinite(x).all() or not x.any():
         return []
     held = [name for name, law in zip(system.dry_joints, system.arrays["dry"][:, at.DRY_LAW], strict=True) if law < 0]
-    return [name for name, less in zip(held, yields_more(one.rubbing, x), strict=True) if less]
+    return [name for name, less in zip(held, yields_more(motion.rubbing, x), strict=True) if less]
 
 
 def _doubts(doubtful: list[str]) -> tuple[str, ...]:
     """A note on such joints."""
     if not doubtful:
         return ()
-    said = "would let the other joints hold more: just outside the interval rest and motion are both possible"
-    return (f"less friction in {', '.join(doubtful)} than its limit {said}",)
+    words = "would let the other joints hold more: just outside the interval rest and motion are both possible"
+    return (f"less friction in {', '.join(doubtful)} than its limit {words}",)
 
 
 def left_out(system: System) -> tuple[str, ...]:
@@ -119,7 +121,9 @@ def left_out(system: System) -> tuple[str, ...]:
     notes, stops = [], with_stops(system.model)
     if stops:
         notes.append(f"the stops of {stops} are left out")
-    creeping = [name for name, one in system.model.joints.items() if one.friction and one.friction.law is not None]
+    creeping = [
+        name for name, joint in system.model.joints.items() if joint.friction and joint.friction.law is not None
+    ]
     if creeping:
         notes.append(f"friction in {', '.join(creeping)} is left out: its law does not hold at rest")
     return tuple(notes)

@@ -11,6 +11,7 @@ import numpy as np
 from rattle.results.display import lines
 
 ROUNDING = 1e-9  # share of the largest value below which a value is zero
+ALIKE = 1e-6  # [-] relative difference of factors on friction that are told as one
 NEAR = 2.0  # factor on friction within which jamming is spoken of
 
 
@@ -51,7 +52,7 @@ class HoldingRange:
 
     @property
     def _size(self) -> float:
-        return max((abs(one) for one in (self.low, self.high, self.free) if math.isfinite(one)), default=0.0)
+        return max((abs(value) for value in (self.low, self.high, self.free) if math.isfinite(value)), default=0.0)
 
     def _said(self, value: float) -> str:
         value = 0.0 if abs(value) <= ROUNDING * self._size else value
@@ -74,40 +75,46 @@ class HoldingRange:
 
     def __str__(self) -> str:
         if self.low == -math.inf and self.high == math.inf:
-            said = [f"rests for every value of {self.load} ({self._said(self.free)} without friction)"]
+            sentences = [f"rests for every value of {self.load} ({self._said(self.free)} without friction)"]
         elif self.low == -math.inf:
-            said = [f"rests for {self.load} up to {self._said(self.high)} ({self._said(self.free)} without friction)"]
+            sentences = [
+                f"rests for {self.load} up to {self._said(self.high)} ({self._said(self.free)} without friction)"
+            ]
         elif self.high == math.inf:
-            said = [f"rests for {self.load} from {self._said(self.low)} on ({self._said(self.free)} without friction)"]
+            sentences = [
+                f"rests for {self.load} from {self._said(self.low)} on ({self._said(self.free)} without friction)"
+            ]
         else:
             ends = f"{self._said(self.low)} and {self._said(self.high)}"
-            said = [f"rests for {self.load} between {ends} ({self._said(self.free)} without friction)"]
+            sentences = [f"rests for {self.load} between {ends} ({self._said(self.free)} without friction)"]
         if not math.isnan(self.value):
             side = (
                 "" if self.rests else f": it moves, as the load is too {'large' if self.value > self.high else 'small'}"
             )
             now = f"now {self._said(self.value)}" if self.unit else "as it is"
-            said.append(f"{now}{': it rests' if self.rests else side}")
-        said += self._jamming()
+            sentences.append(f"{now}{': it rests' if self.rests else side}")
+        sentences += self._jamming()
         if self.self_locking:
-            said.append(f"self-locking: it rests without {self.load}")
+            sentences.append(f"self-locking: it rests without {self.load}")
         elif abs(self.free) > ROUNDING * self._size:
-            said.append(f"not self-locking: without {self.load} it moves")
-        return "\n".join([*said, *(f"note: {one}" for one in self.notes)])
+            sentences.append(f"not self-locking: without {self.load} it moves")
+        return "\n".join([*sentences, *(f"note: {note}" for note in self.notes)])
 
     def _jamming(self) -> list[str]:
         """Lines on the senses in which the load jams, or nearly does."""
         ways = {"": (self.high, self.jams_from[1]), " the other way": (self.low, self.jams_from[0])}
         up, down = ways.values()
-        if math.isinf(up[0]) == math.isinf(down[0]) and math.isclose(up[1], down[1], rel_tol=1e-6):
+        if math.isinf(up[0]) == math.isinf(down[0]) and math.isclose(up[1], down[1], rel_tol=ALIKE):
             ways = {", either way": up}
-        said = []
+        sentences = []
         for way, (end, share) in ways.items():
             so = f"however large {self.load} is{way}"
             if math.isinf(end):
-                said.append(f"jams: {so}, it does not move (from {share:.4g} times this friction on)")
+                sentences.append(f"jams: {so}, it does not move (from {share:.4g} times this friction on)")
             elif share <= 1.0:
-                said.append(f"jams again farther out: {so}, it may not move (from {share:.4g} times this friction on)")
+                sentences.append(
+                    f"jams again farther out: {so}, it may not move (from {share:.4g} times this friction on)"
+                )
             elif share <= NEAR:
-                said.append(f"close to jamming: with {share:.4g} times the friction it would not move, {so}")
-        return said
+                sentences.append(f"close to jamming: with {share:.4g} times the friction it would not move, {so}")
+        return sentences

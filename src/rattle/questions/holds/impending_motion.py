@@ -24,6 +24,7 @@ CLOSE = 1e-14  # share of x that ends them
 FIRST = 0.125  # first step of theta
 LEAST = 1e-13  # step of theta at which the path has turned back
 MOST = 100.0  # theta up to which jamming is looked for
+YIELDS = 1e-9  # [of the largest share] negative share above which less friction would hold more: below is rounding
 NOTHING = 1e-12  # share of the forces below which a normal force is rounding
 
 
@@ -45,99 +46,101 @@ class Limit(NamedTuple):
     jams_at: float  # theta from which it jams; inf if it does not up to MOST
 
 
-def normal_forces(one: Rubbing, multiplier: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def normal_forces(rubbing: Rubbing, multiplier: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """N (n,) [N] of every joint by its multipliers (n, 2), and its slopes (n, 2)."""
     first, second = multiplier.T
     size = np.hypot(first, second)
     unit = np.divide(multiplier, size[:, None], out=np.zeros_like(multiplier), where=size[:, None] > 0.0)
-    pin, tilts = np.isnan(one.reach), one.reach * np.abs(second) > np.abs(first)
-    N = np.where(pin, size, np.where(tilts, one.reach * np.abs(second), np.abs(first)))
-    slope = np.stack([np.where(tilts, 0.0, np.sign(first)), np.where(tilts, one.reach * np.sign(second), 0.0)], axis=1)
+    pin, tilts = np.isnan(rubbing.reach), rubbing.reach * np.abs(second) > np.abs(first)
+    N = np.where(pin, size, np.where(tilts, rubbing.reach * np.abs(second), np.abs(first)))
+    slope = np.stack(
+        [np.where(tilts, 0.0, np.sign(first)), np.where(tilts, rubbing.reach * np.sign(second), 0.0)], axis=1
+    )
     return N, np.where(pin[:, None], unit, slope)
 
 
-def limit(one: Rubbing, far: bool = True) -> Limit:
+def limit(rubbing: Rubbing, far: bool = True) -> Limit:
     """The friction of every joint where motion in this sense is impending, under the loads there are.
 
     far: also find where it would jam with more friction; if not, `jams_at` is inf unless it jams.
     """
-    N, _ = normal_forces(one, one.still)
-    if not (one.mu * N > one.mu * one.rounding).any():  # nothing presses but the load that is sought
-        alone = jams_at(one)
-        return Limit(np.full(len(one.mu), math.inf if alone <= 1.0 else 0.0), alone)
-    x, turned = _follow(one, 1.0)
+    N, _ = normal_forces(rubbing, rubbing.still)
+    if not (rubbing.mu * N > rubbing.mu * rubbing.rounding).any():  # nothing presses but the load that is sought
+        alone = jams_at(rubbing)
+        return Limit(np.full(len(rubbing.mu), math.inf if alone <= 1.0 else 0.0), alone)
+    x, turned = _follow(rubbing, 1.0)
     if turned <= 1.0:
-        return Limit(np.full(len(one.mu), math.inf), turned)
-    return Limit(x, jams_at(one) if far else math.inf)
+        return Limit(np.full(len(rubbing.mu), math.inf), turned)
+    return Limit(x, jams_at(rubbing) if far else math.inf)
 
 
-def jams_at(one: Rubbing) -> float:
+def jams_at(rubbing: Rubbing) -> float:
     """theta from which a load of any size jams that acts alone: x = theta mu N(Z x) has a solution; inf up to MOST.
 
     Found with reactions in place of lambda_0 that friction itself would make, so that x grows beyond all bounds there.
     """
-    n = len(one.mu)
-    alike = one.response @ np.full(n, 1.0 / n)
-    N, _ = normal_forces(one, alike)
-    if not (one.mu * N > NOTHING * np.abs(one.response).max(initial=0.0)).any():
+    n = len(rubbing.mu)
+    alike = rubbing.response @ np.full(n, 1.0 / n)
+    N, _ = normal_forces(rubbing, alike)
+    if not (rubbing.mu * N > NOTHING * np.abs(rubbing.response).max(initial=0.0)).any():
         return math.inf
-    return _follow(one._replace(still=alike), MOST)[1]
+    return _follow(rubbing._replace(still=alike), MOST)[1]
 
 
-def yields_more(one: Rubbing, x: np.ndarray) -> np.ndarray:
+def yields_more(rubbing: Rubbing, x: np.ndarray) -> np.ndarray:
     """(n,) True for joints whose friction, if it were less than its limit, would let the others hold a larger load."""
-    _, slopes = normal_forces(one, one.still + one.response @ x)
-    jacobian = np.eye(len(x)) - one.mu[:, None] * np.einsum("ij,ijk->ik", slopes, one.response)
-    share = np.linalg.solve(jacobian.T, one.slip)
-    return np.asarray(share < -1e-9 * np.abs(share).max(initial=0.0))
+    _, slopes = normal_forces(rubbing, rubbing.still + rubbing.response @ x)
+    jacobian = np.eye(len(x)) - rubbing.mu[:, None] * np.einsum("ij,ijk->ik", slopes, rubbing.response)
+    share = np.linalg.solve(jacobian.T, rubbing.slip)
+    return np.asarray(share < -YIELDS * np.abs(share).max(initial=0.0))
 
 
-def _follow(one: Rubbing, until: float) -> tuple[np.ndarray, float]:
+def _follow(rubbing: Rubbing, until: float) -> tuple[np.ndarray, float]:
     """x (n,) at theta = `until`, or theta where it jams before (else inf)."""
-    N, _ = normal_forces(one, one.still)
-    weight = 1.0 / (one.mu * N).sum()
-    theta, step, y = 0.0, FIRST, np.zeros(len(one.mu))
+    N, _ = normal_forces(rubbing, rubbing.still)
+    weight = 1.0 / (rubbing.mu * N).sum()
+    theta, step, y = 0.0, FIRST, np.zeros(len(rubbing.mu))
     while theta < until:
         ahead = min(theta + step, until)
-        found = _solve(one, ahead, weight, y)
-        if found is None:
+        shares = _solve(rubbing, ahead, weight, y)
+        if shares is None:
             step *= 0.5
             if step < LEAST * max(1.0, theta):
                 return y, theta
             continue
-        if weight * found.sum() >= 1.0:
-            return found, _where_unbounded(one, weight, theta, ahead, y)
-        y, theta, step = found, ahead, 1.5 * step
+        if weight * shares.sum() >= 1.0:
+            return shares, _where_unbounded(rubbing, weight, theta, ahead, y)
+        y, theta, step = shares, ahead, 1.5 * step
     return y / (1.0 - weight * y.sum()), math.inf
 
 
-def _where_unbounded(one: Rubbing, weight: float, low: float, high: float, y: np.ndarray) -> float:
+def _where_unbounded(rubbing: Rubbing, weight: float, low: float, high: float, y: np.ndarray) -> float:
     """theta between two others at which h = 0; y: at the lower one."""
     for _ in range(60):
         middle = 0.5 * (low + high)
-        found = _solve(one, middle, weight, y) if low < middle < high else None
-        if found is None:
+        shares = _solve(rubbing, middle, weight, y) if low < middle < high else None
+        if shares is None:
             break
-        if weight * found.sum() >= 1.0:
+        if weight * shares.sum() >= 1.0:
             high = middle
         else:
-            low, y = middle, found
+            low, y = middle, shares
     return high
 
 
-def _solve(one: Rubbing, theta: float, weight: float, start: np.ndarray) -> np.ndarray | None:
+def _solve(rubbing: Rubbing, theta: float, weight: float, start: np.ndarray) -> np.ndarray | None:
     """y (n,), the share of x in (h, x) with h = 1 - weight sum(y), by Newton's method; None if it is not near `start`.
 
     The determinant is positive as long as the path goes on.
     """
-    y, response, last = start.copy(), one.response - weight * one.still[:, :, None], math.inf
+    y, response, last = start.copy(), rubbing.response - weight * rubbing.still[:, :, None], math.inf
     for _ in range(ROUNDS):
-        N, slopes = normal_forces(one, one.still + response @ y)
-        jacobian = np.eye(len(y)) - theta * one.mu[:, None] * np.einsum("ij,ijk->ik", slopes, response)
+        N, slopes = normal_forces(rubbing, rubbing.still + response @ y)
+        jacobian = np.eye(len(y)) - theta * rubbing.mu[:, None] * np.einsum("ij,ijk->ik", slopes, response)
         sign = np.linalg.slogdet(jacobian)[0]
         if not sign > 0.0:
             return None
-        change = np.linalg.solve(jacobian, theta * one.mu * N - y)
+        change = np.linalg.solve(jacobian, theta * rubbing.mu * N - y)
         y += change
         if not np.isfinite(y).all():
             return None

@@ -25,6 +25,7 @@ from rattle.jit.workspace import Workspace
 from rattle.questions.holds.impending_motion import NOTHING, Limit, Rubbing, limit
 
 STILL = 1e-9  # share of the whole motion below which a joint does not move in it
+NO_WORK = 1e-9  # [-] cosine between a load and the motion below which it does no work in it: rounding
 MOST_STILL = 6  # joints with friction that do not move in the motion, whose friction is tried both ways
 
 
@@ -68,21 +69,21 @@ def require_answerable(system: System) -> None:
     """Raise ModelError if no joint has friction that holds, or if something has no reactions at rest."""
     require_loads_without_states(system.model, "equilibrium with friction")
     require_known_torques(system, "equilibrium with friction")
-    holding = [name for name, one in system.model.joints.items() if one.friction and one.friction.law is None]
+    holding = [name for name, joint in system.model.joints.items() if joint.friction and joint.friction.law is None]
     if not holding:
-        creeping = [name for name, one in system.model.joints.items() if one.friction]
-        said = (
+        creeping = [name for name, joint in system.model.joints.items() if joint.friction]
+        words = (
             "their laws of friction creep under any load, and bristles bend: none holds; give them friction = MU"
             if creeping
             else "no joint without play has friction; give one friction = MU, or a table with mu and pin_radius"
         )
-        raise ModelError([Problem(("joints", *creeping[:1]), said)])
+        raise ModelError([Problem(("joints", *creeping[:1]), words)])
     joints = [system.joints[n] for n in system.arrays["contact"][:, at.OWNER]]
-    loose = [name for name, one in system.model.joints.items() if one.is_loose or is_link(one)]
+    loose = [name for name, joint in system.model.joints.items() if joint.is_loose or is_link(joint)]
     for name in (*loose, *joints):
         if system.model.joints[name].stop is None or name in loose:
-            said = "what friction holds is known of joints without play and contacts; close it with ideal() or --ideal"
-            raise ModelError([Problem(("joints", name), said)])
+            words = "what friction holds is known of joints without play and contacts; close it with ideal() or --ideal"
+            raise ModelError([Problem(("joints", name), words)])
 
 
 def evaluated(system: System, t: float, q: np.ndarray) -> Workspace:
@@ -114,7 +115,7 @@ def one_motion(system: System, workspace: Workspace, sought: Sought | None) -> M
     z = scale * right[rank]
     sought = sought or Sought("", right[rank] / scale, "N", 0.0, -1)
     worth = float(z @ sought.direction)
-    if abs(worth) <= 1e-9 * float(np.linalg.norm(z / scale) * np.linalg.norm(sought.direction * scale)):
+    if abs(worth) <= NO_WORK * float(np.linalg.norm(z / scale) * np.linalg.norm(sought.direction * scale)):
         raise InputError(
             f"'{sought.name}' does no work in the motion that is left at this position (a dead centre, or a load across"
             " the motion): friction or not, no value of it moves the mechanism"
@@ -139,10 +140,10 @@ def _require_unique(system: System, loose: np.ndarray, kept: np.ndarray) -> None
     """
     free = np.zeros((system.row_count, loose.shape[1]))
     free[kept] = loose
-    said = "its reaction is not unique (redundant constraints), so neither is its friction; replace a joint by one"
+    reason = "its reaction is not unique (redundant constraints), so neither is its friction; replace a joint by one"
     names = unsure_friction(system, free)
     if names:
-        raise ModelError([Problem(("joints", name, "friction"), f"{said} that holds less") for name in names])
+        raise ModelError([Problem(("joints", name, "friction"), f"{reason} that holds less") for name in names])
 
 
 def _freedom(system: System, sought: Sought | None, dof: int) -> str:
@@ -162,19 +163,19 @@ def _freedom(system: System, sought: Sought | None, dof: int) -> str:
 def _across(system: System, workspace: Workspace) -> np.ndarray:
     """(n, n) what all joints with friction bear across rods by their own friction [1/m]."""
     dry = system.arrays["dry"]
-    found = np.zeros((len(dry), len(dry)))
+    across = np.zeros((len(dry), len(dry)))
     for n in np.flatnonzero(dry[:, at.DRY_FORM] == at.DRY_ROD):
-        found[n, n], found[n, dry[n, at.DRY_SECOND]] = workspace.dry_rows[n, at.NU], -workspace.dry_rows[n, at.NU]
-    return found
+        across[n, n], across[n, dry[n, at.DRY_SECOND]] = workspace.dry_rows[n, at.NU], -workspace.dry_rows[n, at.NU]
+    return across
 
 
 def _coordinates(system: System, workspace: Workspace) -> np.ndarray:
     """(joints, 3 nb) rows w of the free coordinates of all joints with friction, from the workspace."""
-    found = np.zeros((len(system.dry_joints), system.body_count + 1, 3))
+    rows = np.zeros((len(system.dry_joints), system.body_count + 1, 3))
     for n, entry in enumerate(system.arrays["dry"]):
-        found[n, entry[at.DRY_A]] += workspace.dry_rows[n, at.AX : at.AP + 1]
-        found[n, entry[at.DRY_B]] += workspace.dry_rows[n, at.BX : at.BP + 1]
-    return found[:, 1:].reshape(len(found), -1)
+        rows[n, entry[at.DRY_A]] += workspace.dry_rows[n, at.AX : at.AP + 1]
+        rows[n, entry[at.DRY_B]] += workspace.dry_rows[n, at.BX : at.BP + 1]
+    return rows[:, 1:].reshape(len(rows), -1)
 
 
 def impending(system: System, workspace: Workspace, motion: Motion, sense: float, far: bool = True) -> Impending:
@@ -205,10 +206,10 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
         response = np.moveaxis((acting @ motion.inverse.T)[:, motion.rows] * press * beside, 0, 2)
         response[:, 1] -= sense * motion.across * (way * arm)
         bare = (others + alone)[motion.rows] * press * beside
-        one = Rubbing(values[p + at.DRY_MU_STATIC], reach, bare, response, slip, rounding)
-        found = limit(one, far)
-        more = math.inf if np.isinf(found.x).any() else float(slip @ found.x)
+        rubbing = Rubbing(values[p + at.DRY_MU_STATIC], reach, bare, response, slip, rounding)
+        at_limit = limit(rubbing, far)
+        more = math.inf if np.isinf(at_limit.x).any() else float(slip @ at_limit.x)
         if best is None or more > abs(best.load - motion.free):
-            best = Impending(one, found, motion.free + sense * more)
+            best = Impending(rubbing, at_limit, motion.free + sense * more)
     assert best is not None
     return best

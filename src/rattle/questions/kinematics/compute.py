@@ -12,7 +12,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled, assemble
-from rattle.analyses.assembly.rank import describe_rank_loss, left_null, nonunique_reactions, scaled_rows
+from rattle.analyses.assembly.rank import RANK, describe_rank_loss, left_null, nonunique_reactions, scaled_rows
 from rattle.analyses.dynamics.report import leave_out
 from rattle.analyses.dynamics.singular_passages import Passage
 from rattle.analyses.grip import grip_notes
@@ -38,6 +38,7 @@ from rattle.results.trust import Trust
 from rattle.solvers.positions import position_sweep as swept
 
 log = logging.getLogger("rattle")
+MOVES = 1e-6  # [-] share of a body in a free motion above which it is named: what is less is rounding
 BESIDE = 1e-9  # share of the span at which the values on either side of a switch are taken
 MOST_NUMBERS = 8_000_000  # of rows beside switches
 
@@ -48,7 +49,7 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
     open_by(workspace, start.t, start.q, start.v)
     rows = scaled_rows(system, workspace)
     _, values, right = np.linalg.svd(rows)
-    independent = int((values > 1e-9 * values[0]).sum()) if len(values) else 0
+    independent = int((values > RANK * values[0]).sum()) if len(values) else 0
     alone = unjoined(system) if what == "kinematics" else []
     left = 3 * (system.body_count - len(alone)) - independent
     if left == 0:
@@ -60,34 +61,38 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
         where = describe_rank_loss(system, workspace)
         raise ModelError([Problem(("initial",), f"{what} cannot start at t = {start.t:g} s: {where}")])
     free = np.abs(right[independent:]).reshape(-1, system.body_count, 3).max(axis=(0, 2))
-    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > 1e-6 and name not in alone]
-    loose = _loose(system)
+    movers = [name for name, share in zip(system.bodies, free, strict=True) if share > MOVES and name not in alone]
     dof = f"{left} degrees of freedom are left" if left > 1 else "1 degree of freedom is left"
     names = ", ".join(movers[:8]) + (" ..." if len(movers) > 8 else "")
     text = f"{what} needs drivers that determine every position; {dof} (can still move: {names})."
+    raise ModelError([Problem(("drivers",), f"{text} {_remedy(system, left)}")])
+
+
+def _remedy(system: System, left: int) -> str:
+    """What to do about degrees of freedom that are left."""
     if passing := ", ".join(name for name, joint in system.model.joints.items() if joint.passing):
-        text += f" What {passing} hold where bodies touch only a run in time follows: use simulate."
-    elif loose:
-        text += f" There is {loose}: close it with ideal() or --ideal."
-    else:
-        text += f" Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
-    raise ModelError([Problem(("drivers",), text)])
+        return f"What {passing} hold where bodies touch only a run in time follows: use simulate."
+    if loose := _loose(system):
+        return f"There is {loose}: close it with ideal() or --ideal."
+    return f"Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
 
 
 def _loose(system: System) -> str:
     """Where there is open clearance, or contact on one side only, in words; "" if nowhere."""
-    joints = [one for one in system.model.joints.values() if one.is_loose or is_link(one)]
-    play = ", ".join(one.name for one in joints if one.clearance > 0.0)
-    sided = ", ".join(one.name for one in joints if not one.clearance > 0.0)
-    said = [f"clearance in {play}" if play else "", f"contact on one side only in {sided}" if sided else ""]
-    return " and ".join(one for one in said if one)
+    joints = [joint for joint in system.model.joints.values() if joint.is_loose or is_link(joint)]
+    play = ", ".join(joint.name for joint in joints if joint.clearance > 0.0)
+    sided = ", ".join(joint.name for joint in joints if not joint.clearance > 0.0)
+    parts = [f"clearance in {play}" if play else "", f"contact on one side only in {sided}" if sided else ""]
+    return " and ".join(part for part in parts if part)
 
 
 def _without_stretch(system: System) -> System:
     """The system with belts that cannot stretch; itself if there are none."""
     joints = dict(system.model.joints)
     stiff = [
-        name for name, one in joints.items() if one.is_loose and one.one_sided and one.one_sided.stiff_in_kinematics
+        name
+        for name, joint in joints.items()
+        if joint.is_loose and joint.one_sided and joint.one_sided.stiff_in_kinematics
     ]
     if not stiff:
         return system
@@ -104,70 +109,96 @@ def analyse(
     See `Mechanism.kinematics` and `Mechanism.inverse_dynamics`, which also say what is raised.
     """
     began = time.perf_counter()
-    times, given = instants(t_eval), system
-    if with_stops(system.model):  # they do not hold what drivers move
-        system = compile_system(without_stops(system.model))
-    stiff = _without_stretch(system)
-    if stiff is not system:
-        system, start = stiff, None
+    times, original = instants(t_eval), system
+    system, start = _as_driven(system, start)
     what = "inverse dynamics" if forces else "kinematics"
     require_no_states(system.model, what)
     functions.start()
     if forces:
         require_known_torques(system, what)
     if start is None:
-        try:
-            start = assemble(system, float(times[0]))
-        except AssemblyError as error:
-            loose = _loose(system)
-            if not loose:
-                raise
-            said = str(error).removesuffix(".")
-            raise AssemblyError(f"{said}. There is {loose}: close it with ideal() or --ideal.") from None
+        start = _assembled(system, float(times[0]))
     if system.row_count <= LARGE:
         require_driven(system, start, what)
     table = timetable(system, min(start.t, float(times[0])), float(times[-1]))
-    jumps = table.jumps
+    motors = _motors(system, effort_at)
+    arguments.require_room(len(times), width(system))
+    sweep = _begun(system, start, motors, times)
+    first = sweep.fork()
+    raw = sweep.go(times, forces)
+    reached = times[: len(raw)]
+    message = why_stuck(sweep) if len(raw) < len(times) else ""
+    events, branches = branch_points(first, sweep, times, raw, bool(message))
+    passed = passed_there(first, times, raw, events) if forces else ()
+    notes = [*start.notes, *([] if forces else _left_alone(system)), *branches]
+    notes += without_effort(sweep, reached, raw, motors)
+    notes += out_of_place(system, reached, places(system, raw))
+    notes += past_stops(original, reached, places(system, raw), rates(system, raw))
+    notes += run_backwards(system, reached, raw)
+    notes += _without_value(sweep, reached, raw) if forces else []
+    notes += jump_notes([jump for jump in table.jumps if len(reached) and jump.t <= reached[-1]], forces)
+    if message:
+        events.append(_end(sweep, message))
+    spent = time.perf_counter() - began
+    sides = _sides(first, reached, table.instants, forces)
+    result = _result(original.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides, passed)
+    if message:
+        if strict:
+            raise SolverError(message, result)
+        log.warning(message)
+    return result
+
+
+def _as_driven(system: System, start: Assembled | None) -> tuple[System, Assembled | None]:
+    """The system without stops, which do not hold what drivers move, and with belts that cannot stretch; its start."""
+    if with_stops(system.model):
+        system = compile_system(without_stops(system.model))
+    stiff = _without_stretch(system)
+    return stiff, start if stiff is system else None
+
+
+def _motors(system: System, effort_at: str | Mapping[str, str] | None) -> list[tuple[int, str]]:
+    """`motors_at`.  Raises ModelError where joints rub."""
     motors = motors_at(system, effort_at)
     if motors and system.dry_joints:
-        said = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
-        raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), said)])
-    arguments.require_room(len(times), width(system))
+        words = "a motor elsewhere (effort_at) changes the reactions by which joints rub; drive that joint itself"
+        raise ModelError([Problem(("joints", system.dry_joints[0], "friction"), words)])
+    return motors
+
+
+def _assembled(system: System, t: float) -> Assembled:
+    """The start at t [s].  Raises AssemblyError, which says where there is play if there is."""
+    try:
+        return assemble(system, t)
+    except AssemblyError as error:
+        loose = _loose(system)
+        if not loose:
+            raise
+        words = str(error).removesuffix(".")
+        raise AssemblyError(f"{words}. There is {loose}: close it with ideal() or --ideal.") from None
+
+
+def _begun(system: System, start: Assembled, motors: Sequence[tuple[int, str]], times: np.ndarray) -> Sweep:
+    """A sweep that has come to the first of the times (n,) [s].  Raises AssemblyError."""
     sweep = begin(system, start, motors)
     if times[0] != start.t:  # the start values are given for t = 0: begin there
         if not len(sweep.go(times[:1], False)):
             raise AssemblyError(f"the first position cannot be reached: {why_stuck(sweep)}")
         sweep.tally[:] = 0
         sweep.clock[swept.GAP] = 0.0
-    first = sweep.fork()
-    raw = sweep.go(times, forces)
-    reached = times[: len(raw)]
-    message = why_stuck(sweep) if len(raw) < len(times) else ""
-    events, notes = branch_points(first, sweep, times, raw, bool(message))
-    if not forces and (alone := unjoined(system)):
-        notes = [
-            f"no joint and no driver holds {', '.join(map(repr, alone))}: kinematics leaves it where it is",
-            *notes,
-        ]
-    passed = passed_there(first, times, raw, events) if forces else ()
-    notes = [*start.notes, *notes, *without_effort(sweep, reached, raw, motors)]
-    notes += out_of_place(system, reached, places(system, raw))
-    notes += past_stops(given, reached, places(system, raw), rates(system, raw))
-    notes += run_backwards(system, reached, raw)
-    if forces:
-        notes += _without_value(sweep, reached, raw)
-    if message:
-        ends = float(sweep.clock[swept.NOW])
-        events.append(Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end"))
-    notes += jump_notes([jump for jump in jumps if len(reached) and jump.t <= reached[-1]], forces)
-    spent = time.perf_counter() - began
-    sides = _sides(first, reached, table.instants, forces)
-    result = _result(given.model, sweep, reached, raw, forces, motors, message, events, notes, spent, sides, passed)
-    if message and strict:
-        raise SolverError(message, result)
-    if message:
-        log.warning(message)
-    return result
+    return sweep
+
+
+def _end(sweep: Sweep, message: str) -> Event:
+    """The event at which a sweep cannot go on; message: why."""
+    ends = float(sweep.clock[swept.NOW])
+    return Event(ends, blocking(sweep), "dead centre" if "dead centre" in message else "end")
+
+
+def _left_alone(system: System) -> list[str]:
+    """A note on bodies that nothing holds."""
+    alone = ", ".join(map(repr, unjoined(system)))
+    return [f"no joint and no driver holds {alone}: kinematics leaves it where it is"] if alone else []
 
 
 def _sides(

@@ -22,21 +22,21 @@ def motors_at(system: System, effort_at: str | Mapping[str, str] | None) -> list
         if len(drivers) != 1:
             raise InputError(f"effort_at: give the driver that is replaced, as {{'{drivers[0]}': '{effort_at}'}}")
         effort_at = {drivers[0]: effort_at}
-    found = []
+    motors = []
     for driver, joint in effort_at.items():
         if driver not in drivers:
             raise InputError(f"effort_at: no driver '{driver}'{suggest(driver, drivers)}")
         if joint not in joints:
             raise InputError(f"effort_at: no joint '{joint}'{suggest(joint, joints)}")
         if joints[joint].leaf.motor is None:
-            known = " or ".join(name for name, one in registry.kinds("joint").items() if one.leaf.motor)
+            kinds = " or ".join(name for name, kind in registry.kinds("joint").items() if kind.leaf.motor)
             raise InputError(
-                f"effort_at: a {joints[joint].kind} joint has no degree of freedom for a motor; expected {known}"
+                f"effort_at: a {joints[joint].kind} joint has no degree of freedom for a motor; expected {kinds}"
             )
-        found.append((system.first_row(driver), joint))
-    if len({joint for _, joint in found}) < len(found):
+        motors.append((system.first_row(driver), joint))
+    if len({joint for _, joint in motors}) < len(motors):
         raise InputError("effort_at: one joint cannot do the work of two drivers")
-    return found
+    return motors
 
 
 def without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[tuple[int, str]]) -> list[str]:
@@ -45,7 +45,7 @@ def without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[tu
     for n, (row, joint) in enumerate(motors):
         dead = ~np.isfinite(raw[:, width(sweep.system) + 2 * n])
         if dead.any():
-            listed = ", ".join(f"{one:.6g}" for one in t[dead][:4]) + (" ..." if dead.sum() > 4 else "")
+            listed = ", ".join(f"{instant:.6g}" for instant in t[dead][:4]) + (" ..." if dead.sum() > 4 else "")
             effort = sweep.system.model.joints[joint].leaf.motor.effort
             notes.append(
                 f"{joint}.{effort}: none at {int(dead.sum())} of {len(t)} instants (t = {listed} s): '{joint}' is at a"

@@ -19,6 +19,12 @@ from rattle.solvers.positions import position_sweep as swept
 from rattle.solvers.singular_passage import NEAR
 
 FIRST_LOOK = 1e-3  # share of the time beside a branch point at which the root is first looked at
+BEYOND = (0.0, 1e-12, 1e-9, 1e-6)  # [of the time, at least of 1 s] after the end, where drivers are looked at
+WEAK = 1e-3  # [-] singular value of scaled rows below which constraints count as dependent near a singular position
+TAKES_PART = 0.05  # [-] share in the loss of rank from which a joint is named
+END = 1e-6  # [of the time, at least of 1 s] before the end of the motion: what is passed there is that end
+SAME = 1e-9  # [of the time, at least of 1 s] between roots that are one
+ROOT = 1e-14  # [of the time] to which a root is located: rounding
 LOOKS = 3  # each puts the next where a straight line has the root NEAR
 
 
@@ -26,7 +32,7 @@ def why_stuck(sweep: Sweep) -> str:
     """Why a sweep cannot go on, in words."""
     system, workspace = sweep.system, sweep.workspace
     t = float(sweep.clock[swept.NOW])
-    for ahead in (0.0, 1e-12, 1e-9, 1e-6):
+    for ahead in BEYOND:
         drive(workspace, t + ahead * max(1.0, abs(t)))
         for name in system.model.drivers:
             slot = system.driver_slot(name)
@@ -44,7 +50,7 @@ def why_stuck(sweep: Sweep) -> str:
 def blocking(sweep: Sweep) -> str:
     """The joint or driver with the largest part in the loss of rank."""
     open_by(sweep.workspace, float(sweep.clock[swept.NOW]), sweep.node[swept.Q], sweep.node[swept.V])
-    free = left_null(sweep.system, sweep.workspace, 1e-3)
+    free = left_null(sweep.system, sweep.workspace, WEAK)
     if free.shape[1] == 0:
         return ""
     return sweep.system.rows[int(np.abs(free).max(axis=1).argmax())].owner
@@ -61,19 +67,19 @@ def branch_points(
     rows = _independent(first)
     notes = []
     for low, high in sweep.spots[: sweep.tally[swept.FOUND]]:
-        found = _locate(first, times, raw, rows, min(low, high), max(low, high))
-        if stuck and abs(high - sweep.clock[swept.NOW]) < 1e-6 * max(1.0, abs(high)):
+        instant = _locate(first, times, raw, rows, min(low, high), max(low, high))
+        if stuck and abs(high - sweep.clock[swept.NOW]) < END * max(1.0, abs(high)):
             continue  # the approach to the end of the motion
-        if found is None or any(abs(found - event.t) < 1e-9 * max(1.0, abs(found)) for event in events):
+        if instant is None or any(abs(instant - event.t) < SAME * max(1.0, abs(instant)) for event in events):
             continue
-        near = _at(first, times, raw, found)
-        open_by(near.workspace, found, near.node[swept.Q_NEW], near.node[swept.V_NEW])
-        free = left_null(system, near.workspace, 1e-3)
+        near = _at(first, times, raw, instant)
+        open_by(near.workspace, instant, near.node[swept.Q_NEW], near.node[swept.V_NEW])
+        free = left_null(system, near.workspace, WEAK)
         share = np.abs(free).max(axis=1, initial=0.0)
-        owners = list(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-share) if share[r] > 0.05))
-        events.append(Event(found, owners[0] if owners else "", "branch point"))
+        owners = list(dict.fromkeys(system.rows[int(r)].owner for r in np.argsort(-share) if share[r] > TAKES_PART))
+        events.append(Event(instant, owners[0] if owners else "", "branch point"))
         notes.append(
-            f"branch point at t = {found:.9g} s: constraints of {', '.join(owners[:6])} lose rank,"
+            f"branch point at t = {instant:.9g} s: constraints of {', '.join(owners[:6])} lose rank,"
             " another motion starts there; the smooth one was followed, forces are not determined at that instant"
         )
     return events, notes
@@ -116,18 +122,18 @@ def _independent(first: Sweep) -> np.ndarray:
 
 def _at(first: Sweep, times: np.ndarray, raw: np.ndarray, t: float) -> Sweep:
     """The sweep at time t [s] (in the rows Q_NEW, V_NEW of its node), restarted from the last output before t."""
-    made = first.fork()
+    sweep = first.fork()
     k = int(np.searchsorted(times[: len(raw)], t, side="right")) - 1
-    while k > 0 and times[k] > made.clock[swept.NOW]:
-        made.node[swept.Q_NEW : swept.Q_OLD] = motion(first.system, raw[k])
-        _, root, _, _ = swept.closed_at(made.workspace, times[k], made.node, first.system.size)
+    while k > 0 and times[k] > sweep.clock[swept.NOW]:
+        sweep.node[swept.Q_NEW : swept.Q_OLD] = motion(first.system, raw[k])
+        _, root, _, _ = swept.closed_at(sweep.workspace, times[k], sweep.node, first.system.size)
         if root > 2 * swept.WEAK_ROOT:
-            made.node[: swept.Q_NEW] = made.node[swept.Q_NEW : swept.Q_OLD]
-            made.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
+            sweep.node[: swept.Q_NEW] = sweep.node[swept.Q_NEW : swept.Q_OLD]
+            sweep.clock[:] = times[k], math.inf, 0.0, root, root, times[k]
             break
         k -= 1
-    made.go(np.array([t]), False)
-    return made
+    sweep.go(np.array([t]), False)
+    return sweep
 
 
 def _locate(
@@ -136,9 +142,9 @@ def _locate(
     """Root [s] of the determinant of the independent rows between two times [s], by false position (Illinois)."""
 
     def determinant(t: float) -> float:
-        made = _at(first, times, raw, t)
-        open_by(made.workspace, t, made.node[swept.Q_NEW], made.node[swept.V_NEW])
-        return float(np.linalg.det(scaled_rows(first.system, made.workspace)[rows]))
+        sweep = _at(first, times, raw, t)
+        open_by(sweep.workspace, t, sweep.node[swept.Q_NEW], sweep.node[swept.V_NEW])
+        return float(np.linalg.det(scaled_rows(first.system, sweep.workspace)[rows]))
 
     f_low, f_high = determinant(low), determinant(high)
     if not f_low * f_high < 0.0:
@@ -146,7 +152,7 @@ def _locate(
     side = 0
     for _ in range(60):
         t = (low * f_high - high * f_low) / (f_high - f_low)
-        if not low < t < high or high - low < 1e-14 * max(abs(low), abs(high)):
+        if not low < t < high or high - low < ROOT * max(abs(low), abs(high)):
             break
         f = determinant(t)
         if f == 0.0:

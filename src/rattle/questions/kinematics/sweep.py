@@ -99,9 +99,9 @@ def begin(
         "massless": system.arrays["massless"][:0],
         "values": np.array(values, dtype=float),
     }
-    workspace = replace(system, arrays=arrays).workspace(also=[one[0] for one in probe])
+    workspace = replace(system, arrays=arrays).workspace(also=[row[0] for row in probe])
     node = np.zeros((9, 3 * system.body_count))
-    made = Sweep(
+    sweep = Sweep(
         system, workspace, node, np.array([start.t, math.inf, 0.0, 1.0, 1.0, start.t]), np.zeros(4, np.int64),
         np.zeros((SPOTS, 2)), np.array(probe, np.int64).reshape(-1, 5), np.zeros((1, 9)),
     )  # fmt: skip
@@ -109,5 +109,5 @@ def begin(
     for _ in range(2):  # the second pass uses the rates found by the first
         _, root, _, _ = swept.closed_at(workspace, start.t, node, system.size)
     node[: swept.Q_NEW] = node[swept.Q_NEW : swept.Q_OLD]
-    made.clock[swept.ROOT] = made.clock[swept.ROOT_BEFORE] = root
-    return made
+    sweep.clock[swept.ROOT] = sweep.clock[swept.ROOT_BEFORE] = root
+    return sweep

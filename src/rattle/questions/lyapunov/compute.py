@@ -24,6 +24,7 @@ from rattle.results.display import lines
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
+ROUNDING = 1e-9  # [-] by which stretches may be longer than the run: that of its division
 SHORTER = 6  # how often a stretch is cut to a quarter if the growth in it is not linear
 UNSURE = 0.8  # uncertainty, as a share of the exponent, above which the exponent is not determined
 ROUGH = 0.3  # the same above which it is called rough
@@ -65,19 +66,19 @@ class Lyapunov(NamedTuple):
         return f"{self._finding()}\nby {self.how}" if self.how else self._finding()
 
     def _finding(self) -> str:
-        said = f"largest Lyapunov exponent {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"
+        words = f"largest Lyapunov exponent {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"
         seen, bounded = math.exp(min(self.exponent * self.span, 700.0)), 1.001 * math.log(ENOUGH) / self.span
         if self.uncertainty > max(UNSURE * abs(self.exponent), bounded):
-            return f"{said}: not determined, the uncertainty is as large as the exponent; run much longer"
+            return f"{words}: not determined, the uncertainty is as large as the exponent; run much longer"
         if not self.chaotic:
             more = (
                 f" (they grew {seen:.2g}-fold; a longer run shows whether the growth continues)" if seen > SEEN else ""
             )
-            return f"{said}: no exponential growth of errors beyond the uncertainty{more}"
+            return f"{words}: no exponential growth of errors beyond the uncertainty{more}"
         tenfold = math.log(10.0) / self.exponent
         if self.uncertainty > ROUGH * self.exponent:
-            said += f" (rough: uncertain by {100 * self.uncertainty / self.exponent:.0f} %)"
-        return f"{said}: an error grows tenfold every {tenfold:.2g} s, from 1e-9 to 1 % in {self.horizon():.2g} s"
+            words += f" (rough: uncertain by {100 * self.uncertainty / self.exponent:.0f} %)"
+        return f"{words}: an error grows tenfold every {tenfold:.2g} s, from 1e-9 to 1 % in {self.horizon():.2g} s"
 
 
 def lyapunov(
@@ -104,7 +105,7 @@ def lyapunov(
     span = arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
     length = span / 400 if stretch is None else arguments.positive("stretch", stretch)
     rtol = arguments.relative_tolerance(rtol)
-    if 2 * BLOCKS * length > span * (1.0 + 1e-9):
+    if 2 * BLOCKS * length > span * (1.0 + ROUNDING):
         raise InputError(f"a stretch of {length:g} s is too long for {span:g} s; take at most a {2 * BLOCKS}th of it")
     if not 0.0 <= skip < 1.0:
         raise InputError(f"skip must be a share of the run, from 0 to below 1; got {skip}")
@@ -167,8 +168,8 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> tuple[np.
                 return growth, length, "exact variational equations", rtol
             except TraceError as error:
                 why = str(error)
-        found = neighbouring_runs.growths(m, first, apart, times, rtol)
-        if found is not None:
-            return found, length, f"two neighbouring runs, because {why}", APART
+        grown = neighbouring_runs.growths(m, first, apart, times, rtol)
+        if grown is not None:
+            return grown, length, f"two neighbouring runs, because {why}", APART
         length /= 4.0
     raise InputError(f"differences grow too fast even over {length:.3g} s; give a shorter stretch")

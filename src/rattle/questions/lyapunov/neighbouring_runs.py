@@ -81,50 +81,50 @@ def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rt
     stepper, _ = choose_stepper(m.system, None, None, span)
     how = How(stepper, rtol, ATOL * rtol, None)
     none = np.zeros(0)
-    one, two = (new_run(m.system, m.start, none, span, how) for _ in range(2))
-    for run in (one, two):
+    base, two = (new_run(m.system, m.start, none, span, how) for _ in range(2))
+    for run in (base, two):
         _must(run, run.begin(m.start.t))
     two.workspace.state[apart.places] += APART / math.sqrt(len(first)) * (first / apart.weight(0))
-    _renew(one, two)
+    _renew(base, two)
     growth = np.zeros(len(times))
     for k, t in enumerate(times):
         weight = apart.weight(k)
-        before = _distance(one, two, apart.places, weight)
+        before = _distance(base, two, apart.places, weight)
         for late in range(LATE + 1):
-            for run in (one, two):
+            for run in (base, two):
                 _go(run, t + late * length / 64.0)
-            now = _distance(one, two, apart.places, weight)
+            now = _distance(base, two, apart.places, weight)
             if now < LARGEST_GROWTH * APART:
                 break
             if late == LATE or stepper.leaf.loop != EVENT_DRIVEN:
                 return None
         growth[k] = math.log(now / before) if now > 0.0 < before else 0.0
-        after = _distance(one, two, apart.places, apart.weight(min(k + 1, len(times) - 1)))
-        _renew(one, two, APART / after if after > 0.0 else 1.0)
+        after = _distance(base, two, apart.places, apart.weight(min(k + 1, len(times) - 1)))
+        _renew(base, two, APART / after if after > 0.0 else 1.0)
     return growth
 
 
-def _distance(one: Any, two: Any, places: np.ndarray, weight: np.ndarray) -> float:
-    return float(np.linalg.norm(weight * (two.workspace.state[places] - one.workspace.state[places])))
+def _distance(base: Any, two: Any, places: np.ndarray, weight: np.ndarray) -> float:
+    return float(np.linalg.norm(weight * (two.workspace.state[places] - base.workspace.state[places])))
 
 
-def _renew(one: Any, two: Any, share: float = 1.0) -> None:
+def _renew(base: Any, two: Any, share: float = 1.0) -> None:
     """Scale the distance of the second run by `share`, project it, and give it the contact memory of the first."""
-    t = float(one.clock[at.T])
-    y, other = one.workspace.state, two.workspace.state
-    layout = state_layout(one.system)
-    scaled = [layout.motion, layout.states]  # energies and impulses are those of `one`
+    t = float(base.clock[at.T])
+    y, other = base.workspace.state, two.workspace.state
+    layout = state_layout(base.system)
+    scaled = [layout.motion, layout.states]  # energies and impulses are those of `base`
     kept = [y[part] + share * (other[part] - y[part]) for part in scaled]
     other[:] = y
     for part, values in zip(scaled, kept, strict=True):
         other[part] = values
-    memory, old = one.workspace.contact_memory, two.workspace.contact_memory
+    memory, old = base.workspace.contact_memory, two.workspace.contact_memory
     both = (memory[:, at.CLOSED] == at.SHUT) & (old[:, at.CLOSED] == at.SHUT)
     speed = np.where(both, memory[:, at.SPEED] + share * (old[:, at.SPEED] - memory[:, at.SPEED]), memory[:, at.SPEED])
     old[:] = memory
     old[:, at.SPEED] = speed
-    if one.stepper.leaf.loop == EVENT_DRIVEN:
-        two.workspace.mode[:] = one.workspace.mode
+    if base.stepper.leaf.loop == EVENT_DRIVEN:
+        two.workspace.mode[:] = base.workspace.mode
         _must(two, two.begin(t))
     else:
         handle = two.workspace
@@ -132,7 +132,7 @@ def _renew(one: Any, two: Any, share: float = 1.0) -> None:
         two.workspace.audit[at.STARTED] = 0.0  # energies are counted anew
         remember_end(handle)
         pass_on(handle)
-    two.clock[:] = one.clock
+    two.clock[:] = base.clock
 
 
 def _go(run: Any, t: float) -> None:

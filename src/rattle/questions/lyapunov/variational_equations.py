@@ -35,16 +35,17 @@ def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rt
     Raises TraceError, with the reason, where the model cannot be recorded or straight-line code cannot follow it.
     """
     if m.system.switches:
-        names = ", ".join(sorted({one.name for one in m.system.switches}))
+        names = ", ".join(sorted({switch.name for switch in m.system.switches}))
         raise TraceError(f"steps must end where expressions switch ({names})")
-    made = VariationalModel(m.recorded(), apart.places, apart.weight(len(times) // 2))
-    if made.operations > MOST_OPERATIONS:
+    variational = VariationalModel(m.recorded(), apart.places, apart.weight(len(times) // 2))
+    if variational.operations > MOST_OPERATIONS:
         raise TraceError(
-            f"its {made.operations} operations are more than the {MOST_OPERATIONS} up to which straight-line code pays"
+            f"its {variational.operations} operations are more than the {MOST_OPERATIONS} up to which straight-line"
+            " code pays"
         )
     functions = MachineFunctions()
     program = Program(
-        made.lane_model(first, functions.add), functions.add, Method(TABLEAU), [Reduction("final", 0)],
+        variational.lane_model(first, functions.add), functions.add, Method(TABLEAU), [Reduction("final", 0)],
         float(times[-1]), tolerances=Tolerances(rtol, ATOL * rtol), chain=functions.chain, tiled=True,
         most_steps=MOST_STEPS,
     )  # fmt: skip
@@ -60,7 +61,7 @@ def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rt
             while not len(batch.step()):
                 pass
             _require(int(batch.ended(lane)[0][0]), t)
-            sizes[k + 1] = batch.states(lane)[made.logarithm, 0]
+            sizes[k + 1] = batch.states(lane)[variational.logarithm, 0]
     return np.diff(sizes)
 
 

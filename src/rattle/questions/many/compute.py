@@ -42,8 +42,8 @@ class Many:
     def __getitem__(self, output: str) -> np.ndarray:
         if output not in self.outputs:
             raise UnknownName(f"no output '{output}'{suggest(output, self.outputs)}")
-        found: np.ndarray = self.values[self.outputs.index(output)]
-        return found
+        row: np.ndarray = self.values[self.outputs.index(output)]
+        return row
 
     def __len__(self) -> int:
         return int(self.values.shape[1])
@@ -71,20 +71,20 @@ class Many:
         return table(("output", "unit", "least", "mean", "greatest"), rows, title, below, hint="found[output]")
 
     def __str__(self) -> str:
-        said = [f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed", self.stats["how"]]
+        lines = [f"{len(self)} samples of {', '.join(self.samples)}; {len(self.messages)} failed", self.stats["how"]]
         for output, row in zip(self.outputs, self.values, strict=True):
-            said.append(f"{output} [{self.units[output] or '-'}]: {_span(row)}")
-        return "\n".join(said)
+            lines.append(f"{output} [{self.units[output] or '-'}]: {_span(row)}")
+        return "\n".join(lines)
 
 
 def _sizes(row: np.ndarray) -> tuple[str, ...]:
-    known = row[np.isfinite(row)]
-    return tuple(f"{x:.6g}" for x in (known.min(), known.mean(), known.max())) if len(known) else ("-", "-", "-")
+    finite = row[np.isfinite(row)]
+    return tuple(f"{x:.6g}" for x in (finite.min(), finite.mean(), finite.max())) if len(finite) else ("-", "-", "-")
 
 
 def _span(row: np.ndarray) -> str:
-    known = row[np.isfinite(row)]
-    return f"{known.min():.6g} to {known.max():.6g}, mean {known.mean():.6g}" if len(known) else "no values"
+    finite = row[np.isfinite(row)]
+    return f"{finite.min():.6g} to {finite.max():.6g}, mean {finite.mean():.6g}" if len(finite) else "no values"
 
 
 def many(
@@ -93,17 +93,17 @@ def many(
     threads: int | None = None, progress: bool = False,
 ) -> Many:  # fmt: skip
     """Outputs of every sample; see `Mechanism.many`."""
-    given = _samples(m, samples)
-    task = task_of(m, given, outputs, t_end=t_end, method=method, rtol=rtol, atol=atol, step=step)
+    checked = _samples(m, samples)
+    task = task_of(m, checked, outputs, t_end=t_end, method=method, rtol=rtol, atol=atol, step=step)
     threads = cores() if threads is None else arguments.whole("threads", threads, 1)
-    runner, values = Runner(task), np.array(list(given.values()))
+    runner, values = Runner(task), np.array(list(checked.values()))
     bar = Bar(values.shape[1], "many") if progress else None
     try:
         batch = runner.run(values, min(threads, values.shape[1]), bar)
     finally:
         if bar is not None:
             bar.close()
-    return _result(task, given, runner.why, batch)
+    return _result(task, checked, runner.why, batch)
 
 
 def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
@@ -111,17 +111,17 @@ def _samples(m: Mechanism, samples: Mapping[str, Any]) -> dict[str, np.ndarray]:
     if not isinstance(samples, Mapping) or not samples:
         raise InputError('samples: expected at least one parameter with its values, such as {"r3": [4e-3, 5e-3]}')
     require_parameters(m.system, list(samples))
-    found: dict[str, np.ndarray] = {}
+    checked: dict[str, np.ndarray] = {}
     for name, values in samples.items():
         try:
-            found[name] = np.ma.asarray(values, dtype=float).filled(np.nan)
+            checked[name] = np.ma.asarray(values, dtype=float).filled(np.nan)
         except (TypeError, ValueError):
             raise InputError(f"samples: '{name}': expected numbers in SI units, got {values!r:.60}") from None
-    shapes = {name: values.shape for name, values in found.items()}
+    shapes = {name: values.shape for name, values in checked.items()}
     if any(len(shape) != 1 or not shape[0] for shape in shapes.values()) or len(set(shapes.values())) > 1:
-        said = ", ".join(f"{name}: {shape}" for name, shape in shapes.items())
-        raise InputError(f"samples: expected arrays of one length n, at least 1, for every parameter; got {said}")
-    return found
+        lengths = ", ".join(f"{name}: {shape}" for name, shape in shapes.items())
+        raise InputError(f"samples: expected arrays of one length n, at least 1, for every parameter; got {lengths}")
+    return checked
 
 
 def _result(task: Task, samples: dict[str, np.ndarray], why: str, batch: Batch) -> Many:
@@ -133,10 +133,10 @@ def _result(task: Task, samples: dict[str, np.ndarray], why: str, batch: Batch) 
     counted = {
         f"{count} {'samples' if count > 1 else 'sample'}: {words}": count for words, count in batch.reasons.items()
     }
-    because = "; ".join(one for one in dict.fromkeys([why, *counted]) if one) if len(generic) else ""
+    because = "; ".join(reason for reason in dict.fromkeys([why, *counted]) if reason) if len(generic) else ""
     stats: dict[str, Any] = {
         "steps": batch.steps, "evaluations": batch.evaluations, "reasons": counted,
         "how": ", ".join(part for part in parts if part) + (f": {because}" if because else ""),
     }  # fmt: skip
-    units = {one.text: one.unit for one in task.outputs}
+    units = {output.text: output.unit for output in task.outputs}
     return Many(tuple(task.texts), units, samples, values, batch.messages, generic, stats)

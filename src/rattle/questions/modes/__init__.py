@@ -35,6 +35,6 @@ def modes(m: Mechanism, t: Seconds = 0.0, equilibrium: Equilibrium | None = None
     effort = arguments.effort(effort)
     if equilibrium is not None:
         return modes(own_problem(m.system, equilibrium), equilibrium)
-    found = m.equilibrium(seconds(t, "t"), effort=effort)
-    first = found.first_at(seconds(t, "t"))
-    return modes(static_problem(m.system, first), first, found.note)
+    equilibria = m.equilibrium(seconds(t, "t"), effort=effort)
+    first = equilibria.first_at(seconds(t, "t"))
+    return modes(static_problem(m.system, first), first, equilibria.note)

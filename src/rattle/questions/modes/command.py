@@ -58,54 +58,54 @@ def modes(
     check_pictures(file, output, moving=True)
     m = read_model(file, settings, ideal)
     check_required(m, required, "modes", t or None)
-    found = m.modes(t, effort=effort)
-    if len(found) < mode and (output is not None or mode > 1):
-        raise click.UsageError(f"--mode {mode}: the modes are numbered from 1 to {len(found)}")
-    verdicts = _judge_modes(m, t, found, required) if required else []
+    answer = m.modes(t, effort=effort)
+    if len(answer) < mode and (output is not None or mode > 1):
+        raise click.UsageError(f"--mode {mode}: the modes are numbered from 1 to {len(answer)}")
+    verdicts = _judge_modes(m, t, answer, required) if required else []
     if as_json:
         asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-        click.echo(to_json(modes_record(found) | asked))
+        click.echo(to_json(modes_record(answer) | asked))
     else:
-        click.echo(f"about: {found.about}")
-        click.echo(str(found))
+        click.echo(f"about: {answer.about}")
+        click.echo(str(answer))
     if output is not None:
         if output.lower().endswith(SUFFIXES):
-            save_figure(found.plot(mode - 1), output)
+            save_figure(answer.plot(mode - 1), output)
         else:
-            found.animate(mode - 1, output)
+            answer.animate(mode - 1, output)
         if not as_json:
             say_written(output)
     finish_required(ctx, verdicts, None if as_json else click.echo)
 
 
-def _judge_modes(m: Mechanism, t: float, found: Modes, required: Sequence[str]) -> list[Verdict]:
+def _judge_modes(m: Mechanism, t: float, answer: Modes, required: Sequence[str]) -> list[Verdict]:
     """Whether the modes keep what is required."""
     import numpy as np
 
     from rattle.questions.modes.samples import modes_table
 
-    return judge(modes_table(m, np.array([t]), [found]), required)
+    return judge(modes_table(m, np.array([t]), [answer]), required)
 
 
-def modes_record(found: Modes) -> dict[str, Any]:
+def modes_record(answer: Modes) -> dict[str, Any]:
     """Every mode with its frequencies [Hz], omega [rad/s], growth [1/s], damping ratio, the film whose oil whirl it is,
     roots (real and imaginary parts [1/s]) and shape (x, y [m], angle [rad] of every body, scaled; a quarter of a cycle
     later: minus the imaginary part), the equilibrium, whether any mode grows, and how the matrices were found."""
-    bodies = list(found.equilibrium.result.geometry["bodies"])
+    bodies = list(answer.equilibrium.result.geometry["bodies"])
     listed = [
         {
-            "frequency": found.frequency[k],
-            "damped_frequency": found.damped_frequency[k],
-            "omega": found.omega[k],
-            "growth": found.growth[k],
-            "damping": found.damping[k],
+            "frequency": answer.frequency[k],
+            "damped_frequency": answer.damped_frequency[k],
+            "omega": answer.omega[k],
+            "growth": answer.growth[k],
+            "damping": answer.damping[k],
             "whirl": None if whirl is None else whirl._asdict(),
-            "time_constants": found.time_constants[k].tolist(),
-            "roots": [[root.real, root.imag] for root in found.roots[k]],
-            "shape": dict(zip(bodies, found.shapes[k].reshape(-1, 3).tolist(), strict=True)),
-            "imaginary": dict(zip(bodies, found.vectors[k, 0].imag.reshape(-1, 3).tolist(), strict=True)),
+            "time_constants": answer.time_constants[k].tolist(),
+            "roots": [[root.real, root.imag] for root in answer.roots[k]],
+            "shape": dict(zip(bodies, answer.shapes[k].reshape(-1, 3).tolist(), strict=True)),
+            "imaginary": dict(zip(bodies, answer.vectors[k, 0].imag.reshape(-1, 3).tolist(), strict=True)),
         }
-        for k, whirl in enumerate(found.whirl or (None,) * len(found))
+        for k, whirl in enumerate(answer.whirl or (None,) * len(answer))
     ]
-    facts = {"grows": bool(found.growth.any()), "note": found.note, "how": found.how}
-    return {"modes": listed, "about": found.about, "equilibrium": entry(found.equilibrium), **facts}
+    facts = {"grows": bool(answer.growth.any()), "note": answer.note, "how": answer.how}
+    return {"modes": listed, "about": answer.about, "equilibrium": entry(answer.equilibrium), **facts}

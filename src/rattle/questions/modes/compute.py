@@ -69,9 +69,9 @@ class Modes:
 
         Divergent: with a real root that grows (see `growth`).
         """
-        one, other = self.roots.T
-        divergent = (one.imag == 0.0) & (one.real > 0.0)
-        size = np.where(one.imag != 0.0, np.abs(one), np.sqrt(np.abs(one * other)))
+        first, other = self.roots.T
+        divergent = (first.imag == 0.0) & (first.real > 0.0)
+        size = np.where(first.imag != 0.0, np.abs(first), np.sqrt(np.abs(first * other)))
         return np.asarray(np.where(divergent, np.nan, size))
 
     @property
@@ -126,24 +126,24 @@ class Modes:
         return len(self.roots)
 
     def __repr__(self) -> str:
-        found = ", ".join(self.behaviour(k, 4).partition(",")[0] for k in range(min(6, len(self))))
+        listed = ", ".join(self.behaviour(k, 4).partition(",")[0] for k in range(min(6, len(self))))
         more = ", ..." if len(self) > 6 else ""
-        return f"<rattle.Modes: {len(self)} mode{'s' if len(self) != 1 else ''}{': ' if found else ''}{found}{more}>"
+        return f"<rattle.Modes: {len(self)} mode{'s' if len(self) != 1 else ''}{': ' if listed else ''}{listed}{more}>"
 
     def behaviour(self, mode: int, digits: int = 6) -> str:
         """Behaviour of a mode (0 = lowest) in words: frequency [Hz], time constants [s] or growth [1/s]."""
-        one, other = (complex(root) for root in self.roots[mode])
+        first, other = (complex(root) for root in self.roots[mode])
         cycles = f"{self.frequency[mode]:.{digits}g} Hz"
         whirl = self.whirl[mode] if self.whirl else None
         if whirl is not None:
             ratio = f", {whirl.ratio:.{digits}g} of the turning speed" if math.isfinite(whirl.ratio) else ""
-            return f"oil whirl of {whirl.joint} at {cycles}{ratio}, grows at {one.real:.{digits}g} 1/s"
-        if one.imag != 0.0:
-            return f"flutter at {cycles}, grows at {one.real:.{digits}g} 1/s" if one.real > 0.0 else cycles
-        if one.real > 0.0:
+            return f"oil whirl of {whirl.joint} at {cycles}{ratio}, grows at {first.real:.{digits}g} 1/s"
+        if first.imag != 0.0:
+            return f"flutter at {cycles}, grows at {first.real:.{digits}g} 1/s" if first.real > 0.0 else cycles
+        if first.real > 0.0:
             also = f" and {other.real:.{digits}g}" if other.real > 0.0 else ""
-            return f"unstable, grows at {one.real:.{digits}g}{also} 1/s"
-        if one.real < 0.0:
+            return f"unstable, grows at {first.real:.{digits}g}{also} 1/s"
+        if first.real < 0.0:
             slow, fast = self.time_constants[mode]
             return f"overdamped, time constants {slow:.{digits}g} s and {fast:.{digits}g} s"
         return f"{cycles}, comes to rest with time constant {-1.0 / other.real:.{digits}g} s" if other.real else cycles
@@ -156,22 +156,22 @@ class Modes:
     def rows(self) -> list[tuple[str, str, str, str]]:
         """One row per mode: number from 1, frequency [Hz], time constants or growth, damping, bodies that move most."""
         bodies = self.problem.system.bodies
-        found = []
+        rows = []
         for k in range(len(self)):
             share = np.abs(self.vectors[k, 0] / self.problem.scale).reshape(-1, 3).max(axis=1)
             movers = ", ".join(bodies[int(n)] for n in np.argsort(-share)[:3] if share[n] > 0.1 * share.max())
             ratio = self.damping[k] if abs(self.damping[k]) > ROUNDING else 0.0
             damping = "" if math.isnan(self.omega[k]) else f"{100 * ratio:.3g} %"
-            found.append((str(k + 1), self.behaviour(k), damping, movers))
-        return found
+            rows.append((str(k + 1), self.behaviour(k), damping, movers))
+        return rows
 
     def __str__(self) -> str:
-        said = [
+        lines = [
             f"mode {k}: {swing}{', damping ' if damping else ''}{damping} ({movers})"
             for k, swing, damping, movers in self.rows()
         ] or ["no degree of freedom is left that could vibrate"]
         how = f"stiffness and damping: {self.how}" if self.how else ""
-        return "\n".join(one for one in (*said, how, self.note) if one)
+        return "\n".join(line for line in (*lines, how, self.note) if line)
 
     def motion(self, mode: int = 0, amplitude: float = 0.1) -> Result:
         """One cycle of a mode (0 = lowest) as a result that can be plotted and animated.
@@ -193,8 +193,8 @@ class Modes:
             for _ in range(STEPS):
                 q += amplitude / STEPS * (self.vectors[mode, 0] * cmath.exp(1j * turn)).real
                 problem.close(q)
-            one = problem.finish(q, 0)
-            table.append([one[name] for name in names])
+            rest = problem.finish(q, 0)
+            table.append([rest[name] for name in names])
         base = self.equilibrium.result
         return build_result(
             problem.system.model, f"mode {mode + 1}", t=t, data=np.array(table), names=names,
@@ -225,15 +225,15 @@ class Modes:
         )
 
 
-def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
+def modes(problem: StaticProblem, rest: Equilibrium, note: str = "") -> Modes:
     """Natural modes [rad/s, 1/s] about an equilibrium found with `problem`; see `Mechanism.modes`."""
     require_known_torques(problem.system, "a small motion about an equilibrium", also_smooth=True)
-    problem.at(one.t)
-    problem.turn(one.q)
-    g, null = problem.reduce(one.q)
+    problem.at(rest.t)
+    problem.turn(rest.q)
+    g, null = problem.reduce(rest.q)
     if not len(g):
-        return Modes(one, np.zeros((0, 2), complex), np.zeros((0, 2, len(one.q)), complex), problem, note)
-    stiffness, damping, how, error = _matrices(problem, one.q, null)
+        return Modes(rest, np.zeros((0, 2), complex), np.zeros((0, 2, len(rest.q)), complex), problem, note)
+    stiffness, damping, how, error = _matrices(problem, rest.q, null)
     mass = null.T @ (problem.system.arrays["mass"][1:].ravel()[:, None] * null)
     try:
         roots, shapes = small_motions(stiffness, damping, mass, error)
@@ -244,8 +244,8 @@ def modes(problem: StaticProblem, one: Equilibrium, note: str = "") -> Modes:
     place = np.abs(displacement).argmax(axis=2)[:, :, None]
     largest = np.take_along_axis(displacement, place, axis=2)
     turned = np.where(np.isreal(largest), np.abs(largest), largest)  # a real shape keeps its sign
-    found = whirls(problem, one.q, roots, vectors)
-    return Modes(one, roots, problem.system.size * vectors / turned, problem, note, how, found)
+    whirling = whirls(problem, rest.q, roots, vectors)
+    return Modes(rest, roots, problem.system.size * vectors / turned, problem, note, how, whirling)
 
 
 def _why_singular(system: System) -> str:
@@ -254,24 +254,26 @@ def _why_singular(system: System) -> str:
     return unlike or "masses, inertias and lengths differ too much for double precision; are their units as meant?"
 
 
-def own_problem(system: System, one: Equilibrium) -> StaticProblem:
+def own_problem(system: System, rest: Equilibrium) -> StaticProblem:
     """The problem of which an equilibrium given by a user is a solution.
 
     Raises TypeError if it is none, ValueError if it is one of another mechanism.
     """
-    if not isinstance(one, Equilibrium):
-        hint = "; take one of them, such as m.equilibrium()[0]" if isinstance(one, Equilibria) else ""
-        raise WrongType(f"equilibrium must be one of m.equilibrium(), got {type(one).__name__}{hint}")
-    bodies, mine = tuple(one.table.geometry["bodies"]), tuple(system.bodies)
+    if not isinstance(rest, Equilibrium):
+        hint = "; take one of them, such as m.equilibrium()[0]" if isinstance(rest, Equilibria) else ""
+        raise WrongType(f"equilibrium must be one of m.equilibrium(), got {type(rest).__name__}{hint}")
+    bodies, mine = tuple(rest.table.geometry["bodies"]), tuple(system.bodies)
     if bodies != mine:
         raise InputError(
             f"the equilibrium is one of another mechanism: it has the bodies {', '.join(bodies)}, this one"
             f" {', '.join(mine)}; take one of m.equilibrium()"
         )
-    problem = static_problem(system, one)
-    found = problem.assess(one.q, 0)
-    open_by, unbalanced = found.gap, found.residual
-    if open_by > max(OTHER * system.size, one.gap) or not unbalanced <= max(OTHER * found.force, 2.0 * one.residual):
+    problem = static_problem(system, rest)
+    assessed = problem.assess(rest.q, 0)
+    open_by, unbalanced = assessed.gap, assessed.residual
+    if open_by > max(OTHER * system.size, rest.gap) or not unbalanced <= max(
+        OTHER * assessed.force, 2.0 * rest.residual
+    ):
         raise InputError(
             f"the equilibrium is one of another mechanism: this one is open by {open_by:.2g} m (or rad) there and"
             f" unbalanced by {unbalanced:.2g} N; take one of m.equilibrium()"

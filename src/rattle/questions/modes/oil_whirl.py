@@ -40,23 +40,23 @@ class Floating(NamedTuple):
 
 def floating(problem: StaticProblem, q: np.ndarray) -> list[Floating]:
     """All pins in oil at q (3 nb,), with the rates that their films see now."""
-    found = []
+    pins = []
     for name, number, a, b in problem.oiled:
         joint = problem.system.model.joints[name]
         rows = problem.pin_rows(q, name)
         e = point_at(problem.system, q, joint.b) - point_at(problem.system, q, joint.a)
-        found.append(Floating(name, number, e, problem.workspace.turning[[a, b]].copy(), rows))
-    return found
+        pins.append(Floating(name, number, e, problem.workspace.turning[[a, b]].copy(), rows))
+    return pins
 
 
 def seen_speeds(problem: StaticProblem, q: np.ndarray) -> list[float]:
     """Velocities [m/s] that films see whose pins turn, at q (3 nb,); of a pin in the centre, that at a tenth of c."""
-    found = []
-    for one in floating(problem, q):
-        clearance = problem.system.model.joints[one.joint].clearance
-        speed = 0.5 * abs(float(one.rates.sum())) * max(float(np.hypot(*one.place)), 0.1 * clearance)
-        found += [speed] if speed > 0.0 else []
-    return found
+    speeds = []
+    for pin in floating(problem, q):
+        clearance = problem.system.model.joints[pin.joint].clearance
+        speed = 0.5 * abs(float(pin.rates.sum())) * max(float(np.hypot(*pin.place)), 0.1 * clearance)
+        speeds += [speed] if speed > 0.0 else []
+    return speeds
 
 
 def whirls(problem: StaticProblem, q: np.ndarray, roots: np.ndarray, vectors: np.ndarray) -> tuple[Whirl | None, ...]:
@@ -65,7 +65,7 @@ def whirls(problem: StaticProblem, q: np.ndarray, roots: np.ndarray, vectors: np
     if not pins:
         return ()
     mass = problem.system.arrays["mass"][1:].ravel()
-    crossed = [_crossed(problem, one) for one in pins]
+    crossed = [_crossed(problem, pin) for pin in pins]
     return tuple(_whirl(pins, crossed, complex(s[0]), z[0], mass) for s, z in zip(roots, vectors, strict=True))
 
 
@@ -76,26 +76,26 @@ def _whirl(
     if not (s.real > 0.0 and s.imag != 0.0):
         return None
     powers = []
-    for one, k in zip(pins, crossed, strict=True):
-        d = one.rows @ z
+    for pin, k in zip(pins, crossed, strict=True):
+        d = pin.rows @ z
         powers.append(-0.5 * float(np.real(np.conj(s * d) @ (k @ d))))
     needed = 0.5 * s.real * abs(s) ** 2 * float(np.real(np.conj(z) @ (mass * z)))
     if sum(powers) < needed:
         return None
-    one = pins[int(np.argmax(powers))]
-    turning = abs(float(one.rates.sum()))
-    return Whirl(one.joint, abs(s.imag) / turning if turning > 0.0 else math.nan)
+    pin = pins[int(np.argmax(powers))]
+    turning = abs(float(pin.rates.sum()))
+    return Whirl(pin.joint, abs(s.imag) / turning if turning > 0.0 else math.nan)
 
 
-def _crossed(problem: StaticProblem, one: Floating) -> np.ndarray:
+def _crossed(problem: StaticProblem, pin: Floating) -> np.ndarray:
     """K' (2, 2) [N/m], the part of -dF/de that is not symmetric, by differences of fourth order."""
-    workspace, c = problem.workspace, problem.system.model.joints[one.joint].clearance
-    size = float(np.hypot(*one.place))
+    workspace, c = problem.workspace, problem.system.model.joints[pin.joint].clearance
+    size = float(np.hypot(*pin.place))
     step = STEP * min(max(size, 0.1 * c), max(c - size, 1e-3 * c))
     slopes = np.zeros((2, 2))
     for k in range(2):
         for shift, factor in zip(SHIFTS, FACTORS, strict=True):
-            x, y = one.place + shift * step * np.eye(2)[k]
-            film_at(workspace, one.number, float(x), float(y), 0.0, 0.0, float(one.rates[0]), float(one.rates[1]))
+            x, y = pin.place + shift * step * np.eye(2)[k]
+            film_at(workspace, pin.number, float(x), float(y), 0.0, 0.0, float(pin.rates[0]), float(pin.rates[1]))
             slopes[:, k] += factor / (12.0 * step) * workspace.film_force[:2]
     return 0.5 * (slopes - slopes.T)

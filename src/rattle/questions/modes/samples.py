@@ -25,10 +25,10 @@ def modes_table(m: Mechanism, times: np.ndarray, modes: Sequence[Modes], names: 
     """Frequencies, damping and growth of modes at instants (n,) [s] as curves; names: that have to be among them."""
     rows: list[dict[str, float]] = []
     units: dict[str, str] = {}
-    for found in modes:
-        values = {"frequency": found.frequency, "damping": found.damping, "growth": found.growth}
-        rows.append({f"mode{n + 1}.{key}": float(values[key][n]) for n in range(len(found)) for key in MODE})
-        units |= {f"mode{n + 1}.{key}": unit for n in range(len(found)) for key, unit in MODE.items()}
+    for answer in modes:
+        values = {"frequency": answer.frequency, "damping": answer.damping, "growth": answer.growth}
+        rows.append({f"mode{n + 1}.{key}": float(values[key][n]) for n in range(len(answer)) for key in MODE})
+        units |= {f"mode{n + 1}.{key}": unit for n in range(len(answer)) for key, unit in MODE.items()}
     units |= {name: "" for name in names if name not in units}  # a mode that this sample has not
     data = np.array([[row.get(name, np.nan) for name in units] for row in rows])
     return table_of(m, "modes", times, data, units)

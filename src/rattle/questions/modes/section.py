@@ -43,14 +43,14 @@ def section(s: Study) -> Section:
     if not rest:
         return Section("Equilibrium and vibration", "", s.reasons.get("equilibrium", ""))
     rows, least = [], ROUNDING * min(s.m.system.extent, 1.0)
-    for n, one in enumerate(rest[:MOST_RESTS]):
+    for n, position in enumerate(rest[:MOST_RESTS]):
         units = {"x": "m", "y": "m", "angle": "rad"}
         places = [
-            f"{body} {', '.join(said(_rounded(one[f'{body}.{key}'], least), unit) for key, unit in units.items())}"
+            f"{body} {', '.join(said(_rounded(position[f'{body}.{key}'], least), unit) for key, unit in units.items())}"
             for body in list(s.m.model.bodies)[:6]
         ]
-        pulls = f"no: {', '.join(one.pulled)} would have to pull" if one.pulled else "yes"
-        rows.append((str(n + 1), "yes" if one.stable else "no", pulls, "; ".join(places)))
+        pulls = f"no: {', '.join(position.pulled)} would have to pull" if position.pulled else "yes"
+        rows.append((str(n + 1), "yes" if position.stable else "no", pulls, "; ".join(places)))
     many = f" (the first {MOST_RESTS} of {len(rest)})" if len(rest) > MOST_RESTS else ""
     body = table(("", "stable", "possible", "bodies at x, y, angle"), rows, f"Equilibria{many}")
     body += paragraph(sentence(f"How far the search went: {rest.extent}")) if rest.extent else ""

@@ -49,11 +49,11 @@ def small_motions(stiffness: np.ndarray, damping: np.ndarray, mass: np.ndarray, 
     for group in _groups(paired | (np.abs(c) > APART * np.minimum.outer(noise, noise))):
         if len(group) == 1:
             k = int(group[0])
-            found = [_alone(c[k, k], mu[k, k], noise[k])]
+            pairs = [_alone(c[k, k], mu[k, k], noise[k])]
             vectors = np.ones((1, 2, 1), complex)
         else:
-            found, vectors = _together(c[np.ix_(group, group)], mu[np.ix_(group, group)], error)
-        roots += found
+            pairs, vectors = _together(c[np.ix_(group, group)], mu[np.ix_(group, group)], error)
+        roots += pairs
         wide = np.zeros((len(group), 2, len(mass)), complex)
         wide[:, :, group] = vectors
         shapes += list(wide)
@@ -61,9 +61,9 @@ def small_motions(stiffness: np.ndarray, damping: np.ndarray, mass: np.ndarray, 
     return SmallMotions(np.array(roots)[order], np.array(shapes)[order] @ (lower.T @ basis).T)
 
 
-def _rank(one: complex, other: complex) -> tuple[float, float]:
+def _rank(first: complex, other: complex) -> tuple[float, float]:
     """By the product of the roots, mu of an undamped motion; of equal ones that which grows comes first."""
-    return float(f"{(one * other).real:.9e}"), -one.real
+    return float(f"{(first * other).real:.9e}"), -first.real
 
 
 def _undamped(h: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -77,15 +77,15 @@ def _undamped(h: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         values, vectors = np.linalg.eigh(0.5 * (h + h.T))
         values[np.abs(values) < NEUTRAL * np.abs(values).max()] = 0.0
         return vectors, np.diag(values), none
-    found, columns = np.linalg.eig(h)
-    order = np.argsort(found.real, kind="stable")  # conjugates stay side by side
-    found, columns = found[order], columns[:, order]
-    found[np.abs(found) < NEUTRAL * np.abs(found).max()] = 0.0
-    basis, mu, paired = np.real(columns).copy(), np.diag(np.real(found)), none
-    for k in np.flatnonzero(np.imag(found) > 0.0):
-        pair = [k, k + 1] if k + 1 < f and found[k + 1] == np.conj(found[k]) else [k, k - 1]
+    roots, columns = np.linalg.eig(h)
+    order = np.argsort(roots.real, kind="stable")  # conjugates stay side by side
+    roots, columns = roots[order], columns[:, order]
+    roots[np.abs(roots) < NEUTRAL * np.abs(roots).max()] = 0.0
+    basis, mu, paired = np.real(columns).copy(), np.diag(np.real(roots)), none
+    for k in np.flatnonzero(np.imag(roots) > 0.0):
+        pair = [k, k + 1] if k + 1 < f and roots[k + 1] == np.conj(roots[k]) else [k, k - 1]
         basis[:, pair] = np.stack([columns[:, k].real, columns[:, k].imag], axis=1)
-        mu[np.ix_(pair, pair)] = [[found[k].real, found[k].imag], [-found[k].imag, found[k].real]]
+        mu[np.ix_(pair, pair)] = [[roots[k].real, roots[k].imag], [-roots[k].imag, roots[k].real]]
         paired[np.ix_(pair, pair)] = True
     if not np.linalg.cond(basis) < DEFECTIVE:
         return np.eye(f), h, np.ones((f, f), dtype=bool)
@@ -134,8 +134,8 @@ def _together(c: np.ndarray, mu: np.ndarray, error: float) -> tuple[list[tuple[c
     pairs = _pairs(rest, ways, c)
     roots = [(complex(values[k]), complex(values[k].conjugate())) for k in swings]
     roots += [(complex(rest[i]), complex(rest[j])) for i, j in pairs]
-    made = [np.stack([shapes[:, k], shapes[:, k].conj()]) for k in swings]
-    return roots, np.array([*made, *(ways[:, [i, j]].T for i, j in pairs)])
+    turning = [np.stack([shapes[:, k], shapes[:, k].conj()]) for k in swings]
+    return roots, np.array([*turning, *(ways[:, [i, j]].T for i, j in pairs)])
 
 
 def _settled(values: np.ndarray, vectors: np.ndarray, noise: float) -> np.ndarray:

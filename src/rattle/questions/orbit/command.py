@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,7 +14,7 @@ from rattle.cli.output import as_json as to_json
 from rattle.cli.output import check_pictures, check_results, fallback_option, finish, keep, say_written
 
 if TYPE_CHECKING:
-    pass
+    from rattle.results.result import Result
 
 
 @click.command(cls=Command)
@@ -62,14 +62,7 @@ def orbit(
     name = joint if joint is not None else only_oiled(m)
     result = m.orbit(name, span_times(m, t_end, points))
     if as_json:
-        curves = {
-            key: {"min": float(result[key].min()), "max": float(result[key].max()), "unit": result.unit(key)}
-            for key in result.stored
-            if key.startswith(f"{name}.") and len(result.t)
-        }
-        summary = {key: one._asdict() for key, one in result.films.items()}
-        facts = {"success": result.success, "message": result.message, "trust": result.trust.to_dict()}
-        click.echo(to_json({**facts, "films": summary, "curves": curves}))
+        click.echo(to_json(_record(result, name)))
     elif len(result.t):
         from rattle.results.film_summary import film_table
 
@@ -80,3 +73,15 @@ def orbit(
         if not as_json:
             say_written(output)
     finish(ctx, result, keep(result, saved, csv, fallback))
+
+
+def _record(result: Result, name: str) -> dict[str, Any]:
+    """Whether the orbit was followed, what to trust of it, the films, and the range of every curve of the joint."""
+    curves = {
+        key: {"min": float(result[key].min()), "max": float(result[key].max()), "unit": result.unit(key)}
+        for key in result.stored
+        if key.startswith(f"{name}.") and len(result.t)
+    }
+    films = {key: film._asdict() for key, film in result.films.items()}
+    facts = {"success": result.success, "message": result.message, "trust": result.trust.to_dict()}
+    return {**facts, "films": films, "curves": curves}

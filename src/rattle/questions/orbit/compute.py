@@ -46,6 +46,8 @@ MOST_STEPS = 5_000_000
 FIRST = 1e-3  # share of the clearance that the first step goes
 FEWEST = 36  # outputs in a turn with which it is compared with the one before
 CLOSED = 1e-2  # change of the path from turn to turn, in clearances, below which it is closed
+UNSURE = 1e-3  # [-] share of the time, with a force that changes too fast to follow, from which it is told
+ROUNDING = 1e-6  # [turns] by which two turns of the driver may fall short
 LEFT_OUT = "the path of the pin follows the forces of the mechanism without play; its own inertia is left out"
 MEMORY = "dry friction by a law with a memory is left out of an orbit"
 
@@ -75,14 +77,14 @@ def orbit(
     reached = len(base.t)
     if not reached:
         raise SolverError(base.message, base)
-    made = _course(ideal, ideal_start, joint, base, COARSER * tolerance)
+    carried = _course(ideal, ideal_start, joint, base, COARSER * tolerance)
     e = point_at(system, start.q, joint.b) - point_at(system, start.q, joint.a)
-    path = _followed(system, name, made, base.t, e, tolerance)
-    notes = [LEFT_OUT, *([MEMORY] if _remembers(joint) else []), *_unsure(name, made), *_open(joint, base, path)]
+    path = _followed(system, name, carried, base.t, e, tolerance)
+    notes = [LEFT_OUT, *([MEMORY] if _remembers(joint) else []), *_unsure(name, carried), *_open(joint, base, path)]
     message = base.message
     if len(path.rows) < reached:
         message = f"the pin of '{name}' cannot be followed beyond t = {path.end:.6g} s: {_why(name, base, path.end)}"
-    result = _result(system, joint, base, made, path, notes, message, time.perf_counter() - began)
+    result = _result(system, joint, base, carried, path, notes, message, time.perf_counter() - began)
     if not result.success:
         log.error(result.message)
         if strict:
@@ -94,12 +96,14 @@ def _lubricated(system: System, name: str) -> Joint:
     """The joint.  Raises UnknownName, or ModelError if it has no oil."""
     joints = system.model.joints
     if name not in joints:
-        oiled = [one.name for one in joints.values() if one.contact is not None and one.contact.film is not None]
+        oiled = [
+            other.name for other in joints.values() if other.contact is not None and other.contact.film is not None
+        ]
         raise UnknownName(f"the model has no joint {name!r}{suggest(name, oiled or joints)}")
     joint = joints[name]
     if joint.contact is None or joint.contact.film is None or not joint.is_loose:
-        said = 'a clearance, and contact = { model = "lubricated", viscosity, length, bush_radius }'
-        raise ModelError([Problem(("joints", name, "contact"), f"an orbit needs oil in the joint: {said}")])
+        needs = 'a clearance, and contact = { model = "lubricated", viscosity, length, bush_radius }'
+        raise ModelError([Problem(("joints", name, "contact"), f"an orbit needs oil in the joint: {needs}")])
     return joint
 
 
@@ -115,11 +119,11 @@ def _course(ideal: System, start: Assembled, joint: Joint, base: Result, toleran
     """Force of the joint and rates of both bodies over time, from 0 to where the mechanism gets to."""
 
     def carried(times: Array) -> Array:
-        found = analyse(ideal, start, times, forces=True)
-        if len(found.t) < len(times):
-            raise SolverError(found.message, found)
-        rates = [_rate(found, end) for end in (joint.a.body, joint.b.body)]
-        return np.stack([found[f"{joint.name}.fx"], found[f"{joint.name}.fy"], *rates], axis=1)
+        result = analyse(ideal, start, times, forces=True)
+        if len(result.t) < len(times):
+            raise SolverError(result.message, result)
+        rates = [_rate(result, end) for end in (joint.a.body, joint.b.body)]
+        return np.stack([result[f"{joint.name}.fx"], result[f"{joint.name}.fy"], *rates], axis=1)
 
     fastest = max(float(np.abs(base[f"{body}.omega"]).max()) for body in ideal.bodies)
     return course(carried, float(base.t[-1]), fastest, tolerance)
@@ -129,7 +133,7 @@ def _rate(result: Result, body: str) -> Array:
     return np.zeros(len(result.t)) if body == "ground" else result[f"{body}.omega"]
 
 
-def _followed(system: System, name: str, made: Course, times: Array, e: Array, tolerance: float) -> Orbit:
+def _followed(system: System, name: str, carried: Course, times: Array, e: Array, tolerance: float) -> Orbit:
     """The path of the pin from e (2,) [m] at t = 0 to the times (n,) [s]."""
     workspace, number = system.workspace(), system.joints.index(name)
     contact = system.arrays["contact"]
@@ -139,7 +143,7 @@ def _followed(system: System, name: str, made: Course, times: Array, e: Array, t
     clock[mobility.X], clock[mobility.Y] = e
     first = np.zeros((1, 7))
     clock[mobility.STRIDE] = 1.0
-    arguments_ = (made.nodes, made.cubics)
+    arguments_ = (carried.nodes, carried.cubics)
     mobility.follow(workspace, mine, *arguments_, np.zeros(1), tolerance, 1.0, clock, scratch, first)
     speed = math.hypot(first[0, mobility.RATE_X], first[0, mobility.RATE_Y])
     end = float(times[-1])
@@ -152,10 +156,10 @@ def _followed(system: System, name: str, made: Course, times: Array, e: Array, t
     return Orbit(rows[:done], float(clock[mobility.NOW]), int(clock[mobility.TAKEN]))
 
 
-def _unsure(name: str, made: Course) -> list[str]:
-    if made.unsure < 1e-3:
+def _unsure(name: str, carried: Course) -> list[str]:
+    if carried.unsure < UNSURE:
         return []
-    return [f"{name}: its force changes faster than it was followed at {100 * made.unsure:.2g} % of the time"]
+    return [f"{name}: its force changes faster than it was followed at {100 * carried.unsure:.2g} % of the time"]
 
 
 def _open(joint: Joint, base: Result, path: Orbit) -> list[str]:
@@ -164,7 +168,7 @@ def _open(joint: Joint, base: Result, path: Orbit) -> list[str]:
     if not driven or len(path.rows) < len(base.t):
         return []
     turns = np.abs(base[f"{driven[0]}.angle"] - base[f"{driven[0]}.angle"][0]) / (2.0 * math.pi)
-    if turns[-1] < 2.0 - 1e-6 or not (np.diff(turns) > 0.0).all() or (turns > turns[-1] - 1.0).sum() < FEWEST:
+    if turns[-1] < 2.0 - ROUNDING or not (np.diff(turns) > 0.0).all() or (turns > turns[-1] - 1.0).sum() < FEWEST:
         return []
     now = turns[turns > turns[-1] - 1.0]
     place = path.rows[turns > turns[-1] - 1.0, :2].T
@@ -185,18 +189,18 @@ def _why(name: str, base: Result, t: float) -> str:
 
 
 def _result(
-    system: System, joint: Joint, base: Result, made: Course, path: Orbit, notes: Sequence[str], message: str,
+    system: System, joint: Joint, base: Result, carried: Course, path: Orbit, notes: Sequence[str], message: str,
     wall: float,
 ) -> Result:  # fmt: skip
     """The result of the mechanism without play, with the columns of the film in place of those of the closed joint."""
     n, name = len(path.rows), joint.name
     own = _columns(joint, base, path.rows)
     names, data, units = [], [], {}
-    for one in base.stored:
-        if one.partition(".")[0] != name:
-            names.append(one)
-            data.append(base[one][:n])
-            units[one] = base.unit(one)
+    for column in base.stored:
+        if column.partition(".")[0] != name:
+            names.append(column)
+            data.append(base[column][:n])
+            units[column] = base.unit(column)
         elif own:
             for key, (unit, values) in own.items():
                 names.append(f"{name}.{key}")
@@ -204,9 +208,9 @@ def _result(
                 units[names[-1]] = unit
             own = {}
     table = np.stack(data, axis=1)
-    said = (*base.trust.notes, *notes, *oil_notes(system, table, names))
-    trust = replace(base.trust, notes=said, t_end=path.end, horizon=path.end, stopped=bool(message))
-    stats = {"positions": n, "nodes": len(made.nodes), "steps": path.steps, "wall_time": wall}
+    remarks = (*base.trust.notes, *notes, *oil_notes(system, table, names))
+    trust = replace(base.trust, notes=remarks, t_end=path.end, horizon=path.end, stopped=bool(message))
+    stats = {"positions": n, "nodes": len(carried.nodes), "steps": path.steps, "wall_time": wall}
     return build_result(
         system.model, "orbit", t=base.t[:n], data=table, names=names, units=units, trust=trust, stats=stats,
         settings={"joint": name}, events=base.events, message=message,

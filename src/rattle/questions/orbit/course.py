@@ -46,15 +46,15 @@ def course(carried: Carried, end: float, fastest: float, tolerance: float) -> Co
         curve = CubicSpline(nodes, values)
         cells = np.diff(nodes)
         looked = nodes[:-1] + ASIDE[0] * cells
-        found = carried(looked)
-        size = np.maximum(np.abs(values).max(axis=0), np.abs(found).max(axis=0))
+        between = carried(looked)
+        size = np.maximum(np.abs(values).max(axis=0), np.abs(between).max(axis=0))
         size[:2], size[2:] = size[:2].max(), max(float(size[2:].max()), 1.0 / end)
-        off = (np.abs(curve(looked) - found) > tolerance * size).any(axis=1)
+        off = (np.abs(curve(looked) - between) > tolerance * size).any(axis=1)
         if not off.any() or attempt == ROUNDS or len(nodes) > MOST:
             break
         more = nodes[:-1][off] + ASIDE[1] * cells[off]
         nodes = np.concatenate([nodes, looked[off], more])
-        values = np.concatenate([values, found[off], carried(more)])
+        values = np.concatenate([values, between[off], carried(more)])
         order = np.argsort(nodes)
         nodes, values = nodes[order], values[order]
     cubics = np.ascontiguousarray(curve.c.transpose(1, 0, 2)).reshape(len(cells), -1)

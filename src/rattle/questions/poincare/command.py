@@ -80,25 +80,18 @@ def poincare(
     m = read_model(file, settings, ideal)
     if contact is not None:
         m = m.with_contact(contact)
-    loose = [name for name, one in m.model.joints.items() if one.clearance > 0.0]
-    curves = names or tuple(f"{loose[0]}.{what}" for what in ("ex", "ey")) if loose or names else ()
-    if not curves:
-        raise click.UsageError("name the curves to sample: --of NAME --of NAME")
-    most = 2 if parameter is None else 1
-    if len(curves) > most and names:
-        drawn = "a section takes two curves" if parameter is None else "a diagram over --parameter takes one curve"
-        raise click.UsageError(f"--of is given {len(names)} times; {drawn}")
+    curves = _curves(m, names, parameter is None)
     interrupted = early = False
     if parameter is not None:
         if first is None or last is None:
             raise click.UsageError("--parameter needs --from and --to")
         low, high = (_amount(m, parameter, text, at) for text, at in ((first, "--from"), (last, "--to")))
-        found = m.bifurcation(
+        diagram = m.bifurcation(
             parameter, np.linspace(low, high, count), curves[0], period=period, skip=skip, points=points,
             progress=shows_progress(ctx),
         )  # fmt: skip
-        figure, interrupted = found.plot(), found.interrupted
-        click.echo(found.rule)
+        figure, interrupted = diagram.plot(), diagram.interrupted
+        click.echo(diagram.rule)
     else:
         if len(curves) < 2:
             raise click.UsageError("a section needs two curves, --of NAME --of NAME; a bifurcation needs --parameter")
@@ -118,20 +111,31 @@ def poincare(
         ctx.exit(STOPPED if interrupted else 1)
 
 
+def _curves(m: Mechanism, names: tuple[str, ...], section: bool) -> tuple[str, ...]:
+    """The curves to sample: those named, or where the first pin with clearance is.  Raises click.UsageError."""
+    if len(names) > (2 if section else 1):
+        drawn = "a section takes two curves" if section else "a diagram over --parameter takes one curve"
+        raise click.UsageError(f"--of is given {len(names)} times; {drawn}")
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0]
+    if not names and not loose:
+        raise click.UsageError("name the curves to sample: --of NAME --of NAME")
+    return names or (f"{loose[0]}.ex", f"{loose[0]}.ey")
+
+
 def _amount(m: Mechanism, parameter: str, text: str, option: str) -> float:
     """A value of a parameter in SI units, from a number or a quantity of the parameter's dimension."""
     from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 
     try:
-        found = parse_quantity(text)
+        amount = parse_quantity(text)
     except QuantityError as error:
         raise click.UsageError(f"{option}: {error}") from None
-    if found is None:
+    if amount is None:
         raise click.UsageError(
             f'{option}: {text!r} is not a value; expected a number in SI or a quantity such as "0.2 mm"'
         )
-    known = m.model.parameters.get(parameter)
-    if known is not None and found[1] is not None and found[1] != dimension_of(known.unit):
-        wanted = describe(dimension_of(known.unit))
-        raise click.UsageError(f"{option}: '{text}' is {describe(found[1])}; '{parameter}' is {wanted}")
-    return found[0]
+    declared = m.model.parameters.get(parameter)
+    if declared is not None and amount[1] is not None and amount[1] != dimension_of(declared.unit):
+        wanted = describe(dimension_of(declared.unit))
+        raise click.UsageError(f"{option}: '{text}' is {describe(amount[1])}; '{parameter}' is {wanted}")
+    return amount[0]

@@ -22,6 +22,8 @@ from rattle.language.units import TIME, describe, dimension_of
 from rattle.results.display import quantity, table
 from rattle.results.sampled_curve import SampledCurve
 
+STEADY = 1e-9  # [-] relative change of the rate of a driver that turns steadily: rounding of its function
+LOOKS = (0.0, 0.0137, 0.171, 1.93)  # [s] where the rate is looked at: no multiples of each other, as periods are
 PER_STEP = 4  # instants for each step, in which a curve may rise and fall: between two of them a rise is not seen
 MOST_INSTANTS = 1_000_000
 NARROWINGS, PARTS = 3, 16  # an interval of outputs around a crossing is cut so often into so many parts, of which a
@@ -45,10 +47,10 @@ def driver_period(system: System) -> float | None:
             continue
         slot = system.driver_slot(name)
         rates = []
-        for t in (0.0, 0.0137, 0.171, 1.93):
+        for t in LOOKS:
             drive(workspace, t)
             rates.append(float(workspace.values[slot + 1]))
-        if rates[0] and max(rates) - min(rates) <= 1e-9 * abs(rates[0]):
+        if rates[0] and max(rates) - min(rates) <= STEADY * abs(rates[0]):
             return 2.0 * math.pi / abs(rates[0])
     return None
 
@@ -58,32 +60,32 @@ def period_of(m: Mechanism, period: Seconds | None) -> float:
 
     Raises InputError if there is none, or if it is not positive, ModelError for a text that cannot be read.
     """
-    found = driver_period(m.system) if period is None else _seconds(m, period)
-    if found is None:
+    duration = driver_period(m.system) if period is None else _seconds(m, period)
+    if duration is None:
         raise InputError("no driver turns at constant rate; give the period in s, or a crossing")
-    if not 0.0 < found < math.inf:
-        raise InputError(f"period must be positive and finite, got {found}")
-    return found
+    if not 0.0 < duration < math.inf:
+        raise InputError(f"period must be positive and finite, got {duration}")
+    return duration
 
 
 def _seconds(m: Mechanism, period: Seconds) -> float:
     """A given period [s] with the present values of the parameters."""
     if not isinstance(period, str) or (text := _expression(period)) is None:
         return seconds(period, "period")
-    known = m.model.parameters
+    parameters = m.model.parameters
     try:
         for part in walk(text):
-            if isinstance(part, Name) and part.name not in known:
-                raise ExpressionError(f"no parameter '{part.name}'{suggest(part.name, known)}", part.column)
-        found = dimension(text, lambda name: dimension_of(known[name].unit) if known[name].unit else None)
-        if found not in (None, TIME):
-            raise ExpressionError(f"this is {describe(found)}; expected {describe(TIME)}", text.column)
+            if isinstance(part, Name) and part.name not in parameters:
+                raise ExpressionError(f"no parameter '{part.name}'{suggest(part.name, parameters)}", part.column)
+        seen = dimension(text, lambda name: dimension_of(parameters[name].unit) if parameters[name].unit else None)
+        if seen not in (None, TIME):
+            raise ExpressionError(f"this is {describe(seen)}; expected {describe(TIME)}", text.column)
     except ExpressionError as error:
         problem = Problem((), f"period: {error}", column=error.column)
         problem.caret = caret_under(period, error.column + 1)
         raise ModelError([problem]) from None
     with np.errstate(all="ignore"):
-        return float(arrays.evaluate(text, lambda name: known[name].value))
+        return float(arrays.evaluate(text, lambda name: parameters[name].value))
 
 
 def _expression(text: str) -> Node | None:
@@ -111,9 +113,9 @@ class Section:
 
     def _repr_html_(self) -> str:
         rows = [
-            (name, quantity(float(one.min()), unit, 6), quantity(float(one.max()), unit, 6))
-            for (name, one), unit in zip(self.values.items(), map(self.units.__getitem__, self.values), strict=True)
-            if len(one)
+            (name, quantity(float(curve.min()), unit, 6), quantity(float(curve.max()), unit, 6))
+            for (name, curve), unit in zip(self.values.items(), map(self.units.__getitem__, self.values), strict=True)
+            if len(curve)
         ]
         title = f"Poincare section: {len(self.t)} points, {self.rule}"
         return table(("curve", "least", "greatest"), rows, title, [self.message] if self.message else [], "s.plot()")
@@ -268,26 +270,28 @@ def require_crossings(r: Result, name: str, level: float, count: int, skip: int)
     """Say why no point is left of the `count` rises of a curve through a level [SI]; see `section`."""
     low, high, unit = min(r[name], default=math.nan), max(r[name], default=math.nan), r.unit(name)
     often = f"it rises through {level:g} {unit} {count} times" if count else f"it never rises through {level:g} {unit}"
-    found = (
+    facts = (
         f"{name} goes from {low:.4g} to {high:.4g} {unit}; {often} in {r.trust.t_end:.4g} s, and skip leaves out {skip}"
     )
-    require_run(r, found)
+    require_run(r, facts)
     if not r.interrupted:
         raise InputError(
-            f"no point: {found}; give another crossing, level or period (its run is skip + points periods long)"
+            f"no point: {facts}; give another crossing, level or period (its run is skip + points periods long)"
         )
 
 
-def require_run(r: Result, found: str) -> None:
-    """Raise SolverError for a run that has stopped before the first point; found: what is known about that point."""
+def require_run(r: Result, facts: str) -> None:
+    """Raise SolverError for a run that has stopped before the first point; facts: what is known about that point."""
     if not r.success and not r.interrupted:
-        raise SolverError(f"no point: the run stopped at t = {r.trust.t_end:.6g} s, {r.message}; {found}", r)
+        raise SolverError(f"no point: the run stopped at t = {r.trust.t_end:.6g} s, {r.message}; {facts}", r)
 
 
 def pins(m: Mechanism) -> dict[str, float]:
     """Clearances of the pins [m]."""
     return {
-        n: one.clearance for n, one in m.model.joints.items() if one.play and one.play.orbit and one.clearance > 0.0
+        n: joint.clearance
+        for n, joint in m.model.joints.items()
+        if joint.play and joint.play.orbit and joint.clearance > 0.0
     }
 
 

@@ -27,7 +27,7 @@ def plot_section(section: Section, x: str, y: str, ax: Axes | None = None) -> Fi
     """
     from matplotlib.patches import Circle
 
-    given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
+    asked, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
     same = section.units[x] == section.units[y]
     size = {name: float(np.nanmax(np.abs(section[name]), initial=0.0)) for name in (x, y)}
     wide, high = (handy_unit(section.units[n], max(size.values()) if same else size[n]) for n in (x, y))
@@ -45,4 +45,4 @@ def plot_section(section: Section, x: str, y: str, ax: Axes | None = None) -> Fi
     ax.set_ylabel(axis_label(y, high[1]))
     ax.set_title(f"Poincare section, {section.rule}", loc="left", fontsize=11, pad=16)
     note(ax, f"{len(section.t)} points")
-    return drawn(ax, given)
+    return drawn(ax, asked)

@@ -17,6 +17,7 @@ from rattle.questions.power.in_units import in_units, with_units
 if TYPE_CHECKING:
     from rattle.questions.power.compute import Power
 
+WHOLE = 1e-9  # [of the run] difference of a cycle from the whole run that is rounding
 SEEN = 1e-9  # share of the largest energy below which one is rounding
 WORDS = ("element", "kind", "body")
 PORTS = ("element", "body", "E_in", "E_out", "net", "recirculated", "peak", "mean")
@@ -55,19 +56,13 @@ def power(
               rattle power out.nc -o power.csv
     """
 
-    table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
-    if table and Path(str(output)).suffix.lower() != ".csv":
-        raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
-    if curves and (output is None or table):
-        raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
-    if instant is not None and output is not None and not table:
-        raise click.UsageError("--at prints or writes a table: give the name of a .csv file, or leave -o out")
+    table = _is_table(output, curves, instant)
     if output is not None:
         (check_files if table else check_pictures)(result, output)
     run_laws(laws)
     r = read_result(result, settings)
     end = r.trust.t_end
-    p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < 1e-9 * end else end - cycle)
+    p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < WHOLE * end else end - cycle)
     if output is None:
         click.echo(_instant(p, instant) if instant is not None else _cycle(p))
         return
@@ -78,6 +73,18 @@ def power(
 
         save_figure(p.plot_curves() if curves else p.plot(), output)
     say_written(output)
+
+
+def _is_table(output: str | None, curves: bool, instant: float | None) -> bool:
+    """True for the name of a table.  Raises InputError, and click.UsageError for options that ask for the other."""
+    table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
+    if table and Path(str(output)).suffix.lower() != ".csv":
+        raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
+    if curves and (output is None or table):
+        raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
+    if instant is not None and output is not None and not table:
+        raise click.UsageError("--at prints or writes a table: give the name of a .csv file, or leave -o out")
+    return table
 
 
 def _write(frame: Any, path: str) -> None:
@@ -105,7 +112,7 @@ def _cycle(p: Power) -> str:
     numbers = elements[list(ENERGIES)]
     active = elements[(numbers.abs() > least).any(axis=1)]
     start = quantity(p.t0, "s", 6).split()[0]
-    said = [
+    lines = [
         f"energy [{energy}] and power [{power}] into bodies, t = {start} to {quantity(p.t1, 's', 6)}",
         _lines(ports[ports["E_in"] + ports["E_out"] > least], PORTS, least),
         *([p.remark] if p.remark else []),
@@ -115,7 +122,7 @@ def _cycle(p: Power) -> str:
         "",
         f"largest imbalance of a body: {quantity(p.residual, 'W', 2)}",
     ]
-    return "\n".join(said)
+    return "\n".join(lines)
 
 
 def _lines(frame: Any, columns: tuple[str, ...], least: float = 0.0) -> str:

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 NOISE = 1e-9  # share of the largest energy into a body below which one is rounding
+PAST = 1e-9  # [of the end] by which a time may lie beyond the end of the run: rounding of what a user adds up
+EARLY = 1e-12  # [of the end] the same before its start, of a turn of the driver that is as long as the run
 NEEDED = ("document", "t_end", "method", "rtol", "atol")  # in the provenance: the run is gone through again
 RUN_AGAIN = "run it again with this version"
 
@@ -55,9 +57,9 @@ def _window(r: Result, m: Mechanism, t0: float | None, t1: float | None) -> tupl
     end = min(float(r.provenance["t_end"]), r.trust.t_end)
     last = end if t1 is None else float(t1)
     period = driver_period(m.system)
-    first = last - period if period is not None and last - period >= -1e-12 * last else 0.0
+    first = last - period if period is not None and last - period >= -EARLY * last else 0.0
     first = max(first, 0.0) if t0 is None else float(t0)
-    if not 0.0 <= first < last <= end * (1.0 + 1e-9):
+    if not 0.0 <= first < last <= end * (1.0 + PAST):
         raise InputError(f"power from {first:g} to {last:g} s: give times in order between 0 and the end, {end:g} s")
     return first, min(last, end)
 
@@ -81,13 +83,13 @@ class Power:
     def _repr_html_(self) -> str:
         largest = float(self.cycle.into.max(initial=0.0))
         rows = [
-            (name, kind, *(quantity(one, "J") if abs(one) > NOISE * largest else "" for one in sizes))
+            (name, kind, *(quantity(size, "J") if abs(size) > NOISE * largest else "" for size in sizes))
             for name, kind, *sizes in self.balance()
         ]
         head = ("element", "kind", "supplied", "lost", "stored", "back and forth")
         title = f"Energies from {self.t0:g} to {self.t1:g} s"
-        said = f"powers of every body balanced to {self.residual:.1g} W"
-        return table(head, [row for row in rows if any(row[2:])], title, [said], hint="p.plot(), p.table")
+        accuracy = f"powers of every body balanced to {self.residual:.1g} W"
+        return table(head, [row for row in rows if any(row[2:])], title, [accuracy], hint="p.plot(), p.table")
 
     @cached_property
     def cycle(self) -> Cycle:
@@ -105,24 +107,24 @@ class Power:
         recirculated (the smaller of both) [J]; peak (of the largest magnitude) and mean [W].  Raises MissingPackage.
         A peak is nan where forces of rigid contacts tower, see `remark`.
         """
-        one = self.cycle
+        turn = self.cycle
         columns = {
             **self.names,
-            "E_in": one.into,
-            "E_out": one.out,
-            "net": one.into - one.out,
-            "peak": np.where(self._towers, math.nan, one.peak),
-            "mean": (one.into - one.out) / (one.t1 - one.t0),
-            "recirculated": np.minimum(one.into, one.out),
+            "E_in": turn.into,
+            "E_out": turn.out,
+            "net": turn.into - turn.out,
+            "peak": np.where(self._towers, math.nan, turn.peak),
+            "mean": (turn.into - turn.out) / (turn.t1 - turn.t0),
+            "recirculated": np.minimum(turn.into, turn.out),
         }
         return _frame(columns)
 
     @property
     def _towers(self) -> NDArray[np.bool_]:
         """(ports,) True where a peak says nothing of a real contact: far above the usual power, as forces are."""
-        one = self.cycle
-        usual = (one.into + one.out) / (one.t1 - one.t0)
-        return (np.abs(one.peak) > TOWERS * usual) & bool(self.result.trust.unread)
+        turn = self.cycle
+        usual = (turn.into + turn.out) / (turn.t1 - turn.t0)
+        return (np.abs(turn.peak) > TOWERS * usual) & bool(self.result.trust.unread)
 
     @property
     def remark(self) -> str:
@@ -138,13 +140,13 @@ class Power:
 
         Raises MissingPackage.
         """
-        one, every = self.cycle, self._ports.elements
+        turn, every = self.cycle, self._ports.elements
         columns = {
             "element": [element.name for element in every],
             "kind": [element.kind for element in every],
-            "supplied": one.supplied,
-            "lost": one.lost,
-            "stored": one.stored,
+            "supplied": turn.supplied,
+            "lost": turn.lost,
+            "stored": turn.stored,
             "recirculated": self.recirculated,
         }
         return _frame(columns)
@@ -161,7 +163,7 @@ class Power:
     def powers(self, t: Array) -> Array:
         """Powers (n, ports) [W] at increasing instants (n,) [s], in the order of `table`."""
         end = min(float(self._settings.t_end), self.result.trust.t_end)
-        if not 0.0 <= t[0] <= t[-1] <= end * (1.0 + 1e-9):
+        if not 0.0 <= t[0] <= t[-1] <= end * (1.0 + PAST):
             raise InputError(f"expected a time within the run, from 0 to {end:g} s, got {t[0]:g} s")
         rows = rows_at(self._mechanism, self._settings, np.minimum(t, end))
         return self._ports.flow(rows).ports
@@ -194,8 +196,8 @@ class Power:
         ports = self._ports
         elements = [ports.elements[port.element] for port in ports.list]
         return {
-            "element": [one.name for one in elements],
-            "kind": [one.kind for one in elements],
+            "element": [element.name for element in elements],
+            "kind": [element.kind for element in elements],
             "body": [ports.bodies[port.body - 1] for port in ports.list],
         }
 
@@ -210,25 +212,25 @@ class Power:
         total = np.bincount(ports.of_element, back, minlength=len(ports.elements))
         least = np.full(len(ports.elements), np.inf)
         np.minimum.at(least, ports.of_element, back)
-        return np.where([all(one.bodies) for one in ports.elements], least, total)
+        return np.where([all(element.bodies) for element in ports.elements], least, total)
 
     def balance(self) -> list[tuple[str, str, float, float, float, float]]:
         """Name and kind of every element, and what it supplied, lost, stored, and gave and took back [J]."""
         sums = np.column_stack([self.cycle.supplied, self.cycle.lost, self.cycle.stored, self.recirculated]).tolist()
-        return [(one.name, one.kind, *sizes) for one, sizes in zip(self._ports.elements, sums, strict=True)]
+        return [(element.name, element.kind, *sizes) for element, sizes in zip(self._ports.elements, sums, strict=True)]
 
     @property
     def driven(self) -> dict[str, str]:
         """Names of the drivers, with that of the joint where each of them drives."""
-        return {name: one.joint or "" for name, one in self._mechanism.model.drivers.items()}
+        return {name: driver.joint or "" for name, driver in self._mechanism.model.drivers.items()}
 
     @property
     def between(self) -> set[str]:
         """Names of the elements between two bodies that move."""
-        return {one.name for one in self._ports.elements if all(one.bodies)}
+        return {element.name for element in self._ports.elements if all(element.bodies)}
 
 
 def _frame(columns: dict[str, Any]) -> DataFrame:
     """A pandas.DataFrame of these columns.  Raises MissingPackage."""
-    found: DataFrame = package("pandas", "a table of powers").DataFrame(columns)
-    return found
+    frame: DataFrame = package("pandas", "a table of powers").DataFrame(columns)
+    return frame

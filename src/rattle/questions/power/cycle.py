@@ -68,13 +68,13 @@ def _known(ports: Ports, steps: Steps, span: float) -> tuple[Steps, Flow]:
     """
     flow = ports.flow(steps.rows.reshape(-1, steps.rows.shape[-1]))
     finite = np.isfinite(flow.unbalanced) & np.isfinite(flow.lost + flow.stored + flow.supplied).all(axis=1)
-    known = finite.reshape(len(steps.start), -1).all(axis=1)
-    if known.all():
+    usable = finite.reshape(len(steps.start), -1).all(axis=1)
+    if usable.all():
         return steps, flow
-    if not (steps.end - steps.start)[~known].sum() <= UNKNOWN * span:
-        raise SolverError(f"forces have no value at t = {steps.start[~known][0]:.6g} s: give times before it", None)
-    moved, closed = steps.moved[known], steps.closed[known]
-    left = Steps(steps.start[known], steps.end[known], steps.rows[known], steps.impulses, moved, closed)
+    if not (steps.end - steps.start)[~usable].sum() <= UNKNOWN * span:
+        raise SolverError(f"forces have no value at t = {steps.start[~usable][0]:.6g} s: give times before it", None)
+    moved, closed = steps.moved[usable], steps.closed[usable]
+    left = Steps(steps.start[usable], steps.end[usable], steps.rows[usable], steps.impulses, moved, closed)
     return left, ports.flow(left.rows.reshape(-1, left.rows.shape[-1]))
 
 
@@ -135,10 +135,10 @@ def _book_ends(steps: Steps, integrals: Array) -> None:
 
 def _book_impulses(ports: Ports, steps: Steps, into: Array, out: Array, sums: Array) -> None:
     """Add the work of impulses: joints lose what they take from their bodies, drivers supply it."""
-    given, taken = ports.impulses(steps.impulses)
-    into += given
+    gained, taken = ports.impulses(steps.impulses)
+    into += gained
     out += taken
     work = np.zeros(len(ports.elements))
-    np.add.at(work, ports.of_element, given - taken)
+    np.add.at(work, ports.of_element, gained - taken)
     sums[0] += np.where(ports.driven, work, 0.0)
     sums[1] -= np.where(ports.driven, 0.0, work)

@@ -77,13 +77,13 @@ class _Graph:
         self.links: list[Link] = []
 
     def _outside(self, name: str, side: str, net: float, back: float) -> int:
-        known = [k for k, node in enumerate(self.nodes) if (node.name, node.side) == (name, side)]
-        if not known:
+        places = [k for k, node in enumerate(self.nodes) if (node.name, node.side) == (name, side)]
+        if not places:
             self.nodes.append(Node(name, -1, side, net, back))
             return len(self.nodes) - 1
-        node = self.nodes[known[0]]
-        self.nodes[known[0]] = node._replace(net=node.net + net, back=node.back + back)
-        return known[0]
+        node = self.nodes[places[0]]
+        self.nodes[places[0]] = node._replace(net=node.net + net, back=node.back + back)
+        return places[0]
 
     def from_outside(self, body: int, name: str, net: float, back: float) -> None:
         """Energy from an element to a body."""
@@ -123,6 +123,11 @@ def graph_of(p: Power) -> tuple[list[Node], list[Link]]:
             graph.to_outside(at, f"{name}, kinetic", gained, 0.0, "kept")
         else:
             graph.from_outside(at, f"{name}, kinetic", gained, 0.0)
+    return _thick(graph)
+
+
+def _thick(graph: _Graph) -> tuple[list[Node], list[Link]]:
+    """The links that are thick enough to see, and the nodes that they join."""
     largest = max((link.net + link.back for link in graph.links), default=0.0)
     links = [link for link in graph.links if link.net + link.back > LEAST * largest]
     used = sorted({n for link in links for n in (link.start, link.end)})
@@ -148,9 +153,9 @@ def lay_out(nodes: Sequence[Node], links: Sequence[Link]) -> Sheet:
     last = int(column.max(initial=0))
     size = np.array([link.net + link.back for link in links])
     through = np.zeros((2, len(nodes)))
-    for link, one in zip(links, size, strict=True):
-        through[0, link.start] += one
-        through[1, link.end] += one
+    for link, amount in zip(links, size, strict=True):
+        through[0, link.start] += amount
+        through[1, link.end] += amount
     tallest = max((through.max(axis=0)[column == c].sum() for c in range(last + 1)), default=0.0)
     scale = 1.0 / tallest if tallest > 0.0 else 1.0
     heights = scale * through.max(axis=0)
@@ -168,7 +173,7 @@ def lay_out(nodes: Sequence[Node], links: Sequence[Link]) -> Sheet:
     x = column.astype(float)
     ends = _ends(nodes, links, scale * size, x, y)
     low, high = float((y - 0.5 * heights).min(initial=0.0)), float((y + 0.5 * heights).max(initial=0.0))
-    lines = max((len(one) for one in order.values()), default=1)
+    lines = max((len(stack) for stack in order.values()), default=1)
     return Sheet(nodes, links, x, y, heights, ends, scale, last + 1, lines, low, high)
 
 
@@ -213,7 +218,7 @@ def _ways(nodes: Sequence[Node], links: Sequence[Link]) -> set[tuple[int, int]]:
     order = _distances(nodes, links)
     ways: set[tuple[int, int]] = set()
     inner = [link for link in links if nodes[link.start].body >= 0 and nodes[link.end].body >= 0]
-    for link in sorted(inner, key=lambda one: (one.net < 0.05 * one.back, -one.net - one.back)):
+    for link in sorted(inner, key=lambda flow: (flow.net < 0.05 * flow.back, -flow.net - flow.back)):
         a, b = link.start, link.end
         if link.net < 0.05 * link.back and order[a] > order[b]:
             a, b = b, a
@@ -234,8 +239,8 @@ def _distances(nodes: Sequence[Node], links: Sequence[Link]) -> list[int]:
     while waiting:
         here = waiting.pop(0)
         for link in links:
-            for one, other in ((link.start, link.end), (link.end, link.start)):
-                if one == here and nodes[other].body >= 0 and far[other] == len(nodes):
+            for end, other in ((link.start, link.end), (link.end, link.start)):
+                if end == here and nodes[other].body >= 0 and far[other] == len(nodes):
                     far[other] = far[here] + 1
                     waiting.append(other)
     return far
@@ -257,10 +262,10 @@ def _leads(ways: set[tuple[int, int]], a: int, b: int) -> bool:
 def _height_of_others(k: int, links: Sequence[Link], size: Array, y: Array) -> float:
     """Mean height of what a node is linked with."""
     total, weight = 0.0, 1e-300
-    for link, one in zip(links, size, strict=True):
+    for link, amount in zip(links, size, strict=True):
         if k in (link.start, link.end):
-            total += one * y[link.end if k == link.start else link.start]
-            weight += one
+            total += amount * y[link.end if k == link.start else link.start]
+            weight += amount
     return float(total / weight)
 
 
@@ -273,7 +278,7 @@ def _ends(nodes: Sequence[Node], links: Sequence[Link], width: Array, x: Array, 
             mine = [n for n, link in enumerate(links) if (link.start, link.end)[side] == k]
             other = [(links[n].end, links[n].start)[side] for n in mine]
             top = y[k] + 0.5 * width[mine].sum()
-            for _, n in sorted(zip(other, mine, strict=True), key=lambda one: -y[one[0]]):
+            for _, n in sorted(zip(other, mine, strict=True), key=lambda pair: -y[pair[0]]):
                 ends[n][side] = x[k] + (half if side == 0 else -half), top - 0.5 * width[n]
                 top -= width[n]
     return ends

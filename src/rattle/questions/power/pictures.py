@@ -72,10 +72,10 @@ def plot_cycle(p: Power, spacing: Spacing = OWN) -> Figure:
 def _finished(ax: Axes, p: Power) -> Figure:
     ax.set_axis_off()
     title_of(ax, p.result)
-    said = (
+    caption = (
         f"energy from t = {p.t0:.4g} to {p.t1:.4g} s; grey and {TO_AND_FRO}: goes back and forth, colour: what is left"
     )
-    ax.text(0.0, -0.02, said, transform=ax.transAxes, fontsize=8, color=GREY, va="top")
+    ax.text(0.0, -0.02, caption, transform=ax.transAxes, fontsize=8, color=GREY, va="top")
     return figure_of(ax)
 
 
@@ -121,9 +121,9 @@ def _node(ax: Axes, node: Node, k: int, sheet: Sheet, point: float) -> None:
         return
     left = node.side == "source"
     words = [node.name, *_told(node.net, node.back)]
-    said = ("\n" if height > len(words) * LINE * point else "  ").join(words)
+    text = ("\n" if height > len(words) * LINE * point else "  ").join(words)
     ax.annotate(
-        said, (x + (-0.06 if left else 0.06), y), ha="right" if left else "left", va="center", fontsize=9, color=BLACK,
+        text, (x + (-0.06 if left else 0.06), y), ha="right" if left else "left", va="center", fontsize=9, color=BLACK,
         parse_math=False,
     )  # fmt: skip
 
@@ -158,8 +158,8 @@ def _tell(
 
 def _told(net: float, back: float) -> list[str]:
     """A net energy and what goes back and forth, without what is too thin to see beside the other."""
-    said = [_energy(net)] if net > UNSEEN * back else []
-    return [*said, f"{TO_AND_FRO} {_energy(back)}"] if back > UNSEEN * net else said
+    words = [_energy(net)] if net > UNSEEN * back else []
+    return [*words, f"{TO_AND_FRO} {_energy(back)}"] if back > UNSEEN * net else words
 
 
 def _energy(value: float) -> str:
@@ -178,7 +178,7 @@ def plot_powers(p: Power) -> Figure:
     factor, unit = (1e-3, "kW") if largest >= 2e3 else (1.0, "W") if largest >= 0.5 or largest == 0.0 else (1e3, "mW")
     colours = (*CURVES, *MORE)
     for ax, body in zip(axes, bodies, strict=False):
-        mine = [k for k, one in enumerate(table["body"]) if one == body]
+        mine = [k for k, owner in enumerate(table["body"]) if owner == body]
         shown = [k for k in mine if np.abs(powers[:, k]).max() > 1e-9 * largest]
         for n, k in enumerate(shown):
             ax.plot(t, factor * powers[:, k], color=colours[n % len(colours)], label=table["element"][k])

@@ -58,9 +58,9 @@ class Ports:
         self.elements = _elements(system)
         first, acting = width(system), len(system.joints) + len(system.model.loads)
         self.list: list[Port] = []
-        for n, one in enumerate(self.elements[:acting]):
-            for side, body in enumerate(one.bodies):
-                if body and not (side == 0 and one.bodies[0] == one.bodies[1]):
+        for n, element in enumerate(self.elements[:acting]):
+            for side, body in enumerate(element.bodies):
+                if body and not (side == 0 and element.bodies[0] == element.bodies[1]):
                     self.list.append(Port(n, body, side, first + at.PER_PORT * n + (at.PORT_A, at.PORT_B)[side]))
         for body in range(1, len(self.bodies) + 1) if len(self.elements) > acting else ():
             self.list.append(Port(acting, body, 1, -1))
@@ -74,7 +74,7 @@ class Ports:
     @cached_property
     def driven(self) -> NDArray[np.bool_]:
         """(elements,) True for drivers."""
-        return np.array([one.name in self.system.model.drivers for one in self.elements], bool)
+        return np.array([element.name in self.system.model.drivers for element in self.elements], bool)
 
     def flow(self, rows: Array) -> Flow:
         """Powers in rows (n, width with ports) of a run [SI]."""
@@ -112,12 +112,12 @@ class Ports:
 def _elements(system: System) -> tuple[Element, ...]:
     """Joints, drivers, loads, and gravity if there is any."""
     model, joint, load = system.model, system.arrays["joint"], system.arrays["load"]
-    found = []
+    elements = []
     for n, name in enumerate(system.joints):
         kind = model.drivers[name].kind if name in model.drivers else model.joints[name].kind
-        found.append(Element(name, kind, (int(joint[n, at.END_A]), int(joint[n, at.END_B]))))
-    for n, (name, one) in enumerate(model.loads.items()):
-        found.append(Element(name, one.kind, (int(load[n, at.END_A]), int(load[n, at.END_B]))))
+        elements.append(Element(name, kind, (int(joint[n, at.END_A]), int(joint[n, at.END_B]))))
+    for n, (name, source) in enumerate(model.loads.items()):
+        elements.append(Element(name, source.kind, (int(load[n, at.END_A]), int(load[n, at.END_B]))))
     if np.any(system.arrays["gravity"]):
-        found.append(Element(GRAVITY, GRAVITY, (0, 0)))
-    return tuple(found)
+        elements.append(Element(GRAVITY, GRAVITY, (0, 0)))
+    return tuple(elements)

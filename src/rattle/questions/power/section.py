@@ -21,8 +21,8 @@ def gather(study: Study) -> None:
 
     def flows() -> Power | None:
         power = run.power()
-        one = power.cycle  # found here, where it may fail
-        return power if float(np.abs(one.into).max(initial=0.0)) > 0.0 else None
+        cycle = power.cycle  # found here, where it may fail
+        return power if float(np.abs(cycle.into).max(initial=0.0)) > 0.0 else None
 
     study.keep("power", tried(study, "power", "following the energy", flows))
     if study.answer("power", Power) is None:
@@ -35,18 +35,18 @@ def section(s: Study) -> Section:
     if power is None:
         return Section("Power", "", s.reasons.get("power", ""))
     rows, left = [], 0.0
-    one = power.cycle
+    cycle = power.cycle
     for name, kind, *energies in power.balance():
         supplied, lost, stored, _ = energies
         left += supplied - lost - stored
-        sizes = [said(value, "J") if abs(value) > SEEN * float(one.into.max()) else "" for value in energies]
+        sizes = [said(value, "J") if abs(value) > SEEN * float(cycle.into.max()) else "" for value in energies]
         if any(sizes):
             rows.append((name, "driver" if name in s.m.model.drivers else kind.replace("-", " "), *sizes))
     head = ("element", "type", "supplied from outside", "lost", "stored", "goes back and forth")
-    if abs(left) > SEEN * float(one.into.max()):
+    if abs(left) > SEEN * float(cycle.into.max()):
         rows.append(("all bodies", "kinetic energy", "", "", said(left, "J"), ""))
     span = f"Energies from t = {said(power.t0, 's')} to {said(power.t1, 's')}"
-    checked = f"In every body powers and the rate of kinetic energy agree within {one.residual:.1g} W."
+    checked = f"In every body powers and the rate of kinetic energy agree within {cycle.residual:.1g} W."
     return Section("Power", _figure(power) + table(head, rows, span) + paragraph(checked))
 
 

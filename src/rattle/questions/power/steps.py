@@ -110,7 +110,7 @@ class _Ahead:
         layout = state_layout(run.system)
         accounts = [layout.account(n).start for n in range(len(layout.contacts))]
         rigid = run.system.arrays["contact"][:, at.IMPACT] == 1
-        self._elastic = np.array([first for first, one in zip(accounts, rigid, strict=True) if not one], np.int64)
+        self._elastic = np.array([first for first, hard in zip(accounts, rigid, strict=True) if not hard], np.int64)
         self._owner = run.system.arrays["contact"][~rigid, at.OWNER]
         self._work = np.zeros_like(run.workspace.port_work)
 

@@ -21,10 +21,10 @@ def tab(shelf: Shelf, source: Source) -> Content:
     """Energy of a turn as a picture of flows, and a table of every port."""
     r = shelf.motion(source)
     p = r.power()
-    one, names = p.cycle, p.names
-    net = one.into - one.out
-    nothing = ROUNDING * float(max((one.into + one.out).max(initial=0.0), 1e-300))
-    weak = ROUNDING * float(np.abs(one.peak).max(initial=0.0))
+    cycle, names = p.cycle, p.names
+    net = cycle.into - cycle.out
+    nothing = ROUNDING * float(max((cycle.into + cycle.out).max(initial=0.0), 1e-300))
+    weak = ROUNDING * float(np.abs(cycle.peak).max(initial=0.0))
 
     def energy(value: float) -> str:
         return quantity(zeroed(value, nothing), "J")
@@ -34,14 +34,14 @@ def tab(shelf: Shelf, source: Source) -> Content:
             names["element"][k],
             names["kind"][k],
             names["body"][k],
-            energy(one.into[k]),
-            energy(one.out[k]),
+            energy(cycle.into[k]),
+            energy(cycle.out[k]),
             energy(net[k]),
-            energy(min(one.into[k], one.out[k])),
-            quantity(zeroed(one.peak[k], weak), "W"),
-            quantity(zeroed(net[k], nothing) / (one.t1 - one.t0), "W"),
+            energy(min(cycle.into[k], cycle.out[k])),
+            quantity(zeroed(cycle.peak[k], weak), "W"),
+            quantity(zeroed(net[k], nothing) / (cycle.t1 - cycle.t0), "W"),
         )
-        for k in np.argsort(-(one.into + one.out))
+        for k in np.argsort(-(cycle.into + cycle.out))
     ]
     head = (
         "element", "kind", "body", "into the body", "out of it", "net", "back and forth", "largest power", "mean power",

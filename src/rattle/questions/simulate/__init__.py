@@ -54,20 +54,20 @@ def simulate(
     """
     from rattle.analyses.dynamics import simulate as simulation
 
-    found = simulation.simulate(
+    result = simulation.simulate(
         m.system, m.start, t_end=seconds_or_none(t_end, "t_end"), t_eval=times(t_eval, "t_eval"),
         method=method, rtol=rtol, atol=atol, step=seconds_or_none(step, "step"), progress=progress, strict=strict,
         horizon=horizon, most_steps=most_steps,
     )  # fmt: skip
-    if horizon and found.success and not found.stats.get("horizon_interrupted"):
+    if horizon and result.success and not result.stats.get("horizon_interrupted"):
         from dataclasses import replace
 
         from rattle.analyses.elastic_bushes import elastic_bushes
         from rattle.results.contact_summary import unread
 
-        elastic, bushes = elastic_bushes(m, found.trust.t_end)
-        found.trust = replace(found.trust, elastic=elastic, bushes=bushes)
-        found.trust = replace(found.trust, unread=unread(found))
+        elastic, bushes = elastic_bushes(m, result.trust.t_end)
+        result.trust = replace(result.trust, elastic=elastic, bushes=bushes)
+        result.trust = replace(result.trust, unread=unread(result))
     if m._told:
-        found.provenance["document"] = m.to_json()
-    return found
+        result.provenance["document"] = m.to_json()
+    return result

@@ -100,8 +100,8 @@ def run(
         click.echo(joint_table(result))
         for line in contact_lines(result):
             click.echo(line)
-        if said := film_table(result):
-            click.echo(said)
+        if films := film_table(result):
+            click.echo(films)
         click.echo(result.trust.word)
         for line in result.trust.why if why else result.trust.notes:
             click.echo(line)
@@ -120,8 +120,8 @@ def _methods(impacts: bool) -> str:
     from rattle.solvers.stepper import FREE, SET_VALUED
 
     wanted = SET_VALUED if impacts else FREE
-    able = {name: one.leaf for name, one in kinds("stepper").items() if wanted in one.leaf.works_with}
-    return " or ".join(f"{name} ({'adaptive' if one.adaptive else 'fixed --step'})" for name, one in able.items())
+    able = {name: kind.leaf for name, kind in kinds("stepper").items() if wanted in kind.leaf.works_with}
+    return " or ".join(f"{name} ({'adaptive' if leaf.adaptive else 'fixed --step'})" for name, leaf in able.items())
 
 
 def _steppers(adaptive: bool) -> str:
@@ -138,8 +138,8 @@ def _peaks(result: Result) -> dict[str, dict[str, float | str | None]]:
     from rattle.results.contact_summary import readable
 
     return {
-        name: {"peak": one.value if shown else None, "t": one.t, "rms": one.rms if shown else None, "unit": unit}
-        for name, one in result.peaks.items()
+        name: {"peak": peak.value if shown else None, "t": peak.t, "rms": peak.rms if shown else None, "unit": unit}
+        for name, peak in result.peaks.items()
         if name in result
         for shown, unit in [(readable(result, name), result.unit(name))]
     }

@@ -29,6 +29,7 @@ from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
 
 MOST_EVENTS = 10
+NO_IDEAL = 1e-9  # [of the force] force without play below which a ratio says nothing
 ROUNDING = 1e-9  # moment over force times size below which it is rounding
 KINDS = {
     "contact": "touches", "release": "lifts off", "impact": "impact", "stick": "sticks", "slip": "slips",
@@ -81,7 +82,7 @@ def _joints(s: Study, run: Result) -> str:
             continue
         row = [name, said(force, "N"), _at(run, when), said(run.rms(f"{name}.force"), "N")]
         ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else math.nan
-        row += [said(ideal, "N"), f"{force / ideal:.3g}"] if 1e-9 * force < ideal else ["", ""]
+        row += [said(ideal, "N"), f"{force / ideal:.3g}"] if NO_IDEAL * force < ideal else ["", ""]
         shown = f"{name}.moment" in run and readable(run, f"{name}.moment")
         moment = run.peak(f"{name}.moment")[0] if shown else 0.0
         rows.append([*row, said(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])
@@ -139,18 +140,19 @@ def contact_section(s: Study) -> Section:
     if run is None:
         return Section("Play, contacts and impacts", "", s.reasons.get("motion", "there is no motion"))
     rows = []
-    for name, one in run.contacts.items():
+    for name, contact in run.contacts.items():
         hits = [event.impulse for event in run.events if event.joint == name and event.kind == "impact"]
         angular = _angular(s, name)
         unit, impulse = ("N*m", "N*m*s") if angular else ("N", "N*s")
         link = name in run.trust.pulled
         rows.append(
             (
-                name, f"{100 * one.share:.3g} %", "" if link else str(one.contacts), "" if link else str(one.impacts),
-                said(max(hits), impulse) if hits else "", said(one.peak, unit) if one.readable else NOT_READ,
-                said(one.rms, unit) if one.readable else "",
-                said(one.longest_flight, "s") if one.longest_flight > 0.0 else "",
-                "" if link else said(one.energy_lost, "J"), "" if link else said(one.power_lost, "W"),
+                name, f"{100 * contact.share:.3g} %", "" if link else str(contact.contacts),
+                "" if link else str(contact.impacts), said(max(hits), impulse) if hits else "",
+                said(contact.peak, unit) if contact.readable else NOT_READ,
+                said(contact.rms, unit) if contact.readable else "",
+                said(contact.longest_flight, "s") if contact.longest_flight > 0.0 else "",
+                "" if link else said(contact.energy_lost, "J"), "" if link else said(contact.power_lost, "W"),
             )
         )  # fmt: skip
     head = (
@@ -183,36 +185,36 @@ def event_section(s: Study) -> Section:
     run = s.run
     if run is None or not run.events:
         return Section("Events", "", "nothing made or lost contact, stuck, slipped or jumped")
-    counts = Counter((one.joint, one.kind) for one in run.events)
+    counts = Counter((event.joint, event.kind) for event in run.events)
     by_joint: dict[str, list[str]] = {}
     for (joint, kind), n in counts.items():
         by_joint.setdefault(joint, []).append(f"{KINDS.get(kind, kind)} {n} time{'s' if n > 1 else ''}")
     body = listed(f"{joint}: {enumerated(told)}." for joint, told in by_joint.items())
-    hardest = sorted(run.events, key=lambda one: (-max(one.impulse, 0.0), -one.peak_force, one.t))[:MOST_EVENTS]
-    rows = [_event(s, one) for one in sorted(hardest, key=lambda one: one.t)]
+    hardest = sorted(run.events, key=lambda event: (-max(event.impulse, 0.0), -event.peak_force, event.t))[:MOST_EVENTS]
+    rows = [_event(s, event) for event in sorted(hardest, key=lambda event: event.t)]
     head = ("t", "joint", "event", "approach speed", "lasted", "peak force", "impulse", "energy lost")
     few = len(run.events) <= MOST_EVENTS
     caption = "All events" if few else f"The {MOST_EVENTS} hardest of {count(len(run.events), 'event')}"
     return Section("Events", body + table(head, rows, caption))
 
 
-def _event(s: Study, one: Event) -> tuple[str, ...]:
-    angular = _angular(s, one.joint)
+def _event(s: Study, event: Event) -> tuple[str, ...]:
+    angular = _angular(s, event.joint)
     speed, force, impulse = ("rad/s", "N*m", "N*m*s") if angular else ("m/s", "N", "N*s")
-    driver = s.m.model.drivers.get(one.joint)
+    driver = s.m.model.drivers.get(event.joint)
     if driver is not None and driver.sets_angle:
         speed, impulse = "rad/s", "N*m*s"
 
-    contact = s.run.contacts.get(one.joint) if s.run is not None and one.peak_force else None
+    contact = s.run.contacts.get(event.joint) if s.run is not None and event.peak_force else None
     unread = contact is not None and not contact.readable
 
     def if_any(value: float, unit: str) -> str:
         return said(value, unit) if value else ""
 
     return (
-        said(one.t, "s", 5), one.joint, KINDS.get(one.kind, one.kind), if_any(one.normal_speed, speed),
-        if_any(one.duration, "s"), NOT_READ if unread else if_any(one.peak_force, force), if_any(one.impulse, impulse),
-        if_any(one.energy_lost, "J"),
+        said(event.t, "s", 5), event.joint, KINDS.get(event.kind, event.kind), if_any(event.normal_speed, speed),
+        if_any(event.duration, "s"), NOT_READ if unread else if_any(event.peak_force, force),
+        if_any(event.impulse, impulse), if_any(event.energy_lost, "J"),
     )  # fmt: skip
 
 

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 DAMPING = 2.0 / 13.0
+ROUNDING = 1e-12  # [of the span] what is left when all is done, and below which a step is none
+NO_DEPTH = 1e-300  # in a denominator that may be zero
 MOST_STAGES = 60
 
 
@@ -30,19 +32,19 @@ def integrate(
     Raises ArithmeticError if steps become too small.
     """
     done, h, f0 = 0.0, span, f(y)
-    while done < span * (1.0 - 1e-12):
+    while done < span * (1.0 - ROUNDING):
         h = min(h, span - done)
         fastest = rate(y)
         h = min(h, 0.9 * reach(MOST_STAGES) / fastest) if fastest > 0.0 else h
         stages = max(2, math.ceil(math.sqrt(1.0 + 1.6 * h * fastest)))
         new = _step(f, y, f0, h, stages)
         f1 = f(new)
-        size = tolerance * max(float(np.abs(new).max()), 1e-300)
+        size = tolerance * max(float(np.abs(new).max()), NO_DEPTH)
         error = float(np.abs(0.8 * (y - new) + 0.4 * h * (f0 + f1)).max()) / size
         if error <= 1.0:
             done, y, f0 = done + h, new, f1
         h *= min(5.0, max(0.1, 0.8 * error ** (-1.0 / 3.0))) if error > 0.0 else 5.0
-        if not h > 1e-12 * span:
+        if not h > ROUNDING * span:
             raise ArithmeticError("steps of the worn profile became too small")
     return y
 

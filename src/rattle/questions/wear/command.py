@@ -46,19 +46,19 @@ def wear(
     if ideal:
         raise click.UsageError("--ideal closes every clearance: nothing would wear; leave it out")
     m = read_model(file, settings, ideal)
-    found = m.wear(
+    worn = m.wear(
         cycles, _jump(jump), cycle, {} if depth is None else {"depth": _depth(depth)}, output,
         progress=shows_progress(ctx),
     )  # fmt: skip
-    click.echo(as_json(_record(found)) if json_too else str(found))
+    click.echo(as_json(_record(worn)) if json_too else str(worn))
     if picture is not None:
         from rattle.plots.curves import save_figure
 
-        save_figure(found.plot(), picture)
+        save_figure(worn.plot(), picture)
         say_written(picture)
     if output is not None:
         say_written(output)
-    if found.interrupted:
+    if worn.interrupted:
         ctx.exit(STOPPED)
 
 
@@ -77,11 +77,11 @@ def _depth(text: str) -> float:
     return in_si("--depth", text, "m", '1e-4 or "0.1 mm"')
 
 
-def _record(found: Any) -> dict[str, Any]:
+def _record(worn: Any) -> dict[str, Any]:
     sides = {
         f"{joint}.{name}": {"volume": side.volume, "depth": side.deepest, "at": side.angle[side.depth.argmax()]}
-        for joint in found.joints
-        for name, side in zip(("bush", "pin"), found.profile(joint), strict=True)
+        for joint in worn.joints
+        for name, side in zip(("bush", "pin"), worn.profile(joint), strict=True)
     }
-    limiting = ".".join(found.limiting)
-    return {"cycles": found.cycles, "outcome": found.outcome, "limiting": limiting, **sides, "trust": list(found.trust)}
+    limiting = ".".join(worn.limiting)
+    return {"cycles": worn.cycles, "outcome": worn.outcome, "limiting": limiting, **sides, "trust": list(worn.trust)}

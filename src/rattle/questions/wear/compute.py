@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -71,15 +71,15 @@ def wear(
     folder = Folder(out, m, asked._asdict(), pins) if out is not None else None
     stepper, _ = choose_stepper(system, system.model.settings.method, None, asked.period)
     if stepper.leaf.loop != SMOOTH:
-        said = "wear is summed where all contacts are compliant; give impact contacts of other joints a force law"
-        raise ModelError([Problem(("joints",), said)])
+        words = "wear is summed where all contacts are compliant; give impact contacts of other joints a force law"
+        raise ModelError([Problem(("joints",), words)])
     how = How(stepper, asked.rtol, asked.atol, asked.period / FEWEST, wear=True)
     study = _Study(Cycles(system, pins, assemble(system), asked.period, how), asked, folder)
     study.go(_told(progress, asked.cycles))
-    found = Worn(m, tuple(pins), study.reached, tuple(study.notes()))
+    worn = Worn(m, tuple(pins), study.reached, tuple(study.notes()))
     if folder is not None:
-        folder.finish(found.mechanism, found.columns)
-    return found
+        folder.finish(worn.mechanism, worn.columns)
+    return worn
 
 
 def _question(
@@ -87,28 +87,44 @@ def _question(
     stop: Mapping[str, float] | None, rtol: float | None,
 ) -> Question:  # fmt: skip
     """The arguments, or what the first joint that wears says.  Raises InputError."""
-    said = [joint.wear for joint in m.model.joints.values() if joint.wear is not None]
-    count = arguments.positive("cycles", said[0].cycles if cycles is None else cycles)
-    if isinstance(jump, str) and jump != "auto":
-        raise InputError(f'jump must be a number of cycles or "auto", got {jump!r}')
-    given = [one.jump for one in said if one.jump == one.jump]
-    chosen = jump if jump is not None else given[0] if given else "auto"
-    size = math.nan if chosen == "auto" else arguments.positive("jump", chosen)
-    if size < 1.0:
-        raise InputError(f"jump must be at least one cycle, got {size:g}")
-    periods = [one.cycle for one in said if one.cycle == one.cycle]
-    period = cycle if cycle is not None else periods[0] if periods else driver_period(m.system)
+    written = [joint.wear for joint in m.model.joints.values() if joint.wear is not None]
+    count = arguments.positive("cycles", written[0].cycles if cycles is None else cycles)
+    size = _size(jump, _first(entry.jump for entry in written))
+    if cycle is None:
+        cycle = _first(entry.cycle for entry in written)
+    period = driver_period(m.system) if cycle is None else cycle
     if period is None:
         raise InputError("no driver turns at constant rate; give the duration of a cycle in s")
-    if unknown := [key for key in stop or {} if key not in STOPS]:
-        raise InputError(f"stop knows {' and '.join(STOPS)}, not {unknown[0]!r}")
-    ends = {key: arguments.positive(f"stop: {key}", value) for key, value in (stop or {}).items()}
+    ends = _ends(stop or {})
     settings = m.model.settings
     tolerance = arguments.relative_tolerance(rtol or settings.rtol or RTOL)
     return Question(
         count, size, arguments.positive("cycle", period), ends.get("depth", math.inf),
         ends.get("volume", math.inf), tolerance, settings.atol or ATOL * tolerance,
     )  # fmt: skip
+
+
+def _size(jump: float | str | None, written: float | None) -> float:
+    """The cycles of a jump, nan if they are sought; written: those that a joint asks for.  Raises InputError."""
+    if isinstance(jump, str) and jump != "auto":
+        raise InputError(f'jump must be a number of cycles or "auto", got {jump!r}')
+    chosen = written if jump is None else jump
+    size = math.nan if chosen in (None, "auto") else arguments.positive("jump", chosen)
+    if size < 1.0:
+        raise InputError(f"jump must be at least one cycle, got {size:g}")
+    return size
+
+
+def _first(written: Iterable[float]) -> float | None:
+    """The first of the numbers that the joints have; nan: a joint has none."""
+    return next((number for number in written if not math.isnan(number)), None)
+
+
+def _ends(stop: Mapping[str, float]) -> dict[str, float]:
+    """Depth [m] and volume [m^3] at which the study ends.  Raises InputError."""
+    if unknown := [key for key in stop if key not in STOPS]:
+        raise InputError(f"stop knows {' and '.join(STOPS)}, not {unknown[0]!r}")
+    return {key: arguments.positive(f"stop: {key}", value) for key, value in stop.items()}
 
 
 class _Study:
@@ -197,7 +213,7 @@ class _Study:
         size = self.reached.next
         if not size > 0.0:
             fastest = max(
-                float(one.max()) / pin.clearance for pin, one in zip(self.pins, self.reached.per_cycle, strict=True)
+                float(lost.max()) / pin.clearance for pin, lost in zip(self.pins, self.reached.per_cycle, strict=True)
             )
             size = FIRST / fastest if fastest > 0.0 else left
         size = min(max(size, 1.0), left)
@@ -215,7 +231,7 @@ class _Study:
         self._last_profile = half
         both = self._carried(half, middle, 0.5 * size)
         error = max(float(np.abs(x - z).max()) for x, z in zip(whole, both, strict=True))
-        largest = max(max(float(one.max()) for one in both), EARLY * self._expected())
+        largest = max(max(float(depths.max()) for depths in both), EARLY * self._expected())
         if self.asked.jump == self.asked.jump:  # of second order; where cycles differ by chance their mean is better
             both = [np.maximum(2.0 * z - x, y) for x, z, y in zip(whole, both, h, strict=True)]
         return middle, both, error / largest if largest > 0.0 else 0.0, recent
@@ -223,10 +239,10 @@ class _Study:
     def _expected(self) -> float:
         """Largest depth [m] at the end if wear went on as in the last cycle."""
         now, left = self.reached, self.asked.cycles - self.reached.cycle
-        found = 0.0
+        deepest = 0.0
         for pin, h, dh in zip(self.pins, now.depths, now.per_cycle, strict=True):
-            found = max(found, min(float((h + left * dh).max()), pin.wall, self.asked.depth))
-        return found
+            deepest = max(deepest, min(float((h + left * dh).max()), pin.wall, self.asked.depth))
+        return deepest
 
     def _carried(self, h: Depths, sliding: Sliding, size: float) -> Depths:
         """Depths after so many cycles like one."""
@@ -239,11 +255,11 @@ class _Study:
         best, why = 1.0, ""
         for pin, h, g in zip(self.pins, before, after, strict=True):
             ends = ((pin.wall, f"{pin.joint} is worn through"), (self.asked.depth, f"{pin.joint} reached the depth"))
-            for limit, said in ends:
+            for limit, reason in ends:
                 for side in range(2):
                     share = _share(h[side], g[side], limit)
                     if share < best or (share <= best and not why and float(g[side].max()) >= limit):
-                        best, why = min(best, share), said
+                        best, why = min(best, share), reason
             share = _crossing(float(h.sum()) * pin.area, float(g.sum()) * pin.area, self.asked.volume)
             if share < best:
                 best, why = share, f"{pin.joint} reached the volume"
@@ -253,18 +269,18 @@ class _Study:
         """What a user should know of this study."""
         joints = self.cycles.system.model.joints
         worn = [(pin.joint, joints[pin.joint].wear) for pin in self.pins]
-        found = [f"{name}: {wear.assumed}" for name, wear in worn if wear is not None and wear.assumed]
+        remarks = [f"{name}: {wear.assumed}" for name, wear in worn if wear is not None and wear.assumed]
         if self.cut:
-            found.append(
+            remarks.append(
                 f"jump = {self.asked.jump:g} is beyond the limit of stability, k K_w s J < 2: jumps were cut to"
                 f' {self.cut:.4g} cycles (k K_w s J = 1); jump = "auto" knows no such limit'
             )
         elif self.asked.jump != self.asked.jump and self.stiffest > 1.0:
-            found.append(
+            remarks.append(
                 f"jumps went up to {self.stiffest:.3g} times k K_w s J = 1: profiles were integrated under the loads of"
                 " a cycle, where the pins lie follows from equilibrium"
             )
-        return found
+        return remarks
 
 
 def _share(h: Array, g: Array, limit: float) -> float:

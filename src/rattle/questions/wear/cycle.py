@@ -49,10 +49,10 @@ class Sliding(NamedTuple):
 def together(cycles: Sequence[Sliding]) -> Sliding:
     """The mean of some cycles, with the state at the end of the last; loads that are nearly equal are put together."""
     share = 1.0 / len(cycles)
-    work = [share * sum(parts) for parts in zip(*(one.work for one in cycles), strict=True)]
-    loads = [share * np.concatenate(parts) for parts in zip(*(one.loads for one in cycles), strict=True)]
+    work = [share * sum(parts) for parts in zip(*(cycle.work for cycle in cycles), strict=True)]
+    loads = [share * np.concatenate(parts) for parts in zip(*(cycle.loads for cycle in cycles), strict=True)]
     loads = [merged(rows) for rows in loads]
-    return Sliding(work, loads, np.mean([one.shares for one in cycles], axis=0), cycles[-1].state)
+    return Sliding(work, loads, np.mean([cycle.shares for cycle in cycles], axis=0), cycles[-1].state)
 
 
 def merged(rows: Array) -> Array:
@@ -68,9 +68,9 @@ def merged(rows: Array) -> Array:
         return np.asarray(slid)
     places = np.array([np.arctan2(fy, fx) / CELL, np.log(size / size.max()) / SIZE, turned / CELL])
     _, which = np.unique(np.round(places), axis=1, return_inverse=True)
-    found = np.zeros((which.max() + 1, 4))
-    np.add.at(found, which.ravel(), slid)
-    return found
+    sums = np.zeros((which.max() + 1, 4))
+    np.add.at(sums, which.ravel(), slid)
+    return sums
 
 
 def first_places(pin: Pin, loads: Array) -> Array:
@@ -105,14 +105,14 @@ class Cycles:
             loads.append(m.wear_load[pin.contact * LOADS : pin.contact * LOADS + rows].copy())
         shut = m.contact_memory[:, at.CLOSED] == at.SHUT
         speeds = np.where(shut, m.contact_memory[:, at.SPEED], 0.0)
-        shares = np.array([self._share(*one) for one in zip(self.pins, depths, work, loads, strict=True)])
+        shares = np.array([self._share(*parts) for parts in zip(self.pins, depths, work, loads, strict=True)])
         return Sliding(work, loads, shares, State(run.t_end, m.state.copy(), speeds))
 
     def _share(self, pin: Pin, depths: Array, work: Array, loads: Array) -> float:
         """Work [J] of a cycle over that which its loads do at rest."""
-        made, sums, places = np.zeros(2 * pin.bins), np.zeros(5), first_places(pin, loads)
-        slide_under(pin.parameters(self.system.arrays["values"], depths), loads, places, made, sums)
-        return float(work.sum() / made.sum()) if made.any() else 1.0
+        at_rest, sums, places = np.zeros(2 * pin.bins), np.zeros(5), first_places(pin, loads)
+        slide_under(pin.parameters(self.system.arrays["values"], depths), loads, places, at_rest, sums)
+        return float(work.sum() / at_rest.sum()) if at_rest.any() else 1.0
 
     def _new(self, depths: Depths, state: State | None) -> Run:
         nq, start = 3 * self.system.body_count, self._start
@@ -181,18 +181,18 @@ class Cycles:
 
 def _arms(m: Any, pin: Pin) -> list[Array]:
     """Arms (2,) [m] from the mass centres of A and B to the centres of bush and pin."""
-    found = []
+    arms = []
     for k, column in enumerate((at.A_BODY, at.B_BODY)):
         body, (x, y) = m.body[m.contact[pin.contact, column]], m.values[pin.first + 2 * k : pin.first + 2 * k + 2]
         cos, sin = body[at.COS], body[at.SIN]
-        found.append(np.array([cos * x - sin * y, sin * x + cos * y]))
-    return found
+        arms.append(np.array([cos * x - sin * y, sin * x + cos * y]))
+    return arms
 
 
 def _whole(bodies: Array, six: Array, nq: int) -> Array:
     """A row over all coordinates, of its parts for two bodies."""
-    found = np.zeros(nq)
+    row = np.zeros(nq)
     for k, body in enumerate(bodies):
         if body > 0:
-            found[3 * body - 3 : 3 * body] += six[3 * k : 3 * k + 3]
-    return found
+            row[3 * body - 3 : 3 * body] += six[3 * k : 3 * k + 3]
+    return row

@@ -52,7 +52,7 @@ class Folder:
         if manifest.exists():
             self._compare(_read(manifest), now)
             return
-        others = sorted(one.name for one in self.path.iterdir() if not one.name.startswith("."))
+        others = sorted(entry.name for entry in self.path.iterdir() if not entry.name.startswith("."))
         if others:
             raise FileExistsError(
                 f"{self.path} holds other files ({', '.join(others[:3])}{', ...' if others[3:] else ''}) and no"
@@ -67,8 +67,10 @@ class Folder:
         for key, value in now.items():
             if before.get(key) != value:
                 what = LABELS.get(key, key)
-                said = "" if key in ("model", "laws") else f": {before.get(key)}, now {value}"
-                raise InputError(f"{self.path} holds another study, its {what} differs{said}; give another folder")
+                difference = "" if key in ("model", "laws") else f": {before.get(key)}, now {value}"
+                raise InputError(
+                    f"{self.path} holds another study, its {what} differs{difference}; give another folder"
+                )
 
     def read(self) -> Reached | None:
         """How far the study has come; None if it has not begun.  Raises InputError for a damaged file."""
@@ -79,7 +81,7 @@ class Folder:
             with np.load(place, allow_pickle=False) as kept:
                 depths = [kept[f"depths{n}"] for n in range(len(self._pins))]
                 lost = [kept[f"lost{n}"] for n in range(len(self._pins))]
-                cycle, t, next_, simulated, seen = (float(one) for one in kept["numbers"])
+                cycle, t, next_, simulated, seen = (float(number) for number in kept["numbers"])
                 state = State(t, kept["y"], kept["speeds"])
                 rows = kept["rows"].tolist()
                 self._check(depths, lost, state)
@@ -87,7 +89,7 @@ class Folder:
                 works = [[kept[f"work{k}.{n}"] for n in pins] for k in range(int(seen))]
                 loads = [[kept[f"loads{k}.{n}"] for n in pins] for k in range(int(seen))]
                 shares = [kept[f"shares{k}"] for k in range(int(seen))]
-                recent = [Sliding(*one, state) for one in zip(works, loads, shares, strict=True)]
+                recent = [Sliding(*parts, state) for parts in zip(works, loads, shares, strict=True)]
                 outcome = str(kept["outcome"])
                 return Reached(depths, cycle, state, recent, next_, int(simulated), outcome, rows, lost)
         except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
@@ -96,19 +98,19 @@ class Folder:
     def _check(self, depths: Depths, lost: Depths, state: State) -> None:
         """Raise InputError for depths of other sizes, and for what is not a number."""
         for pin, *both in zip(self._pins, depths, lost, strict=True):
-            if any(one.shape != (2, pin.bins) for one in both):
+            if any(array.shape != (2, pin.bins) for array in both):
                 raise InputError(f"depths of {pin.joint} do not have {pin.bins} bins")
-        if not all(np.isfinite(one).all() for one in (*depths, *lost, state.y, state.speeds, np.array(state.t))):
+        if not all(np.isfinite(array).all() for array in (*depths, *lost, state.y, state.speeds, np.array(state.t))):
             raise InputError("it has values that are not numbers")
 
     def write(self, reached: Reached) -> None:
         """Keep how far the study has come."""
-        arrays: dict[str, Any] = {f"depths{n}": one for n, one in enumerate(reached.depths)}
-        arrays |= {f"lost{n}": one for n, one in enumerate(reached.per_cycle)}
+        arrays: dict[str, Any] = {f"depths{n}": array for n, array in enumerate(reached.depths)}
+        arrays |= {f"lost{n}": array for n, array in enumerate(reached.per_cycle)}
         for k, seen in enumerate(reached.recent):
-            arrays |= {f"work{k}.{n}": one for n, one in enumerate(seen.work)}
+            arrays |= {f"work{k}.{n}": array for n, array in enumerate(seen.work)}
             arrays[f"shares{k}"] = seen.shares
-            arrays |= {f"loads{k}.{n}": one for n, one in enumerate(seen.loads)}
+            arrays |= {f"loads{k}.{n}": array for n, array in enumerate(seen.loads)}
         state = reached.state
         assert state is not None, "kept after a jump"
         numbers = np.array([reached.cycle, state.t, reached.next, reached.simulated, len(reached.recent)])

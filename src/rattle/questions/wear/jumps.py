@@ -46,24 +46,24 @@ def straight(depths: Depths, pins: Sequence[Pin], sliding: Sliding, cycles: floa
 
 def marched(values: Array, depths: Depths, pins: Sequence[Pin], sliding: Sliding, cycles: float) -> Depths:
     """Depths after so many cycles under the loads of this one; values: parameters of the system."""
-    found = []
+    after = []
     for pin, h, work, loads, share in zip(
         pins, depths, sliding.work, sliding.loads, sliding.shares, strict=True
     ):  # fmt: skip
         if cycles * stiffness(pin, loads) <= SMALL or not work.any():
-            found.append(h + cycles * pin.factors * work)
+            after.append(h + cycles * pin.factors * work)
             continue
-        found.append(_marched(pin, values, h, loads, float(share), cycles))
-    return found
+        after.append(_marched(pin, values, h, loads, float(share), cycles))
+    return after
 
 
 def _marched(pin: Pin, values: Array, h: Array, loads: Array, share: float, cycles: float) -> Array:
     places, factors = first_places(pin, loads), share * pin.factors
-    made, sums = np.zeros(2 * pin.bins), np.zeros(5)
+    work, sums = np.zeros(2 * pin.bins), np.zeros(5)
 
     def slid(depths: Array) -> Array:
-        slide_under(pin.parameters(values, np.maximum(depths.reshape(2, -1), 0.0)), loads, places, made, sums)
-        return made.reshape(2, -1)
+        slide_under(pin.parameters(values, np.maximum(depths.reshape(2, -1), 0.0)), loads, places, work, sums)
+        return work.reshape(2, -1)
 
     def rate(depths: Array) -> Array:
         return np.asarray((factors * slid(depths)).ravel())

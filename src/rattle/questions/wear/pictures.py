@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 SHARE = 0.28  # of the radius of the picture, for the largest depth
 BAND = {"bush": 1.0, "pin": 0.62}  # radii of the round surfaces in the picture
+ROUNDING = 1e-9  # [-] by which a round number may exceed what it is rounded down from
 STEPS = (1.0, 2.0, 5.0)
 
 
@@ -89,14 +90,14 @@ def _map(ax: Axes, profile: Profile, joint: str, radius_of_bush: float) -> None:
         bar = length * scale
         ax.plot([-limit, -limit + bar], [-limit, -limit], color="black", linewidth=2.0, solid_capstyle="butt")
         ax.text(-limit + bar + 0.05, -limit, f"depth {length * size:.3g} {unit}", va="center", fontsize=8)
-        said = f"depths drawn {factor:g} times deeper than radii; the pin drawn smaller"
-        ax.text(-limit, -limit - 0.1, said, va="top", fontsize=8, color=GREY)
+        caption = f"depths drawn {factor:g} times deeper than radii; the pin drawn smaller"
+        ax.text(-limit, -limit - 0.1, caption, va="top", fontsize=8, color=GREY)
 
 
 def _round(size: float) -> float:
     """1, 2 or 5 times a power of ten, at most `size`."""
     decade = 10.0 ** math.floor(math.log10(size))
-    return max(step * decade for step in STEPS if step * decade <= size * (1.0 + 1e-9))
+    return max(step * decade for step in STEPS if step * decade <= size * (1.0 + ROUNDING))
 
 
 def _history(ax: Axes, worn: Worn, what: str, unit: str) -> None:
@@ -107,7 +108,7 @@ def _history(ax: Axes, worn: Worn, what: str, unit: str) -> None:
     factor, shown = (1e9, "mm^3") if unit == "m^3" else handy_unit(unit, largest or 1e-6)
     for name in names:
         colour = BLUE if ".bush." in name else RED
-        several = len({one.split(".")[0] for one in names}) > 1
+        several = len({column.split(".")[0] for column in names}) > 1
         ax.plot(
             columns["cycle"], factor * columns[name], marker=".", markersize=4, linewidth=1.3,
             color=None if several else colour, label=name.removesuffix(f".{what}").replace(".", ", "),

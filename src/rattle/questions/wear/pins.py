@@ -43,10 +43,10 @@ class Pin(NamedTuple):
 
     def parameters(self, values: Array, depths: Array) -> Array:
         """Parameters of the kernel of the contact, in which the depths are those given (2, bins) [m]."""
-        found = np.array(values[self.first : self.first + DEPTHS + 2 * self.bins])
-        found[DEPTHS:] = depths.ravel()
-        found[LEAST], found[PIN_WORN] = depths[0].min() + depths[1].min(), float(depths[1].any())
-        return found
+        packed = np.array(values[self.first : self.first + DEPTHS + 2 * self.bins])
+        packed[DEPTHS:] = depths.ravel()
+        packed[LEAST], packed[PIN_WORN] = depths[0].min() + depths[1].min(), float(depths[1].any())
+        return packed
 
 
 def wearing_system(model: Model) -> System:
@@ -61,21 +61,21 @@ def wearing_system(model: Model) -> System:
             continue
         here = ("joints", name, "contact")
         if joint.contact is None or joint.contact.normal is None:
-            said = joint.contact.title if joint.contact is not None else "none"
+            words = joint.contact.title if joint.contact is not None else "none"
             problems.append(
-                Problem(here, f"'{said}' has no pressure from which wear follows; give a compliant contact")
+                Problem(here, f"'{words}' has no pressure from which wear follows; give a compliant contact")
             )
         elif joint.contact.film is not None:
-            said = "wear is that of dry contacts: the oil film of a worn bush is not known; give the dry contact alone"
-            problems.append(Problem(here, said))
+            words = "wear is that of dry contacts: the oil film of a worn bush is not known; give the dry contact alone"
+            problems.append(Problem(here, words))
         else:
             flat = (0.0,) * wear.bins
             joints[name] = replace(joint, wear=replace(wear, profile=wear.profile or (flat, flat)))
     if problems:
         raise ModelError(problems)
     if not any(_wears(joint.worn) for joint in joints.values()):
-        said = 'no joint wears: give one with clearance wear = { bush = "1e-6 mm^3/(N*m)" }'
-        raise ModelError([Problem(("joints",), said)])
+        words = 'no joint wears: give one with clearance wear = { bush = "1e-6 mm^3/(N*m)" }'
+        raise ModelError([Problem(("joints",), words)])
     return put_together(replace(model, joints=joints))
 
 
@@ -85,7 +85,7 @@ def _wears(wear: object) -> bool:
 
 def pins_of(system: System) -> list[Pin]:
     """All joints that wear."""
-    found = []
+    pins = []
     for c, entry in enumerate(system.arrays["contact"]):
         joint = system.model.joints[system.joints[entry[at.OWNER]]]
         wear = joint.worn
@@ -94,22 +94,24 @@ def pins_of(system: System) -> list[Pin]:
         area = wear.radius * wear.length * 2.0 * math.pi / wear.bins
         rates, place = (wear.bush, wear.pin), int(entry[at.SHAPE_P])
         sizes = (area, wear.foundation, wear.radius, joint.clearance, wear.wall, wear.smooth)
-        found.append(Pin(joint.name, c, place, wear.bins, rates, *sizes))
-    return found
+        pins.append(Pin(joint.name, c, place, wear.bins, rates, *sizes))
+    return pins
 
 
 def depths_of(system: System, pins: Sequence[Pin]) -> Depths:
     """Depths in the model."""
     worn = [system.model.joints[pin.joint].worn for pin in pins]
-    return [np.array(one.profile, dtype=float) for one in worn if one is not None]
+    return [np.array(wear.profile, dtype=float) for wear in worn if wear is not None]
 
 
 def enter(values: Array, pins: Sequence[Pin], depths: Depths) -> None:
     """Write depths into the parameters of a run."""
-    for pin, one in zip(pins, depths, strict=True):
-        values[pin.first : pin.first + DEPTHS + 2 * pin.bins] = pin.parameters(values, one)
+    for pin, both in zip(pins, depths, strict=True):
+        values[pin.first : pin.first + DEPTHS + 2 * pin.bins] = pin.parameters(values, both)
 
 
 def as_documents(pins: Sequence[Pin], depths: Depths) -> Mapping[str, dict[str, list[float]]]:
     """Depths [m] by joint, as they stand in a model file."""
-    return {pin.joint: {"bush": one[0].tolist(), "pin": one[1].tolist()} for pin, one in zip(pins, depths, strict=True)}
+    return {
+        pin.joint: {"bush": both[0].tolist(), "pin": both[1].tolist()} for pin, both in zip(pins, depths, strict=True)
+    }

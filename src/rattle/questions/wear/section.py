@@ -12,15 +12,15 @@ def section(s: Study) -> Section:
     """What the model says about wear; the depths over many cycles are a study of their own."""
     rows = []
     for name, joint in s.m.model.joints.items():
-        one = joint.wear
-        if one is None:
+        wear = joint.wear
+        if wear is None:
             continue
-        deepest = [said(max(side), "m") for side in one.profile] if one.profile is not None else ["new", "new"]
-        cycle = said(one.cycle, "s") if math.isfinite(one.cycle) else "one turn of the driver"
+        deepest = [said(max(side), "m") for side in wear.profile] if wear.profile is not None else ["new", "new"]
+        cycle = said(wear.cycle, "s") if math.isfinite(wear.cycle) else "one turn of the driver"
         rows.append(
             (
-                name, f"{1e9 * one.bush:.3g} mm³/(N·m)", f"{1e9 * one.pin:.3g} mm³/(N·m)", *deepest, said(one.wall, "m")
-                if math.isfinite(one.wall) else "", f"{one.cycles:g} of {cycle}",
+                name, f"{1e9 * wear.bush:.3g} mm³/(N·m)", f"{1e9 * wear.pin:.3g} mm³/(N·m)", *deepest,
+                said(wear.wall, "m") if math.isfinite(wear.wall) else "", f"{wear.cycles:g} of {cycle}",
             )
         )  # fmt: skip
     if not rows:

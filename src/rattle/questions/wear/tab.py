@@ -19,8 +19,8 @@ HOW_OIL = 'No joint has oil: choose the contact model "lubricated" on the left, 
 def tab(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
     """Films of joints with oil, and wear of joints that wear over so many cycles."""
     m = shelf.mechanism(source)
-    oiled = [name for name, one in m.model.joints.items() if one.contact and one.contact.film is not None]
-    worn = [name for name, one in m.model.joints.items() if one.wear is not None]
+    oiled = [name for name, joint in m.model.joints.items() if joint.contact and joint.contact.film is not None]
+    worn = [name for name, joint in m.model.joints.items() if joint.wear is not None]
     blocks = [*(_oil(shelf, source) if oiled else [words(HOW_OIL)])]
     told = f"oil in {', '.join(oiled)}" if oiled else "no oil"
     if not worn:
@@ -29,18 +29,18 @@ def tab(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
         count = float(cycles)
     except ValueError:
         raise InputError(f"cycles: {cycles!r} is not a number; give one such as 1e5") from None
-    found = m.wear(count, progress=True)
-    if found.interrupted:
+    answer = m.wear(count, progress=True)
+    if answer.interrupted:
         raise KeyboardInterrupt
-    history = found.columns
+    history = answer.columns
     lines = [
         line(f"{name}, {side}", history["cycle"], 1e6 * history[f"{name}.{side}.depth"])
-        for name in found.joints for side in ("bush", "pin") if np.any(history[f"{name}.{side}.depth"] > 0)
+        for name in answer.joints for side in ("bush", "pin") if np.any(history[f"{name}.{side}.depth"] > 0)
     ]  # fmt: skip
     return content(
-        f"{told}; {found.cycles:.4g} cycles of wear, {found.simulated} of them simulated", *blocks,
+        f"{told}; {answer.cycles:.4g} cycles of wear, {answer.simulated} of them simulated", *blocks,
         curves("Deepest wear", "cycles", axis_label("depth", "µm"), lines),
-        *(drawing(found.plot(name), f"Wear of {name}") for name in found.joints), words(str(found)),
+        *(drawing(answer.plot(name), f"Wear of {name}") for name in answer.joints), words(str(answer)),
     )  # fmt: skip
 
 

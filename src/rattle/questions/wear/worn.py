@@ -46,9 +46,9 @@ class Reached:
     @classmethod
     def start(cls, depths: Depths) -> Reached:
         """Before the first cycle."""
-        made = cls(depths)
-        made.rows.append([0.0, 0.0, 0.0, 0.0, *_sizes(depths)])
-        return made
+        reached = cls(depths)
+        reached.rows.append([0.0, 0.0, 0.0, 0.0, *_sizes(depths)])
+        return reached
 
     @property
     def settled(self) -> State:
@@ -108,8 +108,8 @@ class Worn:
         lost = self._reached.per_cycle[n] if self._reached.per_cycle else np.zeros_like(depths)
         angle = np.array((np.arange(pin.bins) + 0.5) * (2.0 * math.pi / pin.bins), dtype=np.float64)
         sides = (
-            Side(angle.copy(), h.copy(), float(h.sum()) * pin.area, float(h.max()), one.copy())
-            for h, one in zip(depths, lost, strict=True)
+            Side(angle.copy(), h.copy(), float(h.sum()) * pin.area, float(h.max()), loss.copy())
+            for h, loss in zip(depths, lost, strict=True)
         )
         return Profile(*sides)
 
@@ -135,13 +135,13 @@ class Worn:
     def columns(self) -> dict[str, Array]:
         """The columns of `history` as arrays."""
         rows = np.array(self._reached.rows)
-        found = {"cycle": rows[:, 0], "jump": rows[:, 1], "error": rows[:, 2]}
+        columns = {"cycle": rows[:, 0], "jump": rows[:, 1], "error": rows[:, 2]}
         for n, pin in enumerate(self._pins):
             for side, name in enumerate(SIDES):
                 at = 4 + 4 * n + 2 * side
-                found[f"{pin.joint}.{name}.volume"] = rows[:, at] * pin.area
-                found[f"{pin.joint}.{name}.depth"] = rows[:, at + 1]
-        return found
+                columns[f"{pin.joint}.{name}.volume"] = rows[:, at] * pin.area
+                columns[f"{pin.joint}.{name}.depth"] = rows[:, at + 1]
+        return columns
 
     @property
     def mechanism(self) -> Mechanism:
@@ -176,8 +176,8 @@ class Worn:
     def limiting(self) -> tuple[str, str]:
         """Joint and side that will first be worn through, or, without walls, whose depth is the largest clearance."""
 
-        def life(one: tuple[Pin, str]) -> float:
-            pin, side = one
+        def life(surface: tuple[Pin, str]) -> float:
+            pin, side = surface
             depth = self.columns[f"{pin.joint}.{side}.depth"]
             limit = pin.wall if math.isfinite(pin.wall) else pin.clearance
             return -float(depth[-1]) / limit
@@ -189,48 +189,50 @@ class Worn:
     def trust(self) -> tuple[str, ...]:
         """What to know before these numbers are used."""
         rows = np.array(self._reached.rows)[1:]
-        found = []
+        notes = []
         for pin in self._pins:
             for side in SIDES:
                 low, high = self.band(pin.joint, side)
                 if high > 0.0:
-                    found.append(
+                    notes.append(
                         f"{pin.joint}, {side}: coefficients of wear scatter by half even in one laboratory; over"
                         f" k -50 % ... +50 % its largest depth is {_length(low)} ... {_length(high)}"
                     )
         if len(rows):
-            found.append(
+            notes.append(
                 f"{len(rows)} jump{'s' * (len(rows) != 1)} of {rows[:, 1].min():.4g} to {rows[:, 1].max():.4g} cycles,"
                 f" {self.simulated} cycles simulated; largest error of a jump {100 * rows[:, 2].max():.2g} %"
                 " of the depth"
             )
             if rows[:, 3].max() > 0.0:
-                found.append(f"smoothing changed depths by up to {_length(float(rows[:, 3].max()))} in a jump")
-        return (*found, *self._notes)
+                notes.append(f"smoothing changed depths by up to {_length(float(rows[:, 3].max()))} in a jump")
+        return (*notes, *self._notes)
 
     def __str__(self) -> str:
-        said = self.outcome or ("stopped by the user; the same call goes on in its folder" if self.interrupted else "")
-        lines = [f"wear after {self.cycles:.6g} cycles ({said})"]
+        outcome = self.outcome or (
+            "stopped by the user; the same call goes on in its folder" if self.interrupted else ""
+        )
+        lines = [f"wear after {self.cycles:.6g} cycles ({outcome})"]
         for pin in self._pins:
-            for side, one in zip(SIDES, self.profile(pin.joint), strict=True):
-                if one.deepest > 0.0:
-                    where = _angle(float(one.angle[one.depth.argmax()]))
+            for side, surface in zip(SIDES, self.profile(pin.joint), strict=True):
+                if surface.deepest > 0.0:
+                    where = _angle(float(surface.angle[surface.depth.argmax()]))
                     lines.append(
-                        f"  {pin.joint:12s} {side:5s} {_volume(one.volume):>15s}   deepest {_length(one.deepest)}"
-                        f" ({one.deepest / pin.clearance:.3g} clearances) at {where}"
+                        f"  {pin.joint:12s} {side:5s} {_volume(surface.volume):>15s}   deepest"
+                        f" {_length(surface.deepest)} ({surface.deepest / pin.clearance:.3g} clearances) at {where}"
                     )
         joint, side = self.limiting
         lines.append(f"life is limited by the {side} of {joint}")
-        return "\n".join([*lines, *(f"- {one}" for one in self.trust)])
+        return "\n".join([*lines, *(f"- {note}" for note in self.trust)])
 
     def _repr_html_(self) -> str:
         rows = []
         for pin in self._pins:
-            for side, one in zip(SIDES, self.profile(pin.joint), strict=True):
-                where = _angle(float(one.angle[one.depth.argmax()]))
-                deep = (_length(one.deepest), f"{one.deepest / pin.clearance:.3g}", where)
-                volume = _volume(one.volume)
-                rows.append((pin.joint, side, volume, *(deep if one.deepest > 0.0 else ("-", "-", "-"))))
+            for side, surface in zip(SIDES, self.profile(pin.joint), strict=True):
+                where = _angle(float(surface.angle[surface.depth.argmax()]))
+                deep = (_length(surface.deepest), f"{surface.deepest / pin.clearance:.3g}", where)
+                volume = _volume(surface.volume)
+                rows.append((pin.joint, side, volume, *(deep if surface.deepest > 0.0 else ("-", "-", "-"))))
         head = ("joint", "side", "volume worn", "deepest", "in clearances", "at")
         title, *rest = str(self).splitlines()
         return table(head, rows, title, [line for line in rest if not line.startswith("  ")], "w.plot()")

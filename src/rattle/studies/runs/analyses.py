@@ -101,7 +101,7 @@ def names_from(run: Run) -> Callable[[Mechanism], dict[str, str]]:
 @functools.cache
 def analysis_of(name: str) -> Analysis:
     """The analysis of a name, one of `analysis_names`: that of its question's folder, or the numbers of its answer."""
-    asked = next(one for one in questions().values() if one.written == name)
+    asked = next(question for question in questions().values() if question.written == name)
     part = asked.part("samples")
     return _of_numbers(asked) if part is None else part.ANALYSIS
 

@@ -27,11 +27,11 @@ def counted(messages: Iterable[str]) -> dict[str, int]:
         before = shared.setdefault(kind, numbers)
         if before != numbers:
             shared[kind] = [a if a == b else "..." for a, b in zip(before, numbers, strict=False)]
-    found: dict[str, int] = {}
+    by_text: dict[str, int] = {}
     for kind, count in sorted(counts.items(), key=lambda item: -item[1]):
         left = iter(shared[kind])
         parts = NUMBER.split(texts[kind])
         text = "".join(part + next(left, "...") for part in parts[:-1]) + parts[-1]
         text = text[:LONGEST]
-        found[text] = found.get(text, 0) + count
-    return found
+        by_text[text] = by_text.get(text, 0) + count
+    return by_text

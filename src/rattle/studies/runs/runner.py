@@ -69,10 +69,10 @@ class Runner:
         batch = Batch(np.full((len(self.task.outputs), count), np.nan), np.full(shape, np.nan))
         waiting = np.arange(count)
         if self._together is not None and count:
-            found = self._together.run(values, min(threads, count), progress)
-            batch.values, batch.messages = found.values, found.messages
-            waiting = np.setdiff1d(np.flatnonzero(found.open), list(found.messages))
-            batch.reasons, batch.steps, batch.evaluations = found.reasons, found.steps, found.evaluations
+            together = self._together.run(values, min(threads, count), progress)
+            batch.values, batch.messages = together.values, together.messages
+            waiting = np.setdiff1d(np.flatnonzero(together.open), list(together.messages))
+            batch.reasons, batch.steps, batch.evaluations = together.reasons, together.steps, together.evaluations
         batch.generic = waiting.tolist()
         with _told_once():
             for done, (n, outcome) in enumerate(_one_by_one(self.task, values, batch.generic, threads), 1):
@@ -91,7 +91,9 @@ class Runner:
         values, outputs = batch.values, self.task.outputs
         values[:, list(batch.messages)] = np.nan
         values[~np.isfinite(values)] = np.nan
-        counted = np.array([not any(part.kind == "first" for part in one.reductions) for one in outputs], dtype=bool)
+        counted = np.array(
+            [not any(part.kind == "first" for part in output.reductions) for output in outputs], dtype=bool
+        )
         lacks = np.isnan(values) & counted[:, None]
         batch.lacking = [n for n in np.flatnonzero(lacks.any(axis=0)).tolist() if n not in batch.messages]
         for n in batch.lacking:
@@ -123,8 +125,8 @@ def _one_by_one(task: Task, values: np.ndarray, places: list[int], threads: int)
                 running[pool.submit(_one, task, values[:, n])] = n
             if not running:
                 return
-            for one in wait(running, return_when=FIRST_COMPLETED).done:
-                yield running.pop(one), one.result()
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                yield running.pop(future), future.result()
     except BaseException:
         stop.set()  # ends the runs in the other threads
         raise
@@ -138,7 +140,7 @@ def _one(task: Task, values: np.ndarray) -> Sample | str:
     try:
         return task.run(values)
     except ModelError as error:
-        return "; ".join(str(one) for one in error.problems)
+        return "; ".join(str(problem) for problem in error.problems)
     except (AssemblyError, SolverError) as error:
         return str(error)
 
@@ -147,12 +149,12 @@ def _one(task: Task, values: np.ndarray) -> Sample | str:
 @contextmanager
 def _told_once() -> Iterator[None]:
     """Let pass what is said of the model once for all samples; why a sample failed is in its message."""
-    said = _Once()
-    log.addFilter(said)
+    once = _Once()
+    log.addFilter(once)
     try:
         yield
     finally:
-        log.removeFilter(said)
+        log.removeFilter(once)
 
 
 class _Once(logging.Filter):

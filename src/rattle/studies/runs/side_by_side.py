@@ -57,7 +57,7 @@ class SideBySide:
         _require_lanes(task, method)
         self.model = task.mechanism.recorded(list(task.names))
         follow = {*task.names, *self.model.dependent}
-        if why := next((why for one in task.outputs if (why := why_not_lanes(one, dict.fromkeys(follow)))), ""):
+        if why := next((why for output in task.outputs if (why := why_not_lanes(output, dict.fromkeys(follow)))), ""):
             raise TraceError(why)
         size = self.model.graph.count([*self.model.derivative, *self.model.projection])
         if size > MOST_OPERATIONS:
@@ -73,7 +73,7 @@ class SideBySide:
         dependent = _dependent(self.model, self.task, values)
         beyond = self._beyond(values, dependent)
         rows = [[outcome.values[k] for k in places] for places in self.asked.rows]
-        found = [self._output(n, one, values, dependent) for n, one in enumerate(rows)]
+        computed = [self._output(n, reduced, values, dependent) for n, reduced in enumerate(rows)]
         failed = outcome.status != Status.DONE
         most = steps_at_most(self.task.mechanism, self.task.how) if self.task.analysis == "simulate" else None
         endless = (outcome.status == Status.TOO_MANY_STEPS) & (most is not None)
@@ -82,28 +82,28 @@ class SideBySide:
             reasons[Status(int(status)).words] = int((outcome.status == status).sum())
         if (count := int((beyond & ~failed).sum())) > 0:
             reasons["beyond the limits of a parameter"] = count
-        made = np.where(failed | beyond, np.nan, np.array(found))
+        outputs = np.where(failed | beyond, np.nan, np.array(computed))
         messages = dict.fromkeys(np.flatnonzero(endless & ~beyond).tolist(), given_up(most or 0))
-        return Together(made, failed | beyond, messages, reasons, int(outcome.steps.sum()), outcome.evaluations)
+        return Together(outputs, failed | beyond, messages, reasons, int(outcome.steps.sum()), outcome.evaluations)
 
     def _beyond(self, values: np.ndarray, dependent: Mapping[str, np.ndarray]) -> np.ndarray:
         """(n,) samples with a parameter beyond its limits, which the reader of the model refuses."""
-        found = np.zeros(values.shape[1], dtype=bool)
-        known = {**dependent, **dict(zip(self.task.names, values, strict=True))}
-        for name, one in self.task.mechanism.model.parameters.items():
-            if name in known:
-                found |= ~np.asarray(within_limits(np.asarray(known[name]), one.minimum, one.maximum))
-        return found
+        beyond = np.zeros(values.shape[1], dtype=bool)
+        parameters = {**dependent, **dict(zip(self.task.names, values, strict=True))}
+        for name, parameter in self.task.mechanism.model.parameters.items():
+            if name in parameters:
+                beyond |= ~np.asarray(within_limits(np.asarray(parameters[name]), parameter.minimum, parameter.maximum))
+        return beyond
 
     def _output(
         self, n: int, rows: Sequence[np.ndarray], values: np.ndarray, dependent: Mapping[str, np.ndarray]
     ) -> np.ndarray:
         """An output of all samples from the values of its reductions; dependent: parameters (n,) that follow [SI]."""
         task = self.task
-        known = {**task.mechanism.parameters, **dependent, **dict(zip(task.names, values, strict=True))}
-        known |= {f"#{k}": row for k, row in enumerate(rows)}
-        made = arrays.evaluate(task.outputs[n].outer, known.__getitem__)
-        return np.where(np.isfinite(rows).all(axis=0) & np.isfinite(made), made, np.nan)
+        numbers = {**task.mechanism.parameters, **dependent, **dict(zip(task.names, values, strict=True))}
+        numbers |= {f"#{k}": row for k, row in enumerate(rows)}
+        output = arrays.evaluate(task.outputs[n].outer, numbers.__getitem__)
+        return np.where(np.isfinite(rows).all(axis=0) & np.isfinite(output), output, np.nan)
 
 
 def _require_lanes(task: Task, method: str) -> None:
@@ -112,12 +112,12 @@ def _require_lanes(task: Task, method: str) -> None:
         raise TraceError("whole curves are kept")
     if task.analysis not in ("simulate", *DRIVEN):
         raise TraceError(f"{task.analysis} runs position by position")
-    if why := next((why for one in task.outputs if (why := why_not_lanes(one, dict.fromkeys(task.names)))), ""):
+    if why := next((why for output in task.outputs if (why := why_not_lanes(output, dict.fromkeys(task.names)))), ""):
         raise TraceError(why)
     if kinds("stepper")[method].leaf.tableau is None:
         raise TraceError(f"'{task.how.method}' has no straight-line code")
     if task.mechanism.system.switches:
-        switching = ", ".join(sorted({one.name for one in task.mechanism.system.switches}))
+        switching = ", ".join(sorted({switch.name for switch in task.mechanism.system.switches}))
         raise TraceError(f"steps must end where expressions switch ({switching})")
 
 
@@ -138,7 +138,9 @@ def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Pro
 def _dependent(model: RecordedModel, task: Task, values: np.ndarray) -> dict[str, np.ndarray]:
     """Values (n,) [SI] of parameters that follow from those that differ (k, n): outside of reductions, or limited."""
     limited = {
-        name for name, one in task.mechanism.model.parameters.items() if (one.minimum, one.maximum) != (None, None)
+        name
+        for name, parameter in task.mechanism.model.parameters.items()
+        if (parameter.minimum, parameter.maximum) != (None, None)
     }
     asked = {name for output in task.outputs for name in names(output.outer)}
     used = sorted((asked | limited) & model.dependent.keys())

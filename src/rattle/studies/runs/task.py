@@ -55,18 +55,18 @@ class Task:
     @property
     def texts(self) -> list[str]:
         """The outputs as they were asked for."""
-        return [one.text for one in self.outputs]
+        return [output.text for output in self.outputs]
 
     def mechanism_at(self, values: Sequence[float] | np.ndarray, told: bool = True) -> Mechanism:
         """The mechanism with values (k,) [SI] of the parameters that differ.  Raises ModelError.
 
         told: see `neighbour`.
         """
-        given = dict(zip(self.names, map(float, values), strict=True))
-        bad = next((name for name, value in given.items() if not math.isfinite(value)), "")
+        by_name = dict(zip(self.names, map(float, values), strict=True))
+        bad = next((name for name, value in by_name.items() if not math.isfinite(value)), "")
         if bad:
-            raise ModelError([Problem(("parameters", bad), f"{given[bad]} is not a finite number")])
-        return self.mechanism.neighbour(given, told)
+            raise ModelError([Problem(("parameters", bad), f"{by_name[bad]} is not a finite number")])
+        return self.mechanism.neighbour(by_name, told)
 
     @property
     def history_times(self) -> np.ndarray:
@@ -93,16 +93,16 @@ class Task:
 
         whole: with the curves of all outputs, also of those that are known from within the steps of a run.
         """
-        if late := next((said for one in self.outputs if (said := outside(one, m.parameters, self.t_end))), ""):
+        if late := next((output for words in self.outputs if (output := outside(words, m.parameters, self.t_end))), ""):
             raise ModelError([Problem((), late)])
         intervals = self._intervals(m, whole)
         times = self.instants(m, intervals)
-        needed = {name for one in self.outputs for name in one.names} | {*self.histories}
+        needed = {name for output in self.outputs for name in output.names} | {*self.histories}
         result = self.result(m, times, needed)
         if intervals > 1 and (finer := self._resolving(result)) > intervals:
             times = self.instants(m, finer)
             result = self.result(m, times, needed)
-        needed = {name for one in self.outputs for name in one.ideal_names}
+        needed = {name for output in self.outputs for name in output.ideal_names}
         ideal = self.result(m.ideal(), times, needed) if needed else None
         return [evaluate(output, result, m.parameters, ideal) for output in self.outputs], result
 
@@ -113,8 +113,8 @@ class Task:
     def _intervals(self, m: Mechanism, whole: bool) -> int:
         """Intervals between instants of a run, unless bodies turn often: 1 where no curve is needed; see `look`."""
         of_run = peak_names(m.system) if self.analysis == "simulate" and not whole else ()
-        every = [one for output in self.outputs for one in output.reductions]
-        needed = any(needs_curve(one, of_run, m.model.joints) for one in every)
+        every = [reduction for output in self.outputs for reduction in output.reductions]
+        needed = any(needs_curve(reduction, of_run, m.model.joints) for reduction in every)
         return analysis_of(self.analysis).points if needed else 1
 
     def _resolving(self, result: Result) -> int:
@@ -143,53 +143,57 @@ def task_of(
     Raises InputError, TypeError, ModelError, and what an analysis of the present mechanism raises.
     """
     texts = _texts(outputs)
-    analysis, given = analysis_named(analysis), tuple(varied)
-    end = _end(m, given, analysis, t_end, step)
+    analysis, varying = analysis_named(analysis), tuple(varied)
+    end = _end(m, varying, analysis, t_end, step)
+    how = _stepping(m, method, rtol, atol, step)
+    units = {name: parameter.unit for name, parameter in m.model.parameters.items()}
+    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0 or joint.stop is not None]
+    vocabulary = Known(analysis_of(analysis).names(m), units, loose if analysis == "simulate" else ())
+    asked = tuple(_read(text, vocabulary, analysis) for text in texts)
+    if text := next((output.text for output in asked if not output.reductions), ""):
+        raise InputError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
+    follow = m.following(varying)
+    fixed = {name: value for name, value in m.parameters.items() if name not in follow}
+    if late := next((words for output in asked if (words := outside(output, fixed, end))), ""):
+        raise InputError(late)
+    curves = _histories(histories, vocabulary, end)
+    return Task(m, varying, asked, analysis, end, how, tuple(curves), tuple(curves.values()))
+
+
+def _stepping(m: Mechanism, method: str | None, rtol: float | None, atol: float | None, step: float | None) -> Stepping:
+    """How all runs are stepped: what is given, or else what the model says.  Raises InputError, TypeError."""
     settings = m.model.settings
     method = settings.method if method is None else method
     if method is not None and method not in kinds("stepper"):
         raise InputError(f"unknown method '{method}'; expected {' or '.join(kinds('stepper'))}")
     rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
-    step = settings.step if step is None else arguments.positive("step", step)
-    units = {name: one.unit for name, one in m.model.parameters.items()}
-    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0 or joint.stop is not None]
-    known = Known(analysis_of(analysis).names(m), units, loose if analysis == "simulate" else ())
-    found = tuple(_read(text, known, analysis) for text in texts)
-    if text := next((one.text for one in found if not one.reductions), ""):
-        raise InputError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
-    follow = m.following(given)
-    fixed = {name: value for name, value in m.parameters.items() if name not in follow}
-    if late := next((said for output in found if (said := outside(output, fixed, end))), ""):
-        raise InputError(late)
-    curves = _histories(histories, known, end)
-    how = Stepping(method, rtol, atol, step)
-    return Task(m, given, found, analysis, end, how, tuple(curves), tuple(curves.values()))
+    return Stepping(method, rtol, atol, settings.step if step is None else arguments.positive("step", step))
 
 
 def with_outputs(task: Task, outputs: Sequence[str]) -> Task:
     """The same task with some of its outputs only."""
-    return replace(task, outputs=tuple(one for one in task.outputs if one.text in outputs))
+    return replace(task, outputs=tuple(output for output in task.outputs if output.text in outputs))
 
 
 def _texts(outputs: Sequence[str]) -> list[str]:
     """Outputs as a list of texts.  Raises InputError."""
     texts = [] if isinstance(outputs, str) else list(outputs)
-    if not texts or not all(isinstance(one, str) for one in texts):
+    if not texts or not all(isinstance(text, str) for text in texts):
         raise InputError('outputs: expected a list such as ["max(abs(O3.normal))"]')
     return texts
 
 
-def _histories(given: Sequence[str], known: Known, end: float) -> dict[str, str]:
+def _histories(curves: Sequence[str], vocabulary: Known, end: float) -> dict[str, str]:
     """Units of the curves that are kept, by name.  Raises InputError, UnknownName."""
-    if isinstance(given, str):
-        raise InputError(f'histories: expected a list of curves; write histories=["{given}"]')
-    for name in given:
-        if name not in known.units:
-            raise UnknownName(f"histories: no curve '{name}'{suggest(str(name), known.units)}")
-    if given and not end > 0.0:
+    if isinstance(curves, str):
+        raise InputError(f'histories: expected a list of curves; write histories=["{curves}"]')
+    for name in curves:
+        if name not in vocabulary.units:
+            raise UnknownName(f"histories: no curve '{name}'{suggest(str(name), vocabulary.units)}")
+    if curves and not end > 0.0:
         raise InputError("histories: curves need t_end; give it")
-    return {name: known.units[name] for name in given}
+    return {name: vocabulary.units[name] for name in curves}
 
 
 def _end(m: Mechanism, varied: Sequence[str], analysis: str, t_end: float | None, step: float | None) -> float:
@@ -198,18 +202,18 @@ def _end(m: Mechanism, varied: Sequence[str], analysis: str, t_end: float | None
     if at_rest and not t_end:
         return 0.0
     follow = m.following(varied)
-    for key, one in (("t_end", t_end), ("step", step)):
-        if one is None and (differ := sorted(m.names_in_setting(key) & follow)):
+    for key, value in (("t_end", t_end), ("step", step)):
+        if value is None and (differ := sorted(m.names_in_setting(key) & follow)):
             raise InputError(
                 f"{key} follows from {', '.join(differ)} and would differ from sample to sample; give {key}"
             )
     return arguments.positive("t_end", m.model.settings.t_end if t_end is None else t_end)
 
 
-def _read(text: str, known: Known, analysis: str) -> Output:
+def _read(text: str, vocabulary: Known, analysis: str) -> Output:
     """An output, with a remark where another analysis may have the name."""
     try:
-        return read(text, known)
+        return read(text, vocabulary)
     except ModelError as error:
         if analysis == "kinematics" and "no curve" in str(error):
             error.args = (f"{error}\n(kinematics has positions and rates only; 'inverse-dynamics' has forces too)",)
@@ -218,9 +222,13 @@ def _read(text: str, known: Known, analysis: str) -> Output:
 
 def outside(output: Output, parameters: Mapping[str, float], end: float) -> str:
     """What is said of an instant outside the run, "" if there is none; those of other parameters are not looked at."""
-    for one in output.reductions:
-        if one.kind == "at" and one.argument is not None and set(names(one.argument)) <= parameters.keys():
-            instant = argument(one, parameters)
+    for reduction in output.reductions:
+        if (
+            reduction.kind == "at"
+            and reduction.argument is not None
+            and set(names(reduction.argument)) <= parameters.keys()
+        ):
+            instant = argument(reduction, parameters)
             if not 0.0 <= instant <= end:
                 return f"{output.text}: the instant {instant:g} s is not between 0 and t_end = {end:g} s"
     return ""

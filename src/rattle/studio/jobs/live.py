@@ -19,11 +19,11 @@ def shape_of(text: str, turnable: Collection[str] | None = None) -> str:
     """A digest of all that a model is but the values of its parameters, or of those that are turnable."""
     document = parse(text)
     parameters = dict(document.get("parameters", {}))
-    for name, one in parameters.items():
-        value = one.get("value") if isinstance(one, dict) else one
+    for name, entry in parameters.items():
+        value = entry.get("value") if isinstance(entry, dict) else entry
         follows = isinstance(value, str) and parse_quantity(value) is None
         if not follows and (turnable is None or name in turnable):
-            parameters[name] = {**one, "value": 0} if isinstance(one, dict) else 0
+            parameters[name] = {**entry, "value": 0} if isinstance(entry, dict) else 0
     whole = json.dumps({**document, "parameters": parameters}, default=str)
     return hashlib.sha256(whole.encode()).hexdigest()
 
@@ -43,7 +43,7 @@ def live(shelf: Shelf, source: Source, known: str = "") -> dict[str, Any]:
     except TraceError as error:
         shelf.turnable[shape] = set()
         return {"shape": "", "why": str(error)}
-    names = {one["name"] for one in scene["knobs"]}
+    names = {knob["name"] for knob in scene["knobs"]}
     shelf.turnable[shape] = names
     r = shelf.motion(source)
     scene["runs"] = [run_of(r, "", scene["geometry"])]

@@ -65,10 +65,10 @@ def sample(shelf: Shelf, source: Source, number: int) -> dict[str, Any]:
     if e is None:
         raise InputError("the model has changed since: compute the ensemble again")
     r = e.sample(int(number)).simulate(e.task.t_end, progress=True).whole()
-    said = e.told(int(number))
+    words = e.told(int(number))
     value = quantity(float(e[e.outputs[0]][int(number)]), e.unit(e.outputs[0]))
     return {
         "scene": scene_of([("", r)]),
         "words": f"Mechanism {number} of the ensemble: {e.outputs[0]} = {value}",
-        "more": said,
+        "more": words,
     }

@@ -11,7 +11,7 @@ from rattle.studio.shelf import Shelf, Source
 
 def report(shelf: Shelf, source: Source) -> dict[str, Any]:
     """The whole report as one HTML page."""
-    found = study(shelf.mechanism(source), progress=True)
-    if found.run is not None and found.run.interrupted:
+    gathered = study(shelf.mechanism(source), progress=True)
+    if gathered.run is not None and gathered.run.interrupted:
         raise KeyboardInterrupt
-    return {"told": "one page that prints well; the model, its checks, figures and numbers", "page": page_of(found)}
+    return {"told": "one page that prints well; the model, its checks, figures and numbers", "page": page_of(gathered)}
