@@ -17,6 +17,7 @@ from circling import circling
 from rattle import loading, mechanism
 from rattle.analyses.dynamics import run as running
 from rattle.cli.main import main
+from rattle.pages import engine
 from rattle.results import archive
 from rattle.results.result import load_result
 
@@ -178,6 +179,7 @@ def stop_at(monkeypatch):
                 raise KeyboardInterrupt
             return real(self, t, chunk)
 
+        assert engine.NUMBERS["CHUNK"] > 20  # an engine that is built meanwhile has the real one
         monkeypatch.setattr(running, "CHUNK", 20)
         monkeypatch.setattr(running.Run, "advance", advance)
         return calls

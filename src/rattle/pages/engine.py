@@ -81,6 +81,8 @@ STATUSES = {
     start: ("NOT_HELD",),
 }
 SETTINGS = {run: ("CHUNK", "MOST_NUMBERS"), timetable: ("MORE",)}
+_NAMED: list[tuple[Any, tuple[str, ...]]] = [(at, COLUMNS), *STATUSES.items(), *SETTINGS.items()]
+NUMBERS = {name: getattr(module, name) for module, names in _NAMED for name in names}  # that a page reads by name
 
 
 def linked(contacts: bool = True) -> Linked:
@@ -102,9 +104,7 @@ def _is_of_contacts(one: KernelFunction) -> bool:
 
 def build(contacts: bool = True) -> bytes:
     """An engine of pages, made from the sources."""
-    named: list[tuple[Any, tuple[str, ...]]] = [(at, COLUMNS), *STATUSES.items(), *SETTINGS.items()]
-    numbers = {name: getattr(one, name) for one, names in named for name in names}
-    return engine(linked(contacts), library_text(), {"sources": sources(), "numbers": numbers})
+    return engine(linked(contacts), library_text(), {"sources": sources(), "numbers": NUMBERS})
 
 
 @functools.cache
