@@ -9,11 +9,11 @@ from making.text import code, fence, paragraph, table
 from making.tree import PACKAGE, definition, module_with, source_of, sources, trailing_comments
 
 STEPS = (  # one function of each stage of a run, in the order in which they are called
-    ("The command line reads its arguments", ("run", "warmup")),
+    ("The command line reads its arguments", ("run", "_peaks")),
     ("Text becomes a document with the line of every entry", ("parse", "point_out")),
     (
         "The document is checked, all problems at once, and becomes a frozen model in SI units",
-        ("read", "SETTING_UNITS"),
+        ("read", "DEEPEST"),
     ),
     ("The model becomes flat arrays", ("compile_system",)),
     ("The mechanism is assembled: positions, then rates", ("assemble",)),

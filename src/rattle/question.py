@@ -41,7 +41,7 @@ OWN_ORDER = 1000  # of questions that do not say where they stand: after all oth
 PARTS = {
     "command": "`command`: the click command, in place of one made from the signature",
     "tab": "`tab(shelf, source, **options)`: the content of the studio's tab",
-    "section": "`gather(study)`, what is computed for a report, and `section(study)`",
+    "section": "`SECTIONS`, places in the report with functions of the study, and `gather`, `headline`, `holds`",
     "samples": "`ANALYSIS`: how ensembles, sweeps and tolerances ask it of each sample",
 }
 F = TypeVar("F", bound=Callable[..., Any])

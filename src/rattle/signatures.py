@@ -1,4 +1,4 @@
-"""Write asked.pyi, in which editors and type checks find the methods that questions add: `python -m rattle.signatures`.
+"""Write asked.pyi, in which editors and type checks find the methods that questions add: `make signatures`.
 
 The declarations are read as texts, so that a signature is the one that was written, overloads and docstring included.
 """
