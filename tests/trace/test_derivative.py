@@ -30,6 +30,13 @@ def _power(z, w):
     return np.exp(w * np.log(z)) if z.real > 0.0 else LONG(NAN)
 
 
+def _root(z):
+    """The root; at 0 it has a value, but no slope."""
+    if z.real > 0.0:
+        return np.sqrt(z)
+    return LONG(complex(0.0, np.nan)) if z.real == 0.0 else LONG(NAN)
+
+
 def _angle(y, x):
     if abs(x.real) >= abs(y.real):
         return np.arctan(y / x) + (0.0 if x.real > 0.0 else np.copysign(np.longdouble(np.pi), y.real))
@@ -39,14 +46,14 @@ def _angle(y, x):
 COMPLEX = {
     "add": lambda z, w: z + w, "sub": lambda z, w: z - w, "mul": lambda z, w: z * w, "div": lambda z, w: z / w,
     "neg": lambda z: -z, "abs": lambda z: -z if z.real < 0.0 else z, "floor": lambda z: LONG(np.floor(z.real)),
-    "sqrt": lambda z: np.sqrt(z) if z.real >= 0.0 else LONG(NAN), "less": lambda z, w: z.real < w.real,
+    "sqrt": _root, "less": lambda z, w: z.real < w.real,
     "at_most": lambda z, w: z.real <= w.real, "equal": lambda z, w: z.real == w.real, "both": lambda a, b: a and b,
     "either": lambda a, b: a or b, "not": lambda a: not a, "select": lambda c, z, w: z if c else w,
     "sin": np.sin, "cos": np.cos, "tan": lambda z: np.sin(z) / np.cos(z), "exp": np.exp,
     "log": lambda z: np.log(z) if z.real >= 0.0 else LONG(NAN), "atan": np.arctan, "tanh": np.tanh,
     "asin": lambda z: np.arctan(z / np.sqrt((1 - z) * (1 + z))) if abs(z.real) < 1.0 else LONG(NAN),
     "acos": lambda z: -np.arctan(z / np.sqrt((1 - z) * (1 + z))) if abs(z.real) < 1.0 else LONG(NAN),
-    "atan2": _angle, "hypot": lambda z, w: np.sqrt(z * z + w * w), "pow": _power,
+    "atan2": _angle, "hypot": lambda z, w: _root(z * z + w * w), "pow": _power,
     "copysign": lambda z, s: (-z if z.real < 0.0 else z) * np.copysign(1.0, s.real),
 }  # fmt: skip
 
