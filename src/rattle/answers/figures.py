@@ -9,7 +9,7 @@ import numpy as np
 
 from rattle.answers.blocks import Block
 from rattle.errors import InputError
-from rattle.plots.curves import CURVES, new_figure, tidy
+from rattle.plots.curves import CURVES, legend_beside, new_figure, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,16 +32,18 @@ def figure_of(blocks: Sequence[Block]) -> Figure:
 
 def _curves(ax: Axes, block: Block) -> None:
     colours: list[str] = []
+    named = []
     for k, line in enumerate(block["lines"]):
         like = line.get("like")
         colours.append(colours[like] if like is not None else CURVES[k % len(CURVES)])
         style = "--" if line.get("dash") else "-"
-        ax.plot(line["x"], line["y"], style, color=colours[k], label=line["name"] or "_nolegend_", linewidth=1.4)
+        drawn = ax.plot(line["x"], line["y"], style, color=colours[k], label=line["name"], linewidth=1.4)
+        named += drawn if line["name"] else []
     if block.get("after") is not None:
         ax.axvspan(block["after"], ax.get_xlim()[1], color="0.9", zorder=0)
     ax.set(xlabel=block["x"], ylabel=block["y"])
-    if any(line["name"] for line in block["lines"]):
-        ax.legend(fontsize=8, frameon=False)
+    if named:
+        legend_beside(ax, named)
 
 
 def _bars(ax: Axes, block: Block) -> None:

@@ -19,6 +19,7 @@ from rattle.results.within_steps import bursts, cut, largest, shown_curve, summi
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
     from matplotlib.text import Annotation
 
     from rattle.results.result import Result
@@ -186,6 +187,11 @@ def panel_of(
                 style |= {"color": tuple(0.45 * part for part in to_rgb(colour)), "label": f"{name}, {label}"}
                 x, y = curve(other, name)
                 lines += ax.plot(x, factor * y, **style)
+    legend_beside(ax, lines)
+
+
+def legend_beside(ax: Axes, lines: Sequence[Line2D]) -> None:
+    """A legend of these lines on the right of the axes, whatever their names are made of."""
     place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
     # matplotlib leaves out names that begin with an underscore: they are written after the legend is made
     legend = ax.legend(lines, [str(k) for k in range(len(lines))], frameon=False, fontsize=9, **place)
