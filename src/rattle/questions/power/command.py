@@ -12,6 +12,7 @@ from rattle.cli.command import Command
 from rattle.cli.options import read_result, run_laws, settings_option, time
 from rattle.cli.output import check_files, check_pictures, say_written
 from rattle.errors import InputError
+from rattle.jit.choices import TINY
 from rattle.questions.power.in_units import in_units, with_units
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def _cycle(p: Power) -> str:
     from rattle.results.display import quantity
 
     (ports, (energy, power)), (elements, _) = in_units(p.table), in_units(p.elements)
-    largest = float(max((ports["E_in"] + ports["E_out"]).max() if len(ports) else 0.0, 1e-300))
+    largest = float(max((ports["E_in"] + ports["E_out"]).max() if len(ports) else 0.0, TINY))
     least = SEEN * largest
     numbers = elements[list(ENERGIES)]
     active = elements[(numbers.abs() > least).any(axis=1)]
