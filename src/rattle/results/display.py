@@ -79,6 +79,11 @@ def quantity(value: float, unit: str, digits: int = 4, usual: Shown | None = Non
     return f"{factor * value:.{digits}g} {shown}".rstrip()
 
 
+def zeroed(value: float, floor: float) -> float:
+    """The value, or 0 if its magnitude is below `floor` (same unit) and so only rounding."""
+    return 0.0 if abs(value) <= floor else value
+
+
 def in_written_unit(parameter: Parameter, written: tuple[float, str], digits: int = 6) -> str:
     """The value of a parameter as text, in the unit in which the model file writes it: its size [SI] and name."""
     size, unit = written

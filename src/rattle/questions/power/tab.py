@@ -7,15 +7,10 @@ import numpy as np
 from rattle.answers.blocks import Content, content, drawing, table
 from rattle.jit.choices import TINY
 from rattle.questions.power.pictures import plot_cycle
-from rattle.results.display import quantity
+from rattle.results.display import quantity, zeroed
 from rattle.studio.shelf import Shelf, Source
 
 ROUNDING = 1e-12  # share of the largest below which a number is only rounding
-
-
-def zeroed(value: float, floor: float) -> float:
-    """The value, or 0 if its magnitude is below `floor` (same unit)."""
-    return 0.0 if abs(value) <= floor else float(value)
 
 
 def tab(shelf: Shelf, source: Source) -> Content:
