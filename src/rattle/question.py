@@ -23,6 +23,7 @@ from __future__ import annotations
 import functools
 import importlib
 import importlib.util
+import inspect
 import os
 import pkgutil
 from collections.abc import Callable, Mapping
@@ -35,6 +36,7 @@ from rattle.errors import InputError
 ROOM = "rattle.questions"
 FOLDERS = "RATTLE_QUESTIONS"  # environment variable: further folders of questions
 OF_THE_CALLER = ("progress",)  # arguments that whoever asks gives by itself
+SEVERAL = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
 PLACE_OF_ANSWERS = 75  # of tabs of answers in blocks, before the report
 OWN_ORDER = 1000  # of questions that do not say where they stand: after all others
 # modules that a question's folder may hold, and what stands in each
@@ -129,16 +131,13 @@ class Question(NamedTuple):
     @property
     def takes(self) -> tuple[str, ...]:
         """Its arguments after the mechanism or result, but those that whoever asks gives by itself."""
-        code = self.answer.__code__
-        every = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
-        return tuple(name for name in every if name not in OF_THE_CALLER)
+        return tuple(name for name in _parameters(self.answer) if name not in OF_THE_CALLER)
 
     @property
     def usual(self) -> dict[str, Any]:
         """Arguments that may be left out, with their values."""
-        code, defaults = self.answer.__code__, self.answer.__defaults__ or ()
-        positional = code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]
-        return dict(zip(positional, defaults, strict=True)) | (self.answer.__kwdefaults__ or {})
+        every = _parameters(self.answer).items()
+        return {name: parameter.default for name, parameter in every if parameter.default is not parameter.empty}
 
     @property
     def needed(self) -> tuple[str, ...]:
@@ -149,6 +148,12 @@ class Question(NamedTuple):
     def answers_in_blocks(self) -> bool:
         """True if it returns an `Answer`, from which everything it shows is made."""
         return str(self.answer.__annotations__.get("return", "")).rpartition(".")[2] == "Answer"
+
+
+def _parameters(answer: Callable[..., Any]) -> dict[str, inspect.Parameter]:
+    """Those after the mechanism or result, without *names and **names."""
+    every = list(inspect.signature(answer).parameters.values())[1:]
+    return {parameter.name: parameter for parameter in every if parameter.kind not in SEVERAL}
 
 
 _declared: dict[str, Question] = {}
@@ -174,7 +179,7 @@ def question(
                 f"question '{name}' is declared twice, in {_declared[name].package} and {function.__module__}; rename"
                 " one of them"
             )
-        takes = function.__code__.co_varnames[1 : function.__code__.co_argcount + function.__code__.co_kwonlyargcount]
+        takes = _parameters(function)
         unknown = sorted(set(arguments or {}) - set(takes))
         if unknown:
             raise InputError(f"question '{name}' has no argument {', '.join(unknown)}; it has {', '.join(takes)}")

@@ -10,8 +10,8 @@ import numpy as np
 
 from rattle.analyses.travel import distance_of
 from rattle.equations.system import System
+from rattle.jit.choices import TINY
 
-TINY = 1e-300  # tension [N] that may be divided by
 SENTENCES = {  # also in pages
     "slips": "joint '{joint}' would slip, first at t = {first:.4g} s: there and later its strands bear up to"
     " {tight:.4g} N and {slack:.4g} N, a ratio {ratio} (t = {t:.4g} s), and friction holds {holds:.3g} (Eytelwein, mu ="

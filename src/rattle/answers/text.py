@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rattle.answers.blocks import Block
+from rattle.results.display import in_columns
 
 DIGITS = 5
 _NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?( |$)")
@@ -20,14 +21,8 @@ def text_of(block: Block) -> str:
 
 def columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table with columns as wide as they must be; those that hold numbers alone stand on the right."""
-    every = [list(head), *map(list, rows)]
-    widths = [max(len(row[k]) for row in every) for k in range(len(head))]
-    right = [all(_NUMBER.match(row[k]) for row in rows if row[k]) and bool(rows) for k in range(len(head))]
-    lines = (
-        "  ".join(cell.rjust(w) if r else cell.ljust(w) for cell, w, r in zip(row, widths, right, strict=True))
-        for row in every
-    )
-    return "\n".join(line.rstrip() for line in lines)
+    right = [k for k in range(len(head)) if rows and all(_NUMBER.match(row[k]) for row in rows if row[k])]
+    return "\n".join(in_columns([head, *rows], right))
 
 
 def _words(block: Block) -> str:

@@ -10,7 +10,6 @@ import click
 
 from rattle.cli.options import time
 from rattle.cli.output import as_json as to_json
-from rattle.cli.output import zeroed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -57,7 +56,7 @@ def ranges(m: Mechanism, result: Result, names: list[str]) -> str:
     import numpy as np
 
     from rattle.results.contact_summary import extreme
-    from rattle.results.display import quantity, scale
+    from rattle.results.display import quantity, scale, zeroed
     from rattle.results.handy_units import handy_unit, written_units
 
     wide = max([len(name) for name in names] + [8]) + 2

@@ -163,8 +163,3 @@ def say_written(path: str | Path) -> None:
     from rattle.atomic_file import is_special
 
     click.echo(str(path), err=is_special(path))
-
-
-def zeroed(value: float, floor: float) -> float:
-    """The value, or 0 if its magnitude is below `floor` (same unit) and so only rounding."""
-    return 0.0 if abs(value) <= floor else value

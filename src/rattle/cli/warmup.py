@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from rattle.cli.command import Command
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command(cls=Command)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from rattle.errors import WrongType
 from rattle.plots.figure import Page
 from rattle.results.display import grid, printed, quantity
+from rattle.results.handy_units import PRINTED, rung
 
 SHORT, LINE = 16, 80  # lines up to which a table is printed in one piece, a quarter of a page; characters of a line
 NARROW, GUTTER = 58, 2  # characters of a row of a table that takes half a page, and between two columns
@@ -32,22 +33,9 @@ class Section:
         return re.sub(r"[^a-z]+", "-", self.title.lower()).strip("-")
 
 
-_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {  # unit: (from this size on, factor, unit shown), ...
-    "N": ((1e7, 1e-6, "MN"), (1e4, 1e-3, "kN")),
-    "N*m": ((1e4, 1e-3, "kN*m"),),
-    "W": ((1e4, 1e-3, "kW"), (0.1, 1.0, "W"), (0.0, 1e3, "mW")),
-    "J": ((1e4, 1e-3, "kJ"), (0.1, 1.0, "J"), (0.0, 1e3, "mJ")),
-    "s": ((0.1, 1.0, "s"), (1e-4, 1e3, "ms"), (0.0, 1e6, "us")),
-    "m": ((0.05, 1.0, "m"), (1e-4, 1e3, "mm"), (0.0, 1e6, "um")),
-    "Pa": ((1e9, 1e-9, "GPa"), (1e6, 1e-6, "MPa"), (1e3, 1e-3, "kPa")),
-    "Hz": ((1e4, 1e-3, "kHz"),),
-}
-
-
 def said(value: float, unit: str, digits: int = 4) -> str:
     """A value [SI] as text in a handy unit, as it is printed."""
-    size = abs(value)
-    factor, shown = next(((f, u) for least, f, u in _SCALES.get(unit, ()) if size >= least and size), (1.0, unit))
+    factor, shown = rung(PRINTED, unit, abs(value))
     text = quantity(factor * value, shown, digits) if shown == unit else f"{factor * value:.{digits}g} {shown}"
     text = printed(text)
     return text.replace("-", "\N{MINUS SIGN}", 1) if text.startswith("-") else text

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
+from rattle.jit.choices import TINY
 from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, length_axes, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
 from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
@@ -167,7 +168,7 @@ def _inset(ax: Axes, stage: Scene, joint: str) -> Update:
     normal, size = result[f"{joint}.normal"], result[f"{joint}.force"]
     # typical forces fill the arrow, so that rare peaks do not shrink it
     length = np.minimum(size / (float(np.nanpercentile(size, 80)) or 1.0), np.where(normal < 0, 0.45, 1.0)) * c
-    u, v = (result[f"{joint}.{force}"] / np.maximum(size, 1e-300) * length for force in ("fx", "fy"))
+    u, v = (result[f"{joint}.{force}"] / np.maximum(size, TINY) * length for force in ("fx", "fy"))
     path = pin_path(result, joint)
     pieces = (len(path[0]) - 1) // max(len(result.t) - 1, 1)
 

@@ -1,11 +1,11 @@
-"""Display of objects in a notebook: small HTML tables, numbers in handy units, files as pictures."""
+"""Display of objects: numbers in handy units, columns of text, and for notebooks HTML tables and pictures."""
 
 from __future__ import annotations
 
 import base64
 import html
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rattle.description.model import Model, Parameter
@@ -79,12 +79,24 @@ def quantity(value: float, unit: str, digits: int = 4, usual: Shown | None = Non
     return f"{factor * value:.{digits}g} {shown}".rstrip()
 
 
+def zeroed(value: float, floor: float) -> float:
+    """The value, or 0 if its magnitude is below `floor` (same unit) and so only rounding."""
+    return 0.0 if abs(value) <= floor else value
+
+
 def in_written_unit(parameter: Parameter, written: tuple[float, str], digits: int = 6) -> str:
     """The value of a parameter as text, in the unit in which the model file writes it: its size [SI] and name."""
     size, unit = written
     if (asked := chosen(parameter.unit or ("rad" if unit in ANGLES else ""))) and unit:
         return f"{asked.factor * parameter.value:.{digits}g} {asked.unit}"
     return f"{parameter.value / size:.{digits}g} {unit}" if unit else quantity(parameter.value, parameter.unit, digits)
+
+
+def in_columns(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[str]:
+    """Rows as lines with columns as wide as they must be; right: numbers of those that stand on the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(f"{text:{'>' if k in right else '<'}{widths[k]}}" for k, text in enumerate(row)).rstrip()
+            for row in rows]  # fmt: skip
 
 
 def table(

@@ -39,8 +39,9 @@ class Written(NamedTuple):
 Units = Mapping[str, Sequence[Written]]  # by SI unit the quantities of a model file
 
 
-# by SI unit: from which size on [SI] a quantity is shown in which unit
-HANDY: dict[str, tuple[tuple[float, float, str], ...]] = {
+Ladders = Mapping[str, tuple[tuple[float, float, str], ...]]  # by SI unit: from which size [SI] on, factor, unit
+# of axes and curves
+HANDY: Ladders = {
     "m": ((0.0, 1e6, "µm"), (1e-4, 1e3, "mm"), (SMALL, 1.0, "m")),
     "rad": ((0.0, DEGREES, "deg"),),
     "rad/s": ((0.0, DEGREES, "deg/s"),),
@@ -50,6 +51,17 @@ HANDY: dict[str, tuple[tuple[float, float, str], ...]] = {
     "W": ((0.0, 1.0, "W"), (2e4, 1e-3, "kW"), (2e7, 1e-6, "MW")),
     "J": ((0.0, 1e3, "mJ"), (0.05, 1.0, "J"), (2e4, 1e-3, "kJ"), (2e7, 1e-6, "MJ")),
     "Pa": ((0.0, 1.0, "Pa"), (1e4, 1e-3, "kPa"), (1e5, 1e-6, "MPa"), (1e9, 1e-9, "GPa")),
+}
+# of single numbers on paper, between which no scale is shared
+PRINTED: Ladders = {
+    "N": ((1e4, 1e-3, "kN"), (1e7, 1e-6, "MN")),
+    "N*m": ((1e4, 1e-3, "kN*m"),),
+    "W": ((0.0, 1e3, "mW"), (0.1, 1.0, "W"), (1e4, 1e-3, "kW")),
+    "J": ((0.0, 1e3, "mJ"), (0.1, 1.0, "J"), (1e4, 1e-3, "kJ")),
+    "s": ((0.0, 1e6, "us"), (1e-4, 1e3, "ms"), (0.1, 1.0, "s")),
+    "m": ((0.0, 1e6, "um"), (1e-4, 1e3, "mm"), (0.05, 1.0, "m")),
+    "Pa": ((1e3, 1e-3, "kPa"), (1e6, 1e-6, "MPa"), (1e9, 1e-9, "GPa")),
+    "Hz": ((1e4, 1e-3, "kHz"),),
 }
 # SI units of curves by the dimension of what a model file writes; angles have none, so that their names decide
 DIMENSIONS: dict[Dimension, str] = {LENGTH: "m", FORCE: "N", MOMENT: "N*m", POWER: "W", dimension_of("m/s"): "m/s"}
@@ -68,7 +80,12 @@ def handy_unit(unit: str, size: float, written: Units | None = None) -> Shown:
     near = min((written or {}).get(unit, ()), key=lambda unit_written: _distance(unit_written.size, size), default=None)
     if near is not None and (size == 0.0 or LEAST <= near.factor * size < MOST):
         return Shown(near.factor, near.unit)
-    rungs = HANDY.get(unit, ())
+    return rung(HANDY, unit, size)
+
+
+def rung(ladders: Ladders, unit: str, size: float) -> Shown:
+    """The factor and unit that a size [SI] reaches; the SI unit for 0 where there are several, and where none is."""
+    rungs = ladders.get(unit, ())
     if len(rungs) > 1 and not size > 0.0:
         return Shown(1.0, unit)
     reached = [Shown(factor, name) for least, factor, name in rungs if least <= size]

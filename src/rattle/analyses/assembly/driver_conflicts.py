@@ -13,6 +13,7 @@ from rattle.analyses.assembly.rank import RANK, independent, left_null, row_leng
 from rattle.equations.closure import close_position, close_rate, open_by
 from rattle.equations.system import System, compile_system
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.workspace import Workspace
 
 NOISE = 1e-9  # share of the terms of N^T nu that is rounding
@@ -24,7 +25,6 @@ CLOSED = 1e-9  # largest gap, in sizes of the mechanism, with which positions co
 ENOUGH = 1e-12  # the same at which closing them ends
 ROUNDS = 30  # of closing positions that are near
 FAR_ROUNDS = 60  # of closing them where a driver less leaves more ways to go
-TINY = 1e-300  # rate that may be divided by
 MOST_STEPS = 200
 LATER = 8  # instants examined after the start; the nearest is span / 2^LATER away
 

@@ -9,6 +9,7 @@ from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.schur import WEAK, factorise
 from rattle.equations.system import System
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.workspace import Workspace
 
 RANK = 1e-9  # a singular value below this share of the largest counts as zero
@@ -16,7 +17,6 @@ TAKES_PART = 0.05  # share of a row in dependent rows from which its joint is na
 NULL_PART = 1e-6  # entry of a null space below which it is rounding, and its row or coordinate takes no part
 SAME_WAY = 1e-7  # singular value [-] of the drivers' rows of length 1 below which drivers move the same freedom
 SINGULAR = 1e-3  # share of the largest singular value below which a position counts as singular: none is met exactly
-TINY = 1e-300  # singular value that stands for the largest where all are 0
 UNLIKE = 1e9  # ratio of masses that leaves too few digits for the lighter body
 
 

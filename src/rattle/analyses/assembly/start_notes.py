@@ -24,6 +24,7 @@ from rattle.description.model import driven_ends
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.system import System
+from rattle.jit.choices import TINY
 
 UNITS = {"x": "m", "y": "m", "angle": "deg", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 MOST_NAMED = 6  # joints that are named one by one, at most
@@ -36,7 +37,6 @@ ROUGH = math.radians(10)  # the same of an angle that could have been kept if ot
 NEAR = 0.01  # mechanism sizes up to which a position that a driver gives through loops is a rough guess
 ACROSS = 2.0  # plays, all together, by which a body may move where pins go from one side of their bushes to the other
 FREED = 1e-7  # part in a free motion above which a coordinate can change; below, it is rounding of singular vectors
-TINY = 1e-300  # length of a row, or speed, that may be divided by
 AT_ODDS, HELD = "the given values contradict each other", "the joints hold it"
 UNREACHED = "the joints do not let it get there"
 TURNED = "bodies that turn together start in the same turn"

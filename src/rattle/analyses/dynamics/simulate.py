@@ -11,6 +11,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.dynamics.events import require_workable
+from rattle.analyses.dynamics.failure import PAST_END
 from rattle.analyses.dynamics.horizon import agreement, tighter
 from rattle.analyses.dynamics.methods import choose_stepper, new_run, note_choice
 from rattle.analyses.dynamics.report import report
@@ -27,7 +28,6 @@ from rattle.solvers.stepper import ATOL, RTOL
 
 log = logging.getLogger("rattle")
 
-PAST_END = 1.0 + 1e-12  # ends of the run within which an output time lies in it, rounding allowed
 POINTS = 1000  # output intervals by default
 
 

@@ -21,6 +21,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.jit.workspace import Workspace
 from rattle.registry import Kind
 from rattle.results.columns import width
@@ -43,7 +44,6 @@ NEAR = 1e-9  # share of an instant that a search for a jump reaches beyond it, a
 NEIGHBOURS = 4e-16  # share of an instant by which the next number follows it, two units in the last place
 JUMPS = 1e-6  # change between neighbours that is a jump [rad, mechanism sizes; of speeds, share of the larger one]
 SLOW = 1e-3  # speed [rad/s, mechanism sizes/s] with which slower ones are compared
-TINY = 1e-300  # what may be divided by, or halved no more [s]
 SENTENCES = {  # of notes, also in pages
     "opened": "joints opened by {share:.2g} of the mechanism's size (or rad): {shorter} reduces this",
     "sunk": "contacts sank up to {percent:.2g} % of the clearance, or of the range between stops, into their walls:"

@@ -12,6 +12,7 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
 from rattle.equations.state import state_layout
+from rattle.jit.choices import TINY
 from rattle.language.syntax import Apply, Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
 from rattle.trace import reductions
@@ -26,7 +27,6 @@ ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 JUMPS = ("sign", "step", "floor", "mod", "choose", "if<", "if<=", "if>", "if>=")  # operations whose curves may jump
 STEADY = ("+", "-", "*", "/", "**", "neg", "sqrt", "hypot")  # operations that change as fast as their operands
 PEAKS = {"max": ("abs", "max"), "min": ("min",)}  # by kind of extreme: kinks that point away from it
-TINY = 1e-300  # what a condition that holds at zero is raised by there
 
 
 class Asked:

@@ -1,6 +1,6 @@
 // Elements of the page: made in one call, with icons as SVG.
 
-// An element with attributes (a function under "onclick" listens) and children, texts or elements.
+// An element with attributes (a function under "onclick" listens) and children: texts, elements or lists of them.
 export function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [key, value] of Object.entries(attributes)) {
@@ -8,7 +8,7 @@ export function make(tag, attributes = {}, ...children) {
     else if (value === true) element.setAttribute(key, "");
     else if (value !== false && value !== null && value !== undefined) element.setAttribute(key, value);
   }
-  element.append(...children.filter((one) => one !== null && one !== undefined));
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
   return element;
 }
 

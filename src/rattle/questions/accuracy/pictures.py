@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rattle.jit.choices import TINY
 from rattle.plots.curves import (
     BLACK,
     BLUE,
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
 BAND = "#BBD7EA"
 ROUNDING = 1e-9  # decades by which a magnification may lie beyond a power of ten and yet be that one
-NOTHING = 1e-300  # in place of a sum of 0, which cannot be divided by
 
 
 def plot_accuracy(accuracy: Accuracy) -> Figure:
@@ -105,10 +105,10 @@ def _contributions(ax: Axes, accuracy: Accuracy) -> None:
     colours = [ORANGE if accuracy.joints[n] == accuracy.tighten else BLUE for n in order]
     ax.barh(names, sizes, color=colours, height=0.6)
     for n, size in enumerate(sizes):
-        share = 100 * size / max(sum(sizes), NOTHING)
+        share = 100 * size / max(sum(sizes), TINY)
         ax.annotate(f"{share:.0f} %", (size, n), (4, 0), textcoords="offset points", va="center", fontsize=9)
     ax.grid(axis="y", visible=False)
-    ax.set_xlim(0, 1.15 * max([*sizes, NOTHING]))
+    ax.set_xlim(0, 1.15 * max([*sizes, TINY]))
     ax.set_xlabel(axis_label(f"contribution where the band is widest, t = {accuracy.t[k]:.3g} s", unit))
     first = accuracy.contributions[k, accuracy.joints.index(accuracy.tighten)]
     equal = [name for name, size in zip(accuracy.joints, accuracy.contributions[k], strict=True) if size > 0.99 * first]

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import STOPPED, check_pictures, say_written
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command(cls=Command)

@@ -29,8 +29,8 @@ from rattle.questions.ensemble.sampling import MOST, points
 from rattle.questions.ensemble.statistics import Bounded, Statistics
 from rattle.questions.ensemble.work import run_missing
 from rattle.results.archive import package
-from rattle.results.display import table
-from rattle.studies.runs.columns import aligned, number, scale_of
+from rattle.results.display import in_columns, table
+from rattle.studies.runs.columns import number, scale_of
 from rattle.studies.runs.limits import limit_of
 from rattle.studies.runs.task import Task, task_of
 from rattle.wrong_arguments import answers_in_words
@@ -218,7 +218,7 @@ class Ensemble(Samples):
         return rows
 
     def __str__(self) -> str:
-        return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])
+        return "\n".join([self._title(), *in_columns([HEADER, *self.rows()]), *self.remarks()])
 
     def _repr_html_(self) -> str:
         return table(HEADER, self.rows(), self._title(), self.remarks(), f'e.plot("{self.outputs[0]}")')

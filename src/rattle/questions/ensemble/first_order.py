@@ -29,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.errors import InputError
+from rattle.jit.choices import TINY
 from rattle.questions.ensemble.contributors import labels, members
 from rattle.questions.ensemble.fields import Field, Fields
 from rattle.questions.ensemble.statistics import CONFIDENCE, Bounded, in_size
@@ -40,7 +41,6 @@ NODES = 4096  # of the distribution of a field
 FEW, MOST = 0.01, 0.5  # ranks are taken where this share of the samples carries more than that share of the variance
 DRAWS = 2000  # of the coefficients
 SINGULAR = 1e-9  # root mean square below which a polynomial adds nothing but rounding to those before it
-NO_VARIANCE = 1e-300  # in place of a variance of 0, which cannot be divided by
 ADDS = 0.5  # root mean square, at least, of what a polynomial adds where the samples are: they must tell it from others
 OWN = 0.25  # 1 - leverage, at least: a sample must not determine the fit at its own place
 
@@ -173,7 +173,7 @@ def _bounded(
     def shares(squares: np.ndarray, rest: np.ndarray) -> np.ndarray:
         parts = squares @ rows
         whole = parts.sum(axis=-1) + np.maximum(rest, 0.0)
-        return np.asarray(np.column_stack([parts, parts.sum(axis=-1)]) / np.maximum(whole, NO_VARIANCE)[:, None])
+        return np.asarray(np.column_stack([parts, parts.sum(axis=-1)]) / np.maximum(whole, TINY)[:, None])
 
     value = shares((coefficients**2 - own)[None], np.array([variance]))[0]
     every = shares((coefficients + drawn[:, :-1]) ** 2 - 2.0 * own, variance + drawn[:, -1])

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.output import zeroed
-
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
     from rattle.questions.equilibrium.position import Equilibria, Equilibrium
@@ -43,7 +41,7 @@ def _held(m: Mechanism, rest: Equilibrium) -> str:
 
 def _angles(rest: Equilibrium) -> str:
     """Angles of the first bodies, by which equilibria can be told apart."""
-    from rattle.results.display import scale
+    from rattle.results.display import scale, zeroed
 
     bodies = list(rest.table.geometry["bodies"])
     factor, unit = scale("rad", 1.0)
@@ -53,7 +51,7 @@ def _angles(rest: Equilibrium) -> str:
 
 def _position(m: Mechanism, rest: Equilibrium) -> str:
     """Where the bodies are in the first equilibrium, and the efforts of the drivers that hold it."""
-    from rattle.results.display import quantity, scale
+    from rattle.results.display import quantity, scale, zeroed
 
     lines = ["equilibrium 1:"]
     floor = ZERO * m.system.size

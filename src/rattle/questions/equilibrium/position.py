@@ -16,6 +16,7 @@ import numpy as np
 
 from rattle.analyses.arguments import MOST_EFFORT
 from rattle.errors import InputError
+from rattle.jit.choices import TINY
 from rattle.results.chosen_units import Shown
 from rattle.results.display import card, quantity, table
 from rattle.results.film_columns import DRY
@@ -89,7 +90,7 @@ class Equilibrium:
     @property
     def pulled(self) -> tuple[str, ...]:
         """Pins at which the bush would have to pull, and joints whose stop would have to."""
-        scale = max([abs(n) for n in self.normals.values()] + [1e-300])
+        scale = max([abs(n) for n in self.normals.values()] + [TINY])
         stops = [name for name, side in self.resting.items() if side * self[f"{name}.stop"] < 0.0]
         return (*(name for name, n in self.normals.items() if n < -PULLS * scale), *stops)
 

@@ -23,6 +23,7 @@ from rattle.equations.placement import turned
 from rattle.equations.rest_force import stiffness
 from rattle.equations.system import System, compile_system
 from rattle.jit import functions
+from rattle.jit.choices import TINY
 from rattle.questions.equilibrium.balance import StaticProblem
 from rattle.questions.equilibrium.closed_play import rigid_model, without_guide_play, without_oil
 from rattle.questions.equilibrium.compute import equilibria
@@ -45,7 +46,6 @@ INSTANT = 1e-9  # [s] interval that is not divided for that
 CHANGE = (1e-10, 1e-3)  # [of the time, but at least of so many s] how near the time of a change of sides is found
 RANK = 1e-13  # [-] singular values below this share of the largest are those of redundant constraints
 TOGGLE = 1e-12  # [of the largest reaction] effort below which none is needed: a toggle
-NO_LENGTH = 1e-300  # in a denominator that may be zero
 MOST_SNAPS = 5  # snap-throughs in one interval, at most
 MOST_STEPS = 300  # steps in one interval, at most
 MOST_TRIALS = 20_000  # positions evaluated in one interval, at most
@@ -90,7 +90,7 @@ class Path:
         if np.abs((q - self.last.q) / self.problem.scale).max() > FARTHEST * self.problem.system.size:
             return False
         last, other = self.problem.offsets(self.last.q), self.problem.offsets(q)
-        cosine = (last * other).sum(axis=1) / (np.linalg.norm(last, axis=1) * np.linalg.norm(other, axis=1) + NO_LENGTH)
+        cosine = (last * other).sum(axis=1) / (np.linalg.norm(last, axis=1) * np.linalg.norm(other, axis=1) + TINY)
         return bool((cosine > TURNED).all())
 
     def go(self, rest: Equilibrium) -> None:

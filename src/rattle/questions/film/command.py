@@ -171,6 +171,7 @@ def _write(frame: DataFrame, path: str) -> None:
 def _locus(oil_film: Film) -> list[str]:
     """The static positions, a line each."""
     from rattle.questions.film.locus import locus
+    from rattle.results.display import in_columns
 
     columns = locus(oil_film, SHOWN)
     heads = ("e/c", "S", "attitude", "f R/c", "p_max", "leakage", "m c w^2/W", "whirl/w")
@@ -179,9 +180,8 @@ def _locus(oil_film: Film) -> list[str]:
         numbers = [columns[name][k] for name in ("friction", "pressure", "leakage", "critical_mass", "whirl")]
         angle = f"{math.degrees(columns['attitude'][k]):.2f} deg"
         rows.append((f"{e:.2f}", f"{columns['sommerfeld'][k]:.4g}", angle, *map(_number, numbers)))
-    widths = [max(len(row[k]) for row in rows) for k in range(len(heads))]
     title = f"film '{oil_film.model}', L/D = {oil_film.ratio:.3g}, R/c = {oil_film.radius / oil_film.clearance:.4g}"
-    return [title, *("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)]
+    return [title, *in_columns(rows, range(len(heads)))]
 
 
 def _number(value: float) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from rattle.cli.command import Command
@@ -16,9 +14,6 @@ from rattle.cli.requirements import (
     judge,
     require_option,
 )
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command(cls=Command)

@@ -18,6 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.jit.choices import TINY
+
 EVEN = 1e-6  # share by which a stiffness may be unsymmetric because of differences: roots change by its square
 NEUTRAL = 1e-10  # share of the largest mu that counts as none
 APART = 10.0  # errors of C' up to which an entry of it couples nothing
@@ -166,7 +168,7 @@ def _pairs(values: np.ndarray, shapes: np.ndarray, c: np.ndarray) -> list[tuple[
     """
     if not len(values):
         return []
-    unit = shapes / np.maximum(np.linalg.norm(shapes, axis=0), 1e-300)
+    unit = shapes / np.maximum(np.linalg.norm(shapes, axis=0), TINY)
     kind = np.sign(2.0 * values + np.einsum("ik,ij,jk->k", unit, c, unit))
     alike = np.abs(unit.T @ unit) + (np.multiply.outer(kind, kind) < 0.0)
     np.fill_diagonal(alike, -1.0)

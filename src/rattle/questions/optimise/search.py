@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rattle.jit.choices import TINY
 from rattle.questions.optimise.designs import Design, Designs, LostError
 from rattle.results.reductions import EQUAL
 
@@ -37,7 +38,6 @@ OPTIMAL = 1e-5  # rest of the gradient per 1 % of the ranges, as a share of the 
 # optimum (test_known_optima_with_several_constraints falls without it: searches that ended early would pass)
 PENALTY = 2.0  # times what a miss of a constraint is worth: more than the multipliers themselves, an exact penalty
 RESTORED = 1e-10  # gain of a round that only looks for designs that meet the constraints, at which it ends
-EASED = 1e-300  # in place of an objective of 0, which cannot be divided by
 
 
 @dataclass(eq=False)
@@ -114,7 +114,7 @@ def _rest(designs: Designs, result: Found) -> float:
     if left <= 0.01 * least:
         return 0.0
     balanced = there.before if there.constraints or there.low or there.high else 0.0
-    return there.left / max(abs(value), abs(before - value), balanced, EASED)
+    return there.left / max(abs(value), abs(before - value), balanced, TINY)
 
 
 def sizes(designs: Designs, design: Design) -> np.ndarray:
@@ -123,7 +123,7 @@ def sizes(designs: Designs, design: Design) -> np.ndarray:
         changes = np.linalg.norm(designs.slopes(design)[1:], axis=1)
     except LostError:
         changes = np.zeros(len(design.numbers) - 1)
-    return np.asarray(np.maximum(np.maximum(np.abs(design.numbers[1:]), changes), EASED))
+    return np.asarray(np.maximum(np.maximum(np.abs(design.numbers[1:]), changes), TINY))
 
 
 # ---------------------------------------------------------------- sums of squares
@@ -190,7 +190,7 @@ def _quadratic_programming(designs: Designs, result: Found) -> None:
             _restore(designs, result)
         gain = before.numbers[0] - result.best.numbers[0]
         better = result.missed(before) > MET >= result.missed(result.best)
-        if not better and gain <= GAIN * max(abs(before.numbers[0]), EASED):
+        if not better and gain <= GAIN * max(abs(before.numbers[0]), TINY):
             return
 
 
@@ -200,7 +200,7 @@ def _one_round(designs: Designs, result: Found) -> None:
     begun = result.best
     result.scale = sizes(designs, begun)
     gradient = np.linalg.norm(designs.slopes(designs.at(begun.x))[0])
-    scale = max(abs(float(begun.numbers[0])), float(gradient), EASED)
+    scale = max(abs(float(begun.numbers[0])), float(gradient), TINY)
     scale = min(scale, abs(float(begun.numbers[0])) or scale)
     wall = [1.0]
 

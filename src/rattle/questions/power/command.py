@@ -12,6 +12,7 @@ from rattle.cli.command import Command
 from rattle.cli.options import read_result, run_laws, settings_option, time
 from rattle.cli.output import check_files, check_pictures, say_written
 from rattle.errors import InputError
+from rattle.jit.choices import TINY
 from rattle.questions.power.in_units import in_units, with_units
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def _cycle(p: Power) -> str:
     from rattle.results.display import quantity
 
     (ports, (energy, power)), (elements, _) = in_units(p.table), in_units(p.elements)
-    largest = float(max((ports["E_in"] + ports["E_out"]).max() if len(ports) else 0.0, 1e-300))
+    largest = float(max((ports["E_in"] + ports["E_out"]).max() if len(ports) else 0.0, TINY))
     least = SEEN * largest
     numbers = elements[list(ENERGIES)]
     active = elements[(numbers.abs() > least).any(axis=1)]
@@ -127,17 +128,10 @@ def _cycle(p: Power) -> str:
 
 def _lines(frame: Any, columns: tuple[str, ...], least: float = 0.0) -> str:
     """Columns of a table as text; numbers below `least` are rounding."""
+    from rattle.results.display import in_columns
+
     rows = [[_cell(value, least) for value in row] for row in frame[list(columns)].itertuples(index=False)]
-    widths = [max(len(row[k]) for row in [list(columns), *rows]) for k in range(len(columns))]
-    words = [k for k, name in enumerate(columns) if name in WORDS]
-
-    def line(row: list[str]) -> str:
-        return "  ".join(
-            cell.ljust(width) if k in words else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-
-    return "\n".join(line(row) for row in [list(columns), *rows])
+    return "\n".join(in_columns([columns, *rows], [k for k, name in enumerate(columns) if name not in WORDS]))
 
 
 def _cell(value: Any, least: float) -> str:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.jit.choices import TINY
 from rattle.plots.curves import BLUE
 from rattle.plots.scene import BODIES
 
@@ -110,7 +111,7 @@ def graph_of(p: Power) -> tuple[list[Node], list[Link]]:
         net, back = float(cycle.into[k] - cycle.out[k]), float(min(cycle.into[k], cycle.out[k]))
         gains[bodies.index(body)] += net
         ports.setdefault(element, []).append((bodies.index(body), net if abs(net) > UNSEEN * back else 0.0, back))
-    nothing = NOISE * float(max((cycle.into + cycle.out).max(initial=0.0), 1e-300))
+    nothing = NOISE * float(max((cycle.into + cycle.out).max(initial=0.0), TINY))
     for element, ends in ports.items():
         if len(ends) == 2 and element in p.between:
             _through(graph, element, *ends)
@@ -261,7 +262,7 @@ def _leads(ways: set[tuple[int, int]], a: int, b: int) -> bool:
 
 def _height_of_others(k: int, links: Sequence[Link], size: Array, y: Array) -> float:
     """Mean height of what a node is linked with."""
-    total, weight = 0.0, 1e-300
+    total, weight = 0.0, TINY
     for link, amount in zip(links, size, strict=True):
         if k in (link.start, link.end):
             total += amount * y[link.end if k == link.start else link.start]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.jit.choices import TINY
 from rattle.pages.report_html import Section, figure, paragraph, said, table
 from rattle.pages.report_study import Study, tried
 from rattle.questions.power.compute import Power
@@ -63,7 +64,7 @@ def holds(s: Study) -> list[str]:
     power = s.answer("power", Power)
     if power is None:
         return []
-    share = power.residual / max(float(abs(power.cycle.peak).max()), 1e-300)
+    share = power.residual / max(float(abs(power.cycle.peak).max()), TINY)
     return ["powers of every body add up to the rate of its kinetic energy"] if share < ADD_UP else []
 
 

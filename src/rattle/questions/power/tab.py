@@ -5,16 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.answers.blocks import Content, content, drawing, table
+from rattle.jit.choices import TINY
 from rattle.questions.power.pictures import plot_cycle
-from rattle.results.display import quantity
+from rattle.results.display import quantity, zeroed
 from rattle.studio.shelf import Shelf, Source
 
 ROUNDING = 1e-12  # share of the largest below which a number is only rounding
-
-
-def zeroed(value: float, floor: float) -> float:
-    """The value, or 0 if its magnitude is below `floor` (same unit)."""
-    return 0.0 if abs(value) <= floor else float(value)
 
 
 def tab(shelf: Shelf, source: Source) -> Content:
@@ -23,7 +19,7 @@ def tab(shelf: Shelf, source: Source) -> Content:
     p = r.power()
     cycle, names = p.cycle, p.names
     net = cycle.into - cycle.out
-    nothing = ROUNDING * float(max((cycle.into + cycle.out).max(initial=0.0), 1e-300))
+    nothing = ROUNDING * float(max((cycle.into + cycle.out).max(initial=0.0), TINY))
     weak = ROUNDING * float(np.abs(cycle.peak).max(initial=0.0))
 
     def energy(value: float) -> str:

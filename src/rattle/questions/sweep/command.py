@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
     from rattle.questions.sweep.compute import Sweep
 
-from typing import TYPE_CHECKING
-
 from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress
 from rattle.cli.output import as_json
@@ -27,9 +25,6 @@ from rattle.cli.requirements import (
     finish_required,
 )
 from rattle.questions.ensemble.options import check_written, engine_options, keep_runs, question_options
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command(cls=Command)

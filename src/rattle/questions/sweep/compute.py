@@ -17,8 +17,8 @@ from rattle.questions.ensemble.folder import store_of
 from rattle.questions.ensemble.plans import Grid
 from rattle.questions.ensemble.runs import Samples
 from rattle.questions.ensemble.work import run_missing
-from rattle.results.display import table
-from rattle.studies.runs.columns import aligned, in_one_unit
+from rattle.results.display import in_columns, table
+from rattle.studies.runs.columns import in_one_unit
 from rattle.studies.runs.limits import limit_of
 from rattle.studies.runs.task import task_of
 from rattle.wrong_arguments import answers_in_words
@@ -99,7 +99,7 @@ class Sweep(Samples):
         return rows
 
     def __str__(self) -> str:
-        return "\n".join([self._title(), *aligned([HEADER, *self.rows()]), *self.remarks()])
+        return "\n".join([self._title(), *in_columns([HEADER, *self.rows()]), *self.remarks()])
 
     def _repr_html_(self) -> str:
         return table(HEADER, self.rows(), self._title(), self.remarks())

@@ -36,8 +36,8 @@ from rattle.questions.tolerance.bracket import NotReachedError, edge
 from rattle.questions.tolerance.largest import ROUND, SIDE_BY_SIDE
 from rattle.questions.tolerance.required_accuracy import Limits
 from rattle.questions.tolerance.trials import Trials
-from rattle.results.display import table
-from rattle.studies.runs.columns import aligned, in_one_unit, number, scale_of
+from rattle.results.display import in_columns, table
+from rattle.studies.runs.columns import in_one_unit, number, scale_of
 
 ORDERS = {"worst-case": 1, "rss": 2}  # q by method
 SMALLEST, GREATEST = 1e-4, 1e3  # factors by which the tolerances may be scaled
@@ -82,7 +82,7 @@ class Allocation:
     @property
     def report(self) -> str:
         """The tolerances, what they cost, and what the samples say."""
-        return "\n".join([self._title(), *aligned([HEADER, *self._rows()]), *self._said()])
+        return "\n".join([self._title(), *in_columns([HEADER, *self._rows()]), *self._said()])
 
     def _title(self) -> str:
         what = "loosest" if math.isnan(self.cost) else "cheapest"

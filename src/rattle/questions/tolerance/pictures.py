@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rattle.jit.choices import TINY
 from rattle.plots.bulk import bulk_of
 from rattle.plots.curves import BLACK, BLUE, ORANGE, QUANTITY, RED, SKY, axis_label, figure_of, new_figure, note, tidy
 from rattle.questions.ensemble.shares import MOST, draw_shares
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from rattle.questions.tolerance.report import Tolerance
 
 BINS = 40
-NO_VARIANCE = 1e-300  # in place of a sum of squares of 0, which cannot be divided by
 
 
 def plot_tolerance(t: Tolerance) -> Figure:
@@ -74,6 +74,6 @@ def _draw_contributions(ax: Axes, t: Tolerance) -> None:
         )
         ax.set_xlabel("share of the variance: Sobol indices with 95 % bounds [%]")
         return
-    squares = t.effects**2 / max(float(t.effects @ t.effects), NO_VARIANCE)
+    squares = t.effects**2 / max(float(t.effects @ t.effects), TINY)
     draw_shares(ax, t.contributors, [(float(square), math.nan, math.nan) for square in squares])
     ax.set_xlabel("share of the root sum square [%]")

@@ -31,8 +31,8 @@ from rattle.questions.tolerance.required_accuracy import Limits, Within, limits_
 from rattle.questions.tolerance.sobol import Indices
 from rattle.questions.tolerance.trials import Trials
 from rattle.results.archive import package
-from rattle.results.display import table
-from rattle.studies.runs.columns import aligned, number, scale_of
+from rattle.results.display import in_columns, table
+from rattle.studies.runs.columns import number, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -298,7 +298,7 @@ def _title(t: Tolerance) -> str:
 
 def _lines(t: Tolerance) -> Sequence[str]:
     """The report as it is printed."""
-    return [_title(t), *aligned([HEADER, *_rows(t)]), "", *aligned([BANDS, *_bands(t)]), "", *_below(t)]
+    return [_title(t), *in_columns([HEADER, *_rows(t)]), "", *in_columns([BANDS, *_bands(t)]), "", *_below(t)]
 
 
 def _html(t: Tolerance) -> str:

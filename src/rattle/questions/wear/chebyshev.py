@@ -12,10 +12,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.jit.choices import TINY
+
 Array = NDArray[np.float64]
 DAMPING = 2.0 / 13.0
 ROUNDING = 1e-12  # [of the span] what is left when all is done, and below which a step is none
-NO_DEPTH = 1e-300  # in a denominator that may be zero
 MOST_STAGES = 60
 
 
@@ -39,7 +40,7 @@ def integrate(
         stages = max(2, math.ceil(math.sqrt(1.0 + 1.6 * h * fastest)))
         new = _step(f, y, f0, h, stages)
         f1 = f(new)
-        size = tolerance * max(float(np.abs(new).max()), NO_DEPTH)
+        size = tolerance * max(float(np.abs(new).max()), TINY)
         error = float(np.abs(0.8 * (y - new) + 0.4 * h * (f0 + f1)).max()) / size
         if error <= 1.0:
             done, y, f0 = done + h, new, f1

@@ -1,4 +1,4 @@
-"""Numbers of samples as texts: one unit for what stands side by side, columns of equal width."""
+"""Numbers of samples as texts: one unit for what stands side by side."""
 
 from __future__ import annotations
 
@@ -35,9 +35,3 @@ def number(value: float, spread: float = math.nan) -> str:
         return "-"
     finer = math.log10(abs(value) / spread) if 0.0 < spread < abs(value) else 0.0
     return f"{value:.{min(max(FEWEST, math.ceil(finer) + 2), MOST)}g}"
-
-
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Rows as lines with columns of equal width."""
-    widths = [max(len(row[n]) for row in rows) for n in range(len(rows[0]))]
-    return ["  ".join(f"{text:{width}}" for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -169,11 +169,6 @@ def _stepping(m: Mechanism, method: str | None, rtol: float | None, atol: float 
     rtol = arguments.relative_tolerance(RTOL if rtol is None else rtol)
     atol = arguments.positive("atol", ATOL * rtol if atol is None else atol)
     return Stepping(method, rtol, atol, settings.step if step is None else arguments.positive("step", step))
-
-
-def with_outputs(task: Task, outputs: Sequence[str]) -> Task:
-    """The same task with some of its outputs only."""
-    return replace(task, outputs=tuple(output for output in task.outputs if output.text in outputs))
 
 
 def _texts(outputs: Sequence[str]) -> list[str]:

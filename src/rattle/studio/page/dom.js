@@ -1,15 +1,6 @@
-// Elements in one call: h("button", { class: "quiet", onclick: f }, "Save").
+// Elements in one call, as in the viewer: h("button", { class: "quiet", onclick: f }, "Save").
 
-export function h(tag, properties = {}, ...children) {
-  const el = document.createElement(tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (name.startsWith("on")) el.addEventListener(name.slice(2), value);
-    else if (value === true) el.setAttribute(name, "");
-    else if (value !== false && value != null) el.setAttribute(name, value);
-  }
-  el.append(...children.flat().filter((one) => one != null));
-  return el;
-}
+export { make as h } from "./viewer.js";
 
 export function replace(el, ...children) {
   el.replaceChildren(...children.flat().filter((one) => one != null));
