@@ -12,7 +12,7 @@ MOST = 50  # bodies without mass or inertia
 
 def require_mass_at_contacts(values: Values, bodies: Mapping[str, Body], joints: Mapping[str, Joint]) -> None:
     """Refuse bodies without mass or inertia on which contacts with force laws act: these need the masses they move."""
-    without = [name for name, one in bodies.items() if one.mass == 0.0 or one.inertia == 0.0]
+    without = [name for name, body in bodies.items() if body.mass == 0.0 or body.inertia == 0.0]
     if not without or values.problems:  # fields of joints with problems have no values
         return
     if len(without) > MOST:
@@ -31,6 +31,6 @@ def require_mass_at_contacts(values: Values, bodies: Mapping[str, Body], joints:
             body = bodies.get(end)
             for key, number in (("mass", body.mass), ("inertia", body.inertia)) if body is not None else ():
                 if number == 0.0:
-                    said = f"{what}: '{end}' needs {'a mass' if key == 'mass' else 'an inertia'} there, got 0"
-                    values.wrong(("bodies", end, key), said)
+                    fault = f"{what}: '{end}' needs {'a mass' if key == 'mass' else 'an inertia'} there, got 0"
+                    values.wrong(("bodies", end, key), fault)
                     break

@@ -31,7 +31,7 @@ from rattle.description.read_contact import (
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
 from rattle.description.read_plates import read_plate
-from rattle.description.read_values import Path, Values, is_computable, said
+from rattle.description.read_values import Path, Values, is_computable, quoted
 from rattle.description.read_wear import read_wear
 from rattle.description.tables import BAR, BODY, JOINT
 from rattle.errors import suggest
@@ -134,11 +134,11 @@ class Parts(FieldReader):
     def point(self, written: Any, path: Path, alone: bool = False) -> Point:
         """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
         if not isinstance(written, str):
-            self.values.wrong(path, f'expected "body.point", got {said(written)}')
+            self.values.wrong(path, f'expected "body.point", got {quoted(written)}')
             return NOWHERE
         body, dot, point = written.partition(".")
         if body != "ground" and body not in self.bodies:
-            self.values.wrong(path, f"no body {said(body)}{suggest(body, ['ground', *self.bodies])}")
+            self.values.wrong(path, f"no body {quoted(body)}{suggest(body, ['ground', *self.bodies])}")
             return NOWHERE
         points = self.ground if body == "ground" else self.bodies[body].points
         if not dot and alone:
@@ -148,7 +148,7 @@ class Parts(FieldReader):
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"
-            what = f"no point {said(point)} on {whose}" if point else f'expected "body.point", got {said(written)}'
+            what = f"no point {quoted(point)} on {whose}" if point else f'expected "body.point", got {quoted(written)}'
             self.values.wrong(path, what + hint)
             return NOWHERE
         return Point(body, point, points[point])
@@ -164,7 +164,7 @@ class Parts(FieldReader):
         both = table["connect"]
         here = (*path, "connect")
         if not isinstance(both, list | tuple) or len(both) != 2:
-            self.values.wrong(here, f"expected {form}, got {said(both)}")
+            self.values.wrong(here, f"expected {form}, got {quoted(both)}")
             return NOWHERE, NOWHERE
         a, b = (self.point(end, (*here, k), alone) for k, end in enumerate(both))
         if bodies:
@@ -343,7 +343,7 @@ class Parts(FieldReader):
         joint, here = table["joint"], (*path, "joint")
         if not isinstance(joint, str) or joint not in self.joints:
             if joint not in list(self.broken_joints):
-                self.values.wrong(here, f"no joint {said(joint)}{suggest(str(joint), self.joints)}")
+                self.values.wrong(here, f"no joint {quoted(joint)}{suggest(str(joint), self.joints)}")
             return None
         motor = self.joints[joint].leaf.motor
         if motor is not None:
@@ -360,7 +360,7 @@ class Parts(FieldReader):
         coordinate = table.get("coordinate")
         if coordinate not in coordinates:
             where = (*path, "coordinate") if "coordinate" in table else path
-            got = f", got {said(coordinate)}" if "coordinate" in table else ""
+            got = f", got {quoted(coordinate)}" if "coordinate" in table else ""
             self.values.wrong(where, f"expected coordinate = one of {', '.join(coordinates)}{got}")
             return None
         if point.body == "ground":
@@ -421,5 +421,5 @@ class Parts(FieldReader):
             return NOWHERE
         place = self.point(table[key], (*path, key), alone=field.shape == "body")
         if field.shape == "body" and place.name:
-            self.values.wrong((*path, key), f"expected a body, got the point {said(table[key])}")
+            self.values.wrong((*path, key), f"expected a body, got the point {quoted(table[key])}")
         return place

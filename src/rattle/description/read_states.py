@@ -9,7 +9,7 @@ from typing import Any
 from rattle.description.model import State
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_quantity
-from rattle.description.read_values import Path, Values, said
+from rattle.description.read_values import Path, Values, quoted
 from rattle.description.tables import RATE, STATE
 from rattle.language.expression import ExpressionError, Node, Number, parse
 from rattle.language.units import TIME, Dimension, QuantityError, describe, parse_quantity, unit_name
@@ -30,7 +30,7 @@ def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, flo
             values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
         values.live[name] = None
         if not isinstance(entry, Mapping):
-            values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {said(entry)}')
+            values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {quoted(entry)}')
             continue
         FieldReader(values).form(STATE, entry, path)
         starts[name], values.dimensions[name] = values.any_number(entry.get("start", 0.0), (*path, "start"))
@@ -99,7 +99,7 @@ def read_states(values: Values, document: Mapping[str, Any], starts: Mapping[str
             fitting = describe(of_state.over(TIME))
             values.wrong(
                 path,
-                f"{said(entry['rate'])} is {describe(seen)}; expected {fitting}: the state is {describe(of_state)}",
+                f"{quoted(entry['rate'])} is {describe(seen)}; expected {fitting}: the state is {describe(of_state)}",
             )
         states[name] = State(name, node, start, unit_name(of_state) if of_state is not None else "")
     return states

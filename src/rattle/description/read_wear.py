@@ -10,7 +10,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Contact, Wear
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, said
+from rattle.description.read_values import Path, quoted
 from rattle.description.tables import COEFFICIENT, DEPTHS, LAYER, SIDES, WEAR
 from rattle.language.recorded import as_number
 
@@ -153,7 +153,7 @@ def _profile(
 ) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Depths of bush and pin [m]; None if the surfaces are round, or after a problem."""
     if "profile" in table and DEPTHS not in table:
-        reader.values.wrong((*path, "profile"), f"{said(table['profile'])}: a model without a file has no folder")
+        reader.values.wrong((*path, "profile"), f"{quoted(table['profile'])}: a model without a file has no folder")
         return None
     if DEPTHS not in table:
         return None
@@ -163,7 +163,7 @@ def _profile(
     for side in SIDES:
         numbers = depths.get(side, [0.0] * bins)
         if not isinstance(numbers, list | tuple) or len(numbers) != bins:
-            count = f"{len(numbers)} numbers" if isinstance(numbers, list | tuple) else said(numbers)
+            count = f"{len(numbers)} numbers" if isinstance(numbers, list | tuple) else quoted(numbers)
             what = (*path, "profile") if "profile" in table else (*here, side)
             reader.values.wrong(what, f"{side}: expected a depth in m for each of the {bins} bins, got {count}")
             return None
