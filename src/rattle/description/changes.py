@@ -75,15 +75,21 @@ def path_of(name: str, document: Mapping[str, Any], remove: bool) -> Path:
     where = [section for section in ENTRIES if first in document.get(section, {})]
     if remove and not dot and len(where) == 1:
         return where[0], name
+    raise ModelError([_astray(name, table, where, remove)])
+
+
+def _astray(name: str, parameters: Mapping[str, Any], where: Sequence[str], remove: bool) -> Problem:
+    """The problem of a name that leads nowhere; where: tables that have an entry with its first part."""
+    first, dot, _ = name.partition(".")
     if where:
         paths = " or ".join(f"'{section}.{name}'" for section in where)
         advice = f"; or name what is to change in it: {where[0]}.{name}.KEY" if not (dot or remove) else ""
-        raise ModelError([Problem((name,), f"expected the whole path, {paths}{advice}")])
+        return Problem((name,), f"expected the whole path, {paths}{advice}")
     if dot:
-        raise ModelError([Problem((name,), f"there is no '{first}' in the model{suggest(first, TABLES)}")])
-    near = suggest(name, [*table, *TABLES])
-    near = near if "did you mean" in near else suggest(name, table)
-    raise ModelError([Problem((), f"no parameter '{name}', and not a path like joints.O3.clearance{near}")])
+        return Problem((name,), f"there is no '{first}' in the model{suggest(first, TABLES)}")
+    near = suggest(name, [*parameters, *TABLES])
+    near = near if "did you mean" in near else suggest(name, parameters)
+    return Problem((), f"no parameter '{name}', and not a path like joints.O3.clearance{near}")
 
 
 # ---------------------------------------------------------------- putting a value there
