@@ -130,40 +130,49 @@ def _radius(reader: FieldReader, table: Mapping[str, Any], site: Site, needed: s
     return radius
 
 
-def _unused(
-    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], site: Site, path: Path
-) -> tuple[str, ...]:
-    """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
+def _fields_of_all() -> dict[str, registry.Field | None]:
+    """Every key that a contact may have, with its field; None where it is none, or has another meaning in every law."""
     fields: dict[str, registry.Field | None] = dict.fromkeys(("friction", "bush_radius", "geometry"))
     fields |= film_keys() | {"bush_radius": None}
     for family in ("stiffness", "normal", "contact"):
         for kind in registry.kinds(family).values():
-            for key, one in kind.fields.items():
-                known = fields.setdefault(key, one)
-                if known is not None and known.unit != one.unit:
-                    fields[key] = None  # has another meaning in every law
+            for key, field in kind.fields.items():
+                first = fields.setdefault(key, field)
+                if first is not None and first.unit != field.unit:
+                    fields[key] = None
+    return fields
+
+
+def _unused(
+    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], site: Site, path: Path
+) -> tuple[str, ...]:
+    """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
+    fields = _fields_of_all()
     reader.values.keys(table, dict.fromkeys(["model", *used, *fields]), path)
-    found = tuple(key for key in table if key not in used and key in fields)
-    for key in found:
-        field = fields[key]
-        if key == "friction":
-            _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
-        elif key == "film":
-            reader.choose(table, "film", path, "film")
-        elif key == "bush_radius":
-            _radius(reader, table, site, "", path)
-        elif key == "geometry":
-            _geometry(reader, table[key], path)
-        elif field is not None and field.shape == "material":  # any formula does to check the material
-            given = {
-                "bush_material": _elastic(reader, field, key, table, {}, path, site),
-                "bush_radius": 1.0,
-                "clearance": 0.1,
-            }
-            _pack(reader, "stiffness", Choice("sphere", given | {"pin_material": given["bush_material"]}), path)
-        elif field is not None:
-            _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path, site)}, path)
-    return found
+    unused = tuple(key for key in table if key not in used and key in fields)
+    for key in unused:
+        _check(reader, key, fields[key], table, site, path)
+    return unused
+
+
+def _check(
+    reader: FieldReader, key: str, field: registry.Field | None, table: Mapping[str, Any], site: Site, path: Path
+) -> None:
+    """Check the value of a key that is not used."""
+    if key == "friction":
+        _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
+    elif key == "film":
+        reader.choose(table, "film", path, "film")
+    elif key == "bush_radius":
+        _radius(reader, table, site, "", path)
+    elif key == "geometry":
+        _geometry(reader, table[key], path)
+    elif field is not None and field.shape == "material":  # any formula does to check the material
+        material = _elastic(reader, field, key, table, {}, path, site)
+        values = {"bush_material": material, "pin_material": material, "bush_radius": 1.0, "clearance": 0.1}
+        _pack(reader, "stiffness", Choice("sphere", values), path)
+    elif field is not None:
+        _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path, site)}, path)
 
 
 def _plain(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact:
@@ -196,26 +205,10 @@ def _unit_interval(reader: FieldReader, fields: Mapping[str, Any], path: Path) -
 
 
 def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact | None:
-    values = reader.values
-    law = registry.kinds("normal")[model]
-    statics = registry.kinds("stiffness")
-    by_geometry = any(key in table for key in GEOMETRY if key != "length" or "stiffness" not in table)
-    if by_geometry and "stiffness" in table:
-        values.wrong((*path, "stiffness"), "give either a stiffness or materials and geometry, not both", at_key=True)
+    name = _stiffness_law(reader, table, site, path)
+    if not name:
         return None
-    if not by_geometry and "stiffness" not in table:
-        values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
-        return None
-    name = "power"
-    if by_geometry:
-        name = table.get("geometry", "sphere")
-        if not _geometry(reader, name, path):
-            return None
-        if not site.leaf.from_materials:
-            needs = "needs stiffness and exponent: these formulas are for pins in bushes"
-            values.wrong((*path, "geometry"), f"{site.leaf.wall} {needs}")
-            return None
-    static = statics[name]
+    by_geometry, law, static = name != "power", registry.kinds("normal")[model], registry.kinds("stiffness")[name]
     own = [key for key in static.fields if key != "bush_radius"]
     used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
     unused = _unused(reader, table, used, site, path)
@@ -231,6 +224,24 @@ def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: 
     _pack(reader, "stiffness", contact.static, path)
     _pack(reader, "friction", friction, path)
     return contact
+
+
+def _stiffness_law(reader: FieldReader, table: Mapping[str, Any], site: Site, path: Path) -> str:
+    """The law of the static force: "power" for a stiffness, otherwise the geometry; "" after a problem."""
+    values, by_stiffness = reader.values, "stiffness" in table
+    by_geometry = any(key in table for key in GEOMETRY if key != "length" or not by_stiffness)
+    if by_geometry and by_stiffness:
+        values.wrong((*path, "stiffness"), "give either a stiffness or materials and geometry, not both", at_key=True)
+    elif by_stiffness:
+        return "power"
+    elif not by_geometry:
+        values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
+    elif _geometry(reader, name := table.get("geometry", "sphere"), path):
+        if site.leaf.from_materials:
+            return str(name)
+        needs = "needs stiffness and exponent: these formulas are for pins in bushes"
+        values.wrong((*path, "geometry"), f"{site.leaf.wall} {needs}")
+    return ""
 
 
 def _geometry(reader: FieldReader, name: Any, path: Path) -> bool:
