@@ -314,30 +314,39 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
     nodes: dict[str, Node] = {}
     fixed: dict[str, Dimension | None] = {}
     for name, written in table.items():
-        path: Path = ("signals", name)
-        values.name(name, path)
-        if name in values.constants:
-            values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
-        if isinstance(written, bool) or not isinstance(written, int | float | str):
-            values.wrong(path, f"expected an expression, got {quoted(written)}")
-            continue
-        quantity = read_quantity(values, written, path)
+        quantity = _signal(values, name, written)
         if isinstance(quantity, tuple):
             nodes[name], fixed[name] = Number(quantity[0], 0), quantity[1]
-        elif quantity is not None and values.names_known(quantity, str(written), path, None, live=True):
+        elif quantity is not None:
             nodes[name] = quantity
     order, cycles = in_order(nodes)
     for cycle in cycles:
         values.wrong(("signals", cycle[0]), describe_cycle(cycle))
     units = {}
     for name in order:
-        if name not in fixed and not values.dimension_fits(nodes[name], str(table[name]), ("signals", name), None):
+        free = name not in fixed
+        if free and not values.dimension_fits(nodes[name], str(table[name]), ("signals", name), None):
             continue
         if not values.is_finite(nodes[name], ("signals", name)):
             continue
-        seen = fixed[name] if name in fixed else values.dimension(nodes[name])
+        seen = values.dimension(nodes[name]) if free else fixed[name]
         values.dimensions[name] = seen
-        if name not in fixed and not values.has_units(nodes[name]):
+        if free and not values.has_units(nodes[name]):
             values.numbers.add(name)
         units[name] = unit_name(seen) if seen is not None else ""
     return {name: nodes[name] for name in order}, units
+
+
+def _signal(values: Values, name: str, written: Any) -> tuple[float, Dimension | None] | Node | None:
+    """What a signal is, as by `read_quantity`; None after a problem."""
+    path: Path = ("signals", name)
+    values.name(name, path)
+    if name in values.constants:
+        values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
+    if isinstance(written, bool) or not isinstance(written, int | float | str):
+        values.wrong(path, f"expected an expression, got {quoted(written)}")
+        return None
+    quantity = read_quantity(values, written, path)
+    if quantity is None or isinstance(quantity, tuple):
+        return quantity
+    return quantity if values.names_known(quantity, str(written), path, None, live=True) else None

@@ -41,6 +41,7 @@ from rattle.registry import Field
 
 TABLES_OF_JOINT = ("contact", "stop", "friction", "wear")  # or what stands for them
 NOWHERE = Point("", "", (math.nan, math.nan))
+LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
 
 
 def moved_joints(driver: str = "") -> list[str]:
@@ -188,10 +189,7 @@ class Parts(FieldReader):
         values.keys(table, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *sizes, *kind.fields], path)
         fields = self.fields(kind, table, path)
         if len(values.problems) == before:  # of fields that are sound
-            for key, fault in kind.leaf.faults(table, fields):
-                values.wrong((*path, key) if key else path, fault)
-        if len(values.problems) == before and (fault := kind.leaf.fault(fields)):
-            values.wrong(path, fault)
+            self._require_consistent(kind, table, fields, path)
         clearance = self.read(JOINT, table, path)["clearance"]
         contact = self._contact(table, kind, fields, clearance, path)
         clearance = 0.0 if clearance is None else clearance
@@ -199,17 +197,13 @@ class Parts(FieldReader):
             contact = self._passing(kind, fields, clearance, contact, path)
         stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
         dimensions = self._dimensions(sizes, table, play, contact, path)
-        friction, sound = None, len(values.problems) == before
+        friction = None
         if "friction" in table and "friction" not in kind.fields:
-            block = next(iter(dimensions.values()), ())
+            sound, block = fields if len(values.problems) == before else None, next(iter(dimensions.values()), ())
             here = (*path, "friction")
-            friction = joint_friction(
-                self, table["friction"], kind, fields if sound else None, block, clearance > 0.0, here
-            )
-            if contact is not None and contact.acts and not clearance > 0.0:
-                lifts = f"a {kind.name} joint with a contact may lift off, and has no friction; leave one of them out"
-                values.wrong(here, lifts, at_key=True)
-            elif why := kind.leaf.friction_fault(fields):
+            friction = joint_friction(self, table["friction"], kind, sound, block, clearance > 0.0, here)
+            lifts = contact is not None and contact.acts and not clearance > 0.0
+            if why := LIFTS.format(kind.name) if lifts else kind.leaf.friction_fault(fields):
                 values.wrong(here, why, at_key=True)
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
@@ -217,6 +211,16 @@ class Parts(FieldReader):
         )
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _require_consistent(
+        self, kind: registry.Kind, table: Mapping[str, Any], fields: Mapping[str, Any], path: Path
+    ) -> None:
+        """Refuse fields of a joint that are sound one by one, but not together."""
+        before = len(self.values.problems)
+        for key, fault in kind.leaf.faults(table, fields):
+            self.values.wrong((*path, key) if key else path, fault)
+        if len(self.values.problems) == before and (fault := kind.leaf.fault(fields)):
+            self.values.wrong(path, fault)
 
     def _contact(
         self, table: Mapping[str, Any], kind: registry.Kind, fields: Mapping[str, Any], clearance: float | None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
@@ -281,26 +281,28 @@ def read_points(place: FilePath, name: str) -> dict[str, Any]:
 
     Its first line may be a header such as `angle [deg], lift [mm]`.  Raises InputError with the line.
     """
-    text = text_of(place, name)
+    units, points = ["", ""], list[tuple[float, float]]()
+    for n, (line, cells) in enumerate(_pairs(text_of(place, name), name)):
+        if n == 0 and not any(_is_number(cell) for cell in cells):
+            units = [_unit(cell, f"{name}, line {line}") for cell in cells]
+        else:
+            points.append((_cell(cells[0], name, line), _cell(cells[1], name, line)))
+    if not points:
+        raise InputError(f"{quoted(name)} holds no numbers")
+    return {"x": [x for x, _ in points], "y": [y for _, y in points], "units": units}
+
+
+def _pairs(text: str, name: str) -> Iterator[tuple[int, list[str]]]:
+    """The number of each line that holds something, and its two cells."""
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    split = next((sign for sign in (";", "\t", ",") if sign in first), ",")
-    units = ["", ""]
-    points: list[tuple[float, float]] = []
-    header = True
-    for number, row in enumerate(rows_of(text, name, split), start=1):
+    split = next((sign for sign in (";", "	", ",") if sign in first), ",")
+    for line, row in enumerate(rows_of(text, name, split), start=1):
         cells = [cell.strip() for cell in row]
         if not any(cells) or cells[0].startswith("#"):
             continue
         if len(cells) != 2:
-            raise InputError(f"{name}, line {number}: expected two columns, found {len(cells)}")
-        if header and not any(_is_number(cell) for cell in cells):
-            units = [_unit(cell, f"{name}, line {number}") for cell in cells]
-        else:
-            points.append((_cell(cells[0], name, number), _cell(cells[1], name, number)))
-        header = False
-    if not points:
-        raise InputError(f"{quoted(name)} holds no numbers")
-    return {"x": [x for x, _ in points], "y": [y for _, y in points], "units": units}
+            raise InputError(f"{name}, line {line}: expected two columns, found {len(cells)}")
+        yield line, cells
 
 
 def _is_number(cell: str) -> bool:
