@@ -228,10 +228,6 @@ class Values:
 
     def names_known(self, node: Node, text: str, path: Path, unit: str | None, live: bool) -> bool:
         """True if every name is known and allowed here."""
-
-        def allowed(name: str) -> bool:
-            return name in self.constants or name in self.local or (live and (name == "t" or name in self.live))
-
         if not self.units_are_clear(node, path):
             return False
         spots = {part.name: part.column for part in reversed(walk(node)) if isinstance(part, Name)}
@@ -240,24 +236,35 @@ class Values:
                 kind = "parameter" if name in self.constants else "signal"
                 self.wrong(path, f"here '{name}' has a meaning of its own; give the {kind} '{name}' another name")
                 return False
-        unknown = [name for name in sorted(spots) if not allowed(name)]
+        unknown = [name for name in sorted(spots) if not self._is_known(name, live)]
         for name in unknown:
-            column = spots[name]
-            if name in self.live or name == "t":
+            if self._is_known(name, live=True):
                 only = " and ".join(["parameters", *self.local])
-                self.wrong(path, f"'{name}' changes during the run; only {only} are allowed here", column=column)
+                what = f"'{name}' changes during the run; only {only} are allowed here"
             elif name not in self.broken:
-                hint = suggest(name, [*self.constants, *self.local, *(self.live if live else ())])
-                if live and (own := ".".join([*map(str, path[1:2]), name])) in self.live:
-                    hint = f"; did you mean '{own}'?"
-                if unit and text.strip() == name and "did you mean" not in hint:
-                    hint = f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
-                if name in UNITS and "did you mean" not in hint:
-                    hint = f"; {name} is a unit, which stands behind a number: 5 {name}"
-                elif "." in name and "did you mean" not in hint:
-                    hint = f"; {KNOWN if live else 'only parameters are allowed here'}"
-                self.wrong(path, f"unknown name {quoted(name)} in {quoted(text)}{hint}", column=column)
+                what = f"unknown name {quoted(name)} in {quoted(text)}{self._hint(name, text, path, unit, live)}"
+            else:
+                continue
+            self.wrong(path, what, column=spots[name])
         return not unknown
+
+    def _is_known(self, name: str, live: bool) -> bool:
+        return name in self.constants or name in self.local or (live and (name == "t" or name in self.live))
+
+    def _hint(self, name: str, text: str, path: Path, unit: str | None, live: bool) -> str:
+        """What could stand instead of an unknown name."""
+        if live and (own := ".".join([*map(str, path[1:2]), name])) in self.live:
+            return f"; did you mean '{own}'?"
+        hint = suggest(name, [*self.constants, *self.local, *(self.live if live else ())])
+        if "did you mean" in hint:
+            return hint
+        if name in UNITS:
+            return f"; {name} is a unit, which stands behind a number: 5 {name}"
+        if "." in name:
+            return f"; {KNOWN if live else 'only parameters are allowed here'}"
+        if unit and text.strip() == name:
+            return f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
+        return hint
 
     def dimension_fits(self, node: Node, text: str, path: Path, unit: str | None) -> bool:
         """True if the dimension of an expression is consistent and is that of `unit` (any if None)."""
@@ -294,17 +301,9 @@ class Values:
         have a dimension, `t` is a time, or the plain number of seconds if only that is consistent, as in "A*sin(t)".
         A formula without given units is of any dimension if it is not consistent, see `has_units`.
         """
-        for function in _functions(node):
-            argument = function.operands[0]
-            inside = self.dimension(argument, "rad")
-            if inside is not None and inside != DIMENSIONLESS and self.has_units(argument):
-                called = function.called or function.name
-                raise ExpressionError(
-                    f"cannot take {called} of {unit_name(inside)}; expected a plain number or angle", function.column
-                )
+        self._require_plain_arguments(node)
         outer = _outside(node)
-        measured = {name for name in names(outer) if self.dimensions.get(name) is not None}
-        if not measured and not self.has_units(node):
+        if all(self.dimensions.get(name) is None for name in names(outer)) and not self.has_units(node):
             return None
         try:
             seen = dimension(outer, self._dimension_of)
@@ -321,41 +320,47 @@ class Values:
             return again if again in (None, dimension_of(unit)) else seen
         return seen
 
+    def _require_plain_arguments(self, node: Node) -> None:
+        """Raise ExpressionError if a function of plain numbers is taken of something else."""
+        for function in _functions(node):
+            argument = function.operands[0]
+            inside = self.dimension(argument, "rad")
+            if inside is not None and inside != DIMENSIONLESS and self.has_units(argument):
+                called = function.called or function.name
+                raise ExpressionError(
+                    f"cannot take {called} of {unit_name(inside)}; expected a plain number or angle", function.column
+                )
+
     def _dimension_of(self, name: str) -> Dimension | None:
         return DIMENSIONLESS if name == PLAIN else self.dimensions.get(name)
 
     # ------------------------------------------------------------ numbers
     def value(self, written: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:
         """A float [SI], or a Node if `live` and the value changes during the run; nan after a problem."""
-        if isinstance(written, bool) or not isinstance(written, int | float | str):
-            like = f" as a number or a text like '5 {unit}'" if unit else ""
-            if callable(written):
-                law = "write @rt.load_law(NAME) above it and give a load the type NAME"
-                self.wrong(path, f"a Python function cannot stand for {expected(unit)}; {law}")
-                return math.nan
-            self.wrong(path, f"expected {expected(unit)}{like}, got {quoted(written)}")
-            return math.nan
-        if isinstance(written, str):
-            number = self._text(written, unit, path, live)
-            if not isinstance(number, float):
-                return math.nan if number is None else number
-        else:
-            number = _float(written)
-        if not math.isfinite(bare(number)):
-            self.wrong(path, f"{quoted(written)} is not a finite number; expected {expected(unit)}")
-            return math.nan
-        if abs(bare(number)) > LARGEST or (least and bare(number) != 0.0 and not is_computable(number)):
-            self.wrong(path, f"{quoted(written)} is beyond all numbers that can be computed with, {RANGE}")
-            return math.nan
-        if least and not LIMITS[least](number):
-            self.wrong(
-                path, f"{quoted(written)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
-            )
+        number = self._number(written, unit, path, live)
+        if number is None or isinstance(number, Node):
+            return math.nan if number is None else number
+        if fault := _fault(number, unit, least):
+            self.wrong(path, f"{quoted(written)} {fault}")
             return math.nan
         if unit == "rad" and _is_bare(written) and abs(bare(number)) > 2.0 * math.pi:
             key = ".".join(str(part) for part in path)
             self.remarks.append(f'{key} = {number:g} is {number:g} rad; write "{number:g} deg" if degrees are meant')
         return number
+
+    def _number(self, written: Any, unit: str, path: Path, live: bool) -> float | Node | None:
+        """Value [SI] of what stands for a number, before its limits are checked; None after a problem."""
+        if isinstance(written, str):
+            return self._text(written, unit, path, live)
+        if isinstance(written, int | float) and not isinstance(written, bool):
+            return _float(written)
+        if callable(written):
+            law = "write @rt.load_law(NAME) above it and give a load the type NAME"
+            self.wrong(path, f"a Python function cannot stand for {expected(unit)}; {law}")
+        else:
+            like = f" as a number or a text like '5 {unit}'" if unit else ""
+            self.wrong(path, f"expected {expected(unit)}{like}, got {quoted(written)}")
+        return None
 
     def _text(self, text: str, unit: str, path: Path, live: bool) -> float | Node | None:
         """Value [SI] of a text, which is a quantity or an expression; None after a problem."""
@@ -440,6 +445,17 @@ def _float(number: float) -> float:
         return as_number(number)
     except OverflowError:
         return math.inf
+
+
+def _fault(number: float, unit: str, least: str) -> str:
+    """Why a number cannot be worked with, or is beyond its limit; "" if neither."""
+    if not math.isfinite(bare(number)):
+        return f"is not a finite number; expected {expected(unit)}"
+    if abs(bare(number)) > LARGEST or (least and bare(number) != 0.0 and not is_computable(number)):
+        return f"is beyond all numbers that can be computed with, {RANGE}"
+    if least and not LIMITS[least](number):
+        return f"must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
+    return ""
 
 
 def _is_bare(written: Any) -> bool:
