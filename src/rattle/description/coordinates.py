@@ -51,19 +51,7 @@ STATE = ("x", "y", "angle", "vx", "vy", "omega")
 # ---------------------------------------------------------------- before anything is read: names and their units
 def declare(values: Values, document: Mapping[str, Any]) -> None:
     """Enter the names that a document with these bodies, joints and loads has, with their dimensions."""
-    units: dict[str, str] = {}
-    for body, entry in _entries(document, "bodies"):
-        ends = entry.get("bar", ())
-        points = entry.get("points", {})
-        for point in (
-            *(ends if isinstance(ends, list | tuple) else ()),
-            *(points if isinstance(points, Mapping) else ()),
-        ):
-            units |= {f"{body}.{point}.{key}": unit for key, (unit, _) in POINT.items()}
-    ground = document.get("ground", {})
-    fixed = ground.get("points", {}) if isinstance(ground, Mapping) else {}
-    for point in fixed if isinstance(fixed, Mapping) else ():
-        units |= {f"ground.{point}.{key}": "m" for key in ("x", "y")}
+    units = _units_of_points(document)
     for name, entry in _entries(document, "joints"):
         kind = registry.kinds("joint").get(str(entry.get("type")))
         if kind is not None and kind.leaf.coordinate:
@@ -73,16 +61,28 @@ def declare(values: Values, document: Mapping[str, Any]) -> None:
         if record is not None:
             keys = {"length": "rad", "rate": "rad/s"} if record.coordinate == "angle" else {}
             keys |= {key: unit for key, unit, _ in COORDINATES[record.coordinate]}
-            keys |= {
-                "force": record.unit,
-                "power": "W",
-                **({"torque": record.unit} if record.coordinate == "angle" else {}),
-            }
+            keys |= {"force": record.unit, "power": "W"}
+            keys |= {"torque": record.unit} if record.coordinate == "angle" else {}
             units |= {f"{name}.{key}": unit for key, unit in keys.items()}
     for name, unit in units.items():
         values.live.setdefault(name)
         values.numbers.add(name)
         values.dimensions[name] = dimension_of(unit)
+
+
+def _units_of_points(document: Mapping[str, Any]) -> dict[str, str]:
+    """Units of what stands for the points of bodies and of the ground, by name."""
+    units: dict[str, str] = {}
+    for body, entry in _entries(document, "bodies"):
+        ends, points = entry.get("bar", ()), entry.get("points", {})
+        listed = (*(ends if isinstance(ends, list | tuple) else ()), *(points if isinstance(points, Mapping) else ()))
+        for point in listed:
+            units |= {f"{body}.{point}.{key}": unit for key, (unit, _) in POINT.items()}
+    ground = document.get("ground", {})
+    fixed = ground.get("points", {}) if isinstance(ground, Mapping) else {}
+    for point in fixed if isinstance(fixed, Mapping) else ():
+        units |= {f"ground.{point}.{key}": "m" for key in ("x", "y")}
+    return units
 
 
 def _entries(document: Mapping[str, Any], table: str) -> list[tuple[str, Mapping[str, Any]]]:

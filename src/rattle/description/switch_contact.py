@@ -22,13 +22,12 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     """
     old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")
-    if model in plain and not plain[model].leaf.contacts:
-        return model
-    if model in plain and plain[model].leaf.oiled:
-        return _oiled(old, model)
-    if old["model"] in plain and plain[old["model"]].leaf.oiled:  # without the oil its dry contact is left
-        dry = {**STEEL, "length": old.get("length")} if "dry" not in old else old["dry"]
-        old = {"bush_radius": old.get("bush_radius"), **dry}
+    if model in plain:
+        if not plain[model].leaf.contacts:
+            return model
+        if plain[model].leaf.oiled:
+            return _oiled(old, model)
+    old = _without_oil(old)
     keys = ["bush_radius", "friction"]
     keys += (
         [*plain[model].fields] if model in plain else [*_elastic(old), *(laws[model].fields if model in laws else ())]
@@ -40,6 +39,15 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     if "restitution" in new and model in laws and laws[model].fields["restitution"].default == 1.0:
         del new["restitution"]  # a law without loss
     return new if len(new) > 1 else model
+
+
+def _without_oil(old: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A contact, or the dry one that is left of a lubricated one."""
+    kind = registry.kinds("contact").get(old["model"])
+    if kind is None or not kind.leaf.oiled:
+        return old
+    dry = {**STEEL, "length": old.get("length")} if "dry" not in old else old["dry"]
+    return {"bush_radius": old.get("bush_radius"), **dry}
 
 
 def _elastic(old: Mapping[str, Any]) -> list[str]:
