@@ -52,12 +52,23 @@ def _tree(written: Any) -> Node | None:
 def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node | None]) -> None:
     """Find the dimensions of states that do not say theirs, through signals as far as needed."""
     declared = values.dimensions
-    guessed: dict[str, Dimension] = {}
-    signal_of = {name: node for name, node in signals.items() if node is not None and name not in declared}
-    for _ in range(len(rates) + len(signal_of)):
+    free = {name: node for name, node in signals.items() if node is not None and name not in declared}
+    guessed = _guessed(values, rates, free)
+    values.dimensions = {**declared, **guessed}
+    for name, node in rates.items():
+        if name in guessed and not _fits(values, node, guessed[name]):
+            del guessed[name]
+    values.dimensions = {**declared, **{name: guessed[name] for name in rates if name in guessed}}
+    values.numbers.update(name for name in guessed if name in rates and not values.has_units(rates[name]))
+
+
+def _guessed(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node]) -> dict[str, Dimension]:
+    """Dimensions of states and signals as they follow from each other, wherever they do."""
+    declared, guessed = values.dimensions, dict[str, Dimension]()
+    for _ in range(len(rates) + len(signals)):
         before = len(guessed)
         values.dimensions = {**declared, **guessed}
-        for name, node in (*rates.items(), *signal_of.items()):
+        for name, node in (*rates.items(), *signals.items()):
             if values.dimensions.get(name) is None:
                 with suppress(ExpressionError):
                     seen = values.dimension(node)
@@ -65,12 +76,7 @@ def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node
                         guessed[name] = seen.times(TIME) if name in rates else seen
         if len(guessed) == before:
             break
-    values.dimensions = {**declared, **guessed}
-    for name, node in rates.items():
-        if name in guessed and not _fits(values, node, guessed[name]):
-            del guessed[name]
-    values.dimensions = {**declared, **{name: guessed[name] for name in rates if name in guessed}}
-    values.numbers.update(name for name in guessed if name in rates and not values.has_units(rates[name]))
+    return guessed
 
 
 def _fits(values: Values, node: Node, of_state: Dimension) -> bool:
