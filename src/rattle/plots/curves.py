@@ -109,7 +109,7 @@ def plot(
         ]
         panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
         if robust:
-            robust_limits(panel, [factor * one for one in [*every, *tops]])
+            robust_limits(panel, [factor * values for values in [*every, *tops]])
     for panel in axes:
         panel.margins(x=0.0)
         if over is None:
@@ -146,15 +146,15 @@ def mark_largest(
     place = across(result) if across is not None else result.t
     top, short = summit(result, name), bursts(result, name)
     if short:
-        x = np.interp([one.t for one in short], result.t, place)
-        ax.vlines(x, 0.0, [factor * one.y for one in short], color=colour, linewidth=0.7)
+        x = np.interp([peak.t for peak in short], result.t, place)
+        ax.vlines(x, 0.0, [factor * peak.y for peak in short], color=colour, linewidth=0.7)
     if top is not None:
         shape = "v" if top.y > 0.0 else "^"
         x = np.interp([top.t], result.t, place)
         (mark,) = ax.plot(x, [factor * top.y], shape, color=colour, markersize=5, zorder=5, clip_on=False)
         mark.set_label(f"_largest magnitude of {name}")
         mark.set_gid(f"{LARGEST}{name}")
-    return np.array([one.y for one in (top, *short) if one is not None])
+    return np.array([peak.y for peak in (top, *short) if peak is not None])
 
 
 def title_of(ax: Axes, result: Result) -> None:
@@ -231,9 +231,9 @@ def figure_of(ax: Axes) -> Figure:
     return figure
 
 
-def drawn(ax: Axes, given: Axes | None) -> Figure | Axes:
+def drawn(ax: Axes, asked: Axes | None) -> Figure | Axes:
     """What a drawing function returns: its new figure, or the given axes (which a notebook shows only once)."""
-    return figure_of(ax) if given is None else given
+    return figure_of(ax) if asked is None else asked
 
 
 def axis_label(quantity: str, unit: str) -> str:

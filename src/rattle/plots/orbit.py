@@ -56,7 +56,7 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
     wide = max(float(np.ptp(c[np.isfinite(c)])) if np.isfinite(c).any() else 0.0 for _, *way in paths for c in way)
     factor, unit = handy_unit("m", wide, units_of_result(result.provenance))
-    given, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
+    asked, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
     for k, (name, x, y) in enumerate(paths):
         colour = CURVES[k % len(CURVES)]
         ax.plot(factor * x, factor * y, color=colour, linewidth=1.1, label=f"path of {name}")
@@ -71,17 +71,17 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     span = f"t = {result.t[0]:g} to {result.t[-1]:g} s" if len(result.t) else "no instant"
     late = shade_after_horizon(ax, result, draw=False)
     note(ax, f"{span}; after t = {result.trust.horizon:.3g} s statistics only" if late else span)
-    return drawn(ax, given)
+    return drawn(ax, asked)
 
 
 def require_point(result: Result, name: str) -> None:
     """Raise UnknownName if the result has no path of this point or body."""
-    known = [one[:-2] for one in result.names if one.endswith(".x") and f"{one[:-1]}y" in result]
-    if name not in known:
+    points = [name[:-2] for name in result.names if name.endswith(".x") and f"{name[:-1]}y" in result]
+    if name not in points:
         from rattle.errors import suggest
         from rattle.results.result import UnknownName
 
-        raise UnknownName(f"the result has no point or body {name!r}{suggest(name, known)}")
+        raise UnknownName(f"the result has no point or body {name!r}{suggest(name, points)}")
 
 
 @overload
@@ -106,13 +106,13 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     """
     form = clearance_joints(result).get(joint)
     if form is None:
-        known = ", ".join(clearance_joints(result)) or "none"
-        raise InputError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {known}")
+        pins = ", ".join(clearance_joints(result)) or "none"
+        raise InputError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {pins}")
     scale, length = length_unit(form["clearance"])
     c = form["clearance"] * scale
     x, y, normal = pin_path(result, joint)
     x, y = x * scale, y * scale
-    given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
+    asked, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
 
     oiled = f"{joint}.film_pressure" in result
     if oiled:
@@ -128,7 +128,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     ax.set_title(f"{joint}: orbit of the pin, {where}clearance {c:.4g} {length}", fontsize=11, loc="left", pad=18)
     if shade_after_horizon(ax, result, draw=False):
         note(ax, f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only")
-    return drawn(ax, given)
+    return drawn(ax, asked)
 
 
 def _coloured_by_force(
