@@ -44,7 +44,7 @@ _SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {  # unit: (from this
 }
 
 
-def said(value: float, unit: str, digits: int = 4) -> str:
+def handy(value: float, unit: str, digits: int = 4) -> str:
     """A value [SI] as text in a handy unit, as it is printed."""
     size = abs(value)
     factor, shown = next(((f, u) for least, f, u in _SCALES.get(unit, ()) if size >= least and size), (1.0, unit))
@@ -61,7 +61,7 @@ def paragraph(text: str, kind: str = "") -> str:
 
 def listed(items: Iterable[str], kind: str = "") -> str:
     """A list with a point for each text; "" without any."""
-    points = "".join(f"<li>{escape(printed(one))}</li>" for one in items)
+    points = "".join(f"<li>{escape(printed(item))}</li>" for item in items)
     return f'<ul class="{kind}">{points}</ul>' if points else ""
 
 
@@ -107,7 +107,7 @@ def placed(tables: Sequence[str]) -> str:
     """Wide tables one below the other, narrow ones together in two columns, in their order."""
     present = filter(None, tables)
     groups = itertools.groupby(
-        present, lambda one: one.startswith(('<div class="wide narrow', '<div class="wide short n'))
+        present, lambda text: text.startswith(('<div class="wide narrow', '<div class="wide short n'))
     )
     return "".join(gallery(list(of)) if narrow else "".join(of) for narrow, of in groups)
 
@@ -117,9 +117,9 @@ def abreast(parts: Sequence[str]) -> str:
     return f'<div class="abreast">{"".join(parts)}</div>' if any(parts) else ""
 
 
-def count(n: int, one: str, many: str = "") -> str:
+def count(n: int, single: str, many: str = "") -> str:
     """ "1 joint", "2 joints", "no joint"."""
-    return f"{n or 'no'} {one if n < 2 else many or one + 's'}"
+    return f"{n or 'no'} {single if n < 2 else many or single + 's'}"
 
 
 def enumerated(words: Sequence[str]) -> str:
