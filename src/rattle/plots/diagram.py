@@ -138,9 +138,12 @@ def _axes(span: Array, sheet: Sheet) -> Axes:
 
 
 # ---------------------------------------------------------------- names, and what is drawn with them
+Place = tuple[Array, list[str], list[str]]  # a spot, the joints and the points there
+
+
 def _joints(scene: Scene, position: Position) -> Iterator[Label]:
     """Joints by name, with their play; those at one place have one label, and so have points of other names there."""
-    places: list[tuple[Array, list[str], list[str]]] = []
+    places: list[Place] = []
     for joint_name, form in scene.result.geometry["joints"].items():
         how = drawing_of("joint", form["type"])
         if how is None:
@@ -149,11 +152,7 @@ def _joints(scene: Scene, position: Position) -> Iterator[Label]:
         spot = a + how.name_at * (b - a)
         loose = form["clearance"] > 0.0 and form["contact"] != "ideal"
         name = f"{joint_name} (play {quantity(form['clearance'], 'm')})" if loose else joint_name
-        near = (place for place in places if float(np.hypot(*(place[0] - spot))) < TOGETHER * scene.size)
-        place = next(near, None)
-        if place is None:
-            place = (spot, [], [])
-            places.append(place)
+        place = _shared(places, spot, TOGETHER * scene.size)
         place[1].append(name)
         joint = position.system.model.joints[joint_name]
         ends = zip((joint.a, joint.b), (a, b), strict=True)
@@ -163,6 +162,15 @@ def _joints(scene: Scene, position: Position) -> Iterator[Label]:
         more = ", ".join(dict.fromkeys(point for point in points if point and point not in joints))
         text = fill(", ".join(names) + (f" ({more})" if more else ""), LABEL)
         yield Label(text, (float(spot[0]), float(spot[1])))
+
+
+def _shared(places: list[Place], spot: Array, reach: float) -> Place:
+    """The place that is as near to a spot as this [m], or else a new one there."""
+    for place in places:
+        if float(np.hypot(*(place[0] - spot))) < reach:
+            return place
+    places.append((spot, [], []))
+    return places[-1]
 
 
 def _bodies(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:

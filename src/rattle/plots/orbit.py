@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.results.event import Event
     from rattle.results.result import Result
 
 
@@ -193,21 +194,27 @@ def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str
     lasting = [event for event in mine if event.kind == "contact"]
     if lasting:
         label = f"{len(lasting)} contact{'s' if len(lasting) > 1 else ''}"
-        style = {"facecolors": "none", "edgecolors": BLACK, "linewidths": 0.8, "alpha": 0.6, "zorder": 4}
-        x, y = _on_circle(result, joint, [event.t for event in lasting])
-        ax.scatter(scale * x, scale * y, s=0.35 * largest, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+        style = {"facecolors": "none", "edgecolors": BLACK, "linewidths": 0.8, "alpha": 0.6}
+        _scatter(ax, _on_circle(result, joint, lasting), scale, 0.35 * largest, label, style)
     if hits:
         strength = np.array([event.impulse for event in hits])
-        style = {"color": colour, "alpha": 0.45, "linewidths": 0, "zorder": 4}
         label = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}, up to {strength.max():.2g} N·s"
-        x, y = _on_circle(result, joint, [event.t for event in hits])
         area = np.maximum(largest * strength / strength.max(), 1.0)
-        ax.scatter(scale * x, scale * y, s=area, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+        style = {"color": colour, "alpha": 0.45, "linewidths": 0}
+        _scatter(ax, _on_circle(result, joint, hits), scale, area, label, style)
 
 
-def _on_circle(result: Result, joint: str, times: Sequence[float]) -> tuple[Array, Array]:
-    """Places on the clearance circle [m] in the direction of the pin at some times [s]."""
-    x, y = (np.interp(np.array(times), result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
+def _scatter(
+    ax: Axes, at: tuple[Array, Array], scale: float, area: float | Array, label: str, style: Mapping[str, Any]
+) -> None:
+    x, y = at
+    ax.scatter(scale * x, scale * y, s=area, label=label, zorder=4, **style)
+
+
+def _on_circle(result: Result, joint: str, events: Sequence[Event]) -> tuple[Array, Array]:
+    """Places on the clearance circle [m] in the direction of the pin at some events."""
+    times = [event.t for event in events]
+    x, y = (np.interp(times, result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
     reach = np.hypot(x, y) / result.geometry["joints"][joint]["clearance"]
     reach[reach == 0.0] = 1.0
     return x / reach, y / reach
