@@ -134,18 +134,19 @@ def motion_figures(s: Study) -> list[str]:
     figures = [figure(panels(s, names), f"Motion of {body}: {words[key]}, speed and acceleration{_marks(s)}.")]
     others = [motion_of(run, other) for other in model.bodies if other != body and other not in s.driven]
     others = [name for name in others if np.ptp(run[name]) > (TURNS if name.endswith(".angle") else 0.0)]
-    if others:
-        some = f" (the first {MOST} of {len(others)})" if len(others) > MOST else ""
-        figures.append(figure(together(run, others[:MOST]), f"Motion of the other bodies{some}{_shaded(run)}."))
+    figures += _in_one(run, others, "Motion of the other bodies")
     if tracks := _points(s):
         path = f"Path{'s' if len(tracks) > 1 else ''} of {enumerated(tracks)} in the plane."
         figures.append(figure(_path(run, tracks), path))
     signals = [name for name in model.recorded if name in run and np.ptp(run[name]) > 0.0]
-    if signals:
-        some = f" (the first {MOST} of {len(signals)})" if len(signals) > MOST else ""
-        picture = together(run, signals[:MOST], robust=True)
-        figures.append(figure(picture, f"Signals and states of the model{some}{_shaded(run)}."))
+    figures += _in_one(run, signals, "Signals and states of the model", robust=True)
     return figures
+
+
+def _in_one(run: Result, names: Sequence[str], words: str, robust: bool = False) -> list[str]:
+    """The first of these curves in one figure; none without curves."""
+    some = f" (the first {MOST} of {len(names)})" if len(names) > MOST else ""
+    return [figure(together(run, names[:MOST], robust), f"{words}{some}{_shaded(run)}.")] if names else []
 
 
 def _points(s: Study) -> list[str]:

@@ -80,14 +80,19 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "")
     if not every:
         return ""
     keep = [k for k in range(len(head)) if any(row[k] for row in every)]
-    inner = grid([head[k] for k in keep], [[row[k] for k in keep] for row in every])
+    names, kept = [head[k] for k in keep], [[row[k] for k in keep] for row in every]
+    inner = grid(names, kept)
     if caption:
         inner = inner.replace("<table>", f"<table><caption>{escape(printed(caption))}</caption>", 1)
-    texts = [[head[k], *(row[k] for row in every)] for k in keep]
-    narrow = sum(max(map(len, column)) for column in texts) + GUTTER * len(texts) <= NARROW
-    lines = sum(-(-sum(map(len, row)) // LINE) for row in every)
-    kind = f"wide{' short' if lines <= SHORT else ''}{' narrow' if narrow else ''}"
-    return f'<div class="{kind}">{inner}</div>'
+    return f'<div class="{_shape(names, kept)}">{inner}</div>'
+
+
+def _shape(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Classes of a table: whether it is printed in one piece, and whether two fit side by side."""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+    narrow = sum(widths) + GUTTER * len(widths) <= NARROW
+    lines = sum(-(-sum(map(len, row)) // LINE) for row in rows)
+    return f"wide{' short' if lines <= SHORT else ''}{' narrow' if narrow else ''}"
 
 
 def figure(picture: Figure, caption: str) -> str:

@@ -28,15 +28,7 @@ def _numbers(s: Study) -> list[Headline]:
     run = s.run
     if run is None or not len(run.t):
         return []
-    numbers = []
-    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run and readable(run, f"{name}.force")]
-    if joints:
-        name = max(joints, key=lambda joint: run.peak(f"{joint}.force")[0])
-        force, when = run.peak(f"{name}.force")
-        ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else 0.0
-        more = f", {force / ideal:.3g} times that without play" if ideal > 1e-9 * force else ""
-        more = f"in {name} at t = {handy(when, 's')}{more}{_late(run, when)}"
-        numbers.append(("Largest joint force", handy(force, "N"), more))
+    numbers = _largest_force(s, run)
     for name, driver in list(s.m.model.drivers.items())[:1]:
         effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
         if effort in run and not readable(run, effort):
@@ -67,6 +59,17 @@ def verdict(s: Study) -> str:
     if not n:
         return f'<p class="verdict good">All checks of the computation hold. {link}</p>'
     return f'<p class="verdict bad">{count(n, "thing")} this report cannot vouch for. {link}</p>'
+
+
+def _largest_force(s: Study, run: Result) -> list[Headline]:
+    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run and readable(run, f"{name}.force")]
+    if not joints:
+        return []
+    name = max(joints, key=lambda joint: run.peak(f"{joint}.force")[0])
+    force, when = run.peak(f"{name}.force")
+    ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else 0.0
+    more = f", {force / ideal:.3g} times that without play" if ideal > 1e-9 * force else ""
+    return [("Largest joint force", handy(force, "N"), f"in {name} at t = {handy(when, 's')}{more}{_late(run, when)}")]
 
 
 def _touching(run: Result) -> list[Headline]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -190,17 +190,13 @@ def _record(m: Mechanism, names: Sequence[str], further: bool) -> _Record:
     watch.require_record()
     places, derived = _in_row(row, curves.values())
     sizes, belts = dict(facts(model, system.watched)), _belts(recorded, recorder, row)
-    parts = {
-        "tables": [x for call in calls.made for x in call.table],
-        "before": [x for call in calls.made for x in call.between],
+    exact, outputs = _lowered(graph, {
+        "tables": [*chain.from_iterable(call.table for call in calls.made)],
+        "before": [*chain.from_iterable(call.between for call in calls.made)],
         "columns": derived,
         "facts": [symbol_of(size) for size in sizes.values()],
-        "belts": [x for belt in belts for x in belt.holds],
-    }
-    exact, lowered = lower(graph, [x for values in parts.values() for x in values])
-    outputs, rest = {}, iter(lowered)
-    for name, values in parts.items():
-        outputs[name] = list(islice(rest, len(values)))
+        "belts": [*chain.from_iterable(belt.holds for belt in belts)],
+    })  # fmt: skip
     return _Record(
         exact, outputs, places, units, [{"kernel": call.kernel, "table": len(call.table)} for call in calls.made],
         [list(place) for place in sizes], [belt._asdict() | {"holds": len(belt.holds)} for belt in belts],
@@ -232,6 +228,13 @@ class _Belt(NamedTuple):
     columns: list[str]  # of its tight and its slack strand
     source: str  # of its coefficient of friction
     holds: list[Any]  # symbols: the ratio of both that friction holds, the angle of wrap [rad], its coefficient
+
+
+def _lowered(graph: Graph, parts: Mapping[str, Sequence[Any]]) -> tuple[Graph, dict[str, list[Any]]]:
+    """The graph of these values as pages compute it, and the places of the values there."""
+    exact, lowered = lower(graph, [x for values in parts.values() for x in values])
+    rest = iter(lowered)
+    return exact, {name: list(islice(rest, len(values))) for name, values in parts.items()}
 
 
 def _belts(system: System, recorder: Recorder, row: Sequence[Symbol]) -> list[_Belt]:

@@ -138,11 +138,7 @@ def run_of(
         "t": packed(result.t[picked].astype("<f8")),
         "data": packed(_single(data.T)),
         "between": {name: _single_values(result, name, part.rows) for name, part in more.items()},
-        "peaks": {
-            name: [top.y, top.t]
-            for name in result.peaks
-            if not keys and name in result and (top := summit(result, name))
-        },
+        "peaks": {} if keys else _peaks(result),
         "events": _events(result),
         "trust": trust_of(result),
         "success": result.success,
@@ -194,6 +190,12 @@ def trust_of(result: Result) -> dict[str, Any]:
 def packed(values: np.ndarray) -> str:
     """The bytes of an array as base64."""
     return base64.b64encode(values.tobytes()).decode("ascii")
+
+
+def _peaks(result: Result) -> dict[str, list[float]]:
+    """The largest magnitude of each curve within the steps of the run, and its time [s]."""
+    summits = {name: summit(result, name) for name in result.peaks if name in result}
+    return {name: [top.y, top.t] for name, top in summits.items() if top}
 
 
 def plain(value: Any) -> Any:
