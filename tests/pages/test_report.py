@@ -13,7 +13,7 @@ import rattle as rt
 from rattle.cli.main import main
 from rattle.errors import MissingProgram
 from rattle.pages import print_pdf
-from rattle.pages.report_html import said
+from rattle.pages.report_html import handy
 from rattle.pages.report_model import assumed_by
 
 TOO_FAR = """format = 1
@@ -82,11 +82,11 @@ def fourbar(tmp_path_factory):
 def test_the_report_has_the_numbers_of_the_run(fourbar):
     r = rt.example("fourbar").simulate("0.3 s", horizon=True)
     force = r.peak("O4.force")[0]
-    assert said(force, "N") in fourbar.text
+    assert handy(force, "N") in fourbar.text
     for joint in ("O2", "O3", "O4"):  # a star: after the horizon, which machines reach with other roundings
         when = r.peak(f"{joint}.force")[1]
-        assert (f"{said(when, 's')} *" in fourbar.text) == (when > r.trust.horizon)
-    assert said(r.rms("O4.force"), "N") in fourbar.text
+        assert (f"{handy(when, 's')} *" in fourbar.text) == (when > r.trust.horizon)
+    assert handy(r.rms("O4.force"), "N") in fourbar.text
     assert "one of many possible" in fourbar.text
     ideal = rt.example("fourbar").ideal().simulate("0.3 s").peak("O4.force")[0]
     assert f"{force / ideal:.3g}" in fourbar.text
@@ -117,7 +117,7 @@ def test_contacts_and_impacts_are_told(tmp_path):
     page = write(m, tmp_path, t_end="6 ms")
     r = m.simulate("6 ms")
     assert f"B: touches {r.contacts['B'].contacts} times" in page.text
-    assert said(r.contacts["B"].peak, "N") in page.text
+    assert handy(r.contacts["B"].peak, "N") in page.text
     assert "Lankarani" in page.text
     assert "Path of the pin of B" in page.text
 
@@ -197,11 +197,11 @@ def test_names_are_text(tmp_path):
 
 
 def test_numbers_are_in_handy_units():
-    assert said(49270.0, "N") == "49.27 kN"
-    assert said(0.0002514, "s") == "0.2514 ms"
-    assert said(-1.5e-5, "m") == "\N{MINUS SIGN}15 µm"
-    assert said(0.0, "J") == "0 J"
-    assert said(math.pi / 6, "rad") == "30 deg"
+    assert handy(49270.0, "N") == "49.27 kN"
+    assert handy(0.0002514, "s") == "0.2514 ms"
+    assert handy(-1.5e-5, "m") == "\N{MINUS SIGN}15 µm"
+    assert handy(0.0, "J") == "0 J"
+    assert handy(math.pi / 6, "rad") == "30 deg"
 
 
 def test_bad_names_and_missing_browsers_are_refused_before_anything_runs(tmp_path, monkeypatch):

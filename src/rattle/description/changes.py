@@ -27,16 +27,16 @@ def copied(value: Any) -> Any:
     if type(value) in PLAIN:
         return value
     if type(value) is dict:
-        return {key: copied(one) for key, one in value.items()}
-    return [copied(one) for one in value] if type(value) is list else copy.deepcopy(value)
+        return {key: copied(part) for key, part in value.items()}
+    return [copied(part) for part in value] if type(value) is list else copy.deepcopy(value)
 
 
 def plain(value: Any) -> Any:
     """A value in the types of TOML: 5.0 for a NumPy scalar, a list for an array or tuple."""
     if isinstance(value, Mapping):
-        return {key: plain(one) for key, one in value.items()}
+        return {key: plain(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return [plain(part) for part in value]
     to_python = getattr(value, "tolist", None)
     return to_python() if callable(to_python) else value
 
@@ -48,15 +48,15 @@ def through_points(name: str, value: Any) -> tuple[Any, dict[str, Any]]:
     """
     if not isinstance(value, tuple | list) or len(value) != 2:
         return value, {}
-    t, found = (plain(one) for one in value)
-    if isinstance(t, list) and isinstance(found, list) and not any(isinstance(x, list) for x in (*t, *found)):
-        return f"{name}(t)", {name: {"x": t, "y": found, "kind": "linear"}}
-    made, tables = [], dict[str, Any]()
-    for key, one in zip("xy", value, strict=True):
-        part, more = through_points(f"{name}_{key}", one)
-        made.append(part)
+    t, y = (plain(entry) for entry in value)
+    if isinstance(t, list) and isinstance(y, list) and not any(isinstance(x, list) for x in (*t, *y)):
+        return f"{name}(t)", {name: {"x": t, "y": y, "kind": "linear"}}
+    pair, tables = [], dict[str, Any]()
+    for key, half in zip("xy", value, strict=True):
+        part, more = through_points(f"{name}_{key}", half)
+        pair.append(part)
         tables |= more
-    return made, tables
+    return pair, tables
 
 
 # ---------------------------------------------------------------- where a name leads
@@ -72,18 +72,24 @@ def path_of(name: str, document: Mapping[str, Any], remove: bool) -> Path:
         return ("parameters", name) if whole else ("parameters", name, "value")
     if first in TABLES and (dot or first in document or first in SINGLE):
         return tuple(name.split("."))
-    where = [one for one in ENTRIES if first in document.get(one, {})]
+    where = [section for section in ENTRIES if first in document.get(section, {})]
     if remove and not dot and len(where) == 1:
         return where[0], name
+    raise ModelError([_astray(name, table, where, remove)])
+
+
+def _astray(name: str, parameters: Mapping[str, Any], where: Sequence[str], remove: bool) -> Problem:
+    """The problem of a name that leads nowhere; where: tables that have an entry with its first part."""
+    first, dot, _ = name.partition(".")
     if where:
-        paths = " or ".join(f"'{one}.{name}'" for one in where)
-        said = f"; or name what is to change in it: {where[0]}.{name}.KEY" if not (dot or remove) else ""
-        raise ModelError([Problem((name,), f"expected the whole path, {paths}{said}")])
+        paths = " or ".join(f"'{section}.{name}'" for section in where)
+        advice = f"; or name what is to change in it: {where[0]}.{name}.KEY" if not (dot or remove) else ""
+        return Problem((name,), f"expected the whole path, {paths}{advice}")
     if dot:
-        raise ModelError([Problem((name,), f"there is no '{first}' in the model{suggest(first, TABLES)}")])
-    near = suggest(name, [*table, *TABLES])
-    near = near if "did you mean" in near else suggest(name, table)
-    raise ModelError([Problem((), f"no parameter '{name}', and not a path like joints.O3.clearance{near}")])
+        return Problem((name,), f"there is no '{first}' in the model{suggest(first, TABLES)}")
+    near = suggest(name, [*parameters, *TABLES])
+    near = near if "did you mean" in near else suggest(name, parameters)
+    return Problem((), f"no parameter '{name}', and not a path like joints.O3.clearance{near}")
 
 
 # ---------------------------------------------------------------- putting a value there
@@ -114,9 +120,9 @@ def put(document: Any, path: Sequence[str], value: Any) -> None:
 def _inside(table: Any, path: Sequence[str], n: int, make: bool) -> Any:
     """What the first n + 1 parts of a path lead to, `table` being what n lead to; make: it may be missing."""
     if isinstance(table, list):
-        found = table[_index(table, path, n)]
-        if isinstance(found, Mapping | list):
-            return found
+        inner = table[_index(table, path, n)]
+        if isinstance(inner, Mapping | list):
+            return inner
         here = ".".join(path[: n + 1])
         raise ModelError([Problem(tuple(path), f"there is no '{'.'.join(path)}' in the model; {here} is not a table")])
     key = path[n]
@@ -130,22 +136,22 @@ def _inside(table: Any, path: Sequence[str], n: int, make: bool) -> Any:
 
 def _widen(table: Any, path: Sequence[str], n: int) -> None:
     """Make a table where a path goes on: of nothing, or of a value that stands for a table."""
-    key, found = path[n], table.get(path[n])
-    if found is None:
+    key, present = path[n], table.get(path[n])
+    if present is None:
         if key in VECTORS and path[n + 1].isdigit():
             table[key] = [0, 0]
         elif n == 0 and key not in SINGLE:
             _section(table, key)
         elif n > 1 or (n == 1 and path[0] in MADE_WHOLE):  # an entry that is missing is misspelt
             _enter(table, key, {}, short=True)
-    elif isinstance(found, Mapping | list):
+    elif isinstance(present, Mapping | list):
         return
-    elif key == "contact" and isinstance(found, str):
-        _enter(table, key, {"model": _bare(found)}, short=True)
+    elif key == "contact" and isinstance(present, str):
+        _enter(table, key, {"model": _bare(present)}, short=True)
     elif key == "friction":
-        _enter(table, key, {"model": "coulomb", "mu": _bare(found)}, short=True)
+        _enter(table, key, {"model": "coulomb", "mu": _bare(present)}, short=True)
     elif n == 1 and path[0] == "parameters":
-        _enter(table, key, {"value": _bare(found)}, short=True)
+        _enter(table, key, {"value": _bare(present)}, short=True)
 
 
 def _bare(value: Any) -> Any:
@@ -156,8 +162,8 @@ def _bare(value: Any) -> Any:
 
 def _index(table: list[Any], path: Sequence[str], n: int) -> int:
     if not path[n].isdigit() or int(path[n]) >= len(table):
-        said = f"expected an index from 0 to {len(table) - 1}, got '{path[n]}'"
-        raise ModelError([Problem(tuple(path), said)])
+        fault = f"expected an index from 0 to {len(table) - 1}, got '{path[n]}'"
+        raise ModelError([Problem(tuple(path), fault)])
     return int(path[n])
 
 
@@ -183,10 +189,10 @@ def item(value: Any, short: bool = False) -> Any:
 
     if not isinstance(value, Mapping):
         return plain(value)
-    made: Any = tomlkit.inline_table() if short else tomlkit.table()
-    for key, one in value.items():
-        made[key] = item(one, short or key in _in_one_line())
-    return made
+    table: Any = tomlkit.inline_table() if short else tomlkit.table()
+    for key, part in value.items():
+        table[key] = item(part, short or key in _in_one_line())
+    return table
 
 
 def _in_one_line() -> set[str]:

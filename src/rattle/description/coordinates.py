@@ -51,51 +51,50 @@ STATE = ("x", "y", "angle", "vx", "vy", "omega")
 # ---------------------------------------------------------------- before anything is read: names and their units
 def declare(values: Values, document: Mapping[str, Any]) -> None:
     """Enter the names that a document with these bodies, joints and loads has, with their dimensions."""
-    found: dict[str, str] = {}
-    for body, given in _entries(document, "bodies"):
-        ends = given.get("bar", ())
-        points = given.get("points", {})
-        for point in (
-            *(ends if isinstance(ends, list | tuple) else ()),
-            *(points if isinstance(points, Mapping) else ()),
-        ):
-            found |= {f"{body}.{point}.{key}": unit for key, (unit, _) in POINT.items()}
-    ground = document.get("ground", {})
-    fixed = ground.get("points", {}) if isinstance(ground, Mapping) else {}
-    for point in fixed if isinstance(fixed, Mapping) else ():
-        found |= {f"ground.{point}.{key}": "m" for key in ("x", "y")}
-    for name, given in _entries(document, "joints"):
-        kind = registry.kinds("joint").get(str(given.get("type")))
+    units = _units_of_points(document)
+    for name, entry in _entries(document, "joints"):
+        kind = registry.kinds("joint").get(str(entry.get("type")))
         if kind is not None and kind.leaf.coordinate:
-            found |= {f"{name}.{key}": unit for key, unit, _ in COORDINATES[kind.leaf.coordinate]}
-    for name, given in _entries(document, "loads"):
-        record = record_of(str(given.get("type")))
+            units |= {f"{name}.{key}": unit for key, unit, _ in COORDINATES[kind.leaf.coordinate]}
+    for name, entry in _entries(document, "loads"):
+        record = record_of(str(entry.get("type")))
         if record is not None:
             keys = {"length": "rad", "rate": "rad/s"} if record.coordinate == "angle" else {}
             keys |= {key: unit for key, unit, _ in COORDINATES[record.coordinate]}
-            keys |= {
-                "force": record.unit,
-                "power": "W",
-                **({"torque": record.unit} if record.coordinate == "angle" else {}),
-            }
-            found |= {f"{name}.{key}": unit for key, unit in keys.items()}
-    for name, unit in found.items():
+            keys |= {"force": record.unit, "power": "W"}
+            keys |= {"torque": record.unit} if record.coordinate == "angle" else {}
+            units |= {f"{name}.{key}": unit for key, unit in keys.items()}
+    for name, unit in units.items():
         values.live.setdefault(name)
         values.numbers.add(name)
         values.dimensions[name] = dimension_of(unit)
 
 
+def _units_of_points(document: Mapping[str, Any]) -> dict[str, str]:
+    """Units of what stands for the points of bodies and of the ground, by name."""
+    units: dict[str, str] = {}
+    for body, entry in _entries(document, "bodies"):
+        ends, points = entry.get("bar", ()), entry.get("points", {})
+        listed = (*(ends if isinstance(ends, list | tuple) else ()), *(points if isinstance(points, Mapping) else ()))
+        for point in listed:
+            units |= {f"{body}.{point}.{key}": unit for key, (unit, _) in POINT.items()}
+    ground = document.get("ground", {})
+    fixed = ground.get("points", {}) if isinstance(ground, Mapping) else {}
+    for point in fixed if isinstance(fixed, Mapping) else ():
+        units |= {f"ground.{point}.{key}": "m" for key in ("x", "y")}
+    return units
+
+
 def _entries(document: Mapping[str, Any], table: str) -> list[tuple[str, Mapping[str, Any]]]:
-    given = document.get(table, {})
-    return (
-        [(name, one) for name, one in given.items() if isinstance(one, Mapping)] if isinstance(given, Mapping) else []
-    )
+    entries = document.get(table, {})
+    listed = entries.items() if isinstance(entries, Mapping) else ()
+    return [(name, entry) for name, entry in listed if isinstance(entry, Mapping)]
 
 
 def record_of(kind: str) -> Any:
     """What a kind of load records, a `LoadRecord`; None if it has none or is not known."""
-    found = registry.kinds("load").get(kind)
-    return getattr(found.leaf, "record", None) if found is not None else None
+    registered = registry.kinds("load").get(kind)
+    return getattr(registered.leaf, "record", None) if registered is not None else None
 
 
 # ---------------------------------------------------------------- what the names stand for
@@ -104,21 +103,21 @@ def definitions(
     used: Iterable[str],
 ) -> dict[str, Node]:  # fmt: skip
     """What these names stand for, as expressions over the state and over `<load>.force`; other names are left out."""
-    made: dict[str, Node] = {}
+    nodes: dict[str, Node] = {}
     for name in used:
         owner, _, key = name.partition(".")
         point, _, axis = key.partition(".")
         if axis in POINT and owner in bodies and point in bodies[owner].points:
-            made[name] = _point(Point(owner, point, bodies[owner].points[point]), axis)
+            nodes[name] = _point(Point(owner, point, bodies[owner].points[point]), axis)
         elif owner == "ground" and point in ground:
-            made[name] = _point(Point("ground", point, ground[point]), axis)
+            nodes[name] = _point(Point("ground", point, ground[point]), axis)
         elif owner in joints and joints[owner].leaf.coordinate:
             joint = joints[owner]
             line = 0.0 if joint.line is None else joint.line
-            made |= _between(owner, joint.leaf.coordinate, joint.a, joint.b, line, key)
+            nodes |= _between(owner, joint.leaf.coordinate, joint.a, joint.b, line, key)
         elif owner in loads and (record := record_of(loads[owner].kind)) is not None:
-            made |= _of_load(owner, loads[owner], record, key)
-    return made
+            nodes |= _of_load(owner, loads[owner], record, key)
+    return nodes
 
 
 def _of_load(owner: str, load: Load, record: Any, key: str) -> dict[str, Node]:
@@ -130,40 +129,40 @@ def _of_load(owner: str, load: Load, record: Any, key: str) -> dict[str, Node]:
     if key == "torque":
         return {f"{owner}.torque": Name(f"{owner}.force", 0)}
     first = record.coordinate if key == "length" else key
-    found = _between(owner, record.coordinate, load.a, load.b, 0.0, first)
-    return {f"{owner}.{key}": node for node in found.values()}
+    nodes = _between(owner, record.coordinate, load.a, load.b, 0.0, first)
+    return {f"{owner}.{key}": node for node in nodes.values()}
 
 
 def forces(loads: Mapping[str, Load]) -> tuple[dict[str, Node], dict[str, str]]:
     """`<load>.force` of every load with a record, as expressions, and their units."""
-    made: dict[str, Node] = {}
+    nodes: dict[str, Node] = {}
     units: dict[str, str] = {}
     for name, load in loads.items():
         record = record_of(load.kind)
         if record is None:
             continue
         fields = registry.kinds("load")[load.kind].fields
-        given = [key for key, one in fields.items() if one.shape != "connect"]
-        own = load.values[len(load.values) - len(given) :]
+        keys = [key for key, field in fields.items() if field.shape != "connect"]
+        own = load.values[len(load.values) - len(keys) :]
         parts = {
-            key: one if not isinstance(one, float | int) else Number(one, 0)
-            for key, one in zip(given, own, strict=True)
+            key: value if not isinstance(value, float | int) else Number(value, 0)
+            for key, value in zip(keys, own, strict=True)
         }
         where = _between(name, record.coordinate, load.a, load.b, 0.0, "")
         parts |= {key.partition(".")[2]: node for key, node in where.items()}
-        made[f"{name}.force"], units[f"{name}.force"] = replaced(_tree(record.force), parts), record.unit
-    return made, units
+        nodes[f"{name}.force"], units[f"{name}.force"] = replaced(_tree(record.force), parts), record.unit
+    return nodes, units
 
 
 def ordered(
-    values: Values, signals: Mapping[str, Node], forces: Mapping[str, Node], known: Mapping[str, Node]
+    values: Values, signals: Mapping[str, Node], forces: Mapping[str, Node], meanings: Mapping[str, Node]
 ) -> dict[str, Node]:
     """Signals and forces of loads so that each follows those it uses; a problem names those that form a loop.
 
-    known: what the other names stand for.
+    meanings: what the other names stand for.
     """
     every = {**signals, **forces}
-    order, cycles = in_order({name: replaced(node, known) for name, node in every.items()})
+    order, cycles = in_order({name: replaced(node, meanings) for name, node in every.items()})
     for cycle in cycles:
         name = cycle[0]
         path = ("signals", name) if name in signals else ("loads", name.partition(".")[0])
@@ -190,16 +189,16 @@ def _between(owner: str, coordinate: str, a: Point, b: Point, axis: float, key: 
     parts: dict[str, Node] = {"axis": Number(axis, 0)}
     for letter, point in (("A", a), ("B", b)):
         ground = point.body == "ground"
-        parts |= {f"{letter}.{one}": Number(0.0, 0) if ground else Name(f"{point.body}.{one}", 0) for one in STATE}
-        parts |= {f"{letter.lower()}.{one}": _point(point, one) for one in POINT}
-    wanted = [one for one in COORDINATES[coordinate] if key in ("", one[0])]
-    return {f"{owner}.{one}": replaced(_tree(text), parts) for one, _, text in wanted}
+        parts |= {f"{letter}.{name}": Number(0.0, 0) if ground else Name(f"{point.body}.{name}", 0) for name in STATE}
+        parts |= {f"{letter.lower()}.{name}": _point(point, name) for name in POINT}
+    wanted = [entry for entry in COORDINATES[coordinate] if key in ("", entry[0])]
+    return {f"{owner}.{name}": replaced(_tree(text), parts) for name, _, text in wanted}
 
 
 def used_names(*trees: Iterable[Any]) -> set[str]:
     """Names in the expressions among some values."""
-    return {name for group in trees for one in group if not isinstance(one, float | int) for name in _names(one)}
+    return {name for group in trees for value in group if not isinstance(value, float | int) for name in _names(value)}
 
 
-def _names(one: Any) -> set[str]:
-    return names(one) if isinstance(one, Node) else set()
+def _names(value: Any) -> set[str]:
+    return names(value) if isinstance(value, Node) else set()

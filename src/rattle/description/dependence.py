@@ -22,17 +22,17 @@ def in_order(nodes: Mapping[str, Node]) -> tuple[list[str], list[list[str]]]:
         depth[root] = 0
         trail, ahead, back = [root], [iter(uses[root])], [1]  # back: depth of the outermost name that it leads back to
         while trail:
-            for one in ahead[-1]:
-                if one not in depth:
-                    depth[one] = len(trail)
-                    trail.append(one)
-                    ahead.append(iter(uses[one]))
+            for used in ahead[-1]:
+                if used not in depth:
+                    depth[used] = len(trail)
+                    trail.append(used)
+                    ahead.append(iter(uses[used]))
                     back.append(len(trail))
                     break
-                if depth[one] >= 0:
-                    back[-1] = min(back[-1], depth[one])
+                if depth[used] >= 0:
+                    back[-1] = min(back[-1], depth[used])
                     if len(cycles) < MOST:
-                        cycles.append(trail[depth[one] : depth[one] + LONGEST_CYCLE + 1])
+                        cycles.append(trail[depth[used] : depth[used] + LONGEST_CYCLE + 1])
             else:
                 name = trail.pop()
                 ahead.pop()

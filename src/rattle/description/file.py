@@ -36,23 +36,23 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
     name = str(path)
     try:
         with Path(path).open("rb") as file:
-            found = file.read(LARGEST + 1)  # a device or pipe may never end
-            size = max(os.fstat(file.fileno()).st_size, len(found))
+            content = file.read(LARGEST + 1)  # a device or pipe may never end
+            size = max(os.fstat(file.fileno()).st_size, len(content))
     except OSError as error:
         problem = Problem((), f"cannot read the file: {error.strerror or error}")
         raise ModelError([problem], name) from None
     except ValueError as error:
         raise ModelError([Problem((), f"not a file name: {error}")], name) from None
-    if len(found) > LARGEST:
+    if len(content) > LARGEST:
         raise ModelError([Problem((), _too_large("file", size))], name)
     try:
-        return found.decode("utf-8"), name
+        return content.decode("utf-8"), name
     except UnicodeDecodeError as error:
-        if found.startswith((b"\x89HDF", b"PK")):
+        if content.startswith((b"\x89HDF", b"PK")):
             problem = Problem((), "this is a result, not a model file; `rattle plot` and `rattle animate` show it")
             raise ModelError([problem], name) from None
         problem = Problem((), f"not UTF-8 text (byte {error.start}); save the file as UTF-8")
-        problem.line = found[: error.start].count(b"\n") + 1
+        problem.line = content[: error.start].count(b"\n") + 1
         raise ModelError([problem], name) from None
 
 
@@ -94,15 +94,15 @@ def _require_moderate(text: str, file: str) -> None:
     if not is_json(text) and "\n[" in text:
         entries += sum(line.count(".") + 1 for line in text.split("\n") if line.startswith("["))
     if entries > MOST_ENTRIES:
-        said = f"the text has {entries} entries; a model has at most {MOST_ENTRIES}. Is it the right text?"
-        raise ModelError([Problem((), said)], file)
+        fault = f"the text has {entries} entries; a model has at most {MOST_ENTRIES}. Is it the right text?"
+        raise ModelError([Problem((), fault)], file)
 
 
 def _require_shallow(text: str, file: str) -> None:
     """Refuse dotted keys with very many parts: the time of `tomllib` grows with the square of their number."""
     if all(line.count(".") < DEEPEST_KEY for line in text.split("\n")):
         return
-    for n, line in enumerate(_LONG_TEXT.sub(lambda found: "\n" * found[0].count("\n"), text).split("\n")):
+    for n, line in enumerate(_LONG_TEXT.sub(lambda match: "\n" * match[0].count("\n"), text).split("\n")):
         if line.count(".") >= DEEPEST_KEY:
             bare = _TEXT.sub("q", line).partition("#")[0]
             if any(len(_DOT.findall(part)) >= DEEPEST_KEY for part in _NO_KEY.split(bare)):
@@ -115,19 +115,19 @@ def is_json(text: str) -> bool:
 
 
 def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    table: dict[str, Any] = {}
     for key, value in pairs:
-        if key in found:
+        if key in table:
             raise ModelError([Problem((key,), f"the name '{key}' is used twice")])
-        found[key] = value
-    return found
+        table[key] = value
+    return table
 
 
 def _not_toml(text: str, message: str) -> Problem:
     """The error message of `tomllib`, in words for someone who writes mechanisms."""
-    found = re.search(r"line (\d+), column (\d+)", message)
+    match = re.search(r"line (\d+), column (\d+)", message)
     lines = text.split("\n")
-    line, column = (int(found[1]), int(found[2])) if found else (len(lines), len(lines[-1]) + 1)
+    line, column = (int(match[1]), int(match[2])) if match else (len(lines), len(lines[-1]) + 1)
     what = message.split(" (at ")[0]
     if what.startswith(("Cannot overwrite", "Cannot declare", "Cannot mutate", "Duplicate inline table key")):
         source = lines[min(line, len(lines)) - 1]
@@ -155,16 +155,16 @@ def point_out(error: ModelError, text: str) -> ModelError:
         return error
     places = locate_all(text, [(problem.path, problem.at_key) for problem in error.problems])
     lines = text.split("\n")
-    for problem, found in zip(error.problems, places, strict=True):
-        if found is None:
+    for problem, place in zip(error.problems, places, strict=True):
+        if place is None:
             continue
-        line, column = found
+        line, column = place
         problem.line = line
         if problem.column is not None:
             column += _inside(lines[line - 1], column, problem.column)
         width = len(str(problem.path[-1])) if problem.at_key else 1
         problem.caret = caret_under(lines[line - 1], column, width)
-    return ModelError(sorted(error.problems, key=lambda one: one.line or 0), error.file)
+    return ModelError(sorted(error.problems, key=lambda problem: problem.line or 0), error.file)
 
 
 def _inside(source: str, column: int, spot: int) -> int:
@@ -181,10 +181,10 @@ def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change
     import tomlkit
 
     if text is None or is_json(text):
-        made = tomlkit.document()
+        written = tomlkit.document()
         for key, value in document.items():
-            made[key] = item(value)
-        return tomlkit.dumps(made)
+            written[key] = item(value)
+        return tomlkit.dumps(written)
     kept = tomlkit.parse(text)
     for path, value in changes:
         put(kept, path, value)

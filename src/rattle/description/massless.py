@@ -12,25 +12,28 @@ MOST = 50  # bodies without mass or inertia
 
 def require_mass_at_contacts(values: Values, bodies: Mapping[str, Body], joints: Mapping[str, Joint]) -> None:
     """Refuse bodies without mass or inertia on which contacts with force laws act: these need the masses they move."""
-    without = [name for name, one in bodies.items() if one.mass == 0.0 or one.inertia == 0.0]
+    without = [name for name, body in bodies.items() if body.mass == 0.0 or body.inertia == 0.0]
     if not without or values.problems:  # fields of joints with problems have no values
         return
     if len(without) > MOST:
         values.wrong(("bodies", without[MOST]), f"at most {MOST} bodies may have no mass or no inertia; give it one")
     for name, joint in joints.items():
-        own = joint.leaf.own_contact(joint.fields)
-        if joint.is_loose and joint.contact is not None and not joint.contact.rigid:
-            what = f"joint '{name}' has play with a force law"
-        elif joint.stop is not None and not joint.stop.contact.rigid:
-            what = f"joint '{name}' has a stop with a force law"
-        elif own is not None and not own.rigid:
-            what = f"the {joint.kind} '{name}' has a force law"
-        else:
+        if not (what := _with_law(name, joint)):
             continue
         for end in (joint.a.body, joint.b.body):
             body = bodies.get(end)
             for key, number in (("mass", body.mass), ("inertia", body.inertia)) if body is not None else ():
                 if number == 0.0:
-                    said = f"{what}: '{end}' needs {'a mass' if key == 'mass' else 'an inertia'} there, got 0"
-                    values.wrong(("bodies", end, key), said)
+                    fault = f"{what}: '{end}' needs {'a mass' if key == 'mass' else 'an inertia'} there, got 0"
+                    values.wrong(("bodies", end, key), fault)
                     break
+
+
+def _with_law(name: str, joint: Joint) -> str:
+    """What of a joint has a force law, in words; "" if nothing has."""
+    own = joint.leaf.own_contact(joint.fields)
+    if joint.is_loose and joint.contact is not None and not joint.contact.rigid:
+        return f"joint '{name}' has play with a force law"
+    if joint.stop is not None and not joint.stop.contact.rigid:
+        return f"joint '{name}' has a stop with a force law"
+    return f"the {joint.kind} '{name}' has a force law" if own is not None and not own.rigid else ""

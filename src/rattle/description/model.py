@@ -82,8 +82,8 @@ class Contact:
     @property
     def acts(self) -> bool:
         """True if contacts act; otherwise constraints hold the joint."""
-        known = registry.kinds("contact")
-        return self.model not in known or bool(known[self.model].leaf.contacts)
+        kinds = registry.kinds("contact")
+        return self.model not in kinds or bool(kinds[self.model].leaf.contacts)
 
     @property
     def rigid(self) -> bool:
@@ -121,8 +121,8 @@ class Wear:
 
     def bed(self, clearance: float) -> Choice:
         """The static force of the round pin on this foundation; clearance [m]."""
-        given = {"bush_radius": self.radius, "foundation": self.foundation, "length": self.length}
-        return Choice("foundation", {**given, "clearance": clearance})
+        fields = {"bush_radius": self.radius, "foundation": self.foundation, "length": self.length}
+        return Choice("foundation", {**fields, "clearance": clearance})
 
 
 @dataclass(frozen=True)
@@ -174,13 +174,13 @@ class Joint:
     @property
     def numbers(self) -> tuple[Any, ...]:
         """What its kernel takes after the points: the values of its fields, then its constants; nan if not yet set."""
-        given: list[Any] = []
-        for key, one in registry.kinds("joint")[self.kind].fields.items():
+        numbers: list[Any] = []
+        for key, declared in registry.kinds("joint")[self.kind].fields.items():
             value: Any = self.fields[key]
-            given += value if one.shape == "pair" else (value,)
+            numbers += value if declared.shape == "pair" else (value,)
         if self.leaf.from_start:
-            given += self.constants or (math.nan,) * self.leaf.from_start
-        return tuple(given)
+            numbers += self.constants or (math.nan,) * self.leaf.from_start
+        return tuple(numbers)
 
     @property
     def leaf(self) -> Any:
@@ -190,26 +190,26 @@ class Joint:
     @property
     def play(self) -> Any:
         """The class of its kind of clearance, a `ClearanceKind`; None if the joint cannot have clearance."""
-        found = registry.play_of(self.kind)
-        return found.leaf if found else None
+        kind = registry.play_of(self.kind)
+        return kind.leaf if kind else None
 
     @property
     def kept_angle(self) -> float | None:
         """Angle of B relative to A [rad] that the joint enforces; None if B can turn."""
-        found: float | None = self.leaf.kept_angle(self.fields)
-        return found
+        angle: float | None = self.leaf.kept_angle(self.fields)
+        return angle
 
     @property
     def line(self) -> float | None:
         """Direction in A's frame [rad] of the line on which the point of B moves; None if there is none."""
-        found: float | None = self.leaf.line(self.fields)
-        return found
+        direction: float | None = self.leaf.line(self.fields)
+        return direction
 
     @property
     def distance(self) -> float:
         """Distance of the two points [m] that the joint enforces."""
-        found: float = self.leaf.distance(self.fields)
-        return found
+        distance: float = self.leaf.distance(self.fields)
+        return distance
 
     @property
     def is_loose(self) -> bool:
@@ -224,14 +224,14 @@ class Joint:
     @property
     def one_sided(self) -> Any:
         """The class of its one-sided contacts, a `OneSidedKind`; None if it has no such."""
-        found = registry.one_sided_of(self.kind)
-        return found.leaf if found else None
+        kind = registry.one_sided_of(self.kind)
+        return kind.leaf if kind else None
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """Contact models of its clearance and of its stop."""
         stop = self.stop.contact if self.stop is not None else None
-        return tuple(one for one in (self.contact, stop) if one is not None)
+        return tuple(contact for contact in (self.contact, stop) if contact is not None)
 
     @property
     def stops_angle(self) -> bool:
@@ -243,8 +243,8 @@ class Joint:
     def friction_unit(self) -> str:
         """Unit of its own friction: of the row along which it acts, or of the effort of a motor."""
         leaf = self.leaf
-        found: str = registry.kinds("tangent")[leaf.tangents[0]].leaf.unit if leaf.tangents else leaf.motor.unit
-        return found
+        unit: str = registry.kinds("tangent")[leaf.tangents[0]].leaf.unit if leaf.tangents else leaf.motor.unit
+        return unit
 
     @property
     def is_hinge(self) -> bool:
@@ -387,19 +387,19 @@ class Model:
     @property
     def recorded(self) -> dict[str, str]:
         """Names and SI units of the quantities that a run records besides bodies, joints and energies."""
-        units = {name: one.unit for name, one in self.states.items()}
+        units = {name: state.unit for name, state in self.states.items()}
         return units | {name: self.signal_units.get(name, "") for name in self.signals}
 
 
 Data = TypeVar("Data")
 
 
-def with_fields(one: Data, **fields: Any) -> Data:
+def with_fields(data: Data, /, **fields: Any) -> Data:
     """As `dataclasses.replace`, for data without derived fields, in a fifth of the time."""
-    made = object.__new__(type(one))
-    made.__dict__.update(one.__dict__)
-    made.__dict__.update(fields)
-    return made
+    changed = object.__new__(type(data))
+    changed.__dict__.update(data.__dict__)
+    changed.__dict__.update(fields)
+    return changed
 
 
 def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float, ...]]:

@@ -8,9 +8,9 @@ from rattle.errors import ModelError, Problem
 
 def require_none_passing(model: Model, what: str) -> None:
     """Raise ModelError if a joint comes and goes; what: what was asked for, with an article."""
-    found = [(name, joint) for name, joint in model.joints.items() if joint.passing]
-    if found:
-        (name, first), names = found[0], ", ".join(f"'{name}'" for name, _ in found)
+    passing = [(name, joint) for name, joint in model.joints.items() if joint.passing]
+    if passing:
+        (name, first), names = passing[0], ", ".join(f"'{name}'" for name, _ in passing)
         raise ModelError([
             Problem(
                 ("joints", name),

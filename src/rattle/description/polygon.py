@@ -37,13 +37,13 @@ class Figure(NamedTuple):
 
 def figure_of(outline: Ring, holes: Sequence[Ring] = ()) -> Figure:
     """Area, centre and second moment of a figure; corners [m], in either sense, of sound rings."""
-    whole, *cut = (_moments(one) for one in (outline, *holes))
-    area = whole.area - sum(one.area for one in cut)
-    x, y = ((whole.area * whole.centre[k] - sum(one.area * one.centre[k] for one in cut)) / area for k in (0, 1))
+    whole, *cut = (_moments(ring) for ring in (outline, *holes))
+    area = whole.area - sum(hole.area for hole in cut)
+    x, y = ((whole.area * whole.centre[k] - sum(hole.area * hole.centre[k] for hole in cut)) / area for k in (0, 1))
 
-    def about_centre(one: Figure) -> float:
-        dx, dy = one.centre[0] - x, one.centre[1] - y
-        return one.second + one.area * (dx * dx + dy * dy)
+    def about_centre(figure: Figure) -> float:
+        dx, dy = figure.centre[0] - x, figure.centre[1] - y
+        return figure.second + figure.area * (dx * dx + dy * dy)
 
     return Figure(area, (x, y), about_centre(whole) - sum(map(about_centre, cut)))
 
@@ -89,7 +89,7 @@ def fault(ring: Ring) -> str:
 
 def fault_of_holes(outline: Ring, holes: Sequence[Ring]) -> tuple[int, str] | None:
     """Number of the first hole that is not inside of the outline and apart from the others, and why."""
-    rings = [np.array([(float(x), float(y)) for x, y in one]) for one in (outline, *holes)]
+    rings = [np.array([(float(x), float(y)) for x, y in ring]) for ring in (outline, *holes)]
     size = float(np.ptp(rings[0], axis=0).max())
     for k, hole in enumerate(rings[1:]):
         if _meeting(rings[0], hole, size) is not None or not _is_inside(rings[0], hole[0]):
@@ -105,16 +105,16 @@ def watch(rings: Sequence[Ring]) -> None:
 
     Of two edges that have no point in common, one at least has both ends on one side of the line through the other.
     """
-    edges = [(n, k, one[k], one[(k + 1) % len(one)], len(one)) for n, one in enumerate(rings) for k in range(len(one))]
+    edges = [(n, k, r[k], r[(k + 1) % len(r)], len(r)) for n, r in enumerate(rings) for k in range(len(r))]
     moving = [any(isinstance(x, Recorded) for end in edge[2:4] for x in end) for edge in edges]
     if sum(moving) * len(edges) > MOST_PAIRS:
         return
     for i, (n, k, a, b, count) in enumerate(edges):
         for j, (m, h, c, d, _) in enumerate(edges[:i]):
             if (moving[i] or moving[j]) and not (n == m and (k - h) % count in (1, count - 1)):
-                one, other = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)
-                if max(float(one), float(other)) > 0.0:
-                    _ = (one + abs(one)) + (other + abs(other)) > 0.0  # one of the two is positive: this is kept
+                p, q = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)
+                if max(float(p), float(q)) > 0.0:
+                    _ = (p + abs(p)) + (q + abs(q)) > 0.0  # one of the two is positive: this is kept
 
 
 def _side(a: Vector, b: Vector, c: Vector) -> float:
@@ -129,13 +129,13 @@ def _sides(start: np.ndarray, end: np.ndarray, points: np.ndarray) -> np.ndarray
     return side
 
 
-def _meeting(one: np.ndarray, other: np.ndarray, size: float, within: bool = False) -> tuple[int, int] | None:
+def _meeting(ring: np.ndarray, other: np.ndarray, size: float, within: bool = False) -> tuple[int, int] | None:
     """The first two edges of two rings that cross or touch; within: of one ring, where neighbours share a corner."""
-    a, b = one, np.roll(one, -1, axis=0)
+    a, b = ring, np.roll(ring, -1, axis=0)
     c, d = other, np.roll(other, -1, axis=0)
     apart = _all_on_one_side(a, b, c, d, size) | _all_on_one_side(c, d, a, b, size).T | _apart(a, b, c, d, size)
     if within:
-        n, k = len(one), np.arange(len(one))
+        n, k = len(ring), np.arange(len(ring))
         fold = _sides(a, b, d)[k, (k + 1) % n]
         back = ((a - b) * (np.roll(d, -1, axis=0) - b)).sum(axis=1) > 0.0
         apart[k, (k + 1) % n] = (np.abs(fold) > CLOSE * size**2) | ~back
@@ -155,8 +155,8 @@ def _all_on_one_side(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray,
 def _apart(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, size: float) -> np.ndarray:
     """(edges ab, edges cd) whether the boxes around the edges have a gap."""
     low, high = np.minimum(a, b)[:, None] - CLOSE * size, np.maximum(a, b)[:, None] + CLOSE * size
-    found: np.ndarray = ((np.maximum(c, d)[None] < low) | (np.minimum(c, d)[None] > high)).any(axis=2)
-    return found
+    gaps: np.ndarray = ((np.maximum(c, d)[None] < low) | (np.minimum(c, d)[None] > high)).any(axis=2)
+    return gaps
 
 
 def _is_inside(ring: np.ndarray, point: np.ndarray) -> bool:

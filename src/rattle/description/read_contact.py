@@ -12,7 +12,7 @@ from rattle import registry
 from rattle.description.model import Choice, Contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
-from rattle.description.read_values import Path, said
+from rattle.description.read_values import Path, quoted
 from rattle.description.tables import MATERIAL
 from rattle.errors import suggest
 
@@ -38,22 +38,22 @@ class Site(NamedTuple):
 
 def contact_models(joint: str = "") -> list[str]:
     """Every name that `contact` may have, for a kind of joint; for all joints if `joint` is ""."""
-    known = registry.kinds("contact")
+    models = registry.kinds("contact")
     if not joint:
-        return [*known, *registry.kinds("normal")]
+        return [*models, *registry.kinds("normal")]
     if registry.play_of(joint) is None and registry.one_sided_of(joint) is None:
         return []
     massless = registry.kinds("joint")[joint].leaf.massless
     play = registry.play_of(joint)
     dry = play is None or not play.leaf.holds_oil
-    left = (name for name, one in known.items() if (massless or not one.leaf.link) and not (dry and one.leaf.oiled))
+    left = (name for name, kind in models.items() if (massless or not kind.leaf.link) and not (dry and kind.leaf.oiled))
     return [*left, *registry.kinds("normal")]
 
 
 def stop_models() -> list[str]:
     """Every name that the `contact` of a stop may have: models with contacts."""
-    known = registry.kinds("contact").items()
-    return [*(name for name, one in known if one.leaf.contacts and not one.leaf.oiled), *registry.kinds("normal")]
+    kinds = registry.kinds("contact").items()
+    return [*(name for name, kind in kinds if kind.leaf.contacts and not kind.leaf.oiled), *registry.kinds("normal")]
 
 
 def site_of_clearance(joint: str, clearance: float) -> Site:
@@ -76,16 +76,16 @@ def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> C
     """One contact model; None after a problem."""
     values = reader.values
     table = {"model": written} if isinstance(written, str) else values.table(written, path)
-    known = contact_models()
+    models = contact_models()
     if "model" not in table:
-        values.wrong(path, "needs a model: " + ", ".join(known))
+        values.wrong(path, "needs a model: " + ", ".join(models))
         return None
     model = table["model"]
     here: Path = path if isinstance(written, str) else (*path, "model")
-    if model not in known:
-        hint = suggest(str(model), known)
-        near = hint if "did you mean" in hint else f"; expected {', '.join(known)}"
-        values.wrong(here, f"unknown contact {said(model)}{near}")
+    if model not in models:
+        hint = suggest(str(model), models)
+        near = hint if "did you mean" in hint else f"; expected {', '.join(models)}"
+        values.wrong(here, f"unknown contact {quoted(model)}{near}")
         return None
     if model not in site.models:
         wanted = f"; expected {', '.join(site.models)}" if site.models else "; leave the clearance out"
@@ -100,8 +100,8 @@ def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> C
         kind = registry.kinds("contact")[model]
         if kind.leaf.oiled:
 
-            def dry(given: Mapping[str, Any], where: Path) -> Contact | None:
-                return _compliant(reader, given, str(given["model"]), site, where)
+            def dry(dry_table: Mapping[str, Any], where: Path) -> Contact | None:
+                return _compliant(reader, dry_table, str(dry_table["model"]), site, where)
 
             def unused(used: Collection[str]) -> tuple[str, ...]:
                 return _unused(reader, table, used, site, path)
@@ -130,40 +130,49 @@ def _radius(reader: FieldReader, table: Mapping[str, Any], site: Site, needed: s
     return radius
 
 
-def _unused(
-    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], site: Site, path: Path
-) -> tuple[str, ...]:
-    """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
+def _fields_of_all() -> dict[str, registry.Field | None]:
+    """Every key that a contact may have, with its field; None where it is none, or has another meaning in every law."""
     fields: dict[str, registry.Field | None] = dict.fromkeys(("friction", "bush_radius", "geometry"))
     fields |= film_keys() | {"bush_radius": None}
     for family in ("stiffness", "normal", "contact"):
         for kind in registry.kinds(family).values():
-            for key, one in kind.fields.items():
-                known = fields.setdefault(key, one)
-                if known is not None and known.unit != one.unit:
-                    fields[key] = None  # has another meaning in every law
+            for key, field in kind.fields.items():
+                first = fields.setdefault(key, field)
+                if first is not None and first.unit != field.unit:
+                    fields[key] = None
+    return fields
+
+
+def _unused(
+    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], site: Site, path: Path
+) -> tuple[str, ...]:
+    """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
+    fields = _fields_of_all()
     reader.values.keys(table, dict.fromkeys(["model", *used, *fields]), path)
-    found = tuple(key for key in table if key not in used and key in fields)
-    for key in found:
-        field = fields[key]
-        if key == "friction":
-            _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
-        elif key == "film":
-            reader.choose(table, "film", path, "film")
-        elif key == "bush_radius":
-            _radius(reader, table, site, "", path)
-        elif key == "geometry":
-            _geometry(reader, table[key], path)
-        elif field is not None and field.shape == "material":  # any formula does to check the material
-            given = {
-                "bush_material": _elastic(reader, field, key, table, {}, path, site),
-                "bush_radius": 1.0,
-                "clearance": 0.1,
-            }
-            _pack(reader, "stiffness", Choice("sphere", given | {"pin_material": given["bush_material"]}), path)
-        elif field is not None:
-            _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path, site)}, path)
-    return found
+    unused = tuple(key for key in table if key not in used and key in fields)
+    for key in unused:
+        _check(reader, key, fields[key], table, site, path)
+    return unused
+
+
+def _check(
+    reader: FieldReader, key: str, field: registry.Field | None, table: Mapping[str, Any], site: Site, path: Path
+) -> None:
+    """Check the value of a key that is not used."""
+    if key == "friction":
+        _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
+    elif key == "film":
+        reader.choose(table, "film", path, "film")
+    elif key == "bush_radius":
+        _radius(reader, table, site, "", path)
+    elif key == "geometry":
+        _geometry(reader, table[key], path)
+    elif field is not None and field.shape == "material":  # any formula does to check the material
+        material = _elastic(reader, field, key, table, {}, path, site)
+        values = {"bush_material": material, "pin_material": material, "bush_radius": 1.0, "clearance": 0.1}
+        _pack(reader, "stiffness", Choice("sphere", values), path)
+    elif field is not None:
+        _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path, site)}, path)
 
 
 def _plain(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact:
@@ -171,14 +180,14 @@ def _plain(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site
     contacts = kind.leaf.contacts
     used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
     unused = _unused(reader, table, used, site, path)
-    given = dict(table)
-    if "friction" in kind.fields and isinstance(given.get("friction"), Mapping):
-        law = _friction(reader, given["friction"], (*path, "friction"))
+    own = dict(table)
+    if "friction" in kind.fields and isinstance(own.get("friction"), Mapping):
+        law = _friction(reader, own["friction"], (*path, "friction"))
         _pack(reader, "friction", law, path)
-        given["friction"] = law.values.get("mu", 0.0) if law else 0.0  # set-valued Coulomb takes the mu of any law
+        own["friction"] = law.values.get("mu", 0.0) if law else 0.0  # set-valued Coulomb takes the mu of any law
         left = [f"friction.{key}" for key in table["friction"] if key not in ("model", "mu")]
         unused += tuple(left) if law is None or "mu" in law.values else ("friction",)
-    fields = reader.fields(kind, given, path)
+    fields = reader.fields(kind, own, path)
     _unit_interval(reader, fields, path)
     if fields.get("restitution_law", 0.0) > 0.0 and fields.get("tangential_restitution", 0.0) > 0.0:
         other = kind.fields["restitution_law"].choices[int(fields["restitution_law"])]
@@ -196,26 +205,10 @@ def _unit_interval(reader: FieldReader, fields: Mapping[str, Any], path: Path) -
 
 
 def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact | None:
-    values = reader.values
-    law = registry.kinds("normal")[model]
-    statics = registry.kinds("stiffness")
-    by_geometry = any(key in table for key in GEOMETRY if key != "length" or "stiffness" not in table)
-    if by_geometry and "stiffness" in table:
-        values.wrong((*path, "stiffness"), "give either a stiffness or materials and geometry, not both", at_key=True)
+    name = _stiffness_law(reader, table, site, path)
+    if not name:
         return None
-    if not by_geometry and "stiffness" not in table:
-        values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
-        return None
-    name = "power"
-    if by_geometry:
-        name = table.get("geometry", "sphere")
-        if not _geometry(reader, name, path):
-            return None
-        if not site.leaf.from_materials:
-            said = "needs stiffness and exponent: these formulas are for pins in bushes"
-            values.wrong((*path, "geometry"), f"{site.leaf.wall} {said}")
-            return None
-    static = statics[name]
+    by_geometry, law, static = name != "power", registry.kinds("normal")[model], registry.kinds("stiffness")[name]
     own = [key for key in static.fields if key != "bush_radius"]
     used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
     unused = _unused(reader, table, used, site, path)
@@ -227,16 +220,34 @@ def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: 
     normal = reader.fields(law, table, path, site.unit)
     _unit_interval(reader, normal, path)
     friction = _friction(reader, table["friction"], (*path, "friction")) if "friction" in table else None
-    found = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction, unused)
-    _pack(reader, "stiffness", found.static, path)
+    contact = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction, unused)
+    _pack(reader, "stiffness", contact.static, path)
     _pack(reader, "friction", friction, path)
-    return found
+    return contact
+
+
+def _stiffness_law(reader: FieldReader, table: Mapping[str, Any], site: Site, path: Path) -> str:
+    """The law of the static force: "power" for a stiffness, otherwise the geometry; "" after a problem."""
+    values, by_stiffness = reader.values, "stiffness" in table
+    by_geometry = any(key in table for key in GEOMETRY if key != "length" or not by_stiffness)
+    if by_geometry and by_stiffness:
+        values.wrong((*path, "stiffness"), "give either a stiffness or materials and geometry, not both", at_key=True)
+    elif by_stiffness:
+        return "power"
+    elif not by_geometry:
+        values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
+    elif _geometry(reader, name := table.get("geometry", "sphere"), path):
+        if site.leaf.from_materials:
+            return str(name)
+        needs = "needs stiffness and exponent: these formulas are for pins in bushes"
+        values.wrong((*path, "geometry"), f"{site.leaf.wall} {needs}")
+    return ""
 
 
 def _geometry(reader: FieldReader, name: Any, path: Path) -> bool:
-    choices = [one for one in registry.kinds("stiffness") if one != "power"]
+    choices = [geometry for geometry in registry.kinds("stiffness") if geometry != "power"]
     if name not in choices:
-        reader.values.wrong((*path, "geometry"), f"unknown geometry {said(name)}{suggest(str(name), choices)}")
+        reader.values.wrong((*path, "geometry"), f"unknown geometry {quoted(name)}{suggest(str(name), choices)}")
     return name in choices
 
 
@@ -248,13 +259,13 @@ def _elastic(
         if key not in table and field.default is registry.REQUIRED:
             reader.values.wrong(path, f"needs {key}: {field.meaning}")
             return "steel"
-        given = table[key] if key in table else field.default(read)
-        if isinstance(given, Mapping):
-            return reader.form(MATERIAL, given, (*path, key))
-        if not isinstance(given, str):
-            reader.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {said(given)}")
+        material = table[key] if key in table else field.default(read)
+        if isinstance(material, Mapping):
+            return reader.form(MATERIAL, material, (*path, key))
+        if not isinstance(material, str):
+            reader.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {quoted(material)}")
             return "steel"
-        return given
+        return material
     if key == "stiffness":
         exponent = reader.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
         force, length = site.unit("N"), site.unit("m")
@@ -263,21 +274,20 @@ def _elastic(
     return reader.field(field, key, table, read, path)
 
 
-def _friction(reader: FieldReader, given: Any, path: Path) -> Choice | None:
+def _friction(reader: FieldReader, written: Any, path: Path) -> Choice | None:
     laws = registry.kinds("friction")
-    if isinstance(given, Mapping) and given.get("model") == "coulomb":  # the nearest law of a compliant contact
-        reader.values.keys(given, ["model", "mu"], path)
-        given = given.get("mu", 0.0)
-    if isinstance(given, Mapping):
-        if not isinstance(given.get("model"), str) or given["model"] not in laws:
-            reader.values.wrong(
-                (*path, "model"), f"unknown friction {said(given.get('model'))}{suggest(str(given.get('model')), laws)}"
-            )
+    if isinstance(written, Mapping) and written.get("model") == "coulomb":  # the nearest law of a compliant contact
+        reader.values.keys(written, ["model", "mu"], path)
+        written = written.get("mu", 0.0)
+    if isinstance(written, Mapping):
+        model = written.get("model")
+        if not isinstance(model, str) or model not in laws:
+            reader.values.wrong((*path, "model"), f"unknown friction {quoted(model)}{suggest(str(model), laws)}")
             return None
-        kind = laws[given["model"]]
-        reader.values.keys(given, ["model", *kind.fields], path)
-        return Choice(kind.name, reader.fields(kind, given, path))
-    mu = reader.values.value(given, "", path, "not negative")
+        kind = laws[model]
+        reader.values.keys(written, ["model", *kind.fields], path)
+        return Choice(kind.name, reader.fields(kind, written, path))
+    mu = reader.values.value(written, "", path, "not negative")
     kind = laws["coulomb-smooth"]
     return Choice(kind.name, reader.fields(kind, {"mu": mu}, path)) if mu == mu else None
 

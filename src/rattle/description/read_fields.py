@@ -11,7 +11,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Vector
 from rattle.description.polygon import MOST_CORNERS, fault
-from rattle.description.read_values import Path, Values, said
+from rattle.description.read_values import Path, Values, quoted
 from rattle.description.tables import Form
 from rattle.errors import suggest
 from rattle.language.expression import ExpressionError, Name, Node, Number
@@ -35,7 +35,7 @@ class FieldReader:
         name = table[key]
         if isinstance(name, str) and name in kinds:
             return kinds[name]
-        self.values.wrong((*path, key), f"unknown {family} {said(name)}{suggest(str(name), kinds)}")
+        self.values.wrong((*path, key), f"unknown {family} {quoted(name)}{suggest(str(name), kinds)}")
         return None
 
     def field(self, field: Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
@@ -94,13 +94,13 @@ def _choice(values: Values, field: Field, written: Any, path: Path) -> float:
     if word in field.choices:
         return float(field.choices.index(word))
     hint = suggest(str(written), field.choices)
-    values.wrong(path, f"expected one of {', '.join(field.choices)}, got {said(written)}{hint}")
+    values.wrong(path, f"expected one of {', '.join(field.choices)}, got {quoted(written)}{hint}")
     return math.nan
 
 
 def _flag(values: Values, field: Field, written: Any, path: Path) -> float:
     if not isinstance(written, bool):
-        values.wrong(path, f"expected true or false, got {said(written)}")
+        values.wrong(path, f"expected true or false, got {quoted(written)}")
     return float(written is True)
 
 
@@ -108,7 +108,7 @@ def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str,
     """Two names of points; None after a problem."""
     two = _texts(values, field, written, path)
     if two is not None and not all(text.isidentifier() for text in two):
-        values.wrong(path, f"expected {field.like}, got {said(written)}")
+        values.wrong(path, f"expected {field.like}, got {quoted(written)}")
         return None
     return two
 
@@ -116,7 +116,7 @@ def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str,
 def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
     """Two texts; None after a problem."""
     if not isinstance(written, list | tuple) or len(written) != 2 or not all(isinstance(text, str) for text in written):
-        values.wrong(path, f"expected {field.like}, got {said(written)}")
+        values.wrong(path, f"expected {field.like}, got {quoted(written)}")
         return None
     return written[0], written[1]
 
@@ -124,7 +124,7 @@ def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str,
 def _text(values: Values, field: Field, written: Any, path: Path) -> str:
     """A text for people, on one line; "" after a problem."""
     if not isinstance(written, str):
-        values.wrong(path, f"{said(written)} is no text; write words in quotes")
+        values.wrong(path, f"{quoted(written)} is no text; write words in quotes")
         return ""
     text = " ".join(written.split())
     if field.longest and len(text) > field.longest:
@@ -136,7 +136,7 @@ def _text(values: Values, field: Field, written: Any, path: Path) -> str:
 def _ring(values: Values, field: Field, written: Any, path: Path) -> list[Vector]:
     """Corners [m] in order around; none after a problem."""
     if not isinstance(written, list | tuple):
-        values.wrong(path, f"expected corners in order around, [[x, y], [x, y], [x, y]], got {said(written)}")
+        values.wrong(path, f"expected corners in order around, [[x, y], [x, y], [x, y]], got {quoted(written)}")
         return []
     before = len(values.problems)
     corners = [values.vector(corner, "m", (*path, k)) for k, corner in enumerate(written[: MOST_CORNERS + 1])]
@@ -148,7 +148,7 @@ def _ring(values: Values, field: Field, written: Any, path: Path) -> list[Vector
 def _rings(values: Values, field: Field, written: Any, path: Path) -> list[list[Vector]] | None:
     """The corners of every hole [m]; None after a problem."""
     if not isinstance(written, list | tuple) or not all(isinstance(ring, list | tuple) for ring in written):
-        values.wrong(path, f"expected a list of holes, each a list of corners [x, y], got {said(written)}")
+        values.wrong(path, f"expected a list of holes, each a list of corners [x, y], got {quoted(written)}")
         return None
     rings = [_ring(values, field, ring, (*path, k)) for k, ring in enumerate(written)]
     return rings if all(rings) else None
@@ -157,7 +157,7 @@ def _rings(values: Values, field: Field, written: Any, path: Path) -> list[list[
 def _stepper(values: Values, field: Field, written: Any, path: Path) -> Any:
     steppers = registry.names("stepper")
     if written not in steppers:
-        values.wrong(path, f"unknown method {said(written)}{suggest(str(written), steppers)}")
+        values.wrong(path, f"unknown method {quoted(written)}{suggest(str(written), steppers)}")
     return written
 
 

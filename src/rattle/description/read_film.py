@@ -10,7 +10,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Choice, Contact, OilFilm
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, said
+from rattle.description.read_values import Path, quoted
 from rattle.description.tables import OIL
 from rattle.errors import suggest
 
@@ -22,11 +22,11 @@ Unused = Callable[[Collection[str]], tuple[str, ...]]
 
 def film_keys() -> dict[str, registry.Field | None]:
     """Every key that a lubricated contact may have, with its field; None where it is none, or differs among films."""
-    found: dict[str, registry.Field | None] = dict.fromkeys(KEYS)
-    kinds = [*(one for one in registry.kinds("contact").values() if one.leaf.oiled), *registry.kinds("film").values()]
-    for one in kinds:
-        found |= {key: field for key, field in one.fields.items() if key not in found}
-    return found
+    fields: dict[str, registry.Field | None] = dict.fromkeys(KEYS)
+    oiled = [kind for kind in registry.kinds("contact").values() if kind.leaf.oiled]
+    for kind in (*oiled, *registry.kinds("film").values()):
+        fields |= {key: field for key, field in kind.fields.items() if key not in fields}
+    return fields
 
 
 def read_lubricated(
@@ -45,25 +45,25 @@ def read_lubricated(
     left = unused(["model", *KEYS, *law.fields, *kind.fields])
     numbers = reader.fields(law, table, path)
     chosen = {
-        key: _word(one, numbers[key]) if one.shape == "choice" else numbers[key] for key, one in law.fields.items()
+        key: _word(own, numbers[key]) if own.shape == "choice" else numbers[key] for key, own in law.fields.items()
     }
     rough = _roughness(reader, table, path)
     read: dict[str, float] = {"roughness": rough, "clearance": clearance}
-    for key, one in kind.fields.items():
-        read[key] = reader.field(one, key, table, read, path)
+    for key, field in kind.fields.items():
+        read[key] = reader.field(field, key, table, read, path)
     if len(values.problems) > before:
         return None
     if not _fits(reader, law, chosen, read, table, path):
         return None
-    found, assumed = _dry(reader, table, chosen, path, dry)
-    if found is None:
+    contact, assumed = _dry(reader, table, chosen, path, dry)
+    if contact is None:
         return None
     film = OilFilm(
         Choice(law.name, chosen), read["boundary_film"], rough or read["boundary_film"] / 3.0, read["density"],
         read["specific_heat"], assumed,
     )  # fmt: skip
-    left += tuple(f"dry.{key}" for key in found.unused if not assumed)
-    return replace(found, model=kind.name, film=film, unused=left)
+    left += tuple(f"dry.{key}" for key in contact.unused if not assumed)
+    return replace(contact, model=kind.name, film=film, unused=left)
 
 
 def _word(field: registry.Field, number: float) -> str:
@@ -95,14 +95,14 @@ def _roughness(reader: FieldReader, table: Mapping[str, Any], path: Path) -> flo
     """Roughness of both surfaces together [m]: root of the sum of squares of one number each, or of one for both."""
     if "roughness" not in table:
         return 0.0
-    given, here = table["roughness"], (*path, "roughness")
-    if isinstance(given, list | tuple):
-        if len(given) != 2:
-            reader.values.wrong(here, f"expected a number in m, or [bush, pin], got {said(given)}")
+    written, here = table["roughness"], (*path, "roughness")
+    if isinstance(written, list | tuple):
+        if len(written) != 2:
+            reader.values.wrong(here, f"expected a number in m, or [bush, pin], got {quoted(written)}")
             return math.nan
-        each = [reader.values.value(one, "m", here, "not negative") for one in given]
+        each = [reader.values.value(side, "m", here, "not negative") for side in written]
     else:
-        each = [reader.values.value(given, "m", here, "not negative")]
+        each = [reader.values.value(written, "m", here, "not negative")]
     total = math.hypot(*each)
     if total == 0.0:
         reader.values.wrong(here, "must be positive; leave it out if it is not known")
@@ -114,18 +114,18 @@ def _dry(
 ) -> tuple[Contact | None, str]:
     """The dry contact, and in words what was assumed; None after a problem."""
     radius = chosen["bush_radius"]
-    given = {"bush_radius": radius}
+    bush = {"bush_radius": radius}
     if "dry" not in table:
-        return read({**STEEL, **given, "length": chosen["length"]}, path), "steel on steel, friction 0.1"
+        return read({**STEEL, **bush, "length": chosen["length"]}, path), "steel on steel, friction 0.1"
     here = (*path, "dry")
     if not isinstance(table["dry"], Mapping):
-        reader.values.wrong(here, f"expected the table of a compliant contact, got {said(table['dry'])}")
+        reader.values.wrong(here, f"expected the table of a compliant contact, got {quoted(table['dry'])}")
         return None, ""
     dry = table["dry"]
     laws = registry.kinds("normal")
     if dry.get("model") not in laws:
         words = f"dry needs the model of a compliant contact: {', '.join(laws)}"
-        got = f", got {said(dry['model'])}{suggest(str(dry['model']), laws)}" if "model" in dry else ""
+        got = f", got {quoted(dry['model'])}{suggest(str(dry['model']), laws)}" if "model" in dry else ""
         reader.values.wrong(here, words + got)
         return None, ""
     if "bush_radius" in dry:
@@ -134,4 +134,4 @@ def _dry(
             differs = f"is {again:g} m here and {radius:g} m for the film: leave it out here"
             reader.values.wrong((*here, "bush_radius"), differs, at_key=True)
             return None, ""
-    return read({**dry, **given}, here), ""
+    return read({**dry, **bush}, here), ""

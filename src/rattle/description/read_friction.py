@@ -8,7 +8,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Choice, JointFriction
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, said
+from rattle.description.read_values import Path, quoted
 from rattle.errors import suggest
 from rattle.registry import Field
 
@@ -21,7 +21,7 @@ COULOMB = {
 
 def friction_models() -> dict[str, Mapping[str, Field]]:
     """Every name that the model of `friction` may have in a joint without play, with its fields."""
-    return {SET_VALUED: COULOMB, **{name: one.fields for name, one in registry.kinds("friction").items()}}
+    return {SET_VALUED: COULOMB, **{name: law.fields for name, law in registry.kinds("friction").items()}}
 
 
 def joint_friction(
@@ -39,27 +39,21 @@ def joint_friction(
     loose: it has clearance.
     """
     values = reader.values
-    if not joint.leaf.rubs:
-        where = " or ".join(name for name, one in registry.kinds("joint").items() if one.leaf.rubs)
-        values.wrong(path, f"a {joint.name} joint has no friction of its own; expected {where}", at_key=True)
+    if fault := _without_friction(joint, loose):
+        values.wrong(path, fault, at_key=True)
         return None
-    if loose:
-        said_ = "a joint with clearance has friction in its contact; write friction there, or leave the clearance out"
-        values.wrong(path, f"one or the other: {said_}", at_key=True)
+    before, whole = len(values.problems), isinstance(written, Mapping)
+    table = dict(written) if whole else {"model": SET_VALUED, "mu": written}
+    model, models = table.get("model", SET_VALUED), friction_models()
+    if str(model) not in models:
+        values.wrong((*path, "model"), f"unknown friction {quoted(model)}{suggest(str(model), models)}")
         return None
-    before = len(values.problems)
-    table = dict(written) if isinstance(written, Mapping) else {"model": SET_VALUED, "mu": written}
-    model, known = table.get("model", SET_VALUED), friction_models()
-    if not isinstance(model, str) or model not in known:
-        values.wrong((*path, "model"), f"unknown friction {said(model)}{suggest(str(model), known)}")
-        return None
-    sizes, fields = joint.leaf.rubs_with, known[model]
-    whole = isinstance(written, Mapping)
+    sizes, fields = joint.leaf.rubs_with, models[model]
     values.keys(table, ["model", *fields, *sizes], path)
-    own = {key: reader.field(one, key, table, {}, path) for key, one in sizes.items()}
+    own = {key: reader.field(field, key, table, {}, path) for key, field in sizes.items()}
     read: dict[str, Any] = {}
-    for key, one in fields.items():
-        read[key] = reader.field(one, key, table, read, path if whole or key in table else path[:-1])
+    for key, field in fields.items():
+        read[key] = reader.field(field, key, table, read, path if whole or key in table else path[:-1])
     if len(values.problems) > before or of_joint is None:
         return None
     try:
@@ -72,9 +66,22 @@ def joint_friction(
         if read["mu_static"] < read["mu"]:
             values.wrong((*path, "mu_static"), f"{read['mu_static']:g} must not be less than mu = {read['mu']:g}")
         return JointFriction(arm, reach, read["mu"], read["mu_static"])
-    law = Choice(model, read)
+    return JointFriction(arm, reach, law=_law(reader, model, read, path))
+
+
+def _law(reader: FieldReader, model: str, read: Mapping[str, Any], path: Path) -> Choice:
+    """A friction law with its numbers, which must go together."""
     try:
         registry.kinds("friction")[model].leaf.pack(read)
     except ValueError as error:
-        values.wrong(path, str(error))
-    return JointFriction(arm, reach, law=law)
+        reader.values.wrong(path, str(error))
+    return Choice(model, read)
+
+
+def _without_friction(joint: registry.Kind, loose: bool) -> str:
+    """Why a joint has no friction of its own, in words; "" if it may have."""
+    if not joint.leaf.rubs:
+        where = " or ".join(name for name, kind in registry.kinds("joint").items() if kind.leaf.rubs)
+        return f"a {joint.name} joint has no friction of its own; expected {where}"
+    choice = "a joint with clearance has friction in its contact; write friction there, or leave the clearance out"
+    return f"one or the other: {choice}" if loose else ""

@@ -10,7 +10,7 @@ from typing import Any
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable, within_limits
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, TooManyProblems, Values, expected, said
+from rattle.description.read_values import Path, TooManyProblems, Values, expected, quoted
 from rattle.description.tables import DISTRIBUTION, PARAMETER, TOLERANCES, VALUE
 from rattle.description.tables import DISTRIBUTIONS as DISTRIBUTIONS  # ensembles take them from here
 from rattle.errors import ModelError, Problem, suggest
@@ -140,7 +140,7 @@ def _parameter(values: Values, name: str, entry: Any) -> Parameter:
     if other is not None:
         said_of = describe(seen) if seen is not None else "a plain number"
         values.wrong(
-            (*path, "value"), f"{said(entry['value'])} is {said_of}; expected {describe(other)}, as min and max are"
+            (*path, "value"), f"{quoted(entry['value'])} is {said_of}; expected {describe(other)}, as min and max are"
         )
         return Parameter(name, values.constants[name], unit)
     limits: dict[str, float | None] = {
@@ -148,9 +148,9 @@ def _parameter(values: Values, name: str, entry: Any) -> Parameter:
     }
     low, high, tol = (limits.get(key) for key in ("min", "max", "tol"))
     if beyond := _beyond(values.constants[name], low, high, entry):
-        values.wrong((*path, "value"), f"{said(entry['value'])} is {beyond}")
+        values.wrong((*path, "value"), f"{quoted(entry['value'])} is {beyond}")
     if tol is not None and tol < 0:
-        values.wrong((*path, "tol"), f"{said(entry['tol'])} must not be negative")
+        values.wrong((*path, "tol"), f"{quoted(entry['tol'])} must not be negative")
     dist = _distribution(values, entry.get("dist", ""), unit, seen, (*path, "dist"))
     unit = unit if seen is not None else _unit_of_limits(entry)
     texts = FieldReader(values).read(PARAMETER, entry, path)
@@ -180,7 +180,7 @@ def _distribution(values: Values, written: Any, unit: str, seen: Dimension | Non
         if written in ("", *DISTRIBUTIONS):
             return str(written)
         either = f"{', '.join(DISTRIBUTIONS)} or {{ values = [...], weights = [...] }}"
-        values.wrong(path, f"unknown distribution {said(written)}; expected {either}")
+        values.wrong(path, f"unknown distribution {quoted(written)}; expected {either}")
         return ""
     values.keys(written, DISTRIBUTION.fields, path)
     if "values" not in written:
@@ -216,7 +216,7 @@ def _weights(values: Values, written: Any, count: int, path: Path) -> list[float
 def _list(values: Values, written: Any, what: str, path: Path) -> list[Any]:
     """The items of a list; an empty one after a problem."""
     if not isinstance(written, list | tuple):
-        values.wrong(path, f"expected a list of {what}, got {said(written)}")
+        values.wrong(path, f"expected a list of {what}, got {quoted(written)}")
         return []
     if not written:
         values.wrong(path, f"expected a list of {what}, got an empty one")
@@ -237,10 +237,10 @@ def _beyond(value: float, low: float | None, high: float | None, entry: Mapping[
         return ""
     bare = f" (a number without a unit is SI: {_unit_of(entry['min'])} here)" if _unit_missing(entry) else ""
     if high is None:
-        return f"below min = {said(entry['min'])}"
+        return f"below min = {quoted(entry['min'])}"
     if low is None:
-        return f"above max = {said(entry['max'])}"
-    return f"not between min = {said(entry['min'])} and max = {said(entry['max'])}{bare}"
+        return f"above max = {quoted(entry['max'])}"
+    return f"not between min = {quoted(entry['min'])} and max = {quoted(entry['max'])}{bare}"
 
 
 def _unit_missing(entry: Mapping[str, Any]) -> bool:
@@ -268,7 +268,7 @@ def _limit(values: Values, written: Any, unit: str, seen: Dimension | None, path
         return None if node is None else values.constant(node, path)
     number, dimension = quantity
     if seen is not None and dimension is not None and dimension != seen:
-        values.wrong(path, f"{said(written)} is {describe(dimension)}; expected {expected(unit)}")
+        values.wrong(path, f"{quoted(written)} is {describe(dimension)}; expected {expected(unit)}")
         return None
     return number
 
@@ -280,12 +280,12 @@ def read_groups(values: Values, document: Mapping[str, Any]) -> tuple[tuple[str,
     values.keys(table, TOLERANCES.fields, path)
     groups = table.get("groups", [])
     if not isinstance(groups, list | tuple):
-        values.wrong((*path, "groups"), f'expected groups of parameters such as [["l2", "l3"]], got {said(groups)}')
+        values.wrong((*path, "groups"), f'expected groups of parameters such as [["l2", "l3"]], got {quoted(groups)}')
         return ()
     for n, group in enumerate(groups):
         if not isinstance(group, list | tuple) or not all(isinstance(name, str) for name in group):
             like = 'expected a group of parameters such as ["l2", "l3"]'
-            values.wrong((*path, "groups", n), f"{like}, got {said(group)}")
+            values.wrong((*path, "groups", n), f"{like}, got {quoted(group)}")
             return ()
     grouped: dict[str, int] = {}
     for n, group in enumerate(groups):
@@ -298,7 +298,7 @@ def _check_group(values: Values, group: Sequence[str], n: int, grouped: dict[str
     path: Path = ("tolerances", "groups", n)
     for k, name in enumerate(group):
         if name not in values.constants and name not in values.broken:
-            values.wrong((*path, k), f"no parameter {said(name)}{suggest(name, values.constants)}")
+            values.wrong((*path, k), f"no parameter {quoted(name)}{suggest(name, values.constants)}")
         elif name in grouped:
             where = "twice in this group" if grouped[name] == n else "in another group already"
             values.wrong((*path, k), f"'{name}' is {where}; join groups that are made together")
@@ -314,30 +314,39 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
     nodes: dict[str, Node] = {}
     fixed: dict[str, Dimension | None] = {}
     for name, written in table.items():
-        path: Path = ("signals", name)
-        values.name(name, path)
-        if name in values.constants:
-            values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
-        if isinstance(written, bool) or not isinstance(written, int | float | str):
-            values.wrong(path, f"expected an expression, got {said(written)}")
-            continue
-        quantity = read_quantity(values, written, path)
+        quantity = _signal(values, name, written)
         if isinstance(quantity, tuple):
             nodes[name], fixed[name] = Number(quantity[0], 0), quantity[1]
-        elif quantity is not None and values.names_known(quantity, str(written), path, None, live=True):
+        elif quantity is not None:
             nodes[name] = quantity
     order, cycles = in_order(nodes)
     for cycle in cycles:
         values.wrong(("signals", cycle[0]), describe_cycle(cycle))
     units = {}
     for name in order:
-        if name not in fixed and not values.dimension_fits(nodes[name], str(table[name]), ("signals", name), None):
+        free = name not in fixed
+        if free and not values.dimension_fits(nodes[name], str(table[name]), ("signals", name), None):
             continue
         if not values.is_finite(nodes[name], ("signals", name)):
             continue
-        seen = fixed[name] if name in fixed else values.dimension(nodes[name])
+        seen = values.dimension(nodes[name]) if free else fixed[name]
         values.dimensions[name] = seen
-        if name not in fixed and not values.has_units(nodes[name]):
+        if free and not values.has_units(nodes[name]):
             values.numbers.add(name)
         units[name] = unit_name(seen) if seen is not None else ""
     return {name: nodes[name] for name in order}, units
+
+
+def _signal(values: Values, name: str, written: Any) -> tuple[float, Dimension | None] | Node | None:
+    """What a signal is, as by `read_quantity`; None after a problem."""
+    path: Path = ("signals", name)
+    values.name(name, path)
+    if name in values.constants:
+        values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
+    if isinstance(written, bool) or not isinstance(written, int | float | str):
+        values.wrong(path, f"expected an expression, got {quoted(written)}")
+        return None
+    quantity = read_quantity(values, written, path)
+    if quantity is None or isinstance(quantity, tuple):
+        return quantity
+    return quantity if values.names_known(quantity, str(written), path, None, live=True) else None

@@ -31,7 +31,7 @@ from rattle.description.read_contact import (
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
 from rattle.description.read_plates import read_plate
-from rattle.description.read_values import Path, Values, is_computable, said
+from rattle.description.read_values import Path, Values, is_computable, quoted
 from rattle.description.read_wear import read_wear
 from rattle.description.tables import BAR, BODY, JOINT
 from rattle.errors import suggest
@@ -41,6 +41,7 @@ from rattle.registry import Field
 
 TABLES_OF_JOINT = ("contact", "stop", "friction", "wear")  # or what stands for them
 NOWHERE = Point("", "", (math.nan, math.nan))
+LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
 
 
 def moved_joints(driver: str = "") -> list[str]:
@@ -134,11 +135,11 @@ class Parts(FieldReader):
     def point(self, written: Any, path: Path, alone: bool = False) -> Point:
         """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
         if not isinstance(written, str):
-            self.values.wrong(path, f'expected "body.point", got {said(written)}')
+            self.values.wrong(path, f'expected "body.point", got {quoted(written)}')
             return NOWHERE
         body, dot, point = written.partition(".")
         if body != "ground" and body not in self.bodies:
-            self.values.wrong(path, f"no body {said(body)}{suggest(body, ['ground', *self.bodies])}")
+            self.values.wrong(path, f"no body {quoted(body)}{suggest(body, ['ground', *self.bodies])}")
             return NOWHERE
         points = self.ground if body == "ground" else self.bodies[body].points
         if not dot and alone:
@@ -148,7 +149,7 @@ class Parts(FieldReader):
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"
-            what = f"no point {said(point)} on {whose}" if point else f'expected "body.point", got {said(written)}'
+            what = f"no point {quoted(point)} on {whose}" if point else f'expected "body.point", got {quoted(written)}'
             self.values.wrong(path, what + hint)
             return NOWHERE
         return Point(body, point, points[point])
@@ -164,7 +165,7 @@ class Parts(FieldReader):
         both = table["connect"]
         here = (*path, "connect")
         if not isinstance(both, list | tuple) or len(both) != 2:
-            self.values.wrong(here, f"expected {form}, got {said(both)}")
+            self.values.wrong(here, f"expected {form}, got {quoted(both)}")
             return NOWHERE, NOWHERE
         a, b = (self.point(end, (*here, k), alone) for k, end in enumerate(both))
         if bodies:
@@ -188,10 +189,7 @@ class Parts(FieldReader):
         values.keys(table, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *sizes, *kind.fields], path)
         fields = self.fields(kind, table, path)
         if len(values.problems) == before:  # of fields that are sound
-            for key, fault in kind.leaf.faults(table, fields):
-                values.wrong((*path, key) if key else path, fault)
-        if len(values.problems) == before and (fault := kind.leaf.fault(fields)):
-            values.wrong(path, fault)
+            self._require_consistent(kind, table, fields, path)
         clearance = self.read(JOINT, table, path)["clearance"]
         contact = self._contact(table, kind, fields, clearance, path)
         clearance = 0.0 if clearance is None else clearance
@@ -199,17 +197,13 @@ class Parts(FieldReader):
             contact = self._passing(kind, fields, clearance, contact, path)
         stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
         dimensions = self._dimensions(sizes, table, play, contact, path)
-        friction, sound = None, len(values.problems) == before
+        friction = None
         if "friction" in table and "friction" not in kind.fields:
-            block = next(iter(dimensions.values()), ())
+            sound, block = fields if len(values.problems) == before else None, next(iter(dimensions.values()), ())
             here = (*path, "friction")
-            friction = joint_friction(
-                self, table["friction"], kind, fields if sound else None, block, clearance > 0.0, here
-            )
-            if contact is not None and contact.acts and not clearance > 0.0:
-                lifts = f"a {kind.name} joint with a contact may lift off, and has no friction; leave one of them out"
-                values.wrong(here, lifts, at_key=True)
-            elif why := kind.leaf.friction_fault(fields):
+            friction = joint_friction(self, table["friction"], kind, sound, block, clearance > 0.0, here)
+            lifts = contact is not None and contact.acts and not clearance > 0.0
+            if why := LIFTS.format(kind.name) if lifts else kind.leaf.friction_fault(fields):
                 values.wrong(here, why, at_key=True)
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
@@ -217,6 +211,16 @@ class Parts(FieldReader):
         )
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _require_consistent(
+        self, kind: registry.Kind, table: Mapping[str, Any], fields: Mapping[str, Any], path: Path
+    ) -> None:
+        """Refuse fields of a joint that are sound one by one, but not together."""
+        before = len(self.values.problems)
+        for key, fault in kind.leaf.faults(table, fields):
+            self.values.wrong((*path, key) if key else path, fault)
+        if len(self.values.problems) == before and (fault := kind.leaf.fault(fields)):
+            self.values.wrong(path, fault)
 
     def _contact(
         self, table: Mapping[str, Any], kind: registry.Kind, fields: Mapping[str, Any], clearance: float | None,
@@ -343,7 +347,7 @@ class Parts(FieldReader):
         joint, here = table["joint"], (*path, "joint")
         if not isinstance(joint, str) or joint not in self.joints:
             if joint not in list(self.broken_joints):
-                self.values.wrong(here, f"no joint {said(joint)}{suggest(str(joint), self.joints)}")
+                self.values.wrong(here, f"no joint {quoted(joint)}{suggest(str(joint), self.joints)}")
             return None
         motor = self.joints[joint].leaf.motor
         if motor is not None:
@@ -360,7 +364,7 @@ class Parts(FieldReader):
         coordinate = table.get("coordinate")
         if coordinate not in coordinates:
             where = (*path, "coordinate") if "coordinate" in table else path
-            got = f", got {said(coordinate)}" if "coordinate" in table else ""
+            got = f", got {quoted(coordinate)}" if "coordinate" in table else ""
             self.values.wrong(where, f"expected coordinate = one of {', '.join(coordinates)}{got}")
             return None
         if point.body == "ground":
@@ -421,5 +425,5 @@ class Parts(FieldReader):
             return NOWHERE
         place = self.point(table[key], (*path, key), alone=field.shape == "body")
         if field.shape == "body" and place.name:
-            self.values.wrong((*path, key), f"expected a body, got the point {said(table[key])}")
+            self.values.wrong((*path, key), f"expected a body, got the point {quoted(table[key])}")
         return place

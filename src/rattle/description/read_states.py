@@ -9,7 +9,7 @@ from typing import Any
 from rattle.description.model import State
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_quantity
-from rattle.description.read_values import Path, Values, said
+from rattle.description.read_values import Path, Values, quoted
 from rattle.description.tables import RATE, STATE
 from rattle.language.expression import ExpressionError, Node, Number, parse
 from rattle.language.units import TIME, Dimension, QuantityError, describe, parse_quantity, unit_name
@@ -30,7 +30,7 @@ def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, flo
             values.wrong(path, f"'{name}' is already a parameter; choose another name", at_key=True)
         values.live[name] = None
         if not isinstance(entry, Mapping):
-            values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {said(entry)}')
+            values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {quoted(entry)}')
             continue
         FieldReader(values).form(STATE, entry, path)
         starts[name], values.dimensions[name] = values.any_number(entry.get("start", 0.0), (*path, "start"))
@@ -52,12 +52,23 @@ def _tree(written: Any) -> Node | None:
 def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node | None]) -> None:
     """Find the dimensions of states that do not say theirs, through signals as far as needed."""
     declared = values.dimensions
-    guessed: dict[str, Dimension] = {}
-    signal_of = {name: node for name, node in signals.items() if node is not None and name not in declared}
-    for _ in range(len(rates) + len(signal_of)):
+    free = {name: node for name, node in signals.items() if node is not None and name not in declared}
+    guessed = _guessed(values, rates, free)
+    values.dimensions = {**declared, **guessed}
+    for name, node in rates.items():
+        if name in guessed and not _fits(values, node, guessed[name]):
+            del guessed[name]
+    values.dimensions = {**declared, **{name: guessed[name] for name in rates if name in guessed}}
+    values.numbers.update(name for name in guessed if name in rates and not values.has_units(rates[name]))
+
+
+def _guessed(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node]) -> dict[str, Dimension]:
+    """Dimensions of states and signals as they follow from each other, wherever they do."""
+    declared, guessed = values.dimensions, dict[str, Dimension]()
+    for _ in range(len(rates) + len(signals)):
         before = len(guessed)
         values.dimensions = {**declared, **guessed}
-        for name, node in (*rates.items(), *signal_of.items()):
+        for name, node in (*rates.items(), *signals.items()):
             if values.dimensions.get(name) is None:
                 with suppress(ExpressionError):
                     seen = values.dimension(node)
@@ -65,12 +76,7 @@ def _infer(values: Values, rates: Mapping[str, Node], signals: Mapping[str, Node
                         guessed[name] = seen.times(TIME) if name in rates else seen
         if len(guessed) == before:
             break
-    values.dimensions = {**declared, **guessed}
-    for name, node in rates.items():
-        if name in guessed and not _fits(values, node, guessed[name]):
-            del guessed[name]
-    values.dimensions = {**declared, **{name: guessed[name] for name in rates if name in guessed}}
-    values.numbers.update(name for name in guessed if name in rates and not values.has_units(rates[name]))
+    return guessed
 
 
 def _fits(values: Values, node: Node, of_state: Dimension) -> bool:
@@ -99,7 +105,7 @@ def read_states(values: Values, document: Mapping[str, Any], starts: Mapping[str
             fitting = describe(of_state.over(TIME))
             values.wrong(
                 path,
-                f"{said(entry['rate'])} is {describe(seen)}; expected {fitting}: the state is {describe(of_state)}",
+                f"{quoted(entry['rate'])} is {describe(seen)}; expected {fitting}: the state is {describe(of_state)}",
             )
         states[name] = State(name, node, start, unit_name(of_state) if of_state is not None else "")
     return states

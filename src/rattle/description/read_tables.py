@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import LARGEST, Path, Values, said
+from rattle.description.read_values import LARGEST, Path, Values, quoted
 from rattle.description.tables import CURVES, TABLE
 from rattle.errors import InputError, ModelError, Problem
 from rattle.language.expression import argument_of
@@ -37,7 +37,7 @@ def read_tables(values: Values, document: Mapping[str, Any], early: bool) -> Non
     for name, written in tables.items():
         if not isinstance(written, Mapping):
             if early:
-                values.wrong(("tables", name), f"expected a table {{ x = [...], y = [...] }}, got {said(written)}")
+                values.wrong(("tables", name), f"expected a table {{ x = [...], y = [...] }}, got {quoted(written)}")
                 values.broken_tables.add(name)
         elif early == _is_plain(written):
             before = len(values.problems)
@@ -97,7 +97,7 @@ def _read(
 def _numbers(values: Values, written: Any, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
     """Numbers of a list [SI] and their common dimension; unit: of those that have none, "" for SI."""
     if not isinstance(written, list | tuple):
-        values.wrong(path, f"expected a list of numbers, got {said(written)}")
+        values.wrong(path, f"expected a list of numbers, got {quoted(written)}")
         return [], None
     if len(written) > MOST_POINTS:
         values.wrong(path, f"{len(written)} numbers; a table has at most {MOST_POINTS} points")
@@ -114,7 +114,7 @@ def _numbers(values: Values, written: Any, unit: str, path: Path) -> tuple[list[
             number = number * scale
         elif dimension is not None and common not in (None, dimension):
             values.wrong(
-                (*path, n), f"{said(entry)} is {describe(dimension)}, others are {describe(common or dimension)}"
+                (*path, n), f"{quoted(entry)} is {describe(dimension)}, others are {describe(common or dimension)}"
             )
         common = dimension if common is None else common
         numbers.append(number)
@@ -127,7 +127,7 @@ def _scale(unit: str) -> tuple[float, Dimension | None]:
         return 1.0, None
     quantity = parse_quantity(f"1 {unit}")
     if quantity is None:
-        raise QuantityError(f"{said(unit)} is not a unit")
+        raise QuantityError(f"{quoted(unit)} is not a unit")
     return quantity[0], dimension_of(unit)
 
 
@@ -140,11 +140,11 @@ def _period(values: Values, written: Mapping[str, Any], unit: str, of_x: Dimensi
     if dimension is None:
         number = number * _scale(unit)[0] if unit.strip() else number
     elif of_x is not None and dimension != of_x:
-        values.wrong(here, f"{said(written['period'])} is {describe(dimension)}; x is {describe(of_x)}")
+        values.wrong(here, f"{quoted(written['period'])} is {describe(dimension)}; x is {describe(of_x)}")
     if not math.isfinite(bare(number)):
         return math.nan
     if not number > 0.0:
-        values.wrong(here, f"{said(written['period'])} must be positive")
+        values.wrong(here, f"{quoted(written['period'])} must be positive")
         return math.nan
     return number
 
@@ -233,9 +233,9 @@ def with_files(
 def _of_file(written: Any, folder: FilePath | None) -> dict[str, Any]:
     """x, y and units of a file.  Raises InputError that says what is wrong with the file."""
     if not isinstance(written, str) or not written.strip():
-        raise InputError(f"expected {PLAIN_FILE}, got {said(written)}")
+        raise InputError(f"expected {PLAIN_FILE}, got {quoted(written)}")
     if folder is None:
-        raise InputError(f"{said(written)}: a model that was not read from a file has no folder; write out x and y")
+        raise InputError(f"{quoted(written)}: a model that was not read from a file has no folder; write out x and y")
     return read_points(inside(folder, written), written)
 
 
@@ -243,16 +243,16 @@ def inside(folder: FilePath, name: str) -> FilePath:
     """The place of a file in a folder.  Raises InputError if it would be outside, or is no file."""
     parts = PureWindowsPath(name)
     if PurePosixPath(name).is_absolute() or parts.drive or parts.root or ".." in parts.parts:
-        raise InputError(f"{said(name)} leads out of the folder of the model; expected {PLAIN_FILE}")
+        raise InputError(f"{quoted(name)} leads out of the folder of the model; expected {PLAIN_FILE}")
     try:
         home = folder.resolve()
         place = (home / name).resolve()
         if not place.is_relative_to(home):
-            raise InputError(f"{said(name)} is a link out of the folder of the model; expected {PLAIN_FILE}")
+            raise InputError(f"{quoted(name)} is a link out of the folder of the model; expected {PLAIN_FILE}")
         if not place.is_file():
-            raise InputError(f"there is no file {said(name)} in the folder of the model")
+            raise InputError(f"there is no file {quoted(name)} in the folder of the model")
     except (OSError, RuntimeError) as error:
-        raise InputError(f"cannot find {said(name)}: {error}") from None
+        raise InputError(f"cannot find {quoted(name)}: {error}") from None
     return place
 
 
@@ -260,12 +260,12 @@ def text_of(place: FilePath, name: str) -> str:
     """Text of a file; name: as messages call it.  Raises InputError for one that is too large or cannot be read."""
     try:
         if place.stat().st_size > LARGEST_FILE:
-            raise InputError(f"{said(name)} has more than {LARGEST_FILE / 1e6:.0f} MB")
+            raise InputError(f"{quoted(name)} has more than {LARGEST_FILE / 1e6:.0f} MB")
         return place.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise InputError(f"cannot read {said(name)}: {error.strerror or error}") from None
+        raise InputError(f"cannot read {quoted(name)}: {error.strerror or error}") from None
     except UnicodeDecodeError:
-        raise InputError(f"{said(name)} is not UTF-8 text") from None
+        raise InputError(f"{quoted(name)} is not UTF-8 text") from None
 
 
 def rows_of(text: str, name: str, delimiter: str = ",") -> list[list[str]]:
@@ -273,7 +273,7 @@ def rows_of(text: str, name: str, delimiter: str = ",") -> list[list[str]]:
     try:
         return list(csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True))
     except csv.Error as error:
-        raise InputError(f"{said(name)} is not a table of numbers: {error}") from None
+        raise InputError(f"{quoted(name)} is not a table of numbers: {error}") from None
 
 
 def read_points(place: FilePath, name: str) -> dict[str, Any]:
@@ -281,26 +281,28 @@ def read_points(place: FilePath, name: str) -> dict[str, Any]:
 
     Its first line may be a header such as `angle [deg], lift [mm]`.  Raises InputError with the line.
     """
-    text = text_of(place, name)
+    units, points = ["", ""], list[tuple[float, float]]()
+    for n, (line, cells) in enumerate(_pairs(text_of(place, name), name)):
+        if n == 0 and not any(_is_number(cell) for cell in cells):
+            units = [_unit(cell, f"{name}, line {line}") for cell in cells]
+        else:
+            points.append((_cell(cells[0], name, line), _cell(cells[1], name, line)))
+    if not points:
+        raise InputError(f"{quoted(name)} holds no numbers")
+    return {"x": [x for x, _ in points], "y": [y for _, y in points], "units": units}
+
+
+def _pairs(text: str, name: str) -> Iterator[tuple[int, list[str]]]:
+    """The number of each line that holds something, and its two cells."""
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    split = next((sign for sign in (";", "\t", ",") if sign in first), ",")
-    units = ["", ""]
-    points: list[tuple[float, float]] = []
-    header = True
-    for number, row in enumerate(rows_of(text, name, split), start=1):
+    split = next((sign for sign in (";", "	", ",") if sign in first), ",")
+    for line, row in enumerate(rows_of(text, name, split), start=1):
         cells = [cell.strip() for cell in row]
         if not any(cells) or cells[0].startswith("#"):
             continue
         if len(cells) != 2:
-            raise InputError(f"{name}, line {number}: expected two columns, found {len(cells)}")
-        if header and not any(_is_number(cell) for cell in cells):
-            units = [_unit(cell, f"{name}, line {number}") for cell in cells]
-        else:
-            points.append((_cell(cells[0], name, number), _cell(cells[1], name, number)))
-        header = False
-    if not points:
-        raise InputError(f"{said(name)} holds no numbers")
-    return {"x": [x for x, _ in points], "y": [y for _, y in points], "units": units}
+            raise InputError(f"{name}, line {line}: expected two columns, found {len(cells)}")
+        yield line, cells
 
 
 def _is_number(cell: str) -> bool:
@@ -311,9 +313,9 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def _cell(cell: str, name: str, number: int) -> float:
+def _cell(cell: str, name: str, line: int) -> float:
     if not _is_number(cell) or not math.isfinite(float(cell)):
-        raise InputError(f"{name}, line {number}: {said(cell)} is not a finite number; a decimal point is written '.'")
+        raise InputError(f"{name}, line {line}: {quoted(cell)} is not a finite number; a decimal point is written '.'")
     return float(cell)
 
 
@@ -321,7 +323,7 @@ def _unit(cell: str, where: str) -> str:
     """The unit in the header of a column, "" if it has none."""
     title = HEADER.fullmatch(cell)
     if title is None:
-        raise InputError(f"{where}: expected a header such as 'lift [mm]', found {said(cell)}")
+        raise InputError(f"{where}: expected a header such as 'lift [mm]', found {quoted(cell)}")
     unit = (title["unit"] or "").strip()
     try:
         _scale(unit)

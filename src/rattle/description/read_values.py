@@ -75,14 +75,14 @@ def _outside(node: Node) -> Node:
 
 def _functions(node: Node) -> list[Apply]:
     """Functions of plain numbers in a formula, outside of each other."""
-    found, waiting = [], [node]
+    functions, waiting = [], [node]
     while waiting:
         part = waiting.pop()
         if isinstance(part, Apply) and part.name in OF_NUMBERS:
-            found.append(part)
+            functions.append(part)
         elif isinstance(part, Apply):
             waiting.extend(part.operands)
-    return found
+    return functions
 
 
 class TooManyProblems(Exception):
@@ -133,33 +133,33 @@ class Values:
         self.constants[name] = self.chosen[name](number) if name in self.chosen else number
         self.dimensions[name] = dimension
 
-    def enter_table(self, name: str, one: Curve | None) -> None:
+    def enter_table(self, name: str, curve: Curve | None) -> None:
         """Enter a table."""
-        if one is not None:
-            self.curves[name] = one
+        if curve is not None:
+            self.curves[name] = curve
             self.tables = tables_of(self.curves)
 
     # ------------------------------------------------------------ tables and names
-    def table(self, given: Any, path: Path) -> Mapping[str, Any]:
+    def table(self, written: Any, path: Path) -> Mapping[str, Any]:
         """A table; an empty one after a problem."""
-        if isinstance(given, Mapping):
-            return given
-        self.wrong(path, f"expected a table, got {said(given)}")
+        if isinstance(written, Mapping):
+            return written
+        self.wrong(path, f"expected a table, got {quoted(written)}")
         return {}
 
-    def keys(self, given: Mapping[str, Any], allowed: Iterable[str], path: Path) -> None:
+    def keys(self, table: Mapping[str, Any], allowed: Iterable[str], path: Path) -> None:
         """Refuse unknown keys."""
-        known = list(allowed)
-        for key in given:
-            if key not in known:
-                self.wrong((*path, key), "unknown key" + suggest(key, known), at_key=True)
+        keys = list(allowed)
+        for key in table:
+            if key not in keys:
+                self.wrong((*path, key), "unknown key" + suggest(key, keys), at_key=True)
 
     def name(self, name: str, path: Path) -> None:
         """Refuse names that cannot be used in expressions."""
         if not (name.isidentifier() and name.isascii()):
             self.wrong(
                 path,
-                f"{said(name)} is not a name; expected letters a-z, digits and _, not starting with a digit",
+                f"{quoted(name)} is not a name; expected letters a-z, digits and _, not starting with a digit",
                 at_key=True,
             )
         elif name in TAKEN:
@@ -228,36 +228,43 @@ class Values:
 
     def names_known(self, node: Node, text: str, path: Path, unit: str | None, live: bool) -> bool:
         """True if every name is known and allowed here."""
-
-        def allowed(one: str) -> bool:
-            return one in self.constants or one in self.local or (live and (one == "t" or one in self.live))
-
         if not self.units_are_clear(node, path):
             return False
         spots = {part.name: part.column for part in reversed(walk(node)) if isinstance(part, Name)}
-        for one in sorted(spots.keys() & self.local):
-            if one in self.constants or one in self.live:
-                kind = "parameter" if one in self.constants else "signal"
-                self.wrong(path, f"here '{one}' has a meaning of its own; give the {kind} '{one}' another name")
+        for name in sorted(spots.keys() & self.local):
+            if name in self.constants or name in self.live:
+                kind = "parameter" if name in self.constants else "signal"
+                self.wrong(path, f"here '{name}' has a meaning of its own; give the {kind} '{name}' another name")
                 return False
-        unknown = [one for one in sorted(spots) if not allowed(one)]
-        for one in unknown:
-            column = spots[one]
-            if one in self.live or one == "t":
+        unknown = [name for name in sorted(spots) if not self._is_known(name, live)]
+        for name in unknown:
+            if self._is_known(name, live=True):
                 only = " and ".join(["parameters", *self.local])
-                self.wrong(path, f"'{one}' changes during the run; only {only} are allowed here", column=column)
-            elif one not in self.broken:
-                hint = suggest(one, [*self.constants, *self.local, *(self.live if live else ())])
-                if live and (own := ".".join([*map(str, path[1:2]), one])) in self.live:
-                    hint = f"; did you mean '{own}'?"
-                if unit and text.strip() == one and "did you mean" not in hint:
-                    hint = f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
-                if one in UNITS and "did you mean" not in hint:
-                    hint = f"; {one} is a unit, which stands behind a number: 5 {one}"
-                elif "." in one and "did you mean" not in hint:
-                    hint = f"; {KNOWN if live else 'only parameters are allowed here'}"
-                self.wrong(path, f"unknown name {said(one)} in {said(text)}{hint}", column=column)
+                what = f"'{name}' changes during the run; only {only} are allowed here"
+            elif name not in self.broken:
+                what = f"unknown name {quoted(name)} in {quoted(text)}{self._hint(name, text, path, unit, live)}"
+            else:
+                continue
+            self.wrong(path, what, column=spots[name])
         return not unknown
+
+    def _is_known(self, name: str, live: bool) -> bool:
+        return name in self.constants or name in self.local or (live and (name == "t" or name in self.live))
+
+    def _hint(self, name: str, text: str, path: Path, unit: str | None, live: bool) -> str:
+        """What could stand instead of an unknown name."""
+        if live and (own := ".".join([*map(str, path[1:2]), name])) in self.live:
+            return f"; did you mean '{own}'?"
+        hint = suggest(name, [*self.constants, *self.local, *(self.live if live else ())])
+        if "did you mean" in hint:
+            return hint
+        if name in UNITS:
+            return f"; {name} is a unit, which stands behind a number: 5 {name}"
+        if "." in name:
+            return f"; {KNOWN if live else 'only parameters are allowed here'}"
+        if unit and text.strip() == name:
+            return f"; expected {expected(unit)}: a quantity like '5 {unit}' or an expression"
+        return hint
 
     def dimension_fits(self, node: Node, text: str, path: Path, unit: str | None) -> bool:
         """True if the dimension of an expression is consistent and is that of `unit` (any if None)."""
@@ -268,7 +275,7 @@ class Values:
             return False
         if unit is None or seen is None or seen == dimension_of(unit) or not self.has_units(node):
             return True
-        self.wrong(path, f"{said(text)} is {describe(seen)}; expected {expected(unit)}")
+        self.wrong(path, f"{quoted(text)} is {describe(seen)}; expected {expected(unit)}")
         return False
 
     def has_units(self, node: Node) -> bool:
@@ -294,17 +301,9 @@ class Values:
         have a dimension, `t` is a time, or the plain number of seconds if only that is consistent, as in "A*sin(t)".
         A formula without given units is of any dimension if it is not consistent, see `has_units`.
         """
-        for function in _functions(node):
-            argument = function.operands[0]
-            inside = self.dimension(argument, "rad")
-            if inside is not None and inside != DIMENSIONLESS and self.has_units(argument):
-                called = function.called or function.name
-                raise ExpressionError(
-                    f"cannot take {called} of {unit_name(inside)}; expected a plain number or angle", function.column
-                )
+        self._require_plain_arguments(node)
         outer = _outside(node)
-        known = {one for one in names(outer) if self.dimensions.get(one) is not None}
-        if not known and not self.has_units(node):
+        if all(self.dimensions.get(name) is None for name in names(outer)) and not self.has_units(node):
             return None
         try:
             seen = dimension(outer, self._dimension_of)
@@ -321,46 +320,52 @@ class Values:
             return again if again in (None, dimension_of(unit)) else seen
         return seen
 
+    def _require_plain_arguments(self, node: Node) -> None:
+        """Raise ExpressionError if a function of plain numbers is taken of something else."""
+        for function in _functions(node):
+            argument = function.operands[0]
+            inside = self.dimension(argument, "rad")
+            if inside is not None and inside != DIMENSIONLESS and self.has_units(argument):
+                called = function.called or function.name
+                raise ExpressionError(
+                    f"cannot take {called} of {unit_name(inside)}; expected a plain number or angle", function.column
+                )
+
     def _dimension_of(self, name: str) -> Dimension | None:
         return DIMENSIONLESS if name == PLAIN else self.dimensions.get(name)
 
     # ------------------------------------------------------------ numbers
-    def value(self, given: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:
+    def value(self, written: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:
         """A float [SI], or a Node if `live` and the value changes during the run; nan after a problem."""
-        if isinstance(given, bool) or not isinstance(given, int | float | str):
-            like = f" as a number or a text like '5 {unit}'" if unit else ""
-            if callable(given):
-                law = "write @rt.load_law(NAME) above it and give a load the type NAME"
-                self.wrong(path, f"a Python function cannot stand for {expected(unit)}; {law}")
-                return math.nan
-            self.wrong(path, f"expected {expected(unit)}{like}, got {said(given)}")
+        number = self._number(written, unit, path, live)
+        if number is None or isinstance(number, Node):
+            return math.nan if number is None else number
+        if fault := _fault(number, unit, least):
+            self.wrong(path, f"{quoted(written)} {fault}")
             return math.nan
-        if isinstance(given, str):
-            number = self._text(given, unit, path, live)
-            if not isinstance(number, float):
-                return math.nan if number is None else number
-        else:
-            number = _float(given)
-        if not math.isfinite(bare(number)):
-            self.wrong(path, f"{said(given)} is not a finite number; expected {expected(unit)}")
-            return math.nan
-        if abs(bare(number)) > LARGEST or (least and bare(number) != 0.0 and not is_computable(number)):
-            self.wrong(path, f"{said(given)} is beyond all numbers that can be computed with, {RANGE}")
-            return math.nan
-        if least and not LIMITS[least](number):
-            self.wrong(
-                path, f"{said(given)} must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
-            )
-            return math.nan
-        if unit == "rad" and _is_bare(given) and abs(bare(number)) > 2.0 * math.pi:
+        if unit == "rad" and _is_bare(written) and abs(bare(number)) > 2.0 * math.pi:
             key = ".".join(str(part) for part in path)
             self.remarks.append(f'{key} = {number:g} is {number:g} rad; write "{number:g} deg" if degrees are meant')
         return number
 
-    def _text(self, given: str, unit: str, path: Path, live: bool) -> float | Node | None:
+    def _number(self, written: Any, unit: str, path: Path, live: bool) -> float | Node | None:
+        """Value [SI] of what stands for a number, before its limits are checked; None after a problem."""
+        if isinstance(written, str):
+            return self._text(written, unit, path, live)
+        if isinstance(written, int | float) and not isinstance(written, bool):
+            return _float(written)
+        if callable(written):
+            law = "write @rt.load_law(NAME) above it and give a load the type NAME"
+            self.wrong(path, f"a Python function cannot stand for {expected(unit)}; {law}")
+        else:
+            like = f" as a number or a text like '5 {unit}'" if unit else ""
+            self.wrong(path, f"expected {expected(unit)}{like}, got {quoted(written)}")
+        return None
+
+    def _text(self, text: str, unit: str, path: Path, live: bool) -> float | Node | None:
         """Value [SI] of a text, which is a quantity or an expression; None after a problem."""
         try:
-            quantity = parse_quantity(given)
+            quantity = parse_quantity(text)
         except QuantityError as error:
             self.wrong(path, f"{error}; expected {expected(unit)}")
             return None
@@ -368,9 +373,9 @@ class Values:
             number, seen = quantity
             if seen is None or seen == dimension_of(unit):
                 return number
-            self.wrong(path, f"{said(given)} is {describe(seen)}; expected {expected(unit)}")
+            self.wrong(path, f"{quoted(text)} is {describe(seen)}; expected {expected(unit)}")
             return None
-        node = self.expression(given, path, unit, live)
+        node = self.expression(text, path, unit, live)
         if node is None:
             return None
         if not names(node) <= self.constants.keys():
@@ -394,40 +399,40 @@ class Values:
             self.in_expression(error, path)
             return None
 
-    def any_number(self, given: Any, path: Path) -> tuple[float, Dimension | None]:
+    def any_number(self, written: Any, path: Path) -> tuple[float, Dimension | None]:
         """A number of any unit [SI] and its dimension, None if it has none; nan after a problem."""
-        if isinstance(given, str):
+        if isinstance(written, str):
             try:
-                quantity = parse_quantity(given)
+                quantity = parse_quantity(written)
             except QuantityError as error:
                 self.wrong(path, str(error))
                 return math.nan, None
             if quantity is not None:
                 return quantity
-            node = self.expression(given, path, None, live=False)
+            node = self.expression(written, path, None, live=False)
             number = self.constant(node, path) if node is not None else None
             return (math.nan, None) if node is None or number is None else (number, self.dimension(node))
-        return self.value(given, "", path), None
+        return self.value(written, "", path), None
 
-    def vector(self, given: Any, unit: str, path: Path, live: bool = False, least: str = "") -> Any:
+    def vector(self, written: Any, unit: str, path: Path, live: bool = False, least: str = "") -> Any:
         """Two values [SI]; if `live`, each may be a Node."""
-        if not isinstance(given, list | tuple) or len(given) != 2:
-            self.wrong(path, f"expected [x, y] in {unit}, got {said(given)}")
+        if not isinstance(written, list | tuple) or len(written) != 2:
+            self.wrong(path, f"expected [x, y] in {unit}, got {quoted(written)}")
             return (math.nan, math.nan)
-        return tuple(self.value(one, unit, (*path, k), least, live) for k, one in enumerate(given))
+        return tuple(self.value(part, unit, (*path, k), least, live) for k, part in enumerate(written))
 
-    def points(self, given: Any, path: Path) -> dict[str, Vector]:
+    def points(self, written: Any, path: Path) -> dict[str, Vector]:
         """A table of named points [m]."""
-        found = {}
-        for name, at in self.table(given, path).items():
+        points = {}
+        for name, at in self.table(written, path).items():
             if not name.isidentifier():
                 self.wrong(
                     (*path, name),
-                    f"{said(name)} is not a name; expected letters, digits and _, not starting with a digit",
+                    f"{quoted(name)} is not a name; expected letters, digits and _, not starting with a digit",
                     at_key=True,
                 )
-            found[name] = self.vector(at, "m", (*path, name))
-        return found
+            points[name] = self.vector(at, "m", (*path, name))
+        return points
 
 
 def is_computable(number: float) -> bool:
@@ -435,33 +440,44 @@ def is_computable(number: float) -> bool:
     return SMALLEST <= abs(bare(number)) <= LARGEST
 
 
-def _float(given: float) -> float:
+def _float(number: float) -> float:
     try:
-        return as_number(given)
+        return as_number(number)
     except OverflowError:
         return math.inf
 
 
-def _is_bare(given: Any) -> bool:
+def _fault(number: float, unit: str, least: str) -> str:
+    """Why a number cannot be worked with, or is beyond its limit; "" if neither."""
+    if not math.isfinite(bare(number)):
+        return f"is not a finite number; expected {expected(unit)}"
+    if abs(bare(number)) > LARGEST or (least and bare(number) != 0.0 and not is_computable(number)):
+        return f"is beyond all numbers that can be computed with, {RANGE}"
+    if least and not LIMITS[least](number):
+        return f"must {'' if least == 'positive' else 'not '}be {least.removeprefix('not ')}"
+    return ""
+
+
+def _is_bare(written: Any) -> bool:
     """True for a number that was written without a unit."""
-    if not isinstance(given, str):
+    if not isinstance(written, str):
         return True
-    quantity = parse_quantity(given)
+    quantity = parse_quantity(written)
     return quantity is not None and quantity[1] is None
 
 
-def said(given: Any) -> str:
+def quoted(value: Any) -> str:
     """A value as a message quotes it."""
-    text = f"'{given}'" if isinstance(given, str) else ("a table" if isinstance(given, Mapping) else _plain(given))
+    text = f"'{value}'" if isinstance(value, str) else ("a table" if isinstance(value, Mapping) else _plain(value))
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _plain(given: Any) -> str:
-    if isinstance(given, bool):
-        return "true" if given else "false"
-    if isinstance(given, int) and given.bit_length() > 200:
+def _plain(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int) and value.bit_length() > 200:
         return "a huge number"
-    return str(given)
+    return str(value)
 
 
 def expected(unit: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Contact, Wear
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, said
+from rattle.description.read_values import Path, quoted
 from rattle.description.tables import COEFFICIENT, DEPTHS, LAYER, SIDES, WEAR
 from rattle.language.recorded import as_number
 
@@ -40,13 +40,7 @@ def _wear(
 ) -> Wear | None:  # fmt: skip
     """The wear as it is written; of_contact: the contact as it is written."""
     values = reader.values
-    if not kind_wears(joint):
-        values.wrong(
-            path, f"a {joint.name} joint does not wear here; only pins in bushes do: leave it out", at_key=True
-        )
-        return None
-    if not clearance > 0.0:
-        values.wrong(path, "needs a clearance of the joint: a pin that fills its bush has no contact that moves")
+    if not _may_wear(reader, joint, clearance, path):
         return None
     before, table = len(values.problems), values.table(written, path)
     read = reader.form(WEAR, table, path)
@@ -57,26 +51,44 @@ def _wear(
     layer = _require_possible(reader, table, read, path)
     if len(values.problems) > before or contact is None:
         return None
-    bed = layer if layer == layer else read["foundation"]
+    bed, assumed = layer if layer == layer else read["foundation"], ""
     sizes = _sizes(reader, contact, of_contact, (*path[:-1], "contact"))
     if sizes is None:
         return None
     radius, length = sizes
-    assumed = ""
     if bed != bed and contact.static is not None:
         bed, assumed = _fitted(contact, clearance, radius, length)
     bins = int(read["bins"])
     profile = _profile(reader, table, bins, path)
     if len(values.problems) > before:
         return None
-    kind = registry.kinds("contact").get(contact.model)
-    if profile is not None and kind is not None and (kind.leaf.contacts or kind.leaf.link):
-        round_ = f"contact '{contact.title}' takes the bush as round; a compliant one without oil knows its profile"
-        values.remarks.append(f"{'.'.join(map(str, path))}: {round_}")
+    if profile is not None:
+        _remark_round(reader, contact, path)
     return Wear(
         rates[0], rates[1], bed, radius, length, bins, read["smooth"], read["cycle"], read["cycles"], jump,
         read["wall"], profile, assumed,
     )  # fmt: skip
+
+
+def _may_wear(reader: FieldReader, joint: registry.Kind, clearance: float, path: Path) -> bool:
+    """True of a joint that wears; a problem is reported otherwise."""
+    if not kind_wears(joint):
+        fault = f"a {joint.name} joint does not wear here; only pins in bushes do: leave it out"
+        reader.values.wrong(path, fault, at_key=True)
+        return False
+    if not clearance > 0.0:
+        fault = "needs a clearance of the joint: a pin that fills its bush has no contact that moves"
+        reader.values.wrong(path, fault)
+        return False
+    return True
+
+
+def _remark_round(reader: FieldReader, contact: Contact, path: Path) -> None:
+    """Tell that a contact does not follow the profile of its bush, if so."""
+    kind = registry.kinds("contact").get(contact.model)
+    if kind is not None and (kind.leaf.contacts or kind.leaf.link):
+        takes = f"contact '{contact.title}' takes the bush as round; a compliant one without oil knows its profile"
+        reader.values.remarks.append(f"{'.'.join(map(str, path))}: {takes}")
 
 
 def _require_possible(reader: FieldReader, table: Mapping[str, Any], read: Mapping[str, float], path: Path) -> float:
@@ -153,7 +165,7 @@ def _profile(
 ) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Depths of bush and pin [m]; None if the surfaces are round, or after a problem."""
     if "profile" in table and DEPTHS not in table:
-        reader.values.wrong((*path, "profile"), f"{said(table['profile'])}: a model without a file has no folder")
+        reader.values.wrong((*path, "profile"), f"{quoted(table['profile'])}: a model without a file has no folder")
         return None
     if DEPTHS not in table:
         return None
@@ -163,7 +175,7 @@ def _profile(
     for side in SIDES:
         numbers = depths.get(side, [0.0] * bins)
         if not isinstance(numbers, list | tuple) or len(numbers) != bins:
-            count = f"{len(numbers)} numbers" if isinstance(numbers, list | tuple) else said(numbers)
+            count = f"{len(numbers)} numbers" if isinstance(numbers, list | tuple) else quoted(numbers)
             what = (*path, "profile") if "profile" in table else (*here, side)
             reader.values.wrong(what, f"{side}: expected a depth in m for each of the {bins} bins, got {count}")
             return None

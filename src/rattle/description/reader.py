@@ -15,7 +15,7 @@ from rattle.description.read_parameters import read_groups, read_parameters, rea
 from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
 from rattle.description.read_tables import read_tables
-from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, said
+from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, quoted
 from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
 from rattle.errors import ModelError, shown, suggest
 from rattle.language.expression import Node, names
@@ -55,7 +55,7 @@ def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
         if isinstance(written, Mapping):
             for key in written:
                 if not isinstance(key, str):
-                    values.wrong(path, f"the key {said(key)} is not a text")
+                    values.wrong(path, f"the key {quoted(key)} is not a text")
                     return False
             waiting += [((*path, key), value) for key, value in written.items() if _holds(value)]
         elif isinstance(written, list | tuple):
@@ -136,11 +136,11 @@ def _header(document: Mapping[str, Any], values: Values) -> str:
     values.keys(document, MODEL.fields, ())
     form = document.get("format")
     if form != 1 or isinstance(form, bool):
-        got = f"got {said(form)}" if "format" in document else "it is missing"
+        got = f"got {quoted(form)}" if "format" in document else "it is missing"
         values.wrong(("format",), f"expected format = 1, {got}")
     title = document.get("name", "")
     if not isinstance(title, str):
-        values.wrong(("name",), f"expected a text, got {said(title)}")
+        values.wrong(("name",), f"expected a text, got {quoted(title)}")
     return shown(str(title)).replace("\n", " ").replace("\t", " ")  # shown in terminals and pictures
 
 
@@ -152,7 +152,7 @@ def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, M
             values.name(name, (key, name))
             entries[name] = entry
         else:
-            values.wrong((key, name), f"expected a table, got {said(entry)}")
+            values.wrong((key, name), f"expected a table, got {quoted(entry)}")
     return entries
 
 
@@ -195,7 +195,7 @@ def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initi
                 offsets[name] = parts.read(OFFSET, entry, path)["offset"]
         else:
             near = suggest(name, [*parts.bodies, *play])
-            values.wrong(path, f"no body or clearance joint {said(name)}{near}", at_key=True)
+            values.wrong(path, f"no body or clearance joint {quoted(name)}{near}", at_key=True)
     return Initial(bodies, offsets)
 
 

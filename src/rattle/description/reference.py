@@ -28,8 +28,8 @@ class Topic(NamedTuple):
 
 def topics() -> dict[str, Topic]:
     """All topics by name."""
-    made = [make() for make in (*(_table(name) for name in TABLES), _wear, _names, _functions, _units, _materials)]
-    return {one.name: one for one in made}
+    every = [make() for make in (*(_table(name) for name in TABLES), _wear, _names, _functions, _units, _materials)]
+    return {topic.name: topic for topic in every}
 
 
 TABLES = tuple(key for key in MODEL.fields if key not in ("format", "name", "joints", "drivers", "loads"))
@@ -39,8 +39,8 @@ def common(family: str, kind: str) -> list[str]:
     """The keys that every entry of a family may have besides the fields of its kind, with their units."""
     properties: Mapping[str, Any] = schema()["properties"]
     if family == "joint":
-        one = _variant(properties["joints"], "type", kind)
-        return [_line(key, one[key]) for key in ("connect", *JOINT.fields, "contact", "wear") if key in one] + (
+        entry = _variant(properties["joints"], "type", kind)
+        return [_line(key, entry[key]) for key in ("connect", *JOINT.fields, "contact", "wear") if key in entry] + (
             _dimensions(kind) + _stop(kind)
         )
     if family == "driver":
@@ -57,7 +57,7 @@ def _dimensions(joint: str) -> list[str]:
     if play is None:
         return []
     return [
-        f"{table} {{ {', '.join(f'{key} [{one.unit}]' for key, one in wanted.items())} }}:"
+        f"{table} {{ {', '.join(f'{key} [{field.unit}]' for key, field in wanted.items())} }}:"
         f" the {table} of a {play.leaf.bearer} with clearance"
         for table, wanted in play.leaf.dimensions.items()
     ]
@@ -68,14 +68,14 @@ def _stop(joint: str) -> list[str]:
     kind = registry.stop_of(joint)
     if kind is None:
         return []
-    ends = ", ".join(f"{key} [{one.unit}]" for key, one in kind.fields.items())
+    ends = ", ".join(f"{key} [{field.unit}]" for key, field in kind.fields.items())
     return [f"stop {{ {ends}, contact }}: one-sided ends of its coordinate ({kind.name})"]
 
 
 def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any]:
     """Properties of the variant of a table whose `key` is `value`."""
-    variants = [one["properties"] for one in table["additionalProperties"]["anyOf"]]
-    return next(one for one in variants if one.get(key, {}).get("const") == value)
+    variants = [variant["properties"] for variant in table["additionalProperties"]["anyOf"]]
+    return next(properties for properties in variants if properties.get(key, {}).get("const") == value)
 
 
 def _table(name: str) -> Callable[[], Topic]:
@@ -98,16 +98,16 @@ def _keys(entry: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
 def _wear() -> Topic:
     """The table `wear` of a joint."""
     joints: Mapping[str, Any] = schema()["properties"]["joints"]
-    variants = (one["properties"] for one in joints["additionalProperties"]["anyOf"])
-    entry = next(one["wear"] for one in variants if "wear" in one)
+    variants = (variant["properties"] for variant in joints["additionalProperties"]["anyOf"])
+    entry = next(properties["wear"] for properties in variants if "wear" in properties)
     lines = [_line(key, value) for key, value in entry["properties"].items()]
     return Topic("wear", f"wear = {{ ... }} of a joint: {entry['description']}", tuple(lines))
 
 
-def _line(key: str, one: Mapping[str, Any]) -> str:
-    words = [str(word).lower() if isinstance(word, bool) else word for word in one.get("enum", ())]
+def _line(key: str, piece: Mapping[str, Any]) -> str:
+    words = [str(word).lower() if isinstance(word, bool) else word for word in piece.get("enum", ())]
     choices = f" ({' | '.join(words)})" if words else ""
-    return f"{key}: {one.get('description', 'a number or a text')}{choices}"
+    return f"{key}: {piece.get('description', 'a number or a text')}{choices}"
 
 
 def _names() -> Topic:
@@ -127,11 +127,11 @@ def _names() -> Topic:
         "<table>(x): every table, with one argument",
         "every parameter; every signal and state defined in the file",
     ]
-    said = (
+    where = (
         "in loads, signals and rates of states all of these; in drivers t, parameters, and signals over them;"
         " elsewhere parameters only"
     )
-    return Topic("names", f"names in expressions: {said}", tuple(lines))
+    return Topic("names", f"names in expressions: {where}", tuple(lines))
 
 
 def _functions() -> Topic:
@@ -147,17 +147,17 @@ def _functions() -> Topic:
 
 
 def _units() -> Topic:
-    found: dict[Any, list[str]] = {}
+    by_dimension: dict[Any, list[str]] = {}
     for unit, (_, dimension) in UNITS.items():
-        found.setdefault(dimension, []).append(unit)
+        by_dimension.setdefault(dimension, []).append(unit)
     lines = [
         f"{describe(dimension) if dimension != DIMENSIONLESS else 'an angle'}: {' '.join(units)}"
-        for dimension, units in found.items()
+        for dimension, units in by_dimension.items()
     ]
-    said = 'units of quantities; products and powers of them too: "N*s/m", "kg*m^2"'
-    return Topic("units", said, tuple(lines))
+    meaning = 'units of quantities; products and powers of them too: "N*s/m", "kg*m^2"'
+    return Topic("units", meaning, tuple(lines))
 
 
 def _materials() -> Topic:
-    lines = tuple(f"{name}: E = {one.E / 1e9:g} GPa, nu = {one.nu:g} ({one.source})" for name, one in MATERIALS.items())
+    lines = tuple(f"{name}: E = {m.E / 1e9:g} GPa, nu = {m.nu:g} ({m.source})" for name, m in MATERIALS.items())
     return Topic("materials", "materials of bushes and pins by name; others as { E = ..., nu = ... }", lines)

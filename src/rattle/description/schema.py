@@ -135,12 +135,8 @@ def _contact(
     laws, statics = registry.kinds("normal"), registry.kinds("stiffness")
     plain = {name: kind for name, kind in registry.kinds("contact").items() if models is None or name in models}
     oiled = [kind for kind in plain.values() if kind.leaf.oiled]
-    own = _of(CONTACT)
-    every: dict[str, Schema] = {"geometry": own["geometry"]}
-    for kind in (*statics.values(), *laws.values(), *plain.values()):
-        every |= of.fields(kind)
-    every |= {**_oil(), **every} if oiled else {}
-    every = {key: value for key, value in (every | own).items() if key not in without}
+    every = _keys_of_contacts((*statics.values(), *laws.values(), *plain.values()), bool(oiled))
+    every = {key: value for key, value in every.items() if key not in without}
     tables = []
     for kind in oiled:
         needed = ["model", "bush_radius", *_needed_by_all(registry.kinds("film").values())]
@@ -149,6 +145,15 @@ def _contact(
         own_fields = {key: field for key, field in of.fields(kind).items() if key != "friction" and key not in without}
         tables.append(of.table({"model": of.choice(kind), **every, **own_fields}, ("model", *of.needed(kind))))
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
+
+
+def _keys_of_contacts(kinds: Collection[Kind], oiled: bool) -> dict[str, Schema]:
+    """Keys that the table of any of these models has."""
+    own = _of(CONTACT)
+    every: dict[str, Schema] = {"geometry": own["geometry"]}
+    for kind in kinds:
+        every |= of.fields(kind)
+    return every | ({**_oil(), **every} if oiled else {}) | own
 
 
 def _oil() -> dict[str, Schema]:

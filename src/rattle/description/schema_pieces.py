@@ -18,10 +18,10 @@ NAMES = "x-names"  # keyword of our own: of which parts of the model a text is a
 
 
 def table(properties: Mapping[str, Schema], needed: Iterable[str] = (), meaning: str = "") -> Schema:
-    made: Schema = {"type": "object", "properties": dict(properties), "additionalProperties": False}
+    schema: Schema = {"type": "object", "properties": dict(properties), "additionalProperties": False}
     if list(needed):
-        made["required"] = list(needed)
-    return made | ({"description": meaning} if meaning else {})
+        schema["required"] = list(needed)
+    return schema | ({"description": meaning} if meaning else {})
 
 
 def named(entry: Schema, meaning: str) -> Schema:
@@ -35,10 +35,10 @@ def named(entry: Schema, meaning: str) -> Schema:
 
 
 def number(unit: str, meaning: str, least: str = "") -> Schema:
-    made: Schema = {"type": ["number", "string"], "description": f"{meaning} [{unit}]" if unit else meaning}
+    schema: Schema = {"type": ["number", "string"], "description": f"{meaning} [{unit}]" if unit else meaning}
     if least:
-        made["exclusiveMinimum" if least == "positive" else "minimum"] = 0
-    return made
+        schema["exclusiveMinimum" if least == "positive" else "minimum"] = 0
+    return schema
 
 
 def vector(unit: str, meaning: str) -> Schema:
@@ -58,8 +58,8 @@ def connect(end: Schema, meaning: str = 'ends A and B, "body.point" each') -> Sc
 
 
 def array(entry: Schema, fewest: int = 0, most: int = 0) -> Schema:
-    made: Schema = {"type": "array", "items": entry}
-    return made | ({"minItems": fewest} if fewest else {}) | ({"maxItems": most} if most else {})
+    schema: Schema = {"type": "array", "items": entry}
+    return schema | ({"minItems": fewest} if fewest else {}) | ({"maxItems": most} if most else {})
 
 
 def _material(field: Field) -> Schema:
@@ -117,13 +117,13 @@ def field(declared: Field) -> Schema:
     if declared.function_of:
         meaning += f"; an expression in {declared.function_of} [{declared.of_unit}], which may use tables"
     told = replace(declared, meaning=meaning)
-    made = dict(SHAPES[told.shape](told)) if told.shape in SHAPES else number(told.unit, meaning, told.least)
+    schema = dict(SHAPES[told.shape](told)) if told.shape in SHAPES else number(told.unit, meaning, told.least)
     if meaning:
-        made.setdefault("description", meaning)
+        schema.setdefault("description", meaning)
     chosen = default is REQUIRED or default is None or callable(default)
     if not chosen and not (isinstance(default, float) and not math.isfinite(default)):
-        made["default"] = default
-    return made
+        schema["default"] = default
+    return schema
 
 
 def fields_of(keys: Mapping[str, Part], meaning: str = "") -> Schema:

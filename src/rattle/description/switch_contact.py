@@ -22,24 +22,32 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     """
     old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")
-    if model in plain and not plain[model].leaf.contacts:
-        return model
-    if model in plain and plain[model].leaf.oiled:
-        return _oiled(old, model)
-    if old["model"] in plain and plain[old["model"]].leaf.oiled:  # without the oil its dry contact is left
-        dry = {**STEEL, "length": old.get("length")} if "dry" not in old else old["dry"]
-        old = {"bush_radius": old.get("bush_radius"), **dry}
+    if model in plain:
+        if not plain[model].leaf.contacts:
+            return model
+        if plain[model].leaf.oiled:
+            return _oiled(old, model)
+    old = _without_oil(old)
     keys = ["bush_radius", "friction"]
     keys += (
         [*plain[model].fields] if model in plain else [*_elastic(old), *(laws[model].fields if model in laws else ())]
     )
-    made = {"model": model, **{key: value for key, value in old.items() if key in keys}}
-    friction = made.get("friction")
+    new = {"model": model, **{key: value for key, value in old.items() if key in keys}}
+    friction = new.get("friction")
     if model in plain and isinstance(friction, Mapping):
-        made["friction"] = friction.get("mu", 0.0)
-    if "restitution" in made and model in laws and laws[model].fields["restitution"].default == 1.0:
-        del made["restitution"]  # a law without loss
-    return made if len(made) > 1 else model
+        new["friction"] = friction.get("mu", 0.0)
+    if "restitution" in new and model in laws and laws[model].fields["restitution"].default == 1.0:
+        del new["restitution"]  # a law without loss
+    return new if len(new) > 1 else model
+
+
+def _without_oil(old: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A contact, or the dry one that is left of a lubricated one."""
+    kind = registry.kinds("contact").get(old["model"])
+    if kind is None or not kind.leaf.oiled:
+        return old
+    dry = {**STEEL, "length": old.get("length")} if "dry" not in old else old["dry"]
+    return {"bush_radius": old.get("bush_radius"), **dry}
 
 
 def _elastic(old: Mapping[str, Any]) -> list[str]:
@@ -51,12 +59,12 @@ def _elastic(old: Mapping[str, Any]) -> list[str]:
 def _oiled(old: Mapping[str, Any], model: str) -> dict[str, Any]:
     """A lubricated contact, with the oil that the table has, and its compliant contact as the dry one."""
     films, laws = film_keys(), registry.kinds("normal")
-    made = {"model": model, **{key: value for key, value in old.items() if key in films}}
-    if "dry" not in made and old["model"] in laws:
+    new = {"model": model, **{key: value for key, value in old.items() if key in films}}
+    if "dry" not in new and old["model"] in laws:
         own = ["model", "friction", *laws[old["model"]].fields]
         own += _elastic(old) if "geometry" in old or "bush_material" in old else ELASTIC[:2]
-        made["dry"] = {key: value for key, value in old.items() if key in own}
-    return made
+        new["dry"] = {key: value for key, value in old.items() if key in own}
+    return new
 
 
 def contact_of(document: Mapping[str, Any], joint: str) -> dict[str, Any]:

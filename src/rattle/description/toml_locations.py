@@ -46,18 +46,18 @@ def locate_all(text: str, wanted: Sequence[tuple[tuple[str | int, ...], bool]]) 
             place = place.parts.setdefault(part, _Place())
         place.wanted = bool(path)
     _Scanner(text, top).run()
-    found: list[tuple[int, int] | None] = []
+    places: list[tuple[int, int] | None] = []
     for path, key in wanted:
         best, place = None, top
         for part in path:
             place = place.parts[part]
             best = place if place.seen else best
         if best is None:
-            found.append(None)
+            places.append(None)
             continue
         at = best.key_at if key else best.value_at
-        found.append((text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)))
-    return found
+        places.append((text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)))
+    return places
 
 
 def caret(text: str, line: int, column: int, width: int = 1) -> str:
@@ -114,12 +114,12 @@ class _Frame:
 
 def _count(top: _Place) -> int:
     """Number of places below `top` that are ends of paths."""
-    found, ahead = 0, [top]
+    count, ahead = 0, [top]
     while ahead:
         place = ahead.pop()
-        found += place.wanted
+        count += place.wanted
         ahead += place.parts.values()
-    return found
+    return count
 
 
 class _Scanner:
@@ -184,21 +184,21 @@ class _Scanner:
 
     # -------------------------------------------------- read the text
     def skip(self, pattern: re.Pattern[str], at: int) -> int:
-        found = pattern.match(self.text, at)
-        return found.end() if found else at
+        match = pattern.match(self.text, at)
+        return match.end() if match else at
 
     def keys(self, at: int) -> tuple[list[tuple[str, int]], int]:
         """A dotted key: its parts with their positions, and where it ends."""
-        found: list[tuple[str, int]] = []
+        parts: list[tuple[str, int]] = []
         while True:
             at = self.skip(_SPACE, at)
             match = _KEY.match(self.text, at)
             if match is None:
                 return [], at
-            found.append((_plain(match[0]), at))
+            parts.append((_plain(match[0]), at))
             at = self.skip(_SPACE, match.end())
             if not self.text.startswith(".", at):
-                return found, at
+                return parts, at
             at += 1
 
     def entry(self, at: int, here: _Place | None) -> int | None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from rattle.description.changes import Change
 from rattle.description.read_tables import inside, rows_of, text_of
-from rattle.description.read_values import said
+from rattle.description.read_values import quoted
 from rattle.description.tables import DEPTHS
 from rattle.errors import InputError, ModelError, Problem
 
@@ -27,9 +27,9 @@ def with_profiles(
     folder: that of the model file, None for a model that was not read from a file.  read: joints read before, whose
     depths stay as they are.  Raises ModelError with all problems.
     """
-    joints, made, problems = document.get("joints"), dict(document), list[Problem]()
+    joints, changed, problems = document.get("joints"), dict(document), list[Problem]()
     if not isinstance(joints, Mapping):
-        return made
+        return changed
     filled = dict(joints)
     for name, joint in joints.items():
         wear = joint.get("wear") if isinstance(joint, Mapping) else None
@@ -49,16 +49,16 @@ def with_profiles(
         filled[name] = {**joint, "wear": {**wear, DEPTHS: depths}}
     if problems:
         raise ModelError(problems, file)
-    return {**made, "joints": filled}
+    return {**changed, "joints": filled}
 
 
-def _of_file(given: Any, folder: Path | None, joint: str) -> dict[str, list[float]]:
+def _of_file(profile: Any, folder: Path | None, joint: str) -> dict[str, list[float]]:
     """Depths by side [m].  Raises InputError that says what is wrong with the file."""
-    if not isinstance(given, str) or not given.strip():
-        raise InputError(f'expected a file beside the model file, such as "pin.wear.csv", got {said(given)}')
+    if not isinstance(profile, str) or not profile.strip():
+        raise InputError(f'expected a file beside the model file, such as "pin.wear.csv", got {quoted(profile)}')
     if folder is None:
-        raise InputError(f"{said(given)}: a model that was not read from a file has no folder")
-    return parsed(text_of(inside(folder, given), given), given, joint)
+        raise InputError(f"{quoted(profile)}: a model that was not read from a file has no folder")
+    return parsed(text_of(inside(folder, profile), profile), profile, joint)
 
 
 def parsed(text: str, name: str, joint: str) -> dict[str, list[float]]:
@@ -66,26 +66,26 @@ def parsed(text: str, name: str, joint: str) -> dict[str, list[float]]:
     lines = text.splitlines()
     whose = lines[0].removeprefix(TITLE).strip() if lines and lines[0].startswith(TITLE) else ""
     if not whose:
-        raise InputError(f"{said(name)} is not a wear profile: its first line is not '{TITLE}NAME'")
+        raise InputError(f"{quoted(name)} is not a wear profile: its first line is not '{TITLE}NAME'")
     if whose != joint:
-        raise InputError(f"{said(name)} is the wear profile of joint '{whose}', not of '{joint}'")
+        raise InputError(f"{quoted(name)} is the wear profile of joint '{whose}', not of '{joint}'")
     rows = [
         (number, row) for number, row in enumerate(rows_of(text, name), start=1) if row and not row[0].startswith("#")
     ]
     if not rows or tuple(cell.strip() for cell in rows[0][1]) != HEADER:
-        raise InputError(f"{said(name)} needs the columns {', '.join(HEADER)}")
-    found: dict[str, list[float]] = {"bush": [], "pin": []}
+        raise InputError(f"{quoted(name)} needs the columns {', '.join(HEADER)}")
+    depths: dict[str, list[float]] = {"bush": [], "pin": []}
     for number, row in rows[1:]:
         try:
             angle, bush, pin = (float(cell) for cell in row)
         except ValueError:
             raise InputError(f"{name}, line {number}: expected three numbers") from None
-        expected = (len(found["bush"]) + 0.5) * 2.0 * math.pi / (len(rows) - 1)
+        expected = (len(depths["bush"]) + 0.5) * 2.0 * math.pi / (len(rows) - 1)
         if not abs(angle - expected) < 1e-6:
             raise InputError(f"{name}, line {number}: expected the angle {expected:.9g}: bins of equal width in order")
-        found["bush"].append(bush)
-        found["pin"].append(pin)
-    return found
+        depths["bush"].append(bush)
+        depths["pin"].append(pin)
+    return depths
 
 
 def written(
@@ -96,29 +96,29 @@ def written(
     stays: whether the file of a profile is still found under this name; beside: others get files of their own,
     otherwise their depths are written out.
     """
-    made, changes, files = dict(joints), list[Change](), dict[str, str]()
+    rewritten, changes, files = dict(joints), list[Change](), dict[str, str]()
     for name, joint in joints.items():
         wear = joint.get("wear") if isinstance(joint, Mapping) else None
         if not isinstance(wear, Mapping) or DEPTHS not in wear:
             continue
         if "profile" in wear and stays(wear["profile"]):
-            table = {key: one for key, one in wear.items() if key != DEPTHS}
+            table = {key: value for key, value in wear.items() if key != DEPTHS}
         elif beside:
             file = f"{name}.wear.csv"
-            table = {**{key: one for key, one in wear.items() if key != DEPTHS}, "profile": file}
+            table = {**{key: value for key, value in wear.items() if key != DEPTHS}, "profile": file}
             files[file] = profile_text(name, _whole(wear[DEPTHS]))
             changes.append((("joints", name, "wear"), table))
         else:
-            table = {key: one for key, one in wear.items() if key != "profile"}
+            table = {key: value for key, value in wear.items() if key != "profile"}
             if "profile" in wear:
                 changes.append((("joints", name, "wear"), table))
-        made[name] = {**joint, "wear": table}
-    return made, changes, files
+        rewritten[name] = {**joint, "wear": table}
+    return rewritten, changes, files
 
 
 def _whole(depths: Mapping[str, Sequence[float]]) -> dict[str, Sequence[float]]:
     """Depths of both sides, of which one may have been left out."""
-    bins = max(len(one) for one in depths.values())
+    bins = max(len(row) for row in depths.values())
     return {side: depths.get(side, [0.0] * bins) for side in ("bush", "pin")}
 
 

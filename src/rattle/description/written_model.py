@@ -27,17 +27,17 @@ class WrittenModel(Building):
     @classmethod
     def from_text(cls, text: str, file: str = "") -> Self:
         """Read model text (TOML or JSON); file: the name of its file, in whose folder tables are. Raises ModelError."""
-        made = cls()
-        made._document = model_file.parse(text, file)
-        made._text = text
-        made._file = file
+        mechanism = cls()
+        mechanism._document = model_file.parse(text, file)
+        mechanism._text = text
+        mechanism._file = file
         try:
             folder = Path(file).parent if file else None
-            made._document = with_profiles(with_files(made._document, folder, file), folder, file)
+            mechanism._document = with_profiles(with_files(mechanism._document, folder, file), folder, file)
         except ModelError as error:
             raise model_file.point_out(error, text) from None
-        _ = made.model
-        return made
+        _ = mechanism.model
+        return mechanism
 
     @cached_property
     def model(self) -> Model:
@@ -60,7 +60,7 @@ class WrittenModel(Building):
     @property
     def parameters(self) -> dict[str, float]:
         """Values of all parameters by name [SI]."""
-        return {name: one.value for name, one in self.model.parameters.items()}
+        return {name: parameter.value for name, parameter in self.model.parameters.items()}
 
     def parameters_where(self, values: Mapping[str, float]) -> dict[str, float]:
         """Values of all parameters [SI] where some have these instead: what is written as an expression follows them.
@@ -104,7 +104,7 @@ class WrittenModel(Building):
     def joints_with_clearance(self, parameter: str) -> list[str]:
         """Joints whose clearance is this parameter itself, not an expression with it."""
         joints = self._document.get("joints", {})
-        return [name for name, one in joints.items() if str(one.get("clearance", "")).strip() == parameter]
+        return [name for name, joint in joints.items() if str(joint.get("clearance", "")).strip() == parameter]
 
     def to_toml(self) -> str:
         """The model as TOML text; comments of the original text are kept.  Tables of files are written out."""
@@ -123,15 +123,15 @@ class WrittenModel(Building):
         stays: whether a file is still found under its name.  beside: profiles of wear go to files, which come last.
         """
         tables = self._document.get("tables", {})
-        made, changes = dict(tables), list[Change]()
-        for name, one in tables.items():
-            if "file" in one:
-                leave = ("x", "y", "units") if stays(one["file"]) else ("file",)
-                made[name] = {key: value for key, value in one.items() if key not in leave}
+        rewritten, changes = dict(tables), list[Change]()
+        for name, table in tables.items():
+            if "file" in table:
+                leave = ("x", "y", "units") if stays(table["file"]) else ("file",)
+                rewritten[name] = {key: value for key, value in table.items() if key not in leave}
                 if "file" in leave:
-                    changes.append((("tables", name), made[name]))
+                    changes.append((("tables", name), rewritten[name]))
         joints, of_wear, files = written(self._document.get("joints", {}), stays, beside)
-        whole = self._document | ({"tables": made} if tables else {}) | ({"joints": joints} if joints else {})
+        whole = self._document | ({"tables": rewritten} if tables else {}) | ({"joints": joints} if joints else {})
         return whole, [*changes, *of_wear], files
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -158,45 +158,44 @@ class WrittenModel(Building):
         Raises ModelError for an unknown name or a bad value.
         """
         asked = {**(values or {}), **parameters}
-        made = self._changed(asked)
+        changed = self._changed(asked)
         try:
-            _ = made.model
+            _ = changed.model
         except ModelError as error:
-            for one in error.problems:  # the line in the old text would mislead if its value was changed
-                if any(one.path[: len(path)] == path for path, _ in made._changes):
-                    one.line, one.caret = None, ""
-            gone = [path for path, value in made._changes[len(self._changes) :] if value is None]
+            for problem in error.problems:  # the line in the old text would mislead if its value was changed
+                if any(problem.path[: len(path)] == path for path, _ in changed._changes):
+                    problem.line, problem.caret = None, ""
+            gone = [path for path, value in changed._changes[len(self._changes) :] if value is None]
             only = all(value is None for value in asked.values()) and all(len(path) == 2 for path in gone)
-            needs = made._what_needs(gone, error) if only else []
+            needs = changed._what_needs(gone, error) if only else []
             raise ModelError([*needs, *error.problems], error.file) from None
-        return made
+        return changed
 
     def _changed(self, asked: Mapping[str, Any], shared: bool = False) -> Self:
         """As `set`, but what is written is not read yet.
 
         shared: whether it shares all tables but [parameters] with this one, for a mechanism that nobody else changes.
         """
-        made = type(self)()
-        made._document, made._text, made._file = copied(self._document) if not shared else {}, self._text, self._file
-        if shared:
-            made._document = {**self._document, "parameters": copied(self._document.get("parameters", {}))}
-        made._changes, made._near, made._near_shut = list(self._changes), self._near, self._near_shut
+        changed = type(self)()
+        own = {"parameters": copied(self._document.get("parameters", {}))} if shared else copied(self._document)
+        changed._document, changed._text, changed._file = self._document | own, self._text, self._file
+        changed._changes, changed._near, changed._near_shut = list(self._changes), self._near, self._near_shut
         for name, value in asked.items():
             if not isinstance(name, str):
                 raise WrongType(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")
-            path = path_of(name, made._document, value is None)
+            path = path_of(name, changed._document, value is None)
             if path[0] == "tables" and value is not None:
-                path, value = made._table_with(path, value)
+                path, value = changed._table_with(path, value)
             if path[0] == "loads":
-                value = made._load_with(path, value)
-            made._put(path, value)
-            starts = made._document.get("initial", {})
+                value = changed._load_with(path, value)
+            changed._put(path, value)
+            starts = changed._document.get("initial", {})
             if value is None and path[0] in ("bodies", "joints") and len(path) == 2 and path[1] in starts:
-                made._put(("initial", path[1]), None)
-        folder, read = Path(made._file).parent if made._file else None, self._document.get("tables", {})
-        made._document = with_files(made._document, folder, made._file, read)
-        made._document = with_profiles(made._document, folder, made._file, self._document.get("joints", {}))
-        return made
+                changed._put(("initial", path[1]), None)
+        folder, read = Path(changed._file).parent if changed._file else None, self._document.get("tables", {})
+        changed._document = with_files(changed._document, folder, changed._file, read)
+        changed._document = with_profiles(changed._document, folder, changed._file, self._document.get("joints", {}))
+        return changed
 
     def remove(self, *names: str) -> Self:
         """A new mechanism without these entries: `m.remove("loads.M")`, or `m.remove("M")` if one entry has the name.
@@ -213,7 +212,7 @@ class WrittenModel(Building):
     def _load_with(self, path: tuple[str, ...], value: Any) -> Any:
         """The new value of a load, or of a field of it; instants and values at them have become tables."""
         if len(path) == 2 and isinstance(value, Mapping):
-            return {key: self._load_with((*path, key), one) for key, one in value.items()}
+            return {key: self._load_with((*path, key), part) for key, part in value.items()}
         if len(path) != 3:
             return value
         value, tables = through_points("_".join(path[1:]), value)
@@ -227,7 +226,7 @@ class WrittenModel(Building):
 
         document, also = copied(self._document), list[tuple[Any, Any]]()
         while error.problems:
-            entries = {(*one.path[:2], "", "")[:2]: None for one in error.problems}
+            entries = {(*problem.path[:2], "", "")[:2]: None for problem in error.problems}
             if any(
                 table not in (*ENTRIES, "initial") or name not in document.get(table, {}) for table, name in entries
             ):
@@ -242,8 +241,8 @@ class WrittenModel(Building):
                 error = next_one
         parts = {name for table, name in also if table in ("bodies", "joints")}  # their starts go along
         named = [f"{table}.{name}" for table, name in also if table != "initial" or name not in parts]
-        said = f"{', '.join(named[:-1])} and {named[-1]}: remove them" if len(named) > 1 else f"{named[0]}: remove that"
-        return [Problem(gone[0], f"still needed by {said} too, or change what needs it in the same call")]
+        those = f"{', '.join(named[:-1])} and {named[-1]}: remove them" if named[1:] else f"{named[0]}: remove that"
+        return [Problem(gone[0], f"still needed by {those} too, or change what needs it in the same call")]
 
     def _table_with(self, path: tuple[str, ...], value: Any) -> tuple[tuple[str, ...], Any]:
         """Path and new value that change a table as a whole, if its numbers come from a file or shall do so."""
@@ -281,7 +280,7 @@ class WrittenModel(Building):
         from rattle.description.switch_contact import recontact
 
         joints = self._document.get("joints", {})
-        loose = [name for name, one in joints.items() if _has_contact(one) and joint in (None, name)]
+        loose = [name for name, table in joints.items() if _has_contact(table) and joint in (None, name)]
         if joint is not None and not loose:
             what = "has no clearance" if joint in joints else f"is not there{suggest(joint, joints)}"
             raise ModelError([Problem(("joints", joint), what)])

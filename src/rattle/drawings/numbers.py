@@ -200,7 +200,7 @@ class Values:
 
 def number_at(geometry: Mapping[str, Any], place: list[Any]) -> Any:
     """What stands at a place of the geometry."""
-    found: Any = geometry
+    value: Any = geometry
     for key in place:
-        found = found[key]
-    return found
+        value = value[key]
+    return value

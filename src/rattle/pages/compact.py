@@ -41,10 +41,10 @@ def compact(text: str) -> str:
     return "".join(pieces) + "\n"
 
 
-def _apart(one: str, other: str) -> bool:
+def _apart(piece: str, other: str) -> bool:
     """True if two pieces would become another one without a space."""
     word = re.compile(r"[\w$]")
-    return bool(word.match(one[-1]) and word.match(other[0])) or (one[-1] == other[0] and one[-1] in "+-/")
+    return bool(word.match(piece[-1]) and word.match(other[0])) or (piece[-1] == other[0] and piece[-1] in "+-/")
 
 
 def _end_of_template(text: str, start: int) -> int:
@@ -60,8 +60,8 @@ def _end_of_template(text: str, start: int) -> int:
         elif depth and text[at] == "`":
             at = _end_of_template(text, at)
         elif depth and text[at] in "\"'":
-            found = TOKEN.match(text, at)
-            at = found.end() if found else at + 1
+            token = TOKEN.match(text, at)
+            at = token.end() if token else at + 1
         else:
             depth += (text[at] == "{") - (text[at] == "}") if depth else 0
             at += 1

@@ -40,15 +40,15 @@ def compiled_unit(m: Mechanism, name: str, stop: float) -> MockUp:
         "modelDescription.xml": description(variables, identifier, title, token, experiment, exchange=False),
         fmu.library_name(identifier): fmu.shared_library(files, MAIN, kernels.content),
     }
-    notes = [f"the parameter {one} is fixed: {why}" for one, why in live.fixed.items()]
+    notes = [f"the parameter {parameter} is fixed: {why}" for parameter, why in live.fixed.items()]
     return MockUp(fmu.archive(entries), [*live.notes, *notes])
 
 
 def _variables(live: LiveModel) -> list[Variable]:
     """All variables, in the order of their value references, which `fmi3_run.c` knows."""
-    found = [Variable("t", Kind.TIME, "s", "time")]
-    for name, one in live.parameters.items():
-        about = one.description or one.label or "parameter"
-        found.append(Variable(name, Kind.PARAMETER, one.unit, about, one.value, one.minimum, one.maximum))
+    variables = [Variable("t", Kind.TIME, "s", "time")]
+    for name, knob in live.parameters.items():
+        about = knob.description or knob.label or "parameter"
+        variables.append(Variable(name, Kind.PARAMETER, knob.unit, about, knob.value, knob.minimum, knob.maximum))
     units = live.data["result"]["units"]
-    return found + [Variable(name, Kind.CURVE, units[name], meaning_of(name)) for name in live.names]
+    return variables + [Variable(name, Kind.CURVE, units[name], meaning_of(name)) for name in live.names]

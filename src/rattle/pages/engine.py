@@ -87,19 +87,19 @@ NUMBERS = {name: getattr(module, name) for module, names in _NAMED for name in n
 
 def linked(contacts: bool = True) -> Linked:
     """All that a page calls, with all kernels of the package that may stand in a table."""
-    ours = [one for one in functions.natives() if one.__module__.startswith("rattle.")]
-    without = [*NEVER_CALLED, *(one for one in ours if not contacts and _is_of_contacts(one))]
+    ours = [native for native in functions.natives() if native.__module__.startswith("rattle.")]
+    without = [*NEVER_CALLED, *(native for native in ours if not contacts and _is_of_contacts(native))]
     offered: Mapping[str, tuple[KernelFunction, Sequence[str]]] = {
-        **{name: (one, one.letters) for name, one in NATIVES.items()},
+        **{name: (native, native.letters) for name, native in NATIVES.items()},
         **WITH_LETTERS,
     }
-    return link(offered, [one for one in ours if one.family and one not in without], without)
+    return link(offered, [native for native in ours if native.family and native not in without], without)
 
 
-def _is_of_contacts(one: KernelFunction) -> bool:
+def _is_of_contacts(native: KernelFunction) -> bool:
     """Whether a native is left out of the engine without contacts; a run that calls it after all fails with words."""
-    named = one.family in FAMILIES_OF_CONTACTS or one.__module__.startswith(MODULES_OF_CONTACTS)
-    return one in OF_CONTACTS or (named and one not in WITHOUT_CONTACTS)
+    named = native.family in FAMILIES_OF_CONTACTS or native.__module__.startswith(MODULES_OF_CONTACTS)
+    return native in OF_CONTACTS or (named and native not in WITHOUT_CONTACTS)
 
 
 def build(contacts: bool = True) -> bytes:
@@ -144,12 +144,12 @@ def engine_of_pages(contacts: bool = True) -> bytes:
     if held is not None and about(held)["sources"] == sources():
         return compressed(held)
     kept = KeptFile(cache_folder(), BUILT[contacts], (sources(), os.environ.get("RATTLE_BOUNDSCHECK", "0")))
-    found: bytes | None = kept.read()
-    if found is None:
+    engine: bytes | None = kept.read()
+    if engine is None:
         functions.say_once("compiling kernels for pages (once)")
-        found = compressed(build(contacts))
-        kept.write(lambda: pickle.dumps(found))
-    return found
+        engine = compressed(build(contacts))
+        kept.write(lambda: pickle.dumps(engine))
+    return engine
 
 
 class Kernels(NamedTuple):
@@ -163,13 +163,13 @@ class Kernels(NamedTuple):
 def kernels_of_platform() -> Kernels:
     """The kernels for these sources and this platform: those that were kept, or new ones."""
     kept = KeptFile(cache_folder(), "object", (sources(), platform.platform()))
-    found: tuple[Any, ...] | None = kept.read()
-    if found is None:
+    parts: tuple[Any, ...] | None = kept.read()
+    if parts is None:
         functions.say_once("compiling kernels for this platform (once)")
-        made = linked()
-        found = (object_file(made), made.offered, made.kernels)
-        kept.write(lambda: pickle.dumps(found))
-    return Kernels(*found)
+        engine = linked()
+        parts = (object_file(engine), engine.offered, engine.kernels)
+        kept.write(lambda: pickle.dumps(parts))
+    return Kernels(*parts)
 
 
 def main(arguments: Sequence[str]) -> None:

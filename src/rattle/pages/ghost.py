@@ -17,7 +17,8 @@ def ghost_of(result: Result) -> Result | None:
     None where there is no play, or where drivers do not determine the motion without it: then it would be a motion of
     its own, which parts from this one, and no reference.
     """
-    loose = [one for one in result.geometry["joints"].values() if one["clearance"] > 0.0 and one["contact"] != "ideal"]
+    joints = result.geometry["joints"].values()
+    loose = [joint for joint in joints if joint["clearance"] > 0.0 and joint["contact"] != "ideal"]
     if not loose or result.provenance.get("analysis") not in IN_TIME or "document" not in result.provenance:
         return None
     try:

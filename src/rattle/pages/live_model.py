@@ -88,10 +88,10 @@ def live_model(
         "start": {"description": start.description, "content": start.content},
         "result": result.data,  # the last, see `page.worker_text`
     }  # fmt: skip
-    known = {name: m.model.parameters[name] for name in names}
+    parameters = {name: m.model.parameters[name] for name in names}
     notes = (f"the model as it is written: {note}" for note in m.start.notes)
     return LiveModel(
-        data, tape, known, fixed, tuple(result.data["names"]), run.t_end, tuple(notes), touches(run),
+        data, tape, parameters, fixed, tuple(result.data["names"]), run.t_end, tuple(notes), touches(run),
         None if alone else _without_play(m, t_end, tape),
     )  # fmt: skip
 
@@ -117,11 +117,11 @@ def _default_step(run: Run) -> dict[str, Any]:
 
 def _settings(m: Mechanism, run: Run, t_end: float | None) -> dict[str, Any]:
     """What is given for runs, and does not follow from their end."""
-    given = m.model.settings
+    settings = m.model.settings
     return {
-        "interval": given.output, "outputs": POINTS, "end_given": t_end is not None,
+        "interval": settings.output, "outputs": POINTS, "end_given": t_end is not None,
         "tightest": arguments.TIGHTEST, **_default_step(run),
-        "step_given": given.step is not None, "atol_given": given.atol is not None, "most_steps": MOST_STEPS,
+        "step_given": settings.step is not None, "atol_given": settings.atol is not None, "most_steps": MOST_STEPS,
     }  # fmt: skip
 
 

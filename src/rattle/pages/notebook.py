@@ -51,14 +51,14 @@ def kernel_scene(m: Mechanism, t_end: float | None, why: str) -> dict[str, Any]:
     scene = scene_of([("", m.simulate(t_end).whole())], title=m.name)
     knobs = [
         {
-            "name": name, "value": one.value, "unit": one.unit, **words_of(m, name), "shown": m.written_unit(name)[1],
-            "min": one.minimum, "max": one.maximum,
+            "name": name, "value": knob.value, "unit": knob.unit, **words_of(m, name), "shown": m.written_unit(name)[1],
+            "min": knob.minimum, "max": knob.maximum,
         }
-        for name, one in m.model.parameters.items()
-        if one.minimum is not None and one.maximum is not None
+        for name, knob in m.model.parameters.items()
+        if knob.minimum is not None and knob.maximum is not None
     ]  # fmt: skip
-    said = f"sliders are answered by the kernel of this notebook, because {why}" if knobs else why
-    return scene | {"knobs": knobs, "notes": [*scene["notes"], said]}
+    note = f"sliders are answered by the kernel of this notebook, because {why}" if knobs else why
+    return scene | {"knobs": knobs, "notes": [*scene["notes"], note]}
 
 
 def _still(m: Mechanism) -> str:
@@ -116,13 +116,13 @@ class Kernel:
 
     def _answer(self, message: Mapping[str, Any]) -> dict[str, Any]:
         end = message.get("t_end")
-        given = {str(name): float(value) for name, value in dict(message.get("parameters") or {}).items()}
-        known = self._mechanism.parameters
-        changes = {name: value for name, value in given.items() if known.get(name) != value}
+        asked = {str(name): float(value) for name, value in dict(message.get("parameters") or {}).items()}
+        now = self._mechanism.parameters
+        changes = {name: value for name, value in asked.items() if now.get(name) != value}
         try:
             m = self._mechanism.set(changes) if changes else self._mechanism
-            found = m.simulate(self._t_end if end is None else float(end))
-            return {"run": json.loads(scene_json(run_of(found, "", self._frame)))}
+            result = m.simulate(self._t_end if end is None else float(end))
+            return {"run": json.loads(scene_json(run_of(result, "", self._frame)))}
         except (ModelError, AssemblyError, ValueError, ArithmeticError) as error:
             return {"error": str(error)}
 

@@ -57,10 +57,10 @@ def page(
 def _require_curves(scene: Mapping[str, Any], curves: Sequence[str]) -> None:
     """Raise InputError for a curve that the motions of a page do not have."""
     stored = scene["runs"][0]["names"] if scene["runs"] else scene["live"]["names"]
-    known = [*stored, *rules(scene["geometry"], set(stored))]
+    present = [*stored, *rules(scene["geometry"], set(stored))]
     for name in curves:
-        if name not in known:
-            raise InputError(f"the motion has no curve '{name}'{suggest(name, known)}")
+        if name not in present:
+            raise InputError(f"the motion has no curve '{name}'{suggest(name, present)}")
 
 
 def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
@@ -111,8 +111,8 @@ def knobs(m: Mechanism, live: LiveModel) -> list[dict[str, Any]]:
 
 def words_of(m: Mechanism, name: str) -> dict[str, str]:
     """What a page calls a parameter, and what it says of it."""
-    one = m.model.parameters[name]
-    return {"label": one.label or name, "description": one.description}
+    parameter = m.model.parameters[name]
+    return {"label": parameter.label or name, "description": parameter.description}
 
 
 def _fixed(live: LiveModel) -> list[str]:

@@ -25,30 +25,30 @@ TIME = 120.0  # that a browser gets [s]
 
 def browser() -> str | None:
     """A browser that prints: Chromium, Chrome or Edge; None if there is none."""
-    found = next(filter(None, map(shutil.which, NAMES)), None)
-    return found or next((one for one in PLACES if Path(one).is_file()), None)
+    program = next(filter(None, map(shutil.which, NAMES)), None)
+    return program or next((place for place in PLACES if Path(place).is_file()), None)
 
 
 def require_browser(path: Path) -> str:
     """The browser that prints.  Raises MissingProgram."""
-    found = browser()
-    if found is None:
+    program = browser()
+    if program is None:
         raise MissingProgram(
             f"{path}: a PDF is printed by a browser (Chromium, Chrome or Edge), and none was found; write"
             f" {path.with_suffix('.html').name} instead, open it in any browser and print it to a PDF"
         )
-    return found
+    return program
 
 
 def print_pdf(page: str, path: Path, paper: str = "A4") -> None:
     """Print an HTML page (its text) to a PDF.  Raises MissingProgram, OSError with what the browser said."""
     program = require_browser(path)
     with tempfile.TemporaryDirectory() as folder:
-        source, made = Path(folder) / "page.html", Path(folder) / "page.pdf"
+        source, printed = Path(folder) / "page.html", Path(folder) / "page.pdf"
         source.write_text(page.replace("</style>", f"@page{{size:{paper}}}</style>", 1), encoding="utf-8")
         options = [
             "--headless", "--disable-gpu", "--disable-background-networking", "--no-first-run",
-            "--no-pdf-header-footer", f"--user-data-dir={folder}/profile", f"--print-to-pdf={made}",
+            "--no-pdf-header-footer", f"--user-data-dir={folder}/profile", f"--print-to-pdf={printed}",
         ]  # fmt: skip
         if sys.platform != "win32" and os.geteuid() == 0:
             options.append("--no-sandbox")  # Chromium refuses to run as root with it
@@ -59,7 +59,7 @@ def print_pdf(page: str, path: Path, paper: str = "A4") -> None:
             told = done.stderr.strip().splitlines()[-1:]
         except subprocess.TimeoutExpired:
             told = [f"no answer within {TIME:g} s"]
-        if not made.is_file():
+        if not printed.is_file():
             raise OSError(f"{path}: {Path(program).name} did not print it: {' '.join(told) or 'it gave no reason'}")
         with atomic(path) as file:
-            file.write_bytes(made.read_bytes())
+            file.write_bytes(printed.read_bytes())

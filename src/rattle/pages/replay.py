@@ -79,8 +79,8 @@ def animate(
     film: Mapping[str, bool],
 ) -> None:  # fmt: skip
     """`Result.animate` for a page; film: settings that only .gif and .mp4 have, and whether they were given."""
-    if given := [key for key, is_given in film.items() if is_given]:
-        raise InputError(f"{', '.join(given)}: only .gif and .mp4 have this; a page plays all instants, leave it out")
+    if asked := [key for key, is_given in film.items() if is_given]:
+        raise InputError(f"{', '.join(asked)}: only .gif and .mp4 have this; a page plays all instants, leave it out")
     if speed is not None and not 0.0 < speed < math.inf:
         raise InputError(f"speed must be positive and finite, got {speed:g}")
     require_motion(result)

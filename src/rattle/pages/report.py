@@ -52,15 +52,15 @@ def write_report(
     """As `report`; returns what was found out.  command: what was typed to make it; "" says how to make it again."""
     target = Path(path)
     require_name(target, paper)
-    found = study(m, t_end, progress)
+    findings = study(m, t_end, progress)
     _log.info("report: drawing and writing")
-    page = page_of(found, title, author, command)
+    page = page_of(findings, title, author, command)
     if target.suffix.lower() == ".pdf":
         print_pdf(page, target, paper)
     else:
         with atomic(target) as file:
             file.write_text(page, encoding="utf-8")
-    return found
+    return findings
 
 
 def require_name(path: Path, paper: str = "A4") -> None:
@@ -81,8 +81,8 @@ def page_of(s: Study, title: str = "", author: str = "", command: str = "") -> s
     style = files("rattle.pages").joinpath("report.css").read_text(encoding="utf-8")
     style += _print_lines(name, f"rattle {__version__}, {day}")
     sections = _sections(s)
-    present = [one for one in sections if one.body]
-    why = [f"{one.title}: {sentence(one.reason)}" for one in sections if not one.body and one.reason]
+    present = [part for part in sections if part.body]
+    why = [f"{part.title}: {sentence(part.reason)}" for part in sections if not part.body and part.reason]
     extra = {"without play": "Motion without play", "quasi-static": "Slow motion", "modes": "Natural frequencies"}
     why += [f"{words}: {sentence(s.reasons[what])}" for what, words in extra.items() if what in s.reasons]
     if why:
@@ -110,7 +110,7 @@ def _sections(s: Study) -> list[Section]:
 
 def _head(s: Study, name: str, author: str, day: str) -> str:
     by = f"{escape(author)}, " if author else ""
-    trouble = "".join(paragraph(sentence(one)) for one in s.trouble)
+    trouble = "".join(paragraph(sentence(fault)) for fault in s.trouble)
     alarm = f'<div class="alarm" role="alert"><strong>This needs attention.</strong>{trouble}</div>' if trouble else ""
     lead = ""
     if s.run is not None:
@@ -124,26 +124,26 @@ def _head(s: Study, name: str, author: str, day: str) -> str:
 
 
 def _contents(sections: Sequence[Section]) -> str:
-    items = "".join(f'<li><a href="#{one.anchor}">{escape(one.title)}</a></li>' for one in sections)
+    items = "".join(f'<li><a href="#{section.anchor}">{escape(section.title)}</a></li>' for section in sections)
     return f'<nav aria-label="Contents"><ol>{items}</ol></nav>'
 
 
 def _flow(sections: Sequence[Section]) -> str:
     """All sections; neighbours with small contents together, so that paper has them in two columns."""
-    groups = itertools.groupby(sections, lambda one: one.title in SMALL)
+    groups = itertools.groupby(sections, lambda section: section.title in SMALL)
     texts = ((small, "".join(map(_section, of))) for small, of in groups)
     return "".join(f'<div class="small">{text}</div>\n' if small else text for small, text in texts)
 
 
-def _section(one: Section) -> str:
-    return f'<section id="{one.anchor}"><h2>{escape(one.title)}</h2>{one.body}</section>\n'
+def _section(section: Section) -> str:
+    return f'<section id="{section.anchor}"><h2>{escape(section.title)}</h2>{section.body}</section>\n'
 
 
 def _numbered(body: str) -> str:
     """Figures and tables with captions get their numbers in the order of the page."""
     for tag, word in (("figcaption", "Figure"), ("caption", "Table")):
         first, *others = body.split(f"<{tag}>")
-        body = first + "".join(f"<{tag}><b>{word} {n}.</b> {one}" for n, one in enumerate(others, 1))
+        body = first + "".join(f"<{tag}><b>{word} {n}.</b> {rest}" for n, rest in enumerate(others, 1))
     return body
 
 
@@ -151,7 +151,7 @@ def _numbered(body: str) -> str:
 def _making(s: Study, command: str) -> Section:
     run = s.run
     language = f"Python {platform.python_version()} for {platform.system()} on {platform.machine()}"
-    packages = ", ".join(f"{one} {_version(one)}" for one in ("numpy", "scipy", "llvmlite", "matplotlib"))
+    packages = ", ".join(f"{package} {_version(package)}" for package in ("numpy", "scipy", "llvmlite", "matplotlib"))
     rows = [("program", f"rattle {__version__}, {language}"), ("packages", packages)]
     if run is not None:
         facts, stats = run.provenance, run.stats

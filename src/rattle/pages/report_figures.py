@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from rattle import registry
-from rattle.pages.report_html import enumerated, figure, gallery, said
+from rattle.pages.report_html import enumerated, figure, gallery, handy
 from rattle.pages.report_study import TURNS, Study, motion_of
 from rattle.plots import curves as style
 from rattle.plots.diagram import Sheet, plot_model
@@ -65,7 +65,7 @@ def _panel(ax: Axes, run: Result, ideal: Result | None, name: str) -> None:
     told = cut(run, name)
     title = style.axis_label(name, unit) + (f", {told}" if told else "")
     ax.set_title(title, loc="left", fontsize=8, pad=3, parse_math=False)
-    if style.robust_limits(ax, [factor * one for one in values], side="right"):
+    if style.robust_limits(ax, [factor * curve for curve in values], side="right"):
         reach = ax.texts[-1]
         if len(ax.get_title(loc="left")) + len(reach.get_text()) > ABOVE:
             reach.set_text(reach.get_text().replace("spikes cut off: they reach", "spikes to"))
@@ -131,31 +131,32 @@ def motion_figures(s: Study) -> list[str]:
     body, _, key = s.output.rpartition(".")
     names = [s.output, *(f"{body}.{rate}" for rate in RATES[key])]
     words = {"angle": "angle", "x": "position of the mass centre along x", "y": "position of the mass centre along y"}
-    found = [figure(panels(s, names), f"Motion of {body}: {words[key]}, speed and acceleration{_marks(s)}.")]
-    others = [motion_of(run, one) for one in model.bodies if one != body and one not in s.driven]
+    figures = [figure(panels(s, names), f"Motion of {body}: {words[key]}, speed and acceleration{_marks(s)}.")]
+    others = [motion_of(run, other) for other in model.bodies if other != body and other not in s.driven]
     others = [name for name in others if np.ptp(run[name]) > (TURNS if name.endswith(".angle") else 0.0)]
-    if others:
-        some = f" (the first {MOST} of {len(others)})" if len(others) > MOST else ""
-        found.append(figure(together(run, others[:MOST]), f"Motion of the other bodies{some}{_shaded(run)}."))
+    figures += _in_one(run, others, "Motion of the other bodies")
     if tracks := _points(s):
         path = f"Path{'s' if len(tracks) > 1 else ''} of {enumerated(tracks)} in the plane."
-        found.append(figure(_path(run, tracks), path))
+        figures.append(figure(_path(run, tracks), path))
     signals = [name for name in model.recorded if name in run and np.ptp(run[name]) > 0.0]
-    if signals:
-        some = f" (the first {MOST} of {len(signals)})" if len(signals) > MOST else ""
-        picture = together(run, signals[:MOST], robust=True)
-        found.append(figure(picture, f"Signals and states of the model{some}{_shaded(run)}."))
-    return found
+    figures += _in_one(run, signals, "Signals and states of the model", robust=True)
+    return figures
+
+
+def _in_one(run: Result, names: Sequence[str], words: str, robust: bool = False) -> list[str]:
+    """The first of these curves in one figure; none without curves."""
+    some = f" (the first {MOST} of {len(names)})" if len(names) > MOST else ""
+    return [figure(together(run, names[:MOST], robust), f"{words}{some}{_shaded(run)}.")] if names else []
 
 
 def _points(s: Study) -> list[str]:
     """Named points that no joint and no load has: somebody wants to know where they go."""
     model, run = s.m.model, s.run
     assert run is not None, "asked for after a run"
-    ends = [end for one in model.joints.values() for end in (one.a, one.b)]
+    ends = [end for joint in model.joints.values() for end in (joint.a, joint.b)]
     ends += [end for load in model.loads.values() for end in (load.a, load.b)]
     taken = {(end.body, end.name) for end in ends}
-    every = [(body, point) for body, one in model.bodies.items() if not one.outline for point in one.points]
+    every = [(body, point) for body, shape in model.bodies.items() if not shape.outline for point in shape.points]
     free = [f"{body}.{point}" for body, point in every if (body, point) not in taken]
     return [name for name in free if f"{name}.x" in run and np.ptp(run[f"{name}.x"]) + np.ptp(run[f"{name}.y"]) > 0][:3]
 
@@ -221,8 +222,8 @@ def key(s: Study) -> str:
     if _late(run):
         assert run.trust.horizon is not None, "late"
         said_of.append(
-            f"the shaded time lies after the horizon, t = {said(run.trust.horizon, 's', 3)}, where the motion is one of"
-            " many possible ones, good for statistics only"
+            f"the shaded time lies after the horizon, t = {handy(run.trust.horizon, 's', 3)}, where the motion is one"
+            " of many possible ones, good for statistics only"
         )
     return f"In the curves {'; '.join(said_of)}." if said_of else ""
 
@@ -232,20 +233,20 @@ def driver_figures(s: Study) -> list[str]:
     run = s.run
     if run is None or len(run.t) < 2:
         return []
-    found = []
+    figures = []
     for name, driver in list(s.m.model.drivers.items())[:MOST]:
         effort = registry.kinds("driver")[driver.kind].leaf.effort[0]
-        curves = [one for one in (f"{name}.{effort}", f"{name}.power") if one in run]
+        curves = [curve for curve in (f"{name}.{effort}", f"{name}.power") if curve in run]
         if curves:
             on = driver.on.replace("'", "")
             kept = f"Effort of {name}, which moves {on}, and its power"
-            found.append(figure(panels(s, curves), f"{kept}{_marks(s)}."))
+            figures.append(figure(panels(s, curves), f"{kept}{_marks(s)}."))
     if not s.m.model.drivers:
         names = [f"energy.{key}" for key in ("kinetic", "potential", "work", "dissipated")]
         names = [name for name in names if name in run and np.ptp(run[name]) > 0.0]
         if names:
-            found.append(figure(together(run, names), f"Energies of the mechanism{_shaded(run)}."))
-    return found
+            figures.append(figure(together(run, names), f"Energies of the mechanism{_shaded(run)}."))
+    return figures
 
 
 def force_figures(s: Study) -> list[str]:
@@ -258,11 +259,11 @@ def force_figures(s: Study) -> list[str]:
     shown = [name for name in joints if name in by_peak and run.peak(f"{name}.force")[0] > rounding]
     pictures = -(-len(shown) // FEW)
     size = -(-len(shown) // max(pictures, 1))
-    found = []
+    figures = []
     for few in (shown[k * size : (k + 1) * size] for k in range(pictures)):
         words = f"Magnitude of the force{'s' if len(few) > 1 else ''} in {enumerated(few)}"
-        found.append(figure(panels(s, [f"{name}.force" for name in few]), f"{words}{_marks(s)}."))
-    return found
+        figures.append(figure(panels(s, [f"{name}.force" for name in few]), f"{words}{_marks(s)}."))
+    return figures
 
 
 def orbit_figures(s: Study) -> str:
@@ -278,7 +279,7 @@ def orbit_figures(s: Study) -> str:
 
 
 def _shaded_path(run: Result) -> str:
-    return f"; after t = {said(run.trust.horizon or 0.0, 's', 3)} statistics only" if _late(run) else ""
+    return f"; after t = {handy(run.trust.horizon or 0.0, 's', 3)} statistics only" if _late(run) else ""
 
 
 def _orbit(run: Result, joint: str) -> Figure:
@@ -307,7 +308,7 @@ def path_figure(s: Study) -> str:
     path = s.path
     if path is None or not len(path.t):
         return ""
-    names = [f"{name}.{_effort(one.kind)}" for name, one in s.m.model.drivers.items()]
+    names = [f"{name}.{_effort(driver.kind)}" for name, driver in s.m.model.drivers.items()]
     names += [f"{name}.advantage" for name in s.m.model.loads]
     names = [name for name in names if name in path and np.isfinite(path[name]).any()]
     if not names:

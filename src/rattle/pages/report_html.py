@@ -33,7 +33,7 @@ class Section:
         return re.sub(r"[^a-z]+", "-", self.title.lower()).strip("-")
 
 
-def said(value: float, unit: str, digits: int = 4) -> str:
+def handy(value: float, unit: str, digits: int = 4) -> str:
     """A value [SI] as text in a handy unit, as it is printed."""
     factor, shown = rung(PRINTED, unit, abs(value))
     text = quantity(factor * value, shown, digits) if shown == unit else f"{factor * value:.{digits}g} {shown}"
@@ -49,7 +49,7 @@ def paragraph(text: str, kind: str = "") -> str:
 
 def listed(items: Iterable[str], kind: str = "") -> str:
     """A list with a point for each text; "" without any."""
-    points = "".join(f"<li>{escape(printed(one))}</li>" for one in items)
+    points = "".join(f"<li>{escape(printed(item))}</li>" for item in items)
     return f'<ul class="{kind}">{points}</ul>' if points else ""
 
 
@@ -68,14 +68,19 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "")
     if not every:
         return ""
     keep = [k for k in range(len(head)) if any(row[k] for row in every)]
-    inner = grid([head[k] for k in keep], [[row[k] for k in keep] for row in every])
+    names, kept = [head[k] for k in keep], [[row[k] for k in keep] for row in every]
+    inner = grid(names, kept)
     if caption:
         inner = inner.replace("<table>", f"<table><caption>{escape(printed(caption))}</caption>", 1)
-    texts = [[head[k], *(row[k] for row in every)] for k in keep]
-    narrow = sum(max(map(len, column)) for column in texts) + GUTTER * len(texts) <= NARROW
-    lines = sum(-(-sum(map(len, row)) // LINE) for row in every)
-    kind = f"wide{' short' if lines <= SHORT else ''}{' narrow' if narrow else ''}"
-    return f'<div class="{kind}">{inner}</div>'
+    return f'<div class="{_shape(names, kept)}">{inner}</div>'
+
+
+def _shape(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Classes of a table: whether it is printed in one piece, and whether two fit side by side."""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+    narrow = sum(widths) + GUTTER * len(widths) <= NARROW
+    lines = sum(-(-sum(map(len, row)) // LINE) for row in rows)
+    return f"wide{' short' if lines <= SHORT else ''}{' narrow' if narrow else ''}"
 
 
 def figure(picture: Figure, caption: str) -> str:
@@ -95,7 +100,7 @@ def placed(tables: Sequence[str]) -> str:
     """Wide tables one below the other, narrow ones together in two columns, in their order."""
     present = filter(None, tables)
     groups = itertools.groupby(
-        present, lambda one: one.startswith(('<div class="wide narrow', '<div class="wide short n'))
+        present, lambda text: text.startswith(('<div class="wide narrow', '<div class="wide short n'))
     )
     return "".join(gallery(list(of)) if narrow else "".join(of) for narrow, of in groups)
 
@@ -105,9 +110,9 @@ def abreast(parts: Sequence[str]) -> str:
     return f'<div class="abreast">{"".join(parts)}</div>' if any(parts) else ""
 
 
-def count(n: int, one: str, many: str = "") -> str:
+def count(n: int, single: str, many: str = "") -> str:
     """ "1 joint", "2 joints", "no joint"."""
-    return f"{n or 'no'} {one if n < 2 else many or one + 's'}"
+    return f"{n or 'no'} {single if n < 2 else many or single + 's'}"
 
 
 def enumerated(words: Sequence[str]) -> str:

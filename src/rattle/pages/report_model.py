@@ -10,7 +10,7 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Contact, Joint, Model, ValueTable
 from rattle.language.units import parse_quantity
-from rattle.pages.report_html import Section, count, enumerated, listed, paragraph, placed, said, sentence, table
+from rattle.pages.report_html import Section, count, enumerated, handy, listed, paragraph, placed, sentence, table
 from rattle.pages.report_study import Study
 
 MOST = 12  # signals or states in a table
@@ -38,7 +38,7 @@ def _in_words(model: Model) -> str:
     counts = [count(len(model.bodies), "body", "bodies"), count(len(model.joints), "joint")]
     counts += [count(len(model.drivers), "driver"), count(len(model.loads), "load")]
     gx, gy = model.gravity
-    pull = f"Gravity is {said(math.hypot(gx, gy), 'm/s^2')}" if gx or gy else "There is no gravity"
+    pull = f"Gravity is {handy(math.hypot(gx, gy), 'm/s^2')}" if gx or gy else "There is no gravity"
     if gx or gy:
         way = {(0, -1): ", downwards", (0, 1): ", upwards", (-1, 0): ", to the left", (1, 0): ", to the right"}
         straight = way.get(((gx > 0) - (gx < 0), (gy > 0) - (gy < 0)))
@@ -51,8 +51,8 @@ def _bodies(model: Model) -> str:
     rows = []
     for name, body in model.bodies.items():
         form = "uniform bar" if body.bar else "plate" if body.outline else ""
-        points = ", ".join(f"{point} ({said(x, 'm')}, {said(y, 'm')})" for point, (x, y) in body.points.items())
-        rows.append((name, form, said(body.mass, "kg"), said(body.inertia, "kg*m^2"), points))
+        points = ", ".join(f"{point} ({handy(x, 'm')}, {handy(y, 'm')})" for point, (x, y) in body.points.items())
+        rows.append((name, form, handy(body.mass, "kg"), handy(body.inertia, "kg*m^2"), points))
     head = ("body", "form", "mass", "moment of inertia", "points, from the mass centre in the frame of the body")
     return table(head, rows, "Bodies")
 
@@ -64,7 +64,7 @@ def _joints(model: Model, written: Mapping[str, Any]) -> str:
         rows.append(
             (
                 name, joint.kind.replace("-", " "), " and ".join(ends),
-                said(joint.clearance, "m") if joint.clearance > 0.0 else "",
+                handy(joint.clearance, "m") if joint.clearance > 0.0 else "",
                 _contact_word(joint), _values(written["joints"].get(name, {}), skip=_TOLD), _stop(joint),
             )
         )  # fmt: skip
@@ -86,7 +86,7 @@ def _stop(joint: Joint) -> str:
         return ""
     unit = "rad" if joint.stops_angle else "m"
     return " to ".join(
-        said(one, unit) if math.isfinite(one) else "no end" for one in (joint.stop.minimum, joint.stop.maximum)
+        handy(end, unit) if math.isfinite(end) else "no end" for end in (joint.stop.minimum, joint.stop.maximum)
     )
 
 
@@ -94,23 +94,21 @@ def _moved(model: Model, written: Mapping[str, Any]) -> str:
     rows = []
     for name, driver in model.drivers.items():
         entry = written["drivers"].get(name, {})
-        given = next((f"{key} = {entry[key]}" for key in ("angle", "position") if key in entry), "")
-        rows.append((name, driver.on.replace("'", ""), f"{entry.get('coordinate', '')} ".lstrip() + given))
+        motion = next((f"{key} = {entry[key]}" for key in ("angle", "position") if key in entry), "")
+        rows.append((name, driver.on.replace("'", ""), f"{entry.get('coordinate', '')} ".lstrip() + motion))
     return table(("driver", "acts on", "motion over time t"), rows, "Drivers")
 
 
 def _written(what: str, entries: Mapping[str, Any], kind: str) -> str:
     """Entries of the model file: name, type and all else as written."""
-    rows = [
-        (name, str(one.get(kind, "")).replace("-", " "), _values(one, skip=(kind,))) for name, one in entries.items()
-    ]
+    rows = [(name, str(own.get(kind, "")).replace("-", " "), _values(own, (kind,))) for name, own in entries.items()]
     return table((what, "type", "values"), rows, f"{what.capitalize()}s")
 
 
 def _named(what: str, entries: Mapping[str, Any], key: str = "value") -> str:
     rows = []
-    for name, one in entries.items():
-        text, more = (one.get(key, ""), _values(one, skip=(key,))) if isinstance(one, Mapping) else (one, "")
+    for name, entry in entries.items():
+        text, more = (entry.get(key, ""), _values(entry, skip=(key,))) if isinstance(entry, Mapping) else (entry, "")
         rows.append((name, _text(text), more))
     some = f" (the first {MOST} of {len(rows)}; all are in the model file below)" if len(rows) > MOST else ""
     return table((what, "is" if key == "value" else "changes by", "values"), rows[:MOST], f"{what.capitalize()}s{some}")
@@ -118,7 +116,7 @@ def _named(what: str, entries: Mapping[str, Any], key: str = "value") -> str:
 
 def _values(entry: Mapping[str, Any], skip: tuple[str, ...] = ()) -> str:
     """All keys of a table of the model file with their values, as written."""
-    return "; ".join(f"{key.replace('_', ' ')} {_text(one)}" for key, one in entry.items() if key not in skip)
+    return "; ".join(f"{key.replace('_', ' ')} {_text(value)}" for key, value in entry.items() if key not in skip)
 
 
 def _text(value: Any) -> str:
@@ -133,16 +131,16 @@ def _text(value: Any) -> str:
 def _parameters(model: Model, written: Mapping[str, Any]) -> list[str]:
     """A table of the parameters that are given, and one of those that follow from others."""
     free, derived = list[tuple[str, ...]](), list[tuple[str, ...]]()
-    for name, one in model.parameters.items():
+    for name, p in model.parameters.items():
         entry = written["parameters"].get(name, {})
         entry = entry if isinstance(entry, Mapping) else {"value": entry}
         text = _text(entry.get("value", ""))
         plain = parse_quantity(text) is not None
-        dist = "" if not one.dist else " (table of values)" if isinstance(one.dist, ValueTable) else f" ({one.dist})"
+        dist = "" if not p.dist else " (table of values)" if isinstance(p.dist, ValueTable) else f" ({p.dist})"
         tol = f"±{_text(entry['tol'])}{dist}" if "tol" in entry else dist.strip()
         span = " to ".join(_text(entry[key]) for key in ("min", "max") if key in entry)
-        value = text if plain and not isinstance(entry.get("value"), int | float) else said(one.value, one.unit, 6)
-        meaning = ". ".join(filter(None, (one.label, one.description)))
+        value = text if plain and not isinstance(entry.get("value"), int | float) else handy(p.value, p.unit, 6)
+        meaning = ". ".join(filter(None, (p.label, p.description)))
         row = (name, value, text, span, tol, meaning)
         (free if plain else derived).append((row[:2] + row[3:]) if plain else row)
     head = ("parameter", "value", "follows from", "range", "tolerance", "meaning")
@@ -150,8 +148,8 @@ def _parameters(model: Model, written: Mapping[str, Any]) -> list[str]:
 
 
 def _start(written: Mapping[str, Any]) -> str:
-    given = {name: _values(one) for name, one in written.get("initial", {}).items() if isinstance(one, Mapping)}
-    return table(("body or joint", "start values given"), given.items(), "Start")
+    starts = {name: _values(start) for name, start in written.get("initial", {}).items() if isinstance(start, Mapping)}
+    return table(("body or joint", "start values given"), starts.items(), "Start")
 
 
 # ---------------------------------------------------------------- assumptions
@@ -159,17 +157,17 @@ def assumptions_section(s: Study) -> Section:
     """What the model takes as true, what the program has chosen, and what is not modelled."""
     model = s.m.model
     taken = [*GENERAL, *_of_bodies(model), *_of_drivers(model)]
-    bare = [name for name, one in model.joints.items() if one.contact is None and one.friction is None]
+    bare = [name for name, joint in model.joints.items() if joint.contact is None and joint.friction is None]
     plain = [name for name in bare if not model.joints[name].leaf.bodies]
     if plain:
         taken.append(f"Without play and without friction: {enumerated(plain)}.")
-    if clutches := [name for name, one in model.joints.items() if one.leaf.bodies]:
+    if clutches := [name for name, joint in model.joints.items() if joint.leaf.bodies]:
         taken.append(f"One-way clutches drive in one sense and run free in the other: {enumerated(clutches)}.")
-    rubbing = [name for name, one in model.joints.items() if one.friction is not None]
+    rubbing = [name for name, joint in model.joints.items() if joint.friction is not None]
     if rubbing:
         taken.append(f"With friction by their own reaction, without play: {enumerated(rubbing)}.")
     parts = [listed(taken), contact_table(s)]
-    chosen = [sentence(one) for one in (*model.remarks, *_chosen(model))]
+    chosen = [sentence(choice) for choice in (*model.remarks, *_chosen(model))]
     if chosen:
         parts += [
             paragraph("Chosen by the program, or worth a second look, because the model leaves it open:"),
@@ -180,14 +178,14 @@ def assumptions_section(s: Study) -> Section:
 
 
 def _of_bodies(model: Model) -> list[str]:
-    found = []
-    if bars := [name for name, one in model.bodies.items() if one.bar]:
-        found.append(
+    taken = []
+    if bars := [name for name, body in model.bodies.items() if body.bar]:
+        taken.append(
             f"Uniform slender bars, from whose length and mass the moment of inertia follows: {enumerated(bars)}."
         )
-    if light := [name for name, one in model.bodies.items() if one.mass == 0.0 or one.inertia == 0.0]:
-        found.append(f"Without mass or moment of inertia: {enumerated(light)}.")
-    return found
+    if light := [name for name, body in model.bodies.items() if body.mass == 0.0 or body.inertia == 0.0]:
+        taken.append(f"Without mass or moment of inertia: {enumerated(light)}.")
+    return taken
 
 
 def _of_drivers(model: Model) -> list[str]:
@@ -213,62 +211,61 @@ def contact_table(s: Study) -> str:
 
 def assumed_by(contact: Contact) -> str:
     """What the model of a contact takes as true, in plain words."""
-    known = registry.kinds("contact").get(contact.model)
-    return str(known.leaf.assumes) if known is not None else COMPLIANT
+    kind = registry.kinds("contact").get(contact.model)
+    return str(kind.leaf.assumes) if kind is not None else COMPLIANT
 
 
 def _kinds(contact: Contact) -> list[tuple[registry.Kind, Mapping[str, Any]]]:
     """The laws of a contact with their values."""
-    found = []
+    laws = []
     if contact.film is not None:
-        found.append((registry.kinds("film")[contact.film.law.kind], contact.film.law.values))
+        laws.append((registry.kinds("film")[contact.film.law.kind], contact.film.law.values))
     if contact.normal is not None:
-        found.append((registry.normal_law(contact.normal.kind), contact.normal.values))
-    for family, one in (("stiffness", contact.static), ("friction", contact.friction)):
-        if one is not None:
-            found.append((registry.kinds(family)[one.kind], one.values))
-    if not found and contact.model in registry.kinds("contact"):
-        found.append((registry.kinds("contact")[contact.model], contact.fields))
-    return found
+        laws.append((registry.normal_law(contact.normal.kind), contact.normal.values))
+    for family, law in (("stiffness", contact.static), ("friction", contact.friction)):
+        if law is not None:
+            laws.append((registry.kinds(family)[law.kind], law.values))
+    if not laws and contact.model in registry.kinds("contact"):
+        laws.append((registry.kinds("contact")[contact.model], contact.fields))
+    return laws
 
 
 def _laws(contact: Contact) -> str:
     """The laws with their numbers, in words."""
-    found = []
-    for one, values in _kinds(contact):
+    laws = []
+    for law, values in _kinds(contact):
         numbers = [
             f"{key.replace('_', ' ')} {_number(values[key], field.unit)}"
-            for key, field in one.fields.items()
+            for key, field in law.fields.items()
             if key in values and field.shape not in ("choice", "flag") and values[key] != field.default
         ]
-        word = "" if one.name == contact.model else one.name.replace("-", " ")
-        found.append(f"{word}: {', '.join(numbers)}".strip(": ") if numbers else word)
-    return "; ".join(one for one in found if one)
+        word = "" if law.name == contact.model else law.name.replace("-", " ")
+        laws.append(f"{word}: {', '.join(numbers)}".strip(": ") if numbers else word)
+    return "; ".join(law for law in laws if law)
 
 
 def _number(value: Any, unit: str) -> str:
     if isinstance(value, Mapping):
-        return " ".join(f"{key} {said(one, 'Pa' if key == 'E' else '')}" for key, one in value.items())
-    return said(value, unit) if isinstance(value, float | int) else str(value)
+        return " ".join(f"{key} {handy(number, 'Pa' if key == 'E' else '')}" for key, number in value.items())
+    return handy(value, unit) if isinstance(value, float | int) else str(value)
 
 
 def _sources(contact: Contact) -> str:
-    return "; ".join(dict.fromkeys(one.source.rstrip(".") for one, _ in _kinds(contact) if one.source))
+    return "; ".join(dict.fromkeys(law.source.rstrip(".") for law, _ in _kinds(contact) if law.source))
 
 
 def _chosen(model: Model) -> list[str]:
-    found = []
+    choices = []
     for name, joint in model.joints.items():
         film = joint.contact.film if joint.contact is not None else None
-        found += [
-            f"{name}: {one}" for one in (film.assumed if film else "", joint.wear.assumed if joint.wear else "") if one
-        ]
-    return found
+        assumed = (film.assumed if film else "", joint.wear.assumed if joint.wear else "")
+        choices += [f"{name}: {choice}" for choice in assumed if choice]
+    return choices
 
 
 def _left_out(model: Model) -> str:
-    oiled = any(one.contact is not None and one.contact.film is not None for one in model.joints.values())
-    wearing = any(one.wear is not None for one in model.joints.values())
+    oiled = any(joint.contact is not None and joint.contact.film is not None for joint in model.joints.values())
+    wearing = any(joint.wear is not None for joint in model.joints.values())
     wear = "wear while the mechanism runs (worn surfaces stay as they are)" if wearing else "wear"
     heat = "heating and expansion, also of the oil" if oiled else "heating and expansion"
     return (

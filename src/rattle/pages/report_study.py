@@ -57,7 +57,7 @@ class Study:
     def loose(self) -> list[str]:
         """Joints with clearance that is not closed."""
         joints = self.m.model.joints.items()
-        return [name for name, one in joints if one.clearance > 0.0 and one.contact and not one.contact.closed]
+        return [name for name, joint in joints if joint.clearance > 0.0 and joint.contact and not joint.contact.closed]
 
     @property
     def output(self) -> str:
@@ -73,12 +73,12 @@ class Study:
     @property
     def driven(self) -> set[str]:
         """Bodies whose motion against the ground a driver prescribes."""
-        model, found = self.m.model, set[str]()
-        for one in model.drivers.values():
-            joint = model.joints.get(one.joint)
-            ends = {joint.a.body, joint.b.body} if joint else {one.point.body if one.point else "", "ground"}
-            found |= ends - {"ground"} if "ground" in ends else set()
-        return found
+        model, bodies = self.m.model, set[str]()
+        for driver in model.drivers.values():
+            joint = model.joints.get(driver.joint)
+            ends = {joint.a.body, joint.b.body} if joint else {driver.point.body if driver.point else "", "ground"}
+            bodies |= ends - {"ground"} if "ground" in ends else set()
+        return bodies
 
 
 def motion_of(run: Result, body: str) -> str:
@@ -95,29 +95,29 @@ def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> S
     goes wrong later is in `trouble`.
     """
     _ = m.model
-    found = Study(m)
-    found.keep("check", tried(found, "check", "checking the mechanism", m.check, fatal=True))
-    if "check" not in found.answers:
-        return found
-    found.run = tried(
-        found, "motion", "computing the motion, twice: the second run tells how far the first can be trusted",
+    results = Study(m)
+    results.keep("check", tried(results, "check", "checking the mechanism", m.check, fatal=True))
+    if "check" not in results.answers:
+        return results
+    results.run = tried(
+        results, "motion", "computing the motion, twice: the second run tells how far the first can be trusted",
         lambda: m.simulate(t_end, horizon=True, progress=progress).whole(), fatal=True,
     )  # fmt: skip
-    if found.run is None:
-        return found
-    if not found.run.success:
-        found.trouble.append(f"The motion ends early, at t = {found.run.trust.t_end:.4g} s: {found.run.message}")
+    if results.run is None:
+        return results
+    if not results.run.success:
+        results.trouble.append(f"The motion ends early, at t = {results.run.trust.t_end:.4g} s: {results.run.message}")
     for question in questions().values():
         gather = getattr(question.part("section"), "gather", None)
         if gather is not None:
-            gather(found)
+            gather(results)
     for question in in_blocks():
         words = f"asking: {question.asks[0].lower()}{question.asks[1:].rstrip('.')}"
-        found.keep(question.name, tried(found, question.name, words, partial(question.answer, m)))
-    return found
+        results.keep(question.name, tried(results, question.name, words, partial(question.answer, m)))
+    return results
 
 
-def tried(found: Study, what: str, words: str, action: Callable[[], Found], fatal: bool = False) -> Found | None:
+def tried(results: Study, what: str, words: str, action: Callable[[], Found], fatal: bool = False) -> Found | None:
     """What an analysis returns, or None and its reason."""
     _log.info(f"report: {words}")
     try:
@@ -125,9 +125,9 @@ def tried(found: Study, what: str, words: str, action: Callable[[], Found], fata
     except FAILURES as error:
         if fatal and isinstance(error, ValueError) and not isinstance(error, ModelError | AssemblyError):
             raise
-        found.reasons[what] = in_words(error)
+        results.reasons[what] = in_words(error)
         if fatal:
-            found.trouble.append(found.reasons[what])
+            results.trouble.append(results.reasons[what])
         return None
 
 
@@ -154,7 +154,7 @@ def section_parts() -> list[ModuleType]:
 def in_blocks() -> list[Question]:
     """Questions without a section of their own whose answer shows itself, and which need nothing but the mechanism."""
     asked = asked_of("mechanism").values()
-    return [one for one in asked if one.answers_in_blocks and not one.has("section") and not one.needed]
+    return [each for each in asked if each.answers_in_blocks and not each.has("section") and not each.needed]
 
 
 def answer_section(s: Study, question: Question) -> Section:

@@ -6,7 +6,7 @@ from html import escape
 from typing import Any
 
 from rattle import registry
-from rattle.pages.report_html import Section, count, listed, paragraph, said, sentence
+from rattle.pages.report_html import Section, count, handy, listed, paragraph, sentence
 from rattle.pages.report_study import NOT_READ, Headline, Study, late, section_parts
 from rattle.results.contact_summary import readable, why_unread
 from rattle.results.display import printed
@@ -15,12 +15,12 @@ from rattle.results.result import Result
 
 def headline(s: Study) -> str:
     """A few numbers that a reader wants first, each with its unit and what it is."""
-    found = _numbers(s)
+    numbers = _numbers(s)
     cells = "".join(
         f"<div><dt>{escape(what)}</dt><dd>{escape(number)}</dd><dd class='more'>{escape(printed(more))}</dd></div>"
-        for what, number, more in found
+        for what, number, more in numbers
     )
-    return f'<dl class="numbers">{cells}</dl>' if found else ""
+    return f'<dl class="numbers">{cells}</dl>' if numbers else ""
 
 
 def _numbers(s: Study) -> list[Headline]:
@@ -28,30 +28,22 @@ def _numbers(s: Study) -> list[Headline]:
     run = s.run
     if run is None or not len(run.t):
         return []
-    found = []
-    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run and readable(run, f"{name}.force")]
-    if joints:
-        name = max(joints, key=lambda one: run.peak(f"{one}.force")[0])
-        force, when = run.peak(f"{name}.force")
-        ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else 0.0
-        more = f", {force / ideal:.3g} times that without play" if ideal > 1e-9 * force else ""
-        more = f"in {name} at t = {said(when, 's')}{more}{_late(run, when)}"
-        found.append(("Largest joint force", said(force, "N"), more))
+    numbers = _largest_force(s, run)
     for name, driver in list(s.m.model.drivers.items())[:1]:
         effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
         if effort in run and not readable(run, effort):
-            found.append((f"Peak effort of {name}", NOT_READ, why_unread(run, effort)))
+            numbers.append((f"Peak effort of {name}", NOT_READ, why_unread(run, effort)))
         elif effort in run:
             (peak, when), unit = run.peak(effort), run.unit(effort)
-            more = f"at t = {said(when, 's')}; RMS {said(run.rms(effort), unit)}{_late(run, when)}"
-            found.append((f"Peak effort of {name}", said(peak, unit), more))
-    found += _touching(run)
+            more = f"at t = {handy(when, 's')}; RMS {handy(run.rms(effort), unit)}{_late(run, when)}"
+            numbers.append((f"Peak effort of {name}", handy(peak, unit), more))
+    numbers += _touching(run)
     for name, film in list(run.films.items())[:1]:
         micro = f"{1e6 * film.least_film:.3g} µm"
-        found.append((f"Least oil film in {name}", micro, f"pressure up to {1e-6 * film.peak_pressure:.3g} MPa"))
+        numbers.append((f"Least oil film in {name}", micro, f"pressure up to {1e-6 * film.peak_pressure:.3g} MPa"))
     for part in section_parts():
-        found += getattr(part, "headline", _nothing)(s)
-    return found
+        numbers += getattr(part, "headline", _nothing)(s)
+    return numbers
 
 
 def _late(run: Result, t: float) -> str:
@@ -69,13 +61,24 @@ def verdict(s: Study) -> str:
     return f'<p class="verdict bad">{count(n, "thing")} this report cannot vouch for. {link}</p>'
 
 
+def _largest_force(s: Study, run: Result) -> list[Headline]:
+    joints = [name for name in run.geometry["joints"] if f"{name}.fx" in run and readable(run, f"{name}.force")]
+    if not joints:
+        return []
+    name = max(joints, key=lambda joint: run.peak(f"{joint}.force")[0])
+    force, when = run.peak(f"{name}.force")
+    ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else 0.0
+    more = f", {force / ideal:.3g} times that without play" if ideal > 1e-9 * force else ""
+    return [("Largest joint force", handy(force, "N"), f"in {name} at t = {handy(when, 's')}{more}{_late(run, when)}")]
+
+
 def _touching(run: Result) -> list[Headline]:
-    loose = {name: one for name, one in run.contacts.items() if name not in run.trust.pulled}
-    hits = sum(one.impacts + one.contacts for one in loose.values())
+    loose = {name: counts for name, counts in run.contacts.items() if name not in run.trust.pulled}
+    hits = sum(counts.impacts + counts.contacts for counts in loose.values())
     if not hits:
         return []
-    lost = sum(one.energy_lost for one in loose.values())
-    return [("Impacts and contacts", str(hits), f"in {', '.join(loose)}; {said(lost, 'J')} lost in them")]
+    lost = sum(counts.energy_lost for counts in loose.values())
+    return [("Impacts and contacts", str(hits), f"in {', '.join(loose)}; {handy(lost, 'J')} lost in them")]
 
 
 def trust_section(s: Study) -> Section:
@@ -95,7 +98,7 @@ def trust_section(s: Study) -> Section:
 
 
 def _said(head: str, sentences: tuple[str, ...], kind: str) -> str:
-    items = [sentence(one[:1].upper() + one[1:] if one.partition(" ")[0].islower() else one) for one in sentences]
+    items = [sentence(text[:1].upper() + text[1:] if text.partition(" ")[0].islower() else text) for text in sentences]
     return f"<h3>{escape(head)}</h3>{listed(items, kind)}" if items else ""
 
 

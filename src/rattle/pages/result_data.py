@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -179,7 +179,7 @@ def _record(m: Mechanism, names: Sequence[str], further: bool) -> _Record:
     first = [0.0] * (width(system) - at.ENERGIES) + [graph.input() for _ in range(at.ENERGIES)]
     for kernel in CALLS:
         recorder.replace(kernel, calls.of(kernel))
-    recorder.replace(of_law, lambda method, *given: recorder.recorded(method.__func__)(method.__self__, *given))
+    recorder.replace(of_law, lambda method, *arguments: recorder.recorded(method.__func__)(method.__self__, *arguments))
     recorder.recorded(film_columns)
     recorded = replace(system, model=model)
     table, titles, units = recorder.recorded(columns)(recorded, Table([first, row]))
@@ -190,17 +190,13 @@ def _record(m: Mechanism, names: Sequence[str], further: bool) -> _Record:
     watch.require_record()
     places, derived = _in_row(row, curves.values())
     sizes, belts = dict(facts(model, system.watched)), _belts(recorded, recorder, row)
-    parts = {
-        "tables": [x for call in calls.made for x in call.table],
-        "before": [x for call in calls.made for x in call.given],
+    exact, outputs = _lowered(graph, {
+        "tables": [*chain.from_iterable(call.table for call in calls.made)],
+        "before": [*chain.from_iterable(call.between for call in calls.made)],
         "columns": derived,
         "facts": [symbol_of(size) for size in sizes.values()],
-        "belts": [x for belt in belts for x in belt.holds],
-    }
-    exact, lowered = lower(graph, [x for values in parts.values() for x in values])
-    outputs, rest = {}, iter(lowered)
-    for name, values in parts.items():
-        outputs[name] = list(islice(rest, len(values)))
+        "belts": [*chain.from_iterable(belt.holds for belt in belts)],
+    })  # fmt: skip
     return _Record(
         exact, outputs, places, units, [{"kernel": call.kernel, "table": len(call.table)} for call in calls.made],
         [list(place) for place in sizes], [belt._asdict() | {"holds": len(belt.holds)} for belt in belts],
@@ -234,9 +230,16 @@ class _Belt(NamedTuple):
     holds: list[Any]  # symbols: the ratio of both that friction holds, the angle of wrap [rad], its coefficient
 
 
+def _lowered(graph: Graph, parts: Mapping[str, Sequence[Any]]) -> tuple[Graph, dict[str, list[Any]]]:
+    """The graph of these values as pages compute it, and the places of the values there."""
+    exact, lowered = lower(graph, [x for values in parts.values() for x in values])
+    rest = iter(lowered)
+    return exact, {name: list(islice(rest, len(values))) for name, values in parts.items()}
+
+
 def _belts(system: System, recorder: Recorder, row: Sequence[Symbol]) -> list[_Belt]:
     """All belts that may slip, for an output row, see `analyses.grip`."""
-    found, numpy = [], arrays(recorder.graph)
+    belts, numpy = [], arrays(recorder.graph)
 
     def place(end: Point) -> list[Any]:
         if end.body == "ground":
@@ -255,8 +258,8 @@ def _belts(system: System, recorder: Recorder, row: Sequence[Symbol]) -> list[_B
         grip = recorder.recorded(joint.leaf.grip)(fields, numpy.hypot(bx - ax, by - ay))
         if grip is not None:
             columns_ = [f"{name}.{key}" for key in joint.one_sided.records]
-            found.append(_Belt(name, columns_, grip.source, [grip.ratio[0], grip.wrap[0], _first(grip.mu)]))
-    return found
+            belts.append(_Belt(name, columns_, grip.source, [grip.ratio[0], grip.wrap[0], _first(grip.mu)]))
+    return belts
 
 
 def _in_columns(value: Any) -> Any:
@@ -272,7 +275,7 @@ def _first(value: Any) -> Any:
 
 class _Call(NamedTuple):
     kernel: str
-    given: list[Any]  # two symbols
+    between: list[Any]  # two symbols
     table: list[Any]  # coefficients
 
 
@@ -286,9 +289,9 @@ class _Calls:
         """What is recorded in place of a kernel (first, second, coefficients or none, what it fills)."""
 
         def call(first: Column, second: Column, *rest: Any) -> None:
-            *table, found = rest
-            coefficients = [symbol_of(x) for one in table for x in one]
+            *table, filled = rest
+            coefficients = [symbol_of(x) for coefficient in table for x in coefficient]
             self.made.append(_Call(kernel.python.__name__, [first[-1], second[-1]], coefficients))
-            found[-1] = self.graph.input()
+            filled[-1] = self.graph.input()
 
         return call

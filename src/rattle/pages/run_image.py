@@ -86,7 +86,7 @@ def workspace_image(system: System, workspace: Workspace, content: Content) -> d
         if name.endswith(TABLE):
             entries = array if isinstance(array, tuple) else array.tolist()
             called = used.get(name, range(len(entries)))
-            tables[name] = [_kernel(one, named) if n in called else None for n, one in enumerate(entries)]
+            tables[name] = [_kernel(entry, named) if n in called else None for n, entry in enumerate(entries)]
             arrays.append([len(array), -1])
         else:
             arrays.append([*array.shape, content.add(array)])
@@ -110,10 +110,10 @@ class Content:
 def _used(system: System) -> dict[str, set[int]]:
     """The kernels that the model calls, by table: others stand in it only where they run as plain Python."""
     joint, load, contact, dry = (system.arrays[name] for name in ("joint", "load", "contact", "dry"))
-    found = {name: set(contact[:, column].tolist()) for name, (_, column) in CONTACT_TABLES.items()}
-    found["friction_table"] |= set(dry[:, at.DRY_LAW].tolist())
+    kernels = {name: set(contact[:, column].tolist()) for name, (_, column) in CONTACT_TABLES.items()}
+    kernels["friction_table"] |= set(dry[:, at.DRY_LAW].tolist())
     joints = {*joint[:, at.KERNEL].tolist(), *dry[:, at.DRY_KERNEL].tolist()}
-    return {**found, "joint_table": joints, "load_table": set(load[:, at.KERNEL].tolist())}
+    return {**kernels, "joint_table": joints, "load_table": set(load[:, at.KERNEL].tolist())}
 
 
 def _kernel(entry: int | Callable[..., Any], names: dict[Any, str]) -> str | None:

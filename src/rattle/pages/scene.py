@@ -42,20 +42,20 @@ def scene_of(
     """
     if not results:
         raise InputError("a scene needs at least one result")
-    for _, one in results:
-        require_motion(one)
+    for _, result in results:
+        require_motion(result)
     first = results[0][1]
     most = max(FEWEST_ROWS, min(MOST_ROWS, ROWS_IN_ALL // len(results)))
     remarks, thinned = list(notes), ""
     runs = []
-    for label, one in results:
-        kept = shared_rows(one, most)
-        more = between(one, kept)
-        runs.append(run_of(one, label, first.geometry, kept=(kept, more)))
-        if len(kept) < len(one.t):
-            thinned = thinned or _thinned(one, kept, more)
+    for label, result in results:
+        kept = shared_rows(result, most)
+        more = between(result, kept)
+        runs.append(run_of(result, label, first.geometry, kept=(kept, more)))
+        if len(kept) < len(result.t):
+            thinned = thinned or _thinned(result, kept, more)
     remarks += [thinned] if thinned else []
-    remarks += [TOWERING] if any(one.trust.unread for _, one in results) else []
+    remarks += [TOWERING] if any(result.trust.unread for _, result in results) else []
     scene: dict[str, Any] = plain({
         **frame_of(first.geometry),
         "title": title or str(first.provenance.get("model") or "") or "Mechanism",
@@ -75,7 +75,7 @@ def _thinned(result: Result, kept: Rows, more: Mapping[str, Between]) -> str:
     """What a reader must know of a run of which a page holds a part."""
     text = f"shown are {len(kept)} of the {len(result.t)} instants of the result, and between them the values at which"
     text += " a curve turns: no largest or least value is lost; events keep their times"
-    fast = [name for name, one in more.items() if not one.all_turns]
+    fast = [name for name, extra in more.items() if not extra.all_turns]
     if not fast:
         return text
     named = ", ".join(fast[:3]) + (f" and {len(fast) - 3} more" if len(fast) > 3 else "")
@@ -137,12 +137,8 @@ def run_of(
         "n": len(picked),
         "t": packed(result.t[picked].astype("<f8")),
         "data": packed(_single(data.T)),
-        "between": {name: _single_values(result, name, one.rows) for name, one in more.items()},
-        "peaks": {
-            name: [top.y, top.t]
-            for name in result.peaks
-            if not keys and name in result and (top := summit(result, name))
-        },
+        "between": {name: _single_values(result, name, part.rows) for name, part in more.items()},
+        "peaks": {} if keys else _peaks(result),
         "events": _events(result),
         "trust": trust_of(result),
         "success": result.success,
@@ -196,12 +192,18 @@ def packed(values: np.ndarray) -> str:
     return base64.b64encode(values.tobytes()).decode("ascii")
 
 
+def _peaks(result: Result) -> dict[str, list[float]]:
+    """The largest magnitude of each curve within the steps of the run, and its time [s]."""
+    summits = {name: summit(result, name) for name in result.peaks if name in result}
+    return {name: [top.y, top.t] for name, top in summits.items() if top}
+
+
 def plain(value: Any) -> Any:
     """A value with only what JSON knows: numbers that are not finite become null."""
     if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
+        return {str(key): plain(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return [plain(part) for part in value]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float):

@@ -8,7 +8,7 @@ follow from parameters are recorded; see `analyses.straight_line.recorded_arrays
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -63,8 +63,8 @@ def start_data(m: Mechanism, tape: Tape, names: Sequence[str] | None = None) -> 
     writer = _Writer(m, tape, names)
     description = writer.start(m.system, lambda model: model, m.start, MOVING)
     names = list(writer.names)
-    known = m.model.parameters
-    own = [known[name].value for name in names]
+    parameters = m.model.parameters
+    own = [parameters[name].value for name in names]
     content = bytes(writer.content.written)
     return StartData({"parameters": names, "own": own, "systems": writer.systems, "start": description}, content)
 
@@ -90,8 +90,8 @@ class _Writer:
 
     def shut(self, system: System) -> tuple[System, Assembled | AssemblyError]:
         """The mechanism without play, made of this very model, and its start, or why there is none."""
-        for known, ideal, begun in self.without_play:
-            if known is system:
+        for played, ideal, begun in self.without_play:
+            if played is system:
                 return ideal, begun
         shut = ideal_system(system.model)
         try:
@@ -146,19 +146,18 @@ class _Writer:
         """What is put together before the constants are known, and the rows that tell them."""
         model = system.model
         loose = compile_system(without_counting(model))
-        if any(is_link(one) for one in loose.model.joints.values()):
+        if any(is_link(joint) for joint in loose.model.joints.values()):
             raise TraceError("gears beside massless links: no page finds such a start")
-        known = constants_of(model)
+        constants = constants_of(model)
 
         def without(read: Model) -> Model:
             read = form(read)
-            rows = {k: replace(one, contact=None) if one.leaf.from_start else one for k, one in read.joints.items()}
-            return replace(read, joints=rows)
+            return _without_contacts(read, {name for name, joint in read.joints.items() if joint.leaf.from_start})
 
-        zero = dict.fromkeys(known, 0.0)
+        zero = dict.fromkeys(constants, 0.0)
         counting = compile_system(with_constants(without(model), zero))
         joints = []
-        for name in known:
+        for name in constants:
             leaf = model.joints[name].leaf
             residuals = tuple(float(k + 1) for k in range(len(leaf.rows)))
             told = leaf.start_constants(residuals, OFFSET)
@@ -168,7 +167,7 @@ class _Writer:
             first, ends = counting.first_row(name), (model.joints[name].a.body, model.joints[name].b.body)
             bodies = [1 + system.bodies.index(x) if x in system.bodies else 0 for x in ends]
             joints.append([first, len(leaf.rows), polar, *bodies, counting.first_value(name)])
-        vectors = {"start_counting": np.array(joints, np.int64), "start_constants": np.array(flat(known))}
+        vectors = {"start_counting": np.array(joints, np.int64), "start_constants": np.array(flat(constants))}
         start = consistent_start(loose, 0.0)
         return {
             "loose": self.start(loose, lambda read: without_counting(form(read)), start, MOVING),
@@ -181,8 +180,7 @@ class _Writer:
 
         def closed(read: Model) -> Model:
             read = form(read)
-            joints = {name: replace(one, contact=None) if name in held else one for name, one in read.joints.items()}
-            return replace(read, joints=joints)
+            return _without_contacts(read, held)
 
         shut = compile_system(closed(model))
         if alike and not constants_of(model):
@@ -224,10 +222,16 @@ def _counts(system: System, name: str, where: np.ndarray, counted: bool) -> list
     return [moving] * len(where)
 
 
+def _without_contacts(model: Model, names: Container[str]) -> Model:
+    """A model in which these joints have no contact."""
+    joints = {name: replace(joint, contact=None) if name in names else joint for name, joint in model.joints.items()}
+    return replace(model, joints=joints)
+
+
 def _values_of_joints(model: Model) -> int:
     """How many parameters of joints and drivers there are in `values`: they come first."""
-    joints = sum(len(packed([*one.a.at, *one.b.at, *joint_rows(one)[1]])) for one in model.joints.values())
-    return joints + sum(at.POINTS + len(driven_ends(model, one)[2]) + 3 for one in model.drivers.values())
+    joints = sum(len(packed([*joint.a.at, *joint.b.at, *joint_rows(joint)[1]])) for joint in model.joints.values())
+    return joints + sum(at.POINTS + len(driven_ends(model, driver)[2]) + 3 for driver in model.drivers.values())
 
 
 # ---------------------------------------------------------------- numbers beside the arrays
@@ -243,9 +247,9 @@ def _start_numbers(system: System, held: list[str], missing: list[str]) -> Calla
         values = {
             "start_given": [x + turn for x, turn in zip(_given(other, KEYS[0]), turns, strict=True)],
             "start_rates": _given(other, KEYS[1]),
-            "start_offsets": [x for one in joint_offsets(other, offsets) for x in one],
-            "start_lines": [x for one in joint_lines(other) for x in one],
-            "start_held": [x for one in pin_places(other, held) for x in one],
+            "start_offsets": [x for offset in joint_offsets(other, offsets) for x in offset],
+            "start_lines": [x for line in joint_lines(other) for x in line],
+            "start_held": [x for place in pin_places(other, held) for x in place],
             "start_pressed": [x for name in missing for x in (joints[name].clearance, 0.0, 0.0)],
             "start_least": [least for least, _ in least_gaps(other)],
             "start_size": [other.size],
@@ -257,10 +261,10 @@ def _start_numbers(system: System, held: list[str], missing: list[str]) -> Calla
 
 def _start_arrays(system: System, numbers: Values) -> dict[str, np.ndarray]:
     """Arrays of the start of a system, with its numbers."""
-    given, rates, least = (
+    values, rates, least = (
         np.array([*numbers[f"start_{name}"].values()], dtype=float) for name in ("given", "rates", "least")
     )
-    arrays = search_arrays(system, given, system.model.initial.offsets)
+    arrays = search_arrays(system, values, system.model.initial.offsets)
     return arrays | {"start_rates": rates, "start_least": least}
 
 

@@ -36,7 +36,7 @@ def sweep_scene(
     if len(plans) > MOST:
         raise InputError(f"{len(plans)} runs are too many for a page; ask for at most {MOST}")
     _require_known(m, plans[1:] if over is not None else [])
-    made: list[tuple[str, Result]] = []
+    runs: list[tuple[str, Result]] = []
     failed: list[str] = []
     for plan in _counted(plans, progress):
         label = _label(m, plan)
@@ -48,12 +48,12 @@ def sweep_scene(
                 raise
             failed.append(f"{label}: {str(error).splitlines()[0]}")
             continue
-        made.append((label, result))
-    held = f"{len(made)} runs that were" if len(made) > 1 else "one run that was"
+        runs.append((label, result))
+    held = f"{len(runs)} runs that were" if len(runs) > 1 else "one run that was"
     notes = [f"this page holds {held} computed before, because {why}", *failed]
-    if len(made) > 1:
+    if len(runs) > 1:
         notes.append("how long curves can be trusted was computed for the first run only, the model as in its file")
-    return scene_of(made, title=m.name, notes=notes)
+    return scene_of(runs, title=m.name, notes=notes)
 
 
 def _require_known(m: Mechanism, plans: Sequence[Mapping[str, Any]]) -> None:
@@ -77,35 +77,40 @@ def runs_of(m: Mechanism, over: Mapping[str, Sequence[float | str]] | None) -> I
         names = list(over)
         yield from (dict(zip(names, each, strict=True)) for each in itertools.product(*over.values()))
         return
-    known = {
-        name: one for name, one in m.model.parameters.items() if one.minimum is not None and one.maximum is not None
-    }
-    if len(known) <= 2:
-        count = ONE if len(known) == 1 else TWO
-        axes = [_values(one, count) for one in known.values()]
-        every = (dict(zip(known, each, strict=True)) for each in itertools.product(*axes))
-        yield from (one for one in every if one and one != {name: known[name].value for name in known})
+    yield from _between_limits(m)
+
+
+def _between_limits(m: Mechanism) -> Iterator[dict[str, float]]:
+    """Values between the limits of parameters: all combinations of one or two, of more each for itself."""
+    every = m.model.parameters.items()
+    ranged = {name: x for name, x in every if x.minimum is not None and x.maximum is not None}
+    if len(ranged) <= 2:
+        count = ONE if len(ranged) == 1 else TWO
+        axes = [_values(parameter, count) for parameter in ranged.values()]
+        plans = (dict(zip(ranged, each, strict=True)) for each in itertools.product(*axes))
+        yield from (plan for plan in plans if plan and plan != {name: x.value for name, x in ranged.items()})
         return
-    for name, one in known.items():
-        yield from ({name: x} for x in _values(one, EACH) if x != one.value)
+    for name, parameter in ranged.items():
+        yield from ({name: x} for x in _values(parameter, EACH) if x != parameter.value)
 
 
-def _values(one: Parameter, count: int) -> list[float]:
-    assert one.minimum is not None
-    assert one.maximum is not None
-    return [float(x) for x in np.linspace(one.minimum, one.maximum, count)]
+def _values(parameter: Parameter, count: int) -> list[float]:
+    assert parameter.minimum is not None
+    assert parameter.maximum is not None
+    return [float(x) for x in np.linspace(parameter.minimum, parameter.maximum, count)]
 
 
 def _label(m: Mechanism, plan: Mapping[str, Any]) -> str:
     """Changed parameters in words."""
-    said = []
+    changes = []
     for name, x in plan.items():
         if isinstance(x, float) and name in m.model.parameters:
-            one = m.model.parameters[name]
-            said.append(f"{one.label or name} = {in_written_unit(replace(one, value=x), m.written_unit(name), 5)}")
+            parameter = m.model.parameters[name]
+            value = in_written_unit(replace(parameter, value=x), m.written_unit(name), 5)
+            changes.append(f"{parameter.label or name} = {value}")
         else:
-            said.append(f"{name} = {x}")
-    return ", ".join(said) or "as in the model file"
+            changes.append(f"{name} = {x}")
+    return ", ".join(changes) or "as in the model file"
 
 
 def _counted(plans: Sequence[dict[str, Any]], progress: bool) -> Iterator[dict[str, Any]]:

@@ -69,12 +69,9 @@ class Tape:
         and of outputs.  content: opcodes, operands column by column, slots of the functions, numbers.
         """
         tape = self._graph
-        operations = [place for place in range(len(tape)) if tape.ops[place] not in ("input", "number")]
-        columns = [[(k, tape.operands[k][c]) for k in operations if len(tape.operands[k]) > c] for c in range(3)]
-        used = (operand for column in columns for _, operand in column)
-        numbers = list(dict.fromkeys(k for k in (*used, *tape.numbers) if k in tape.numbers))
+        operations, numbers, pairs = _order(tape)
         slots = {place: slot for slot, place in enumerate([*tape.inputs, *numbers, *operations])}
-        slot_pairs = [(slots[k], slots[operand]) for column in columns for k, operand in column]
+        slot_pairs = [(slots[k], slots[operand]) for k, operand in pairs]
         sides = [[slots[k] for k in side] for f in self._functions for side in (f.inputs, f.outputs)]
         content = bytes(OPCODES[tape.ops[place]] for place in operations)
         content += _varints(_references(slot_pairs, len(tape.inputs), len(numbers)))
@@ -92,6 +89,15 @@ def add_arrays(tape: Tape, recorded: RecordedArrays) -> int:
     parameters = [(PARAMETER, name) for name in recorded.names]
     constants = [("constant", k) for k in range(len(recorded.graph.inputs) - len(parameters))]
     return tape.add(recorded.graph, [recorded.holds, *recorded.outputs], [*parameters, *constants])
+
+
+def _order(tape: Graph) -> tuple[list[int], list[int], list[tuple[int, int]]]:
+    """Operations and numbers as they are written, and each operation with its operands: all first ones, all second."""
+    operations = [place for place in range(len(tape)) if tape.ops[place] not in ("input", "number")]
+    pairs = [(k, tape.operands[k][n]) for n in range(3) for k in operations if len(tape.operands[k]) > n]
+    used = (operand for _, operand in pairs)
+    numbers = list(dict.fromkeys(k for k in (*used, *tape.numbers) if k in tape.numbers))
+    return operations, numbers, pairs
 
 
 def _references(pairs: Iterable[tuple[int, int]], inputs: int, numbers: int) -> Iterator[int]:

@@ -34,11 +34,11 @@ def viewer_text() -> str:
 def viewer_files() -> dict[str, str]:
     """Texts of all modules of the viewer by the name of their file."""
     folder = resources.files("rattle.pages") / "viewer"
-    files = {one.name: one.read_text(encoding="utf-8") for one in folder.iterdir() if one.name.endswith(".js")}
+    files = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir() if file.name.endswith(".js")}
     files[STYLE] = f"export const viewerStyle = {json.dumps(style_text(), ensure_ascii=False)};\n"
     handy = {"units": HANDY, "least": LEAST, "most": MOST}
-    said = "// Units in which quantities are handy: rattle/results/handy_units.py.\n"
-    files[HANDY_UNITS] = f"{said}export const HANDY = {json.dumps(handy, ensure_ascii=False)};\n"
+    title = "// Units in which quantities are handy: rattle/results/handy_units.py.\n"
+    files[HANDY_UNITS] = f"{title}export const HANDY = {json.dumps(handy, ensure_ascii=False)};\n"
     return files
 
 
@@ -68,12 +68,12 @@ def joined(files: Mapping[str, str], entry: str) -> str:
 
 def declarations(text: str) -> list[str]:
     """Names that a file declares at its top: functions, classes and constants, also several on one line."""
-    found = []
+    names = []
     for match in TOP.finditer(text):
-        found.append(match[1])
+        names.append(match[1])
         if re.match(r"(?:export )?(?:const|let)", match[0]):
-            found += SECOND.findall(_outermost(text[match.end() :].partition("\n")[0]))
-    return found
+            names += SECOND.findall(_outermost(text[match.end() :].partition("\n")[0]))
+    return names
 
 
 def _outermost(text: str) -> str:
@@ -95,10 +95,10 @@ def _follow(files: Mapping[str, str], name: str, order: list[str], above: list[s
     for names, other in IMPORT.findall(files[name]):
         if other not in files:
             raise InputError(f"{name} imports {other}, which is not there")
-        known = {one for line in EXPORTED.findall(files[other]) for one in declarations(line)}
-        for one in filter(None, (part.strip() for part in names.split(","))):
-            if one not in known:
-                raise InputError(f"{name} imports {one} from {other}, which does not export it")
+        exported = {symbol for line in EXPORTED.findall(files[other]) for symbol in declarations(line)}
+        for symbol in filter(None, (part.strip() for part in names.split(","))):
+            if symbol not in exported:
+                raise InputError(f"{name} imports {symbol} from {other}, which does not export it")
         _follow(files, other, order, [*above, name])
     if re.search(r"^import\b", IMPORT.sub("", files[name]), re.MULTILINE):
         raise InputError(f'{name}: imports are written `import {{ name }} from "./file.js";`')

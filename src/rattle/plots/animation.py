@@ -107,8 +107,8 @@ def scene(
     updates += [_inset(inset, stage, pin) for inset, pin in zip(insets, pins, strict=True)]
 
     def update(k: int) -> None:
-        for one in updates:
-            one(k)
+        for change in updates:
+            change(k)
 
     update(0)
     figure.canvas.draw()

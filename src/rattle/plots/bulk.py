@@ -37,7 +37,7 @@ class Bulk(NamedTuple):
     @property
     def outside(self) -> str:
         """What is said of the values beyond the ends, "" if there are none."""
-        said = [
+        beyond = [
             f"{count} {side} {short(end)}, {word} {short(last)}"
             for count, side, end, word, last in (
                 (self.below, "below", self.low, "down to", self.least),
@@ -45,7 +45,7 @@ class Bulk(NamedTuple):
             )
             if count
         ]
-        return f"{'; '.join(said)} {self.unit}".rstrip().replace("*", "·") if said else ""
+        return f"{'; '.join(beyond)} {self.unit}".rstrip().replace("*", "·") if beyond else ""
 
 
 def short(number: float, digits: int = 3) -> str:
@@ -64,7 +64,7 @@ def bulk_of(values: np.ndarray, unit: str, also: Iterable[float] = ()) -> Bulk:
     low, high = _fences(seen)
     inside = values[(seen >= low) & (seen <= high)]
     least, most = float(values.min()), float(values.max())
-    further = [least, most, *(one for one in also if math.isfinite(one))]
+    further = [least, most, *(value for value in also if math.isfinite(value))]
     low, high = _extended(float(inside.min()), float(inside.max()), further, log)
     below, above = int((values < low).sum()), int((values > high).sum())
     spread = float(inside.std())
@@ -78,15 +78,15 @@ def _extended(low: float, high: float, further: list[float], log: bool) -> tuple
     """A range with those further values that make it twice as long at most, on its scale."""
     if log:
         far = high / low if high > low else NEAR
-        near = [one for one in further if low / far <= one <= high * far]
+        near = [value for value in further if low / far <= value <= high * far]
     else:
         reach = high - low or NEAR * abs(high)
-        near = [one for one in further if low - reach <= one <= high + reach]
+        near = [value for value in further if low - reach <= value <= high + reach]
     return min([low, *near]), max([high, *near])
 
 
 def _logarithmic(values: np.ndarray) -> bool:
-    low, middle, high = (float(one) for one in np.quantile(values, [0.05, 0.5, 0.95]))
+    low, middle, high = (float(quantile) for quantile in np.quantile(values, [0.05, 0.5, 0.95]))
     if not (values.min() > 0.0 and low > 0.0 and math.log10(high / low) > DECADES):
         return False
     skew = abs(low + high - 2.0 * middle) / (high - low)
@@ -123,5 +123,5 @@ def _plain_numbers(axis: Axis) -> None:
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda one, _: short(one)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
     axis.set_minor_formatter(NullFormatter())

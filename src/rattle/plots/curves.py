@@ -97,20 +97,10 @@ def plot(
     if ax is not None and len(panels) > 1:
         raise InputError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
     others = list(compare)
-    written = units_of_result(result.provenance)
     axes = [ax] if ax is not None else new_axes(8.0, 1.0 + 2.2 * len(panels), rows=len(panels))
     across, along = _across(result, over)
     for panel, (unit, curves) in zip(axes, panels.items(), strict=True):
-        every = [shown_curve(r, name) for _, r in [("", result), *others] for name in curves if name in r]
-        size = max((largest(r, name) for _, r in [("", result), *others] for name in curves if name in r), default=0.0)
-        factor, shown = Shown(1.0, unit) if ax is not None else handy_unit(unit, size, written)
-        panel_of(panel, result, curves, others, lambda r, name: (across(r), shown_curve(r, name)), factor, cut)
-        tops = [
-            mark_largest(panel, result, name, CURVES[k % len(CURVES)], factor, across) for k, name in enumerate(curves)
-        ]
-        panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
-        if robust:
-            robust_limits(panel, [factor * one for one in [*every, *tops]])
+        _fill(panel, result, unit, curves, others, across, in_si=ax is not None, robust=robust)
     for panel in axes:
         panel.margins(x=0.0)
         if over is None:
@@ -126,6 +116,21 @@ def plot(
 
 Across = Callable[["Result"], Array]
 Curve = Callable[["Result", str], tuple[Array, Array]]  # of a result and a name
+
+
+def _fill(
+    panel: Axes, result: Result, unit: str, names: Sequence[str], others: Sequence[tuple[str, Result]], across: Across,
+    *, in_si: bool, robust: bool,
+) -> None:  # fmt: skip
+    """Draw the curves of one unit."""
+    present = [(r, name) for r in (result, *(other for _, other in others)) for name in names if name in r]
+    size = max((largest(r, name) for r, name in present), default=0.0)
+    factor, shown = Shown(1.0, unit) if in_si else handy_unit(unit, size, units_of_result(result.provenance))
+    panel_of(panel, result, names, others, lambda r, name: (across(r), shown_curve(r, name)), factor, cut)
+    tops = [mark_largest(panel, result, name, CURVES[k % len(CURVES)], factor, across) for k, name in enumerate(names)]
+    panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
+    if robust:
+        robust_limits(panel, [factor * values for values in [*(shown_curve(r, name) for r, name in present), *tops]])
 
 
 def _across(result: Result, over: str | None) -> tuple[Across, str]:
@@ -147,15 +152,15 @@ def mark_largest(
     place = across(result) if across is not None else result.t
     top, short = summit(result, name), bursts(result, name)
     if short:
-        x = np.interp([one.t for one in short], result.t, place)
-        ax.vlines(x, 0.0, [factor * one.y for one in short], color=colour, linewidth=0.7)
+        x = np.interp([peak.t for peak in short], result.t, place)
+        ax.vlines(x, 0.0, [factor * peak.y for peak in short], color=colour, linewidth=0.7)
     if top is not None:
         shape = "v" if top.y > 0.0 else "^"
         x = np.interp([top.t], result.t, place)
         (mark,) = ax.plot(x, [factor * top.y], shape, color=colour, markersize=5, zorder=5, clip_on=False)
         mark.set_label(f"_largest magnitude of {name}")
         mark.set_gid(f"{LARGEST}{name}")
-    return np.array([one.y for one in (top, *short) if one is not None])
+    return np.array([peak.y for peak in (top, *short) if peak is not None])
 
 
 def title_of(ax: Axes, result: Result) -> None:
@@ -165,8 +170,8 @@ def title_of(ax: Axes, result: Result) -> None:
 
 
 def panel_of(
-    ax: Axes, result: Result, names: list[str], others: list[tuple[str, Result]], curve: Curve, factor: float,
-    told: Callable[[Result, str], str] | None = None,
+    ax: Axes, result: Result, names: Sequence[str], others: Sequence[tuple[str, Result]], curve: Curve,
+    factor: float, told: Callable[[Result, str], str] | None = None,
 ) -> None:  # fmt: skip
     """Curves of a result, and dashed those of others, with a legend beside them.
 
@@ -237,9 +242,9 @@ def figure_of(ax: Axes) -> Figure:
     return figure
 
 
-def drawn(ax: Axes, given: Axes | None) -> Figure | Axes:
+def drawn(ax: Axes, asked: Axes | None) -> Figure | Axes:
     """What a drawing function returns: its new figure, or the given axes (which a notebook shows only once)."""
-    return figure_of(ax) if given is None else given
+    return figure_of(ax) if asked is None else asked
 
 
 def axis_label(quantity: str, unit: str) -> str:

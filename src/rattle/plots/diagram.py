@@ -80,7 +80,7 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None, sheet: Sheet | None = N
     size = float(max(high - low)) or 1.0
     scene = scene._replace(size=size)
     low, high = low - ROOM * size, high + ROOM * size
-    given, ax = ax, ax if ax is not None else _axes(high - low, sheet or OWN)
+    asked, ax = ax, ax if ax is not None else _axes(high - low, sheet or OWN)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     tidy(ax).grid(False)
     length_axes(ax, float(max(high - low)), written_units(m.to_json()))
@@ -97,9 +97,9 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None, sheet: Sheet | None = N
     labels += _open_joints(ax, scene, position)
     _say(ax, position, free, sheet)
     place_labels(ax, labels)
-    if given is None:
+    if asked is None:
         figure_of(ax).set_layout_engine("none")  # names are placed for this layout
-    return drawn(ax, given)
+    return drawn(ax, asked)
 
 
 def drawing(m: AnalysedModel) -> str:
@@ -138,9 +138,12 @@ def _axes(span: Array, sheet: Sheet) -> Axes:
 
 
 # ---------------------------------------------------------------- names, and what is drawn with them
+Place = tuple[Array, list[str], list[str]]  # a spot, the joints and the points there
+
+
 def _joints(scene: Scene, position: Position) -> Iterator[Label]:
     """Joints by name, with their play; those at one place have one label, and so have points of other names there."""
-    places: list[tuple[Array, list[str], list[str]]] = []
+    places: list[Place] = []
     for joint_name, form in scene.result.geometry["joints"].items():
         how = drawing_of("joint", form["type"])
         if how is None:
@@ -149,20 +152,25 @@ def _joints(scene: Scene, position: Position) -> Iterator[Label]:
         spot = a + how.name_at * (b - a)
         loose = form["clearance"] > 0.0 and form["contact"] != "ideal"
         name = f"{joint_name} (play {quantity(form['clearance'], 'm')})" if loose else joint_name
-        near = (one for one in places if float(np.hypot(*(one[0] - spot))) < TOGETHER * scene.size)
-        place = next(near, None)
-        if place is None:
-            place = (spot, [], [])
-            places.append(place)
+        place = _shared(places, spot, TOGETHER * scene.size)
         place[1].append(name)
         joint = position.system.model.joints[joint_name]
         ends = zip((joint.a, joint.b), (a, b), strict=True)
-        place[2].extend(one.name for one, end in ends if np.hypot(*(end - spot)) < TOGETHER * scene.size)
+        place[2].extend(point.name for point, end in ends if np.hypot(*(end - spot)) < TOGETHER * scene.size)
     joints = position.system.model.joints
     for spot, names, points in places:
-        more = ", ".join(dict.fromkeys(one for one in points if one and one not in joints))
+        more = ", ".join(dict.fromkeys(point for point in points if point and point not in joints))
         text = fill(", ".join(names) + (f" ({more})" if more else ""), LABEL)
         yield Label(text, (float(spot[0]), float(spot[1])))
+
+
+def _shared(places: list[Place], spot: Array, reach: float) -> Place:
+    """The place that is as near to a spot as this [m], or else a new one there."""
+    for place in places:
+        if float(np.hypot(*(place[0] - spot))) < reach:
+            return place
+    places.append((spot, [], []))
+    return places[-1]
 
 
 def _bodies(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
@@ -188,7 +196,7 @@ def _points(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
     model = position.system.model
     taken = {(end.body, end.name) for joint in model.joints.values() for end in (joint.a, joint.b)}
     every = [("ground", name, spot) for name, spot in model.ground.items()]
-    every += [(body, name, spot) for body, one in model.bodies.items() for name, spot in one.points.items()]
+    every += [(body, name, spot) for body, its in model.bodies.items() for name, spot in its.points.items()]
     for body, name, spot in every:
         if (body, name) in taken:
             continue
@@ -227,12 +235,12 @@ def _loads(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
     for name, load in system.model.loads.items():
         how = drawing_of("load", load.kind)
         if how is not None:
-            a, b = (point_at(system, position.q, one) for one in (load.a, load.b))
+            a, b = (point_at(system, position.q, end) for end in (load.a, load.b))
             spot = a + how.name_at * (b - a)
             yield Label(name, (float(spot[0]), float(spot[1])), RED)
             continue
         fields = registry.kinds("load")[load.kind].fields.values()
-        turns = any(one.unit == "N*m" for one in fields) and not any(one.unit == "N" for one in fields)
+        turns = any(field.unit == "N*m" for field in fields) and not any(field.unit == "N" for field in fields)
         for k, end in enumerate((load.b, load.a)):
             if end.body == "ground":
                 continue
@@ -302,7 +310,7 @@ def _open_joints(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
         gap = float(np.linalg.norm(workspace.rows[rows, at.RES]))
         if gap <= TOGETHER * scene.size:
             continue
-        a, b = (point_at(system, position.q, one) for one in (joint.a, joint.b))
+        a, b = (point_at(system, position.q, end) for end in (joint.a, joint.b))
         if joint.line is not None:  # the nearest point of the line
             angle = pose(system, position.q, joint.a.body)[2] + joint.line
             u = np.array([math.cos(angle), math.sin(angle)])
@@ -319,18 +327,18 @@ def _say(ax: Axes, position: Position, free: tuple[str, ...], sheet: Sheet | Non
     """The title, below it what there is and what moves; below the picture why it does not close."""
     model = position.system.model
     counts = [_count(len(model.bodies), "body", "bodies"), _count(len(model.joints), "joint", "joints")]
-    said = ", ".join(counts)
+    text = ", ".join(counts)
     if model.drivers:
-        said += "; driven: " + ", ".join(_driven(model, name, one) for name, one in model.drivers.items())
+        text += "; driven: " + ", ".join(_driven(model, name, driver) for name, driver in model.drivers.items())
     if free:
         many = f" and {len(free) - MANY} more" if len(free) > MANY else ""
-        said += f"; {_count(len(free), 'degree', 'degrees')} of freedom: {', '.join(free[:MANY])}{many}"
+        text += f"; {_count(len(free), 'degree', 'degrees')} of freedom: {', '.join(free[:MANY])}{many}"
     elif position.reason:
-        said += "; not put together: bodies as first guessed"
+        text += "; not put together: bodies as first guessed"
     elif position.system.row_count <= LARGE:
-        said += "; nothing else is free" if model.drivers else "; no degree of freedom"
+        text += "; nothing else is free" if model.drivers else "; no degree of freedom"
     wide = WIDE if sheet is None else int(WIDE * 0.8 * sheet.wide / OWN.wide)
-    lines = fill(said, wide)
+    lines = fill(text, wide)
     ax.annotate(
         lines, (0, 1), (0, 4), "axes fraction", "offset points", color=GREY, fontsize=8, va="bottom", parse_math=False
     )
@@ -344,8 +352,8 @@ def _say(ax: Axes, position: Position, free: tuple[str, ...], sheet: Sheet | Non
         )  # fmt: skip
 
 
-def _count(n: int, one: str, many: str) -> str:
-    return f"{n} {one if n == 1 else many}"
+def _count(n: int, single: str, many: str) -> str:
+    return f"{n} {single if n == 1 else many}"
 
 
 def _driven(model: Model, name: str, driver: Driver) -> str:

@@ -41,13 +41,13 @@ class Page(Figure):
 
         label: what it shows, for those who do not see it.  Collections of many lines are drawn as dots.
         """
-        dense = [one for ax in self.axes for one in ax.collections if len(one.get_paths()) > MANY]
-        for one in dense:
-            one.set_rasterized(True)
+        dense = [lines for ax in self.axes for lines in ax.collections if len(lines.get_paths()) > MANY]
+        for lines in dense:
+            lines.set_rasterized(True)
         out = io.StringIO()
         self.savefig(out, format="svg", dpi=FINE, metadata={"Date": None})
-        for one in dense:
-            one.set_rasterized(False)
+        for lines in dense:
+            lines.set_rasterized(False)
         text = out.getvalue()
         text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
         own = "p" + hashlib.sha256(text.encode()).hexdigest()[:8]  # the same picture has the same names

@@ -62,7 +62,7 @@ def place_labels(ax: Axes, labels: Sequence[Label]) -> list[Annotation]:
     points = 72.0 / figure.dpi
     lines = points * drawn_points(ax, SPACING / points)
     frame = ax.get_window_extent()
-    edge = Box(*(points * one for one in (frame.x0, frame.y0, frame.x1, frame.y1)))
+    edge = Box(*(points * side for side in (frame.x0, frame.y0, frame.x1, frame.y1)))
     taken: list[Box] = []
     written = []
     for label in labels:
@@ -106,7 +106,7 @@ def _best(anchor: Array, half: Array, taken: Sequence[Box], lines: Array, edge: 
     out = (box.x0 < edge.x0) | (box.y0 < edge.y0) | (box.x1 > edge.x1) | (box.y1 > edge.y1)
     cost = cost + EDGE * out + LINE * _covered(box, lines)
     k = int(np.argmin(cost))
-    return offset[k], Box(*(float(one[k]) for one in box)), float(distance[k])
+    return offset[k], Box(*(float(side[k]) for side in box)), float(distance[k])
 
 
 def _covered(box: Box, lines: Array) -> NDArray[np.intp]:
@@ -125,13 +125,13 @@ def drawn_points(ax: Axes, spacing: float) -> Array:
     seen = figure_of(ax).bbox.get_points()
     curves = [ax.transData.transform(np.asarray(line.get_xydata())) for line in ax.lines]
     curves += [np.asarray(patch.get_transform().transform_path(patch.get_path()).vertices) for patch in ax.patches]
-    found = [np.zeros((0, 2)), *(_along(curve, spacing, seen) for curve in curves)]
+    points = [np.zeros((0, 2)), *(_along(curve, spacing, seen) for curve in curves)]
     for line, curve in zip(ax.lines, curves, strict=False):
         if line.get_marker() not in ("", "None", None):
             radius = 0.5 * float(line.get_markersize()) * figure_of(ax).dpi / 72.0
             ring = np.linspace(0, 2 * np.pi, 8, endpoint=False)
-            found += [curve + radius * np.array([np.cos(s), np.sin(s)]) for s in ring]
-    every = np.vstack(found)
+            points += [curve + radius * np.array([np.cos(s), np.sin(s)]) for s in ring]
+    every = np.vstack(points)
     return np.asarray(every[np.isfinite(every).all(axis=1)])
 
 

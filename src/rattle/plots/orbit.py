@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.results.event import Event
     from rattle.results.result import Result
 
 
@@ -56,7 +57,7 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     paths = [(name, result[f"{name}.x"], result[f"{name}.y"]) for name in dict.fromkeys(points)]
     wide = max(float(np.ptp(c[np.isfinite(c)])) if np.isfinite(c).any() else 0.0 for _, *way in paths for c in way)
     factor, unit = handy_unit("m", wide, units_of_result(result.provenance))
-    given, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
+    asked, ax = ax, ax if ax is not None else new_axes(6.8, 5.4)[0]
     for k, (name, x, y) in enumerate(paths):
         colour = CURVES[k % len(CURVES)]
         ax.plot(factor * x, factor * y, color=colour, linewidth=1.1, label=f"path of {name}")
@@ -71,17 +72,17 @@ def plot_path(result: Result, *points: str, ax: Axes | None = None) -> Figure | 
     span = f"t = {result.t[0]:g} to {result.t[-1]:g} s" if len(result.t) else "no instant"
     late = shade_after_horizon(ax, result, draw=False)
     note(ax, f"{span}; after t = {result.trust.horizon:.3g} s statistics only" if late else span)
-    return drawn(ax, given)
+    return drawn(ax, asked)
 
 
 def require_point(result: Result, name: str) -> None:
     """Raise UnknownName if the result has no path of this point or body."""
-    known = [one[:-2] for one in result.names if one.endswith(".x") and f"{one[:-1]}y" in result]
-    if name not in known:
+    points = [name[:-2] for name in result.names if name.endswith(".x") and f"{name[:-1]}y" in result]
+    if name not in points:
         from rattle.errors import suggest
         from rattle.results.result import UnknownName
 
-        raise UnknownName(f"the result has no point or body {name!r}{suggest(name, known)}")
+        raise UnknownName(f"the result has no point or body {name!r}{suggest(name, points)}")
 
 
 @overload
@@ -106,13 +107,13 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     """
     form = clearance_joints(result).get(joint)
     if form is None:
-        known = ", ".join(clearance_joints(result)) or "none"
-        raise InputError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {known}")
+        pins = ", ".join(clearance_joints(result)) or "none"
+        raise InputError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {pins}")
     scale, length = length_unit(form["clearance"])
     c = form["clearance"] * scale
     x, y, normal = pin_path(result, joint)
     x, y = x * scale, y * scale
-    given, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
+    asked, ax = ax, ax if ax is not None else new_axes(6.4, 5.4)[0]
 
     oiled = f"{joint}.film_pressure" in result
     if oiled:
@@ -128,7 +129,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     ax.set_title(f"{joint}: orbit of the pin, {where}clearance {c:.4g} {length}", fontsize=11, loc="left", pad=18)
     if shade_after_horizon(ax, result, draw=False):
         note(ax, f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only")
-    return drawn(ax, given)
+    return drawn(ax, asked)
 
 
 def _coloured_by_force(
@@ -193,21 +194,27 @@ def mark_impacts(ax: Axes, result: Result, joint: str, scale: float, colour: str
     lasting = [event for event in mine if event.kind == "contact"]
     if lasting:
         label = f"{len(lasting)} contact{'s' if len(lasting) > 1 else ''}"
-        style = {"facecolors": "none", "edgecolors": BLACK, "linewidths": 0.8, "alpha": 0.6, "zorder": 4}
-        x, y = _on_circle(result, joint, [event.t for event in lasting])
-        ax.scatter(scale * x, scale * y, s=0.35 * largest, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+        style = {"facecolors": "none", "edgecolors": BLACK, "linewidths": 0.8, "alpha": 0.6}
+        _scatter(ax, _on_circle(result, joint, lasting), scale, 0.35 * largest, label, style)
     if hits:
         strength = np.array([event.impulse for event in hits])
-        style = {"color": colour, "alpha": 0.45, "linewidths": 0, "zorder": 4}
         label = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}, up to {strength.max():.2g} N·s"
-        x, y = _on_circle(result, joint, [event.t for event in hits])
         area = np.maximum(largest * strength / strength.max(), 1.0)
-        ax.scatter(scale * x, scale * y, s=area, label=label, **style)  # type: ignore[arg-type]  # matplotlib takes arrays
+        style = {"color": colour, "alpha": 0.45, "linewidths": 0}
+        _scatter(ax, _on_circle(result, joint, hits), scale, area, label, style)
 
 
-def _on_circle(result: Result, joint: str, times: Sequence[float]) -> tuple[Array, Array]:
-    """Places on the clearance circle [m] in the direction of the pin at some times [s]."""
-    x, y = (np.interp(np.array(times), result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
+def _scatter(
+    ax: Axes, at: tuple[Array, Array], scale: float, area: float | Array, label: str, style: Mapping[str, Any]
+) -> None:
+    x, y = at
+    ax.scatter(scale * x, scale * y, s=area, label=label, zorder=4, **style)
+
+
+def _on_circle(result: Result, joint: str, events: Sequence[Event]) -> tuple[Array, Array]:
+    """Places on the clearance circle [m] in the direction of the pin at some events."""
+    times = [event.t for event in events]
+    x, y = (np.interp(times, result.t, result[f"{joint}.{what}"]) for what in ("ex", "ey"))
     reach = np.hypot(x, y) / result.geometry["joints"][joint]["clearance"]
     reach[reach == 0.0] = 1.0
     return x / reach, y / reach

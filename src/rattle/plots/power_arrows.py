@@ -62,10 +62,10 @@ def draw_power(ax: Axes, stage: Scene, p: Powers) -> list[Update]:
         first, spot = stage.ends(form)
         centres = [stage.path(body, (0.0, 0.0)) for body in bodies]
         if len(mine) == 2 and name in p.between:
-            given = 0.5 * (powers[:, mine[1]] - powers[:, mine[0]]) / usual
+            power = 0.5 * (powers[:, mine[1]] - powers[:, mine[0]]) / usual
             apart = np.hypot(*(spot - first).T)[:, None] > APART * stage.size  # a rod or a spring
             way = np.where(apart, spot - first, centres[1] - centres[0])
-            updates.append(_through(ax, stage.size, np.where(apart, 0.5 * (first + spot), spot), way, given))
+            updates.append(_through(ax, stage.size, np.where(apart, 0.5 * (first + spot), spot), way, power))
         else:
             updates += [
                 _into(ax, stage.size, spot, centre - spot, powers[:, k] / usual)
@@ -77,8 +77,8 @@ def draw_power(ax: Axes, stage: Scene, p: Powers) -> list[Update]:
 def form_of(stage: Scene, driven: Mapping[str, str], name: str) -> Mapping[str, Any] | None:
     """Bodies and points of an element; a driver has those of its joint.  None if it has no place."""
     geometry = stage.result.geometry
-    found: Mapping[str, Any] | None = geometry["loads"].get(name) or geometry["joints"].get(driven.get(name, name))
-    return found
+    form: Mapping[str, Any] | None = geometry["loads"].get(name) or geometry["joints"].get(driven.get(name, name))
+    return form
 
 
 def _through(ax: Axes, size: float, spot: Array, way: Array, power: Array) -> Update:

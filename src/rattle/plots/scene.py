@@ -50,8 +50,8 @@ class Scene(NamedTuple):
     @property
     def bodies(self) -> Mapping[str, Any]:
         """The bodies of the result's geometry by name."""
-        found: Mapping[str, Any] = self.result.geometry["bodies"]
-        return found
+        bodies: Mapping[str, Any] = self.result.geometry["bodies"]
+        return bodies
 
     def path(self, body: str, point: Iterable[float]) -> Array:
         """(frames, 2) positions [m] of a point given in the frame of a body or of the ground."""
@@ -125,10 +125,10 @@ def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, alpha: float, zord
     from matplotlib.path import Path
 
     # each ring ends where it began; holes go around the other way, so that they stay empty
-    sense = [float(np.sign(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))) for x, y in (one[0].T for one in rings)]
-    ways = [1 if k == 0 or one != sense[0] else -1 for k, one in enumerate(sense)]
-    closed = [np.concatenate([one, one[:, :1]], axis=1)[:, ::way] for one, way in zip(rings, ways, strict=True)]
-    codes = [[Path.MOVETO, *[Path.LINETO] * (one.shape[1] - 2), Path.CLOSEPOLY] for one in closed]
+    sense = [float(np.sign(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))) for x, y in (ring[0].T for ring in rings)]
+    ways = [1 if k == 0 or sign != sense[0] else -1 for k, sign in enumerate(sense)]
+    closed = [np.concatenate([ring, ring[:, :1]], axis=1)[:, ::way] for ring, way in zip(rings, ways, strict=True)]
+    codes = [[Path.MOVETO, *[Path.LINETO] * (ring.shape[1] - 2), Path.CLOSEPOLY] for ring in closed]
     corners, code = np.concatenate(closed, axis=1), np.concatenate(codes)
     area = PathPatch(Path(corners[0], code), facecolor=colour, alpha=alpha, linewidth=0, zorder=zorder)
     ax.add_patch(area)

@@ -53,8 +53,8 @@ def drawings() -> Mapping[str, Drawing]:
 
 def form_of(family: str, kind: str) -> str:
     """The form as which a kind of joint or load is drawn; "" if it is not, or not known."""
-    known = registry.kinds(family)
-    return str(getattr(known[kind].leaf, "drawn_as", "")) if kind in known else ""
+    kinds = registry.kinds(family)
+    return str(getattr(kinds[kind].leaf, "drawn_as", "")) if kind in kinds else ""
 
 
 def drawing_of(family: str, kind: str) -> Drawing | None:

@@ -97,13 +97,16 @@ def _meshing(sheet: Sheet, toothed: Sequence[Part]) -> Teeth:
     pitch = TURN / (count or MARKS) * least
     whole = _all_whole([wheel.radius / least * float(count) for wheel in wheels.values()]) if count else 0.0 * least
     for part in toothed:
-        one, *more = [wheels[wheel] for _, wheel, _ in wheels_of(part)]
-        for other in more:
-            first, second = (other, one) if one.phase is None and other.phase is not None else (one, other)
-            first.phase = first.phase if first.phase is not None else 0.0
-            second.phase = second.phase if second.phase is not None else _meshed(sheet, first, second, pitch)
-        one.phase = one.phase if one.phase is not None else 0.0
+        _turn(sheet, [wheels[wheel] for _, wheel, _ in wheels_of(part)], pitch)
     return Teeth(pitch, whole, wheels, owners)
+
+
+def _turn(sheet: Sheet, meshed: Sequence[Meshed], pitch: Number) -> None:
+    """Give the wheels of one joint, two of a pair or a pinion, the phases that they do not have yet."""
+    settled = sorted(meshed, key=lambda wheel: wheel.phase is None)  # a wheel that others have turned comes first
+    for n, wheel in enumerate(settled):
+        if wheel.phase is None:
+            wheel.phase = _meshed(sheet, settled[0], wheel, pitch) if n else 0.0
 
 
 def _fits(radii: Sequence[float], count: int) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from rattle.pages.report_figures import HALF, STEPS, names_above, plain_ticks, with_time
-from rattle.pages.report_html import Section, abreast, figure, gallery, listed, paragraph, said, sentence, table
+from rattle.pages.report_html import Section, abreast, figure, gallery, handy, listed, paragraph, sentence, table
 from rattle.pages.report_study import POSITIONS, Headline, Study, tried
 from rattle.plots import curves as style
 from rattle.questions.accuracy.compute import Accuracy
@@ -35,16 +35,16 @@ def section(s: Study) -> Section:
         return Section("Accuracy", "", s.reasons.get("accuracy", ""))
     k = int(np.argmax(answer.worst))
     total = answer.worst[k]
-    when = said(answer.t[k], "s")
-    facts = [f"Worst case, every pin anywhere in its clearance: ±{said(total, answer.unit)}, at t = {when}."]
-    facts.append(f"Root sum square, if the joints vary independently: ±{said(answer.rss[k], answer.unit)} there.")
+    when = handy(answer.t[k], "s")
+    facts = [f"Worst case, every pin anywhere in its clearance: ±{handy(total, answer.unit)}, at t = {when}."]
+    facts.append(f"Root sum square, if the joints vary independently: ±{handy(answer.rss[k], answer.unit)} there.")
     most = answer.share[answer.tighten]
     first = [name for name, share in answer.share.items() if share > 0.99 * most]
     if len(answer.joints) > 1:
         facts.append(f"To tighten first: {' or '.join(first)}.")
     most_of = dict(zip(answer.joints, answer.contributions[k], strict=True))
     rows = [
-        (name, said(answer.clearances[name], "m"), f"±{said(most_of[name], answer.unit)}", f"{100 * share:.0f} %")
+        (name, handy(answer.clearances[name], "m"), f"±{handy(most_of[name], answer.unit)}", f"{100 * share:.0f} %")
         for name, share in sorted(answer.share.items(), key=lambda item: -item[1])
     ]
     body = paragraph(f"How far the play lets {answer.of} deviate from its value without play.")
@@ -74,7 +74,7 @@ def headline(s: Study) -> list[Headline]:
     answer = s.answer("accuracy", Accuracy)
     if answer is None:
         return []
-    return [("Deviation by play at most", f"±{said(float(answer.worst.max()), answer.unit)}", f"of {answer.of}")]
+    return [("Deviation by play at most", f"±{handy(float(answer.worst.max()), answer.unit)}", f"of {answer.of}")]
 
 
 SECTIONS = ((90, section),)

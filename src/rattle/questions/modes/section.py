@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from rattle.pages.report_html import Section, paragraph, said, sentence, table
+from rattle.pages.report_html import Section, handy, paragraph, sentence, table
 from rattle.pages.report_study import POSITIONS, Headline, Study, tried
 from rattle.questions.check.compute import Check
 from rattle.questions.equilibrium.position import Equilibria
@@ -46,7 +46,7 @@ def section(s: Study) -> Section:
     for n, position in enumerate(rest[:MOST_RESTS]):
         units = {"x": "m", "y": "m", "angle": "rad"}
         places = [
-            f"{body} {', '.join(said(_rounded(position[f'{body}.{key}'], least), unit) for key, unit in units.items())}"
+            f"{body} {', '.join(handy(_rounded(position[f'{body}.{key}'], least), u) for key, u in units.items())}"
             for body in list(s.m.model.bodies)[:6]
         ]
         pulls = f"no: {', '.join(position.pulled)} would have to pull" if position.pulled else "yes"
@@ -77,7 +77,7 @@ def headline(s: Study) -> list[Headline]:
 
 def _frequency(modes: Modes) -> str:
     value = float(modes.frequency[0])
-    return said(value, "Hz") if math.isfinite(value) else "none"
+    return handy(value, "Hz") if math.isfinite(value) else "none"
 
 
 SECTIONS = ((70, section),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rattle.jit.choices import TINY
-from rattle.pages.report_html import Section, figure, paragraph, said, table
+from rattle.pages.report_html import Section, figure, handy, paragraph, table
 from rattle.pages.report_study import Study, tried
 from rattle.questions.power.compute import Power
 from rattle.questions.power.pictures import Spacing, plot_cycle
@@ -40,13 +40,13 @@ def section(s: Study) -> Section:
     for name, kind, *energies in power.balance():
         supplied, lost, stored, _ = energies
         left += supplied - lost - stored
-        sizes = [said(value, "J") if abs(value) > SEEN * float(cycle.into.max()) else "" for value in energies]
+        sizes = [handy(value, "J") if abs(value) > SEEN * float(cycle.into.max()) else "" for value in energies]
         if any(sizes):
             rows.append((name, "driver" if name in s.m.model.drivers else kind.replace("-", " "), *sizes))
     head = ("element", "type", "supplied from outside", "lost", "stored", "goes back and forth")
     if abs(left) > SEEN * float(cycle.into.max()):
-        rows.append(("all bodies", "kinetic energy", "", "", said(left, "J"), ""))
-    span = f"Energies from t = {said(power.t0, 's')} to {said(power.t1, 's')}"
+        rows.append(("all bodies", "kinetic energy", "", "", handy(left, "J"), ""))
+    span = f"Energies from t = {handy(power.t0, 's')} to {handy(power.t1, 's')}"
     checked = f"In every body powers and the rate of kinetic energy agree within {cycle.residual:.1g} W."
     return Section("Power", _figure(power) + table(head, rows, span) + paragraph(checked))
 

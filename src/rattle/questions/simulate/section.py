@@ -16,9 +16,9 @@ from rattle.pages.report_html import (
     count,
     enumerated,
     gallery,
+    handy,
     listed,
     paragraph,
-    said,
     sentence,
     table,
 )
@@ -78,14 +78,14 @@ def _joints(s: Study, run: Result) -> str:
             rows.append([name, f"{NOT_READ}: {why_unread(run, f'{name}.force')}", *[""] * 5])
             continue
         if force <= rounding:
-            rows.append([name, said(0.0, "N"), "", said(0.0, "N"), *[""] * 3])
+            rows.append([name, handy(0.0, "N"), "", handy(0.0, "N"), *[""] * 3])
             continue
-        row = [name, said(force, "N"), _at(run, when), said(run.rms(f"{name}.force"), "N")]
+        row = [name, handy(force, "N"), _at(run, when), handy(run.rms(f"{name}.force"), "N")]
         ideal = s.ideal.peak(f"{name}.force")[0] if s.ideal is not None and f"{name}.fx" in s.ideal else math.nan
-        row += [said(ideal, "N"), f"{force / ideal:.3g}"] if NO_IDEAL * force < ideal else ["", ""]
+        row += [handy(ideal, "N"), f"{force / ideal:.3g}"] if NO_IDEAL * force < ideal else ["", ""]
         shown = f"{name}.moment" in run and readable(run, f"{name}.moment")
         moment = run.peak(f"{name}.moment")[0] if shown else 0.0
-        rows.append([*row, said(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])
+        rows.append([*row, handy(moment, "N*m") if moment > ROUNDING * force * s.m.system.extent else ""])
     head = ("joint", "peak force", "at t", "RMS force", "peak without play", "ratio", "peak moment")
     between = " between impacts" if rigid_joints(run) else ""
     caption = f"Joint forces over the whole run{between}; peaks are found within the steps"
@@ -97,17 +97,17 @@ def _clutches(s: Study, run: Result) -> str:
     for name, joint in s.m.model.joints.items():
         if joint.leaf.bodies and f"{name}.torque" in run:
             moment, when = run.peak(f"{name}.torque")
-            rms = said(run.rms(f"{name}.torque"), "N*m")
+            rms = handy(run.rms(f"{name}.torque"), "N*m")
             shown = readable(run, f"{name}.torque")
             share = f"{100 * float(np.mean(run[f'{name}.locked'] > 0.0)):.3g} %"
-            force = (said(moment, "N*m"), _at(run, when), rms) if shown else (NOT_READ, "", "")
+            force = (handy(moment, "N*m"), _at(run, when), rms) if shown else (NOT_READ, "", "")
             rows.append((name, *force, share))
     head = ("clutch", "peak moment", "at t", "RMS moment", "share of outputs at which it drives")
     return table(head, rows, "Clutches over the whole run") + _late_note(rows)
 
 
 def _at(run: Result, t: float) -> str:
-    return said(t, "s") + (" *" if late(run, t) else "")
+    return handy(t, "s") + (" *" if late(run, t) else "")
 
 
 def _late_note(rows: Sequence[Sequence[str]]) -> str:
@@ -126,9 +126,9 @@ def _drivers(s: Study, run: Result) -> str:
         unit, (peak, when), (power, at) = run.unit(effort), run.peak(effort), run.peak(f"{name}.power")
         row = [name, NOT_READ, "", "", NOT_READ, ""]
         if readable(run, effort):
-            row[1:4] = said(peak, unit), _at(run, when), said(run.rms(effort), unit)
+            row[1:4] = handy(peak, unit), _at(run, when), handy(run.rms(effort), unit)
         if readable(run, f"{name}.power"):
-            row[4:6] = said(power, "W"), _at(run, at)
+            row[4:6] = handy(power, "W"), _at(run, at)
         rows.append(row)
     head = ("driver", "peak effort", "at t", "RMS effort", "peak power", "at t")
     return table(head, rows, "Efforts of the drivers") + _late_note(rows)
@@ -148,11 +148,11 @@ def contact_section(s: Study) -> Section:
         rows.append(
             (
                 name, f"{100 * contact.share:.3g} %", "" if link else str(contact.contacts),
-                "" if link else str(contact.impacts), said(max(hits), impulse) if hits else "",
-                said(contact.peak, unit) if contact.readable else NOT_READ,
-                said(contact.rms, unit) if contact.readable else "",
-                said(contact.longest_flight, "s") if contact.longest_flight > 0.0 else "",
-                "" if link else said(contact.energy_lost, "J"), "" if link else said(contact.power_lost, "W"),
+                "" if link else str(contact.impacts), handy(max(hits), impulse) if hits else "",
+                handy(contact.peak, unit) if contact.readable else NOT_READ,
+                handy(contact.rms, unit) if contact.readable else "",
+                handy(contact.longest_flight, "s") if contact.longest_flight > 0.0 else "",
+                "" if link else handy(contact.energy_lost, "J"), "" if link else handy(contact.power_lost, "W"),
             )
         )  # fmt: skip
     head = (
@@ -209,10 +209,10 @@ def _event(s: Study, event: Event) -> tuple[str, ...]:
     unread = contact is not None and not contact.readable
 
     def if_any(value: float, unit: str) -> str:
-        return said(value, unit) if value else ""
+        return handy(value, unit) if value else ""
 
     return (
-        said(event.t, "s", 5), event.joint, KINDS.get(event.kind, event.kind), if_any(event.normal_speed, speed),
+        handy(event.t, "s", 5), event.joint, KINDS.get(event.kind, event.kind), if_any(event.normal_speed, speed),
         if_any(event.duration, "s"), NOT_READ if unread else if_any(event.peak_force, force),
         if_any(event.impulse, impulse), if_any(event.energy_lost, "J"),
     )  # fmt: skip

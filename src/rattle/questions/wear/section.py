@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.pages.report_html import Section, paragraph, said, table
+from rattle.pages.report_html import Section, handy, paragraph, table
 from rattle.pages.report_study import Study
 
 
@@ -15,12 +15,12 @@ def section(s: Study) -> Section:
         wear = joint.wear
         if wear is None:
             continue
-        deepest = [said(max(side), "m") for side in wear.profile] if wear.profile is not None else ["new", "new"]
-        cycle = said(wear.cycle, "s") if math.isfinite(wear.cycle) else "one turn of the driver"
+        deepest = [handy(max(side), "m") for side in wear.profile] if wear.profile is not None else ["new", "new"]
+        cycle = handy(wear.cycle, "s") if math.isfinite(wear.cycle) else "one turn of the driver"
         rows.append(
             (
                 name, f"{1e9 * wear.bush:.3g} mm³/(N·m)", f"{1e9 * wear.pin:.3g} mm³/(N·m)", *deepest,
-                said(wear.wall, "m") if math.isfinite(wear.wall) else "", f"{wear.cycles:g} of {cycle}",
+                handy(wear.wall, "m") if math.isfinite(wear.wall) else "", f"{wear.cycles:g} of {cycle}",
             )
         )  # fmt: skip
     if not rows:
