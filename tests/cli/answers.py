@@ -27,8 +27,10 @@ WIDTH = 100  # of a help text [characters]
 CLOSE = 1e-3  # share by which a printed number may differ: printed with three to five digits, the last may turn
 ROUNDING = 2e-9  # below it a number is nothing but rounding, and is not compared
 NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-# lines that differ from run to run or between machines
-OF_THE_MACHINE = re.compile(r'^ *"(wall_time|message|how|steps|rejected|evaluations|rhs)".*\n', re.MULTILINE)
+# lines that differ from run to run, between machines or versions of click
+OF_THE_MACHINE = re.compile(
+    r"""^( *"(wall_time|message|how|steps|rejected|evaluations|rhs)"|Try 'rattle).*\n""", re.MULTILINE
+)
 ROD = '--vary "rod_length=0.1 mm"'
 QUICK = "--analysis kinematics --threads 1"
 # what two runs of a chaotic motion do not share is not asked

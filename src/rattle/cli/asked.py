@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import textwrap
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,11 @@ from rattle.cli.options import model_options, read_model, read_result, settings_
 from rattle.cli.output import as_json, check_pictures, say_written
 from rattle.errors import InputError
 from rattle.question import Argument, Question
+
+if TYPE_CHECKING:
+    _ParamType = click.ParamType[Any]
+else:
+    _ParamType = click.ParamType  # takes no type before click 8.3
 
 
 def command_of(question: Question) -> click.Command:
@@ -76,7 +81,7 @@ def _option(question: Question, name: str, annotation: str) -> click.Option:
     return click.Option([flag, name], type=kind, default=usual, **shown)
 
 
-class _Written(click.ParamType[Any]):
+class _Written(_ParamType):
     """The value of an argument as it is written."""
 
     name = "value"
