@@ -275,9 +275,10 @@ def _give_methods() -> None:
     for name, asked in _declared.items():
         if asked.of in _askable:
             setattr(_askable[asked.of], name, asked.answer)
-    heirs: list[type] = [heir for asker in _askable.values() for heir in asker.__subclasses__()]
-    for heir in heirs:
-        require_free_names(heir)
+    heir: type
+    for asker in _askable.values():
+        for heir in type.__subclasses__(asker):
+            require_free_names(heir)
 
 
 def require_free_names(heir: type) -> None:
