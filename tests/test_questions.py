@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from rattle import signatures
+from rattle.answers import blocks
+from rattle.answers.answer import Answer
 from rattle.errors import InputError
 from rattle.question import PARTS, Argument, question, questions
 
@@ -170,6 +172,82 @@ def test_a_name_that_is_taken_and_an_argument_that_is_not_there_are_refused():
     with pytest.raises(InputError, match=r"no argument pionts; it has points"):
         question(asks="Another one.", arguments={"pionts": Argument("How many.")})(modes)
     assert "other" not in questions()
+
+
+def asked_with(folders, *words, **files):
+    """What the command line says with folders of questions; files: declarations, by their name, in the first one."""
+    for name, text in files.items():
+        (folders[0] / name).mkdir(parents=True)
+        (folders[0] / name / "__init__.py").write_text(text)
+    env = os.environ | {"RATTLE_QUESTIONS": os.pathsep.join(map(str, folders))}
+    program = [sys.executable, "-m", "rattle", *words] if words else [sys.executable, "-c", BOTH]
+    done = subprocess.run(program, env=env, capture_output=True, text=True)
+    assert "Traceback" not in done.stderr, done.stderr
+    return done.stdout + done.stderr
+
+
+BOTH = "import rattle as rt; m = rt.example('slider_crank'); print(m.first(), m.second())"
+PLAIN = """
+from rattle.answers.answer import Answer
+from rattle.question import Argument, question
+from rattle.mechanism import Mechanism
+@question(asks="Nothing.", {declared})
+def {name}(m{arguments}) -> Answer:
+    return Answer.of(repr({shown}))
+"""
+
+
+def plain(name, arguments="", shown="'nothing'", declared=""):
+    return PLAIN.format(name=name, arguments=arguments, shown=shown, declared=declared)
+
+
+@pytest.mark.nojit
+def test_declarations_may_import_what_they_need_at_their_top(tmp_path):
+    files = {"first": plain("first", shown="1"), "second": plain("second", shown="2")}
+    assert asked_with([tmp_path], "second", "slider_crank", **files) == "2\n"
+    assert asked_with([tmp_path]) == "1 2\n"
+
+
+@pytest.mark.nojit
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("wrong", "def (:", "wrong cannot be read: SyntaxError: invalid syntax"),
+        ("wrong", "import nowhere_at_all", "wrong cannot be read: ModuleNotFoundError"),
+        ("modes", plain("modes"), "holds modes, and so does rattle; rename one of them"),
+        ("studio", plain("studio"), "there is a command studio already"),
+        ("other", plain("other", declared="command='modes'"), "there is a command modes already"),
+        ("other", plain("other", ", json: bool = False"), "json means something already; rename the argument"),
+        ("ideal", plain("ideal"), "a mechanism has a method ideal already; rename the question"),
+        ("set", plain("set"), "a mechanism has a method set already; rename the question"),
+    ],
+)
+def test_a_declaration_that_cannot_be_used_is_refused_in_words(tmp_path, name, text, words):
+    assert words in asked_with([tmp_path], "check", "slider_crank", **{name: text})
+
+
+@pytest.mark.nojit
+def test_two_folders_that_hold_the_same_question_are_refused(tmp_path):
+    asked_with([tmp_path / "a"], "--help", same=plain("same"))
+    assert "holds same, and so does" in asked_with([tmp_path / "b", tmp_path / "a"], "--help", same=plain("same"))
+
+
+@pytest.mark.nojit
+def test_types_are_those_of_live_annotations_or_of_what_is_usual(tmp_path):
+    arguments = ", n: int = 3, on: bool = True, few=2, *, need: float"
+    text = plain("other", arguments, "(n, on, few, need)", "arguments={'n': Argument('N.', at_least=2)}")
+    ask = "other", "slider_crank"
+    assert "Missing option '--need'" in asked_with([tmp_path], *ask, other=text)
+    assert asked_with([tmp_path], *ask, "--need", "1", "--no-on", "--few", "5", "--n", "4") == "(4, False, 5, 1.0)\n"
+    assert "1 is below 2" in asked_with([tmp_path], *ask, "--need", "1", "--n", "1")
+    assert "expected a whole number, got 'inf'" in asked_with([tmp_path], *ask, "--need", "1", "--few", "inf")
+
+
+@pytest.mark.nojit
+def test_two_bars_of_the_same_name_are_two_bars():
+    bars = Answer.of("two", blocks.bars("Bars", "y", ["a", "a"], [1.0, 2.0])).plot().axes[0].patches
+    assert [bar.get_height() for bar in bars] == [1.0, 2.0]
+    assert bars[0].get_x() != bars[1].get_x()
 
 
 @pytest.mark.nojit

@@ -57,7 +57,9 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:  # heavy modules are imported when first used
     if name in _HOME:
-        return getattr(import_module(f"rattle.{_HOME[name]}"), name)
+        home = import_module(f"rattle.{_HOME[name]}")
+        import_module("rattle.question").questions()  # those of one's own too are methods
+        return getattr(home, name)
     raise AttributeError(f"module 'rattle' has no attribute '{name}'")
 
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from rattle.question import asked_of
+from rattle.question import methods_of, require_free_names
 
 
 class OfMechanism:
     """Every question that is asked of a mechanism, as a method."""
 
+    def __init_subclass__(cls) -> None:
+        require_free_names(cls)
+
 
 class OfResult:
     """Every question that is asked of a result, as a method."""
 
+    def __init_subclass__(cls) -> None:
+        require_free_names(cls)
 
-for _class, _what in ((OfMechanism, "mechanism"), (OfResult, "result")):
-    for _name, _question in asked_of(_what).items():
-        setattr(_class, _name, _question.answer)
+
+methods_of(mechanism=OfMechanism, result=OfResult)

@@ -28,15 +28,22 @@ import os
 import pkgutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from threading import get_ident
 from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
 from rattle.errors import InputError
+from rattle.user_paths import expanded
 
 ROOM = "rattle.questions"
 FOLDERS = "RATTLE_QUESTIONS"  # environment variable: further folders of questions
 OF_THE_CALLER = ("progress",)  # arguments that whoever asks gives by itself
 SEVERAL = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
+# names of options that commands have anyway, and of what commands and tabs hand on
+OF_EVERY_QUESTION = {
+    "file", "set", "ideal", "without", "laws", "output", "json", "quiet", "units", "help",
+    "settings", "picture", "as_json_too", "shelf", "source",
+}  # fmt: skip
 PLACE_OF_ANSWERS = 75  # of tabs of answers in blocks, before the report
 OWN_ORDER = 1000  # of questions that do not say where they stand: after all others
 # modules that a question's folder may hold, and what stands in each
@@ -147,7 +154,8 @@ class Question(NamedTuple):
     @property
     def answers_in_blocks(self) -> bool:
         """True if it returns an `Answer`, from which everything it shows is made."""
-        return str(self.answer.__annotations__.get("return", "")).rpartition(".")[2] == "Answer"
+        returned = self.answer.__annotations__.get("return", "")
+        return str(getattr(returned, "__name__", returned)).rpartition(".")[2] == "Answer"
 
 
 def _parameters(answer: Callable[..., Any]) -> dict[str, inspect.Parameter]:
@@ -157,6 +165,9 @@ def _parameters(answer: Callable[..., Any]) -> dict[str, inspect.Parameter]:
 
 
 _declared: dict[str, Question] = {}
+_places: dict[str, str] = {}  # where each folder of a question stands
+_readers: set[int] = set()  # threads that read declarations just now
+_askable: dict[str, type] = {}  # classes whose methods questions are, by what they are asked of
 
 
 def question(
@@ -183,29 +194,106 @@ def question(
         unknown = sorted(set(arguments or {}) - set(takes))
         if unknown:
             raise InputError(f"question '{name}' has no argument {', '.join(unknown)}; it has {', '.join(takes)}")
+        called = name.replace("_", "-") if command is None else command
+        if called and any(other.command == called for other in _declared.values() if other.name != name):
+            raise InputError(f"question '{name}': there is a command {called} already; give another one by command=")
         _declared[name] = Question(
-            name, function, function.__module__, asks, of, name.replace("_", "-") if command is None else command,
+            name, function, function.__module__, asks, of, called,
             title or words[0].upper() + words[1:], ((wants, words),) if isinstance(wants, str) else wants, examples,
             order, arguments or {}, shows_quantities, tab,
         )  # fmt: skip
+        if _declared[name].answers_in_blocks and (taken := sorted(OF_EVERY_QUESTION & set(takes))):
+            raise InputError(f"question '{name}': {', '.join(taken)} means something already; rename the argument")
         return function
 
     return declare
 
 
-@functools.cache
 def questions() -> Mapping[str, Question]:
-    """All questions by name, in their order.  Raises InputError for a folder that is none."""
-    room = importlib.import_module(ROOM)
-    for folder in filter(None, os.environ.get(FOLDERS, "").split(os.pathsep)):
-        if not Path(folder).is_dir():
-            raise InputError(f"{FOLDERS}: there is no folder {folder}")
-        if folder not in room.__path__:
-            room.__path__.append(folder)
-    for module in pkgutil.iter_modules(room.__path__):
-        if module.ispkg:
-            importlib.import_module(f"{ROOM}.{module.name}")
+    """All questions by name, in their order; while those of one's own are read, the ones that are known by then.
+
+    Raises InputError for a folder of one's own that is none, or whose declarations cannot be read.
+    """
+    return _in_order() if get_ident() in _readers else _every()
+
+
+@functools.cache
+def _every() -> Mapping[str, Question]:
+    _read_shipped()
+    _readers.add(get_ident())
+    try:
+        for folder in filter(None, os.environ.get(FOLDERS, "").split(os.pathsep)):
+            _read_folder(folder)
+    finally:
+        _readers.discard(get_ident())
+    _give_methods()
+    return _in_order()
+
+
+def _in_order() -> dict[str, Question]:
     return dict(sorted(_declared.items(), key=lambda entry: (entry[1].order, entry[0])))
+
+
+@functools.cache
+def _read_shipped() -> None:
+    for module in pkgutil.iter_modules(importlib.import_module(ROOM).__path__):
+        if module.ispkg:
+            _places[module.name] = "rattle"
+            importlib.import_module(f"{ROOM}.{module.name}")
+
+
+def _read_folder(written: str) -> None:
+    """Import the declarations of a folder of one's own."""
+    folder = os.path.abspath(expanded(written))
+    if not Path(folder).is_dir():
+        raise InputError(f"{FOLDERS}: there is no folder {written}")
+    importlib.import_module(ROOM).__path__.append(folder)
+    for module in pkgutil.iter_modules([folder]):
+        if module.ispkg and _places.setdefault(module.name, folder) != folder:
+            raise InputError(
+                f"{FOLDERS}: {written} holds {module.name}, and so does {_places[module.name]}; rename one of them"
+            )
+        if module.ispkg:
+            _read_own(module.name, Path(folder))
+
+
+def _read_own(name: str, folder: Path) -> None:
+    try:
+        importlib.import_module(f"{ROOM}.{name}")
+    except InputError:
+        raise
+    except Exception as error:  # whatever stands there
+        raise InputError(f"{FOLDERS}: {folder / name} cannot be read: {type(error).__name__}: {error}") from error
+
+
+def methods_of(**askable: type) -> None:
+    """From now on these classes have every question of a "mechanism" or a "result" as a method.
+
+    Those of one's own come with the next call of `questions`: they may import whatever is imported just now.
+    """
+    _askable.update(askable)
+    _read_shipped()
+    _give_methods()
+
+
+def _give_methods() -> None:
+    for name, asked in _declared.items():
+        if asked.of in _askable:
+            setattr(_askable[asked.of], name, asked.answer)
+    heir: type
+    for asker in _askable.values():
+        for heir in type.__subclasses__(asker):
+            require_free_names(heir)
+
+
+def require_free_names(heir: type) -> None:
+    """Raise InputError if a class that inherits questions has another method of the name of one."""
+    for name, asked in _declared.items():
+        others = [vars(base)[name] for base in heir.__mro__ if name in vars(base)]
+        if asked.of in _askable and issubclass(heir, _askable[asked.of]) and any(
+            getattr(other, "__wrapped__", other) is not asked.answer for other in others
+        ):  # fmt: skip
+            raise InputError(f"question '{name}': a {asked.of} has a method {name} already; rename the question")
 
 
 def asked_of(what: str) -> dict[str, Question]:

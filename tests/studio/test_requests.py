@@ -279,6 +279,14 @@ class Spoken:
                 return json.loads(content)
 
 
+def test_half_a_character_in_the_text_does_not_end_the_session(studio):
+    spoken = Spoken(studio)
+    spoken.send(json.dumps({"do": "text", "text": "name = '\ud800'"}).encode())
+    spoken.send(json.dumps({"do": "hello"}).encode())
+    heard = [spoken.hear() for _ in range(3)]
+    assert {"kind": "text", "text": "name = '\ud800'", "fresh": False} in heard
+
+
 @pytest.mark.parametrize("nonsense", [b"", b"{", b"[" * 100_000, b'"text"', b"[1]", b'{"do": 1}', b'{"do": "no-such"}'])
 def test_a_message_that_makes_no_sense_is_answered_and_the_session_goes_on(studio, nonsense):
     spoken = Spoken(studio)

@@ -7,16 +7,26 @@ from typing import Any
 
 from rattle.errors import InputError
 from rattle.language.quantities import in_si
-from rattle.language.times import seconds
+from rattle.language.times import Seconds, seconds
 from rattle.question import Argument, Question
 
 WORDS = {"True": True, "False": False, "true": True, "false": False, "yes": True, "no": False}
 
 
 def types_of(question: Question) -> dict[str, str]:
-    """The types of the arguments that a question takes, as they are declared, without None."""
+    """The types of the arguments that a question takes, as they are declared, without None; else of what is usual."""
     parameters = inspect.signature(question.answer).parameters
-    return {name: str(parameters[name].annotation).replace(" ", "").removesuffix("|None") for name in question.takes}
+    return {name: _type_of(parameters[name]) for name in question.takes}
+
+
+def _type_of(parameter: inspect.Parameter) -> str:
+    declared = parameter.annotation
+    if declared is parameter.empty:
+        return type(parameter.default).__name__
+    if declared == Seconds:
+        return "Seconds"
+    text = declared if isinstance(declared, str) else inspect.formatannotation(declared)
+    return text.replace(" ", "").removeprefix("collections.abc.").removesuffix("|None")
 
 
 def takes_several(annotation: str) -> bool:
@@ -58,6 +68,6 @@ def _number(name: str, text: str, kind: str) -> float:
         number = float(text)
     except ValueError:
         number = float("nan")
-    if number != number or (kind == "int" and number != int(number)):
+    if number != number or (kind == "int" and not number.is_integer()):
         raise InputError(f"{name}: expected {NUMBERS[kind]}, got {text!r}")
     return int(number) if kind == "int" else number

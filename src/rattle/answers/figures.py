@@ -47,7 +47,8 @@ def _curves(ax: Axes, block: Block) -> None:
 
 
 def _bars(ax: Axes, block: Block) -> None:
-    ax.bar(block["labels"], block["values"], color=CURVES[0], width=0.6)
+    places = range(len(block["labels"]))  # two bars may have the same name
+    ax.bar(places, block["values"], color=CURVES[0], width=0.6, tick_label=block["labels"])
     ax.set_ylabel(block["y"])
 
 

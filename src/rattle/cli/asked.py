@@ -78,7 +78,9 @@ def _option(question: Question, name: str, annotation: str) -> click.Option:
         return click.Option([flag, name], multiple=True, metavar="VALUE", help=told.means, required=required)
     kind = click.Choice(told.choices) if told.choices else _Written(question, name)
     shown: dict[str, Any] = {"help": told.means, "required": required, "show_default": usual is not None}
-    return click.Option([flag, name], type=kind, default=usual, **shown)
+    if not required:  # click takes a default, None too, for a value that was given
+        shown["default"] = usual
+    return click.Option([flag, name], type=kind, **shown)
 
 
 class _Written(_ParamType):

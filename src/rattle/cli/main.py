@@ -39,7 +39,11 @@ OTHERS = {
 }  # fmt: skip
 try:
     ASKED = {question.command: question for question in questions().values() if question.command}
-except InputError as refused:  # a folder of one's own that is not there
+    if taken := sorted(ASKED.keys() & OTHERS):
+        raise InputError(
+            f"question '{ASKED[taken[0]].name}': there is a command {taken[0]} already; give another one by command="
+        )
+except InputError as refused:  # a folder of one's own that is not there, or does not hold what it should
     sys.stderr.write(f"error: {refused}\n")
     raise SystemExit(2) from None
 # every command in its order, with its line of `rattle --help`

@@ -99,8 +99,11 @@ class Session:
 
 
 def as_json(message: Message) -> str:
-    """A message to the page; arrays are packed, numbers that are not finite are null elsewhere."""
-    return json.dumps(plain(message), ensure_ascii=False, separators=(",", ":"), allow_nan=False, default=_packed)
+    """A message to the page; arrays are packed, numbers that are not finite are null elsewhere.
+
+    In ASCII: a text from the editor may hold half a character, which UTF-8 cannot.
+    """
+    return json.dumps(plain(message), separators=(",", ":"), allow_nan=False, default=_packed)
 
 
 def _packed(array: np.ndarray) -> dict[str, str]:
