@@ -10,10 +10,14 @@ from pathlib import Path
 
 import pytest
 
+import rattle as rt
 from rattle import signatures
 from rattle.answers import blocks
-from rattle.answers.answer import Answer
+from rattle.answers.answer import Answer, Number
+from rattle.answers.arguments import read
+from rattle.answers.blocks import curves, line, table
 from rattle.errors import InputError
+from rattle.pages.report_study import Study, answer_section
 from rattle.question import PARTS, Argument, question, questions
 
 FOLDER = Path(__file__).parent / "data" / "questions"
@@ -257,3 +261,40 @@ def test_a_folder_that_is_not_there_is_named():
     assert done.returncode == 2
     assert "RATTLE_QUESTIONS: there is no folder /nowhere/at/all" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.nojit
+def test_arguments_are_read_as_what_they_are_declared_to_be():
+    def asked(m, k: int = 1, t: "Sequence[Seconds]" = (), x: "list[float]" = (), o: "Optional[int]" = None):  # noqa: F821
+        """What is asked."""
+
+    modes = questions()["modes"]._replace(answer=asked, arguments={"k": Argument("Which.", choices=("1", "2"))})
+    assert [read(modes, *words) for words in (("k", "2"), ("t", "20 ms, 1"), ("x", "1,2.5"), ("o", "3"))] == [
+        2, [0.02, 1.0], [1.0, 2.5], 3,
+    ]  # fmt: skip
+    for words, wrong in ((("k", "3"), "1 or 2"), (("x", "1,b"), "a number"), (("k", "1.5"), "a whole number")):
+        with pytest.raises(InputError, match=wrong):
+            read(modes, *words)
+
+
+@pytest.mark.nojit
+def test_blocks_that_do_not_fit_are_refused_where_they_are_made():
+    with pytest.raises(InputError, match=r"the head has 2 cells, a row has 1"):
+        table(("a", "b"), [("1",)])
+    with pytest.raises(InputError, match=r"curve c: x has the shape \(2,\), y \(3,\)"):
+        line("c", [0, 1], [1, 2, 3])
+    assert Answer.of("told", numbers={"a": 1.5, "b": Number(2.0, "m")}).numbers == {"a": (1.5, ""), "b": (2.0, "m")}
+
+
+@pytest.mark.nojit
+def test_a_report_says_of_an_answer_that_cannot_be_drawn_why(tmp_path, monkeypatch):
+    def huge(m) -> Answer:
+        """Numbers that no axis can hold."""
+        return Answer.of("huge", curves("Huge", "x", "y", [line("c", [0, 1], [-1e308, 1e308])]))
+
+    asked = questions()["modes"]._replace(name="huge", title="Huge numbers", answer=huge)
+    results = Study(rt.example("slider_crank"))
+    results.keep("huge", huge(results.m))
+    section = answer_section(results, asked)
+    assert section.body == ""
+    assert section.reason

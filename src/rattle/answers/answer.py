@@ -32,9 +32,14 @@ class Answer:
     numbers: Mapping[str, Number] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, told: str, *blocks: Block | None, numbers: Mapping[str, Number] | None = None) -> Answer:
-        """An answer of these blocks; those that are None, as a table without rows is, are left out."""
-        return cls(told, tuple(block for block in blocks if block is not None), dict(numbers or {}))
+    def of(cls, told: str, *blocks: Block | None, numbers: Mapping[str, Number | float] | None = None) -> Answer:
+        """An answer of these blocks; those that are None, as a table without rows is, are left out.
+
+        numbers: by name; a float has no unit.
+        """
+        named = (numbers or {}).items()
+        with_units = {name: number if isinstance(number, Number) else Number(number) for name, number in named}
+        return cls(told, tuple(block for block in blocks if block is not None), with_units)
 
     def __getitem__(self, name: str) -> float:
         """A number of the answer [SI].  Raises InputError for a name that it has not."""

@@ -26,7 +26,8 @@ def _type_of(parameter: inspect.Parameter) -> str:
     if declared == Seconds:
         return "Seconds"
     text = declared if isinstance(declared, str) else inspect.formatannotation(declared)
-    return text.replace(" ", "").removeprefix("collections.abc.").removesuffix("|None")
+    text = text.replace(" ", "").removeprefix("typing.").removeprefix("collections.abc.")
+    return text[len("Optional[") : -1] if text.startswith("Optional[") else text.removesuffix("|None")
 
 
 def takes_several(annotation: str) -> bool:
@@ -41,7 +42,12 @@ def read(question: Question, name: str, text: str) -> Any:
     """
     told, kind = question.arguments.get(name, Argument("")), types_of(question)[name]
     if takes_several(kind):
-        return [part.strip() for part in text.split(",") if part.strip()]
+        of = kind.partition("[")[2].rstrip("]").removesuffix(",...")
+        return [_value(name, part.strip(), of, told) for part in text.split(",") if part.strip()]
+    return _value(name, text, kind, told)
+
+
+def _value(name: str, text: str, kind: str, told: Argument) -> Any:
     value: Any = text
     if "Seconds" in kind:
         value = seconds(text, name)

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rattle.errors import InputError
 from rattle.plots.curves import QUANTITY, axis_label
 from rattle.results.handy_units import handy_unit, units_of_result
 from rattle.results.result import Result
@@ -44,6 +45,8 @@ def words(text: str, tone: str = "") -> Block | None:
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> Block | None:
     """A table of texts; None without rows."""
     listed = [[str(cell) for cell in row] for row in rows]
+    if wrong := next((row for row in listed if len(row) != len(head)), None):
+        raise InputError(f"table {caption or ', '.join(head)}: the head has {len(head)} cells, a row has {len(wrong)}")
     return {"kind": "table", "head": list(head), "rows": listed, "caption": caption} if listed else None
 
 
@@ -61,7 +64,10 @@ def drawing(figure: Figure, caption: str = "") -> Block:
 
 def line(name: str, x: ArrayLike, y: ArrayLike, **style: Any) -> Block:
     """A curve (n,) over x (n,), in the units of its axes."""
-    return {"name": name, "x": np.asarray(x, dtype=float), "y": np.asarray(y, dtype=float), **style}
+    across, up = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if across.shape != up.shape or across.ndim != 1:
+        raise InputError(f"curve {name}: x has the shape {across.shape}, y {up.shape}; both need one dimension")
+    return {"name": name, "x": across, "y": up, **style}
 
 
 def curves(title: str, x: str, y: str, lines: Sequence[Block], **more: Any) -> Block | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.answers.answer import Answer
 from rattle.answers.arguments import read, takes_several, types_of
 from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, read_result, settings_option, shows_progress
@@ -33,7 +34,11 @@ def command_of(question: Question) -> click.Command:
         subject = read_result(file, settings) if on_result else read_model(file, settings, ideal)
         if progress:
             chosen["progress"] = shows_progress(click.get_current_context())
-        answer = question.answer(subject, **{name: value for name, value in chosen.items() if value != ()})
+        answer = question.answer(subject, **{name: value for name, value in chosen.items() if value is not None})
+        if not isinstance(answer, Answer):
+            raise InputError(
+                f"question '{question.name}' returned {answer!r:.60}; a command needs an Answer, or a part"
+            )
         click.echo(as_json(answer.record()) if as_json_too else str(answer))
         if picture is not None:
             from rattle.plots.curves import save_figure
@@ -75,12 +80,13 @@ def _option(question: Question, name: str, annotation: str) -> click.Option:
     if annotation == "bool":
         return click.Option([f"{flag}/--no-{flag[2:]}" if usual else flag, name], default=usual, help=told.means)
     if takes_several(annotation):
-        return click.Option([flag, name], multiple=True, metavar="VALUE", help=told.means, required=required)
-    kind = click.Choice(told.choices) if told.choices else _Written(question, name)
+        listed = f"{told.means}  Several with commas between them."
+        return click.Option([flag, name], type=_Written(question, name), metavar="LIST", help=listed, required=required)
     shown: dict[str, Any] = {"help": told.means, "required": required, "show_default": usual is not None}
+    shown["metavar"] = f"[{'|'.join(told.choices)}]" if told.choices else "VALUE"
     if not required:  # click takes a default, None too, for a value that was given
         shown["default"] = usual
-    return click.Option([flag, name], type=kind, **shown)
+    return click.Option([flag, name], type=_Written(question, name), **shown)
 
 
 class _Written(_ParamType):

@@ -162,4 +162,7 @@ def answer_section(s: Study, question: Question) -> Section:
     answer = s.answer(question.name, Answer)
     if answer is None:
         return Section(question.title, "", s.reasons.get(question.name, ""))
-    return Section(question.title, paragraph(answer.told) + "".join(map(html_of, answer.blocks)))
+    body = tried(s, question.name, f"drawing: {question.title}", lambda: "".join(map(html_of, answer.blocks)))
+    if body is None:  # numbers that no axis can hold
+        return Section(question.title, "", s.reasons[question.name])
+    return Section(question.title, paragraph(answer.told) + body)
