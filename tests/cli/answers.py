@@ -29,7 +29,8 @@ ROUNDING = 2e-9  # below it a number is nothing but rounding, and is not compare
 NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 # lines that differ from run to run, between machines or versions of click
 OF_THE_MACHINE = re.compile(
-    r"""^( *"(wall_time|message|how|steps|rejected|evaluations|rhs)"|Try 'rattle|sequential quadratic).*\n""", re.MULTILINE
+    r"""^( *"(wall_time|message|how|steps|rejected|evaluations|rhs)"|Try 'rattle|sequential quadratic).*\n""",
+    re.MULTILINE,
 )
 ROD = '--vary "rod_length=0.1 mm"'
 QUICK = "--analysis kinematics --threads 1"

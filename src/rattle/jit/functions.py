@@ -75,7 +75,8 @@ class KernelFunction:
     def _caller(self, args: Sequence[Any]) -> Callable[..., Any]:
         """The Python function that calls the machine code for arguments like these."""
         if self.native:
-            return _machine().caller(self.__name__, self.address, self.letters)  # type: ignore[no-any-return]
+            of_fixed_types: Callable[..., Any] = _machine().caller(self.__name__, self.address, self.letters)
+            return of_fixed_types
         kinds = importlib.import_module("rattle.jit.translation.values").kinds_given(args)
         with _lock:
             if kinds not in self._callers:

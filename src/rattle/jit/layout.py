@@ -10,7 +10,7 @@ from rattle.jit.columns import COLUMNS as COLUMNS
 from rattle.jit.columns import Column as Column
 from rattle.jit.columns import column, name_columns, share
 from rattle.jit.columns import width as width
-from rattle.jit.run_layout import *  # noqa: F403
+from rattle.jit.run_layout import *  # noqa: F403  # its columns are named here as all others
 from rattle.jit.run_layout import END_CODE, FIRST_CODE, OWN_CODE
 
 # fmt: off

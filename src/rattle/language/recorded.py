@@ -184,7 +184,8 @@ def operate(op: int, value: float, *operands: Any) -> float:
     """`value`, found by an operation of `language.bytecode`, with its record if an operand has one."""
     for operand in operands:
         if isinstance(operand, Recorded):
-            return operand.made(value, operand.journal.operation(op, *map(symbol_of, operands)))  # type: ignore[no-any-return]
+            record: float = operand.made(value, operand.journal.operation(op, *map(symbol_of, operands)))
+            return record
     return value
 
 
@@ -192,7 +193,8 @@ def read(block: Sequence[Any], value: float, x: Any) -> float:
     """`value` of a table at x, with its record if x or a number of its block has one."""
     for number in (x, *block):
         if isinstance(number, Recorded):
-            return number.made(value, number.journal.table(block, x))  # type: ignore[no-any-return]
+            record: float = number.made(value, number.journal.table(block, x))
+            return record
     return value
 
 

@@ -40,7 +40,7 @@ class Watched:
     def __init__(self, value: float, symbol: Any, journal: Journal, watch: Watch) -> None:
         self.bare, self.symbol, self.journal, self.watch = value, symbol, journal, watch
 
-    @property  # type: ignore[misc]
+    @property  # type: ignore[misc]  # mypy knows no property of this name
     def __class__(self) -> Any:  # what isinstance asks
         return Recorded
 

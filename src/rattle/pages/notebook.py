@@ -144,7 +144,7 @@ def _class_of_views() -> Any:
     import anywidget
     import traitlets
 
-    class MotionView(anywidget.AnyWidget):  # type: ignore[misc]
+    class MotionView(anywidget.AnyWidget):  # type: ignore[misc]  # of an untyped package
         """A motion that one can play, with sliders."""
 
         _esm = module_text()
