@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress
+from rattle.cli.options import model_options, read_model, read_result, settings_option, shows_progress
 from rattle.cli.output import as_json, check_pictures, check_results, finish, keep, say_written
 from rattle.cli.requirements import Verdict, finish_required, judge, required_record
 
@@ -56,17 +56,28 @@ class Asked(NamedTuple):
 
         moving: the picture may be an animation.  Raises click.UsageError, InputError, ModelError, OSError.
         """
+        self.check(moving)
+        return read_model(self.file, self.settings, self.ideal)
+
+    def result(self) -> Result:
+        """The result, as `model`."""
+        self.check()
+        return read_result(self.file, self.settings)
+
+    def check(self, moving: bool = False) -> None:
+        """Refuse the names of files that cannot be written.  Raises as `model`."""
         check_results(self.file, self.output, self.csv, self.fallback)
         if self.picture is not None:
             check_pictures(self.file, self.picture, moving=moving)
-        return read_model(self.file, self.settings, self.ideal)
 
-    def with_picture(self) -> Asked:
-        """-o taken for a picture if its name says so."""
+    def by_suffix(self, tables: bool = True) -> Asked:
+        """-o taken for a picture or, with `tables`, for a table if its name says so."""
         from rattle.plots.curves import SUFFIXES
 
-        drawn = self.output is not None and self.output.lower().endswith(SUFFIXES)
-        return self._replace(output=None, picture=self.output) if drawn else self
+        suffix = Path(self.output or "").suffix.lower()
+        if suffix in SUFFIXES:
+            return self._replace(output=None, picture=self.output)
+        return self._replace(output=None, csv=self.output) if tables and suffix == ".csv" else self
 
     @property
     def progress(self) -> bool:
@@ -115,8 +126,8 @@ def drawn(path: str | Path, draw: Callable[[], Figure]) -> Written:
 class Shown(NamedTuple):
     """What a command says and writes, in this order, and how it ends."""
 
-    words: Callable[[], str]  # "" for nothing
-    record: Callable[[], object]  # of --json, in SI
+    words: Callable[[], str] = str  # "" for nothing
+    record: Callable[[], object] = dict  # of --json, in SI
     files: Sequence[Written] = ()
     verdicts: Sequence[Verdict] = ()  # the exit status is 1 if one of them is not kept
     status: int = 0  # exit status apart from that
@@ -129,13 +140,21 @@ def alone_or_all(records: Sequence[object]) -> object:
     return records[0] if len(records) == 1 else records
 
 
-def model_command(function: Callable[..., Shown]) -> click.Command:
-    """Decorator: the command about a model of a function of `Asked` and its own options, in place of the others."""
-    return plain_command(model_options(function))
+def model_command(function: Callable[..., Shown], **words: str) -> click.Command:
+    """Decorator: a command about a model, of a function of `Asked` and the options that are its own.
+
+    words: of the command, as click has them.
+    """
+    return plain_command(model_options(function), **words)
+
+
+def result_command(function: Callable[..., Shown], **words: str) -> click.Command:
+    """Decorator: the same about a saved result."""
+    return plain_command(click.argument("file", metavar="RESULT")(settings_option(function)), **words)
 
 
 def plain_command(function: Callable[..., Shown], **words: str) -> click.Command:
-    """As `model_command`, with none but its own options; words: of the command, as click has them."""
+    """Decorator: the same about neither."""
 
     @wraps(function)
     def command(**options: Any) -> None:

@@ -45,7 +45,7 @@ def orbit(asked: Asked, joint: str | None, t_end: float | None, points: int) -> 
 
     if asked.ideal:
         raise click.UsageError("an orbit is about play, and --ideal removes all of it; leave --ideal out")
-    asked = asked.with_picture()
+    asked = asked.by_suffix(tables=False)
     m = asked.model()
     name = joint if joint is not None else only_oiled(m)
     result = m.orbit(name, span_times(m, t_end, points))
