@@ -20,6 +20,7 @@ from rattle.cli.requirements import Verdict, finish_required, judge, required_re
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
@@ -123,6 +124,18 @@ def drawn(path: str | Path, draw: Callable[[], Figure]) -> Written:
     return Written(path, write)
 
 
+def tabled(path: str | None, table: Callable[[], DataFrame]) -> tuple[Written, ...]:
+    """A table as a file, if there is to be one."""
+
+    def write(path: str) -> None:
+        from rattle.atomic_file import atomic
+
+        with atomic(path) as file:
+            table().to_csv(file, index=False, lineterminator="\n")
+
+    return () if path is None else (Written(path, write),)
+
+
 class Shown(NamedTuple):
     """What a command says and writes, in this order, and how it ends."""
 
@@ -131,6 +144,7 @@ class Shown(NamedTuple):
     files: Sequence[Written] = ()
     verdicts: Sequence[Verdict] = ()  # the exit status is 1 if one of them is not kept
     status: int = 0  # exit status apart from that
+    remarks: Sequence[str] = ()  # on stderr, at the end
     result: Result | None = None  # that decides on the exit status first
     kept: bool = True  # False: the result could not be saved
 
@@ -175,6 +189,8 @@ def _show(asked: Asked, shown: Shown) -> None:
         write(path)
         if not asked.as_json:
             say_written(path)
+    for remark in shown.remarks:
+        click.echo(remark, err=True)
     if shown.result is not None:
         finish(context, shown.result, shown.kept)
     if shown.status:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from rattle.cli.question_command import Asked, Shown, model_command, picture_option
 
 
@@ -25,10 +23,10 @@ def draw(asked: Asked) -> Shown:
     from rattle.errors import AssemblyError
 
     asked = asked._replace(picture=asked.picture or f"{Path(asked.file).stem}.png")
-    m, status = asked.model(), 0
+    m = asked.model()
+    drawing = Shown(files=asked.drawn(m.plot))
     try:
         _ = m.start
     except AssemblyError as error:
-        click.echo(f"error: {error}", err=True)
-        status = 1
-    return Shown(files=asked.drawn(m.plot), status=status)
+        return drawing._replace(status=1, remarks=[f"error: {error}"])
+    return drawing

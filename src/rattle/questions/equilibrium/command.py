@@ -101,8 +101,7 @@ def _listed(asked: Asked, m: Mechanism, t: float, branches: str, effort: float) 
         click.echo(equilibria.note, err=True)
     if not equilibria:
         remedy = "" if equilibria.undefined else "; try other angles in [initial] or --branches all"
-        click.echo(f"no equilibrium was found at t = {t:g} s{remedy}", err=True)
-        return Shown(lambda: "", list, status=1)
+        return Shown(record=list, status=1, remarks=[f"no equilibrium was found at t = {t:g} s{remedy}"])
     verdicts = judge(equilibria[0].result, asked.required)
     judged = [required_record(verdicts), *({} for _ in equilibria[1:])]
     return Shown(
