@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.command import Options
 from rattle.cli.options import time
 from rattle.cli.question_command import Asked, Shown
 from rattle.cli.requirements import check_required
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 ZERO = 1e-12  # share of the largest value of the same unit below which a number is rounding
 
 
-def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def span_options(points: int) -> Options:
     """Add the options --t-end and --points (default `points`) to a command."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:

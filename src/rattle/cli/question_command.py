@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from rattle.cli.command import Command
+from rattle.cli.command import Command, Options
 from rattle.cli.options import model_options, read_model, read_result, settings_option, shows_progress
 from rattle.cli.output import as_json, check_pictures, check_results, finish, keep, say_written
 from rattle.cli.requirements import Verdict, finish_required, judge, required_record
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
-
-Options = Callable[[Callable[..., Any]], Callable[..., Any]]  # adds options to a command
 
 
 def json_option(words: str) -> Options:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.command import Options
 from rattle.cli.options import time, value
 from rattle.cli.output import STOPPED
 from rattle.cli.question_command import Asked, Shown, Written, json_option, picture_option
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from rattle.questions.ensemble.statistics import Bounded
 
 
-def question_options(needed: bool = True) -> Callable[..., Any]:
+def question_options(needed: bool = True) -> Options:
     """Add to a command what is asked of every mechanism: --of (needed: at least one), --analysis, --t-end."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
-from click.core import ParameterSource
 
-from rattle.cli.options import value
+from rattle.cli.options import given, value
 from rattle.cli.question_command import Asked, Shown, alone_or_all, json_option, model_command, picture_option
 from rattle.cli.requirements import require_share_option, required_share, said_required
 from rattle.questions.ensemble.options import question_options, tolerances, vary_option
@@ -70,7 +69,7 @@ def tolerance(
     if parameter is not None and limit is not None:
         largest = [m.tolerance_for(output, value(limit), parameter, share, **question) for output in outputs]
         return Shown(
-            lambda: "\n\n".join(value.report for value in largest), lambda: alone_or_all([*map(_record, largest)])
+            lambda: "\n\n".join(answer.report for answer in largest), lambda: alone_or_all([*map(_record, largest)])
         )
     if limit is not None:
         from rattle.questions.tolerance.compute import require_limit
@@ -133,17 +132,14 @@ NEEDED = {
     "share": ("--share", "--largest"),
     "enough": ("--require", "--limit"),
 }  # options, and those without which they have no meaning
-USELESS = {
-    "costs": "--cost",
-    "allocate": "--allocate",
-    "picture": "--plot",
-    "enough": "--require",
-}  # beside --largest
+USELESS = {  # beside --largest
+    "costs": "--cost", "allocate": "--allocate", "picture": "--plot", "enough": "--require",
+}  # fmt: skip
 
 
 def _require_sense(ctx: click.Context) -> None:
     """Refuse options that would be left out of account.  Raises UsageError."""
-    typed = {name for name in ctx.params if ctx.get_parameter_source(name) == ParameterSource.COMMANDLINE}
+    typed = {name for name in ctx.params if given(ctx, name)}
     asked = {"--limit": "limit" in typed, "--largest": "parameter" in typed}
     for name, (option, other) in NEEDED.items():
         if name in typed and not asked[other]:
