@@ -7,7 +7,7 @@ as `Shown` what it has to say; printing, JSON, files and the exit status follow 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -85,11 +85,16 @@ class Asked(NamedTuple):
 
     def drawn(self, *drawings: Callable[[], Figure], named: Sequence[object] = ()) -> tuple[Written, ...]:
         """The picture, if there is to be one; named: what sets the names of several pictures apart."""
-        if self.picture is None or len(drawings) == 1:
-            return () if self.picture is None else (drawn(self.picture, drawings[0]),)
+        if self.picture is None:
+            return ()
         path = Path(self.picture)
-        targets = [path.with_stem(f"{path.stem}-{name}") for name in named]
-        return tuple(map(drawn, targets, drawings))
+        several: list[str | Path] = [path.with_stem(f"{path.stem}-{name}") for name in named]
+        targets = several if len(drawings) > 1 else [self.picture]
+        return tuple(Written(target, partial(_draw, draw)) for target, draw in zip(targets, drawings, strict=True))
+
+    def tabled(self, table: Callable[[], DataFrame]) -> tuple[Written, ...]:
+        """The table of --csv, if there is to be one."""
+        return () if self.csv is None else (Written(self.csv, partial(_tabulate, table)),)
 
     def shown(
         self, result: Result, words: Callable[[], str], record: Callable[[], Mapping[str, object]],
@@ -111,27 +116,17 @@ class Written(NamedTuple):
     write: Callable[[Any], object]  # to that path
 
 
-def drawn(path: str | Path, draw: Callable[[], Figure]) -> Written:
-    """A picture as a file."""
+def _draw(draw: Callable[[], Figure], path: str | Path) -> None:
+    from rattle.plots.curves import save_figure
 
-    def write(path: str | Path) -> None:
-        from rattle.plots.curves import save_figure
-
-        save_figure(draw(), path)
-
-    return Written(path, write)
+    save_figure(draw(), path)
 
 
-def tabled(path: str | None, table: Callable[[], DataFrame]) -> tuple[Written, ...]:
-    """A table as a file, if there is to be one."""
+def _tabulate(table: Callable[[], DataFrame], path: str) -> None:
+    from rattle.atomic_file import atomic
 
-    def write(path: str) -> None:
-        from rattle.atomic_file import atomic
-
-        with atomic(path) as file:
-            table().to_csv(file, index=False, lineterminator="\n")
-
-    return () if path is None else (Written(path, write),)
+    with atomic(path) as file:
+        table().to_csv(file, index=False, lineterminator="\n")
 
 
 class Shown(NamedTuple):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rattle.cli.options import given, only_oiled, read_model
-from rattle.cli.question_command import Asked, Shown, json_option, plain_command, tabled
+from rattle.cli.question_command import Asked, Shown, json_option, plain_command
 from rattle.errors import InputError
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def film(
 
     return Shown(
         lambda: "\n".join(lines), lambda: _record(oil_film, position, curve),
-        (*tabled(asked.csv, lambda: oil_film.table() if curve is None else curve), *asked.drawn(draw)),
+        (*asked.tabled(lambda: oil_film.table() if curve is None else curve), *asked.drawn(draw)),
         remarks=[f"note: {note}" for note in oil_film.notes],
     )  # fmt: skip
 

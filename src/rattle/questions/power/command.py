@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rattle.cli.options import run_laws, settings_option, time
-from rattle.cli.question_command import Asked, Shown, json_option, plain_command, tabled
+from rattle.cli.question_command import Asked, Shown, json_option, plain_command
 from rattle.errors import InputError
 from rattle.jit.choices import TINY
 from rattle.questions.power.in_units import in_units, with_units
@@ -60,7 +60,7 @@ def power(asked: Asked, cycle: float | None, instant: float | None, curves: bool
     def words() -> str:
         return "" if output is not None else _cycle(p) if instant is None else _instant(p, instant)
 
-    table = tabled(asked.csv, lambda: with_units(p.table if instant is None else p.at(instant)))
+    table = asked.tabled(lambda: with_units(p.table if instant is None else p.at(instant)))
     return Shown(words, lambda: _record(p, instant), (*table, *asked.drawn(p.plot_curves if curves else p.plot)))
 
 
