@@ -15,7 +15,7 @@ from rattle.description.switch_contact import recontact
 from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
 from rattle.results.chosen_units import Shown
 from rattle.results.contact_summary import contact_lines, readable
-from rattle.results.display import quantity, table
+from rattle.results.display import in_columns, quantity, table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,9 +63,7 @@ class Comparison:
         return table(HEAD, self.rows(), f"{self.name}: joint {self.joint}", [*below, *self.assumed], "c.plot()")
 
     def __str__(self) -> str:
-        rows = [HEAD, *self.rows()]
-        wide = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
-        lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in rows]
+        lines = in_columns([HEAD, *self.rows()])
         lines += [f"{model}: left out: {why}" for model, why in self.skipped.items()]
         by_note: dict[str, list[str]] = {}
         for model, notes in self.notes.items():

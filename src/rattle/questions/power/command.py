@@ -48,8 +48,8 @@ def power(asked: Asked, cycle: float | None, instant: float | None, curves: bool
               rattle power out.nc --cycle "20 ms" -o power.svg
               rattle power out.nc -o power.csv
     """
-    output = asked.output
-    _require_sense(output, curves, instant)
+    _require_sense(asked.output, curves, instant)
+    prints = asked.output is None
     asked = asked.by_suffix()
     asked.check()
     run_laws(laws)
@@ -58,7 +58,9 @@ def power(asked: Asked, cycle: float | None, instant: float | None, curves: bool
     p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < WHOLE * end else end - cycle)
 
     def words() -> str:
-        return "" if output is not None else _cycle(p) if instant is None else _instant(p, instant)
+        if not prints:
+            return ""
+        return _cycle(p) if instant is None else _instant(p, instant)
 
     table = asked.tabled(lambda: with_units(p.table if instant is None else p.at(instant)))
     return Shown(words, lambda: _record(p, instant), (*table, *asked.drawn(p.plot_curves if curves else p.plot)))
