@@ -39,10 +39,9 @@ ROOM = "rattle.questions"
 FOLDERS = "RATTLE_QUESTIONS"  # environment variable: further folders of questions
 OF_THE_CALLER = ("progress",)  # arguments that whoever asks gives by itself
 SEVERAL = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
-# names of options that commands have anyway, and of what commands and tabs hand on
+# names of options that commands have anyway, and of what tabs hand on
 OF_EVERY_QUESTION = {
-    "file", "set", "ideal", "without", "laws", "output", "json", "quiet", "units", "help",
-    "settings", "picture", "as_json_too", "shelf", "source",
+    "file", "set", "ideal", "without", "laws", "output", "json", "quiet", "units", "help", "shelf", "source",
 }  # fmt: skip
 PLACE_OF_ANSWERS = 75  # of tabs of answers in blocks, before the report
 OWN_ORDER = 1000  # of questions that do not say where they stand: after all others

@@ -29,7 +29,7 @@ ROUNDING = 2e-9  # below it a number is nothing but rounding, and is not compare
 NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 # lines that differ from run to run, between machines or versions of click
 OF_THE_MACHINE = re.compile(
-    r"""^( *"(wall_time|message|how|steps|rejected|evaluations|rhs)"|Try 'rattle|sequential quadratic).*\n""",
+    r"""^( *"(wall_time|message|how|steps|rejected|runs|evaluations|rhs)"|Try 'rattle|sequential quadratic).*\n""",
     re.MULTILINE,
 )
 ROD = '--vary "rod_length=0.1 mm"'
@@ -94,12 +94,19 @@ LINES = {
     ],
     "optimise": [
         'optimise path_generator --ideal --analysis kinematics --vary a=.03:.05 --minimise "sd(coupler.P.y)"',
+        'optimise path_generator --ideal --analysis kinematics --vary a=.03:.05 --minimise "sd(coupler.P.y)" --json',
         'optimise path_generator --minimise "sd(coupler.P.y)" --vary a',
     ],
-    "power": ["power slider_crank", "power slider_crank --at 1ms", "power fourbar --cycle -1"],
+    "power": [
+        "power slider_crank",
+        "power slider_crank --at 1ms",
+        "power slider_crank --json",
+        "power fourbar --cycle -1",
+    ],
     "film": [
         'film --viscosity "50 mPa*s" --length "10 mm" --radius "10 mm" --clearance "50 um"',
         'film --viscosity 0.02 --length 0.03 --radius 0.05 --clearance 1e-4 --load 1000 --speed "3000 rpm"',
+        "film --viscosity 0.02 --length 0.03 --radius 0.05 --clearance 1e-4 --load 1000 --speed 50 --json",
         "film --viscosity 0.02",
     ],
     "orbit": ["orbit slider_crank_oil --t-end 5ms", "orbit slider_crank_oil --t-end 5ms --json", "orbit slider_crank"],

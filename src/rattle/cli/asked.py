@@ -10,9 +10,7 @@ import click
 
 from rattle.answers.answer import Answer
 from rattle.answers.arguments import read, takes_several, types_of
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, read_result, settings_option, shows_progress
-from rattle.cli.output import as_json, check_pictures, say_written
+from rattle.cli.question_command import Asked, Shown, json_option, model_command, picture_option, result_command
 from rattle.errors import InputError
 from rattle.question import Argument, Question
 
@@ -22,43 +20,30 @@ else:
     _ParamType = click.ParamType  # takes no type before click 8.3
 
 
+OWN = "_of_question"  # after the names of arguments, which may be those of `Asked` too
+
+
 def command_of(question: Question) -> click.Command:
     """The command: FILE, an option per argument, --json and -o for a picture."""
-    options = [_option(question, name, kind) for name, kind in types_of(question).items()]
     progress = "progress" in inspect.signature(question.answer).parameters
 
-    def ask(file: str, settings: tuple[str, ...], as_json_too: bool, picture: str | None, **chosen: Any) -> None:
-        check_pictures(file, picture)
-        ideal = chosen.pop("ideal", False)
-        on_result = question.of == "result"
-        subject = read_result(file, settings) if on_result else read_model(file, settings, ideal)
+    def ask(asked: Asked, **options: Any) -> Shown:
+        subject = asked.result() if question.of == "result" else asked.model()
+        chosen = {name.removesuffix(OWN): value for name, value in options.items() if value is not None}
         if progress:
-            chosen["progress"] = shows_progress(click.get_current_context())
-        answer = question.answer(subject, **{name: value for name, value in chosen.items() if value is not None})
+            chosen["progress"] = asked.progress
+        answer = question.answer(subject, **chosen)
         if not isinstance(answer, Answer):
             raise InputError(
                 f"question '{question.name}' returned {answer!r:.60}; a command needs an Answer, or a part"
             )
-        click.echo(as_json(answer.record()) if as_json_too else str(answer))
-        if picture is not None:
-            from rattle.plots.curves import save_figure
+        return Shown(lambda: str(answer), answer.record, asked.drawn(answer.plot))
 
-            save_figure(answer.plot(), picture)
-            say_written(picture)
-
-    shared = [
-        click.Option(["-o", "--output", "picture"], metavar="FILE", help="Draw the answer (.svg, .png, .pdf)."),
-        click.Option(["--json", "as_json_too"], is_flag=True, help="The answer as JSON, in SI units."),
-    ]
-    command = click.command(question.command, cls=Command, help=_help(question), short_help=question.asks)(
-        (_result_options if question.of == "result" else model_options)(ask)
-    )
-    command.params += [*options, *shared]
+    decorate = result_command if question.of == "result" else model_command
+    shown = picture_option("Draw the answer (.svg, .png, .pdf).")(json_option("The answer as JSON, in SI units.")(ask))
+    command = decorate(shown, name=question.command, help=_help(question), short_help=question.asks)
+    command.params[-2:-2] = [_option(question, name, kind) for name, kind in types_of(question).items()]
     return command
-
-
-def _result_options(function: Any) -> Any:
-    return click.argument("file", metavar="RESULT")(settings_option(function))
 
 
 def _help(question: Question) -> str:
@@ -77,16 +62,19 @@ def _option(question: Question, name: str, annotation: str) -> click.Option:
     """The option of an argument: its type follows from annotation and unit."""
     told = question.arguments.get(name, Argument(f"{name.replace('_', ' ').capitalize()}."))
     flag, required, usual = f"--{name.replace('_', '-')}", name in question.needed, question.usual.get(name)
+    target = name + OWN
     if annotation == "bool":
-        return click.Option([f"{flag}/--no-{flag[2:]}" if usual else flag, name], default=usual, help=told.means)
+        return click.Option([f"{flag}/--no-{flag[2:]}" if usual else flag, target], default=usual, help=told.means)
     if takes_several(annotation):
         listed = f"{told.means}  Several with commas between them."
-        return click.Option([flag, name], type=_Written(question, name), metavar="LIST", help=listed, required=required)
+        return click.Option(
+            [flag, target], type=_Written(question, name), metavar="LIST", help=listed, required=required
+        )
     shown: dict[str, Any] = {"help": told.means, "required": required, "show_default": usual is not None}
     shown["metavar"] = f"[{'|'.join(told.choices)}]" if told.choices else "VALUE"
     if not required:  # click takes a default, None too, for a value that was given
         shown["default"] = usual
-    return click.Option([flag, name], type=_Written(question, name), **shown)
+    return click.Option([flag, target], type=_Written(question, name), **shown)
 
 
 class _Written(_ParamType):

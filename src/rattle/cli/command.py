@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
+from typing import Any
 
 import click
 
+Options = Callable[[Callable[..., Any]], Callable[..., Any]]  # adds options to a command
 TIMES = {2: "twice"}
 
 

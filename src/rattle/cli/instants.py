@@ -3,35 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.command import Options
 from rattle.cli.options import time
-from rattle.cli.output import as_json as to_json
+from rattle.cli.question_command import Asked, Shown
+from rattle.cli.requirements import check_required
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from rattle.cli.requirements import Verdict
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
 
 ZERO = 1e-12  # share of the largest value of the same unit below which a number is rounding
 
 
-def span_options(points: int) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def span_options(points: int) -> Options:
     """Add the options --t-end and --points (default `points`) to a command."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = click.option(
-            "--points",
-            type=click.IntRange(2, 10_000_000),
-            default=points,
-            show_default=True,
+            "--points", type=click.IntRange(2, 10_000_000), default=points, show_default=True,
             help="Number of positions, evenly spaced in time.",
-        )(function)
+        )(function)  # fmt: skip
         return click.option(
             "--t-end", type=time, help="From t = 0 to this time, in s or as '20 ms'; default: as in the model."
         )(function)
@@ -82,6 +80,7 @@ def ranges(m: Mechanism, result: Result, names: list[str]) -> str:
 
 
 def notes(result: Result) -> str:
+    """How many positions, where reactions are not unique, and what the result says of its trust."""
     lines = [f"{len(result.t)} positions, all joints close"]
     if result.trust.nonunique:
         lines.append(
@@ -91,7 +90,8 @@ def notes(result: Result) -> str:
     return "\n".join([*lines, *result.trust.notes])
 
 
-def record(result: Result, verdicts: Sequence[Verdict] = ()) -> str:
+def record(result: Result) -> dict[str, object]:
+    """What JSON holds of a motion: its events, its trust and the range of every curve, in SI."""
     import numpy as np
 
     curves = {
@@ -104,29 +104,28 @@ def record(result: Result, verdicts: Sequence[Verdict] = ()) -> str:
         if len(result.t)
     }
     events = [{"t": float(e.t), "joint": e.joint, "kind": e.kind} for e in result.events]
-    record = {
-        "success": result.success,
-        "message": result.message,
-        "trust": result.trust.to_dict(),
-        "events": events,
-        "curves": curves,
-        **({"required": [verdict.record for verdict in verdicts]} if verdicts else {}),
-    }
-    return to_json(record)
+    facts = {"success": result.success, "message": result.message, "trust": result.trust.to_dict()}
+    return {**facts, "events": events, "curves": curves}
+
+
+def moved(
+    asked: Asked, m: Mechanism, analysis: str, t_end: float | None, points: int,
+    ask: Callable[[np.ndarray], Result], words: Callable[[Result], list[str]],
+) -> Shown:  # fmt: skip
+    """What is shown of a motion position by position.
+
+    ask: for the motion at instants (points,) [s].  words: lines about it, before its notes.
+    """
+    check_required(m, asked.required, analysis, t_end)
+    result = ask(span_times(m, t_end, points))
+    return asked.shown(result, lambda: "\n".join([*words(result), notes(result)]), lambda: record(result))
 
 
 at_option = click.option(
-    "--at",
-    "t",
-    type=time,
-    default=0.0,
-    show_default=True,
+    "--at", "t", type=time, default=0.0, show_default=True,
     help="Time at which the drivers are held, in s or as '20 ms'.",
-)
+)  # fmt: skip
 effort_option = click.option(
-    "--effort",
-    type=click.FloatRange(0.0, min_open=True),
-    default=1.0,
-    show_default=True,
+    "--effort", type=click.FloatRange(0.0, min_open=True), default=1.0, show_default=True,
     help="Work allowed for the search for equilibria; 10 allows ten times as much, at most 10000.",
-)
+)  # fmt: skip

@@ -77,6 +77,9 @@ def run_laws(files: Iterable[str]) -> None:
         logging.getLogger("rattle").info(f"{file}: its Python code was run; laws: {', '.join(laws)}")
 
 
+contact_option = click.option(
+    "--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact."
+)
 settings_option = click.option(
     "--set", "settings", multiple=True, metavar="NAME=VALUE",
     help="Where a model is given in place of a result: change a parameter or any entry of it; may be given more than"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.cli.command import Options
 from rattle.errors import InputError
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ fallback_option = click.option(
 )
 
 
-def save_options(note: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def save_options(note: str = "") -> Options:
     """Add the options -o, --csv and --fallback to a command; note: how their help texts begin."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -32,7 +32,7 @@ require_option = click.option(
     help='What has to hold, e.g. "max(B.force) < 2 kN"; exit status 1 where it does not; may be given more than once.',
 )  # fmt: skip
 require_share_option = click.option(
-    "--require", "required", metavar="SHARE",
+    "--require", "enough", metavar="SHARE",
     help="With --limit: how many mechanisms have to keep it, e.g. 99%, or the exit status is 1.  [default: 99.73%]",
 )  # fmt: skip
 
@@ -155,6 +155,11 @@ def asked_outputs(required: Sequence[str]) -> list[str]:
         if condition.comparison == "==":
             raise click.UsageError(f"--require {condition.text}: of many mechanisms none keeps an equation")
     return [condition.output for condition in conditions]
+
+
+def required_record(verdicts: Sequence[Verdict]) -> dict[str, list[dict[str, Any]]]:
+    """What JSON holds of requirements: nothing without any."""
+    return {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
 
 
 def finish_required(ctx: click.Context, verdicts: Sequence[Verdict], say: Callable[[str], Any] | None) -> None:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import click
+from dataclasses import asdict
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model
-from rattle.cli.output import as_json as to_json
+from rattle.cli.question_command import Asked, Shown, json_option, model_command
 
 
-@click.command(cls=Command)
-@model_options
-@click.option("--json", "as_json", is_flag=True, help="The report as JSON.")
-def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> None:
+@model_command
+@json_option("The report as JSON.")
+def check(asked: Asked) -> Shown:
     """Bodies, joints, mobility, redundant joints, loops, branches, range of the driver.
 
     FILE is a model file or the name of a shipped example.
@@ -20,10 +17,5 @@ def check(file: str, settings: tuple[str, ...], ideal: bool, as_json: bool) -> N
     \b
     Example:  rattle check fourbar
     """
-    report = read_model(file, settings, ideal).check()
-    if as_json:
-        from dataclasses import asdict
-
-        click.echo(to_json(asdict(report)))
-    else:
-        click.echo(str(report))
+    report = asked.model().check()
+    return Shown(lambda: str(report), lambda: asdict(report))

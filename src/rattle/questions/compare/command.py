@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress, time
-from rattle.cli.output import STOPPED, check_pictures, say_written
+from rattle.cli.options import time
+from rattle.cli.output import STOPPED
+from rattle.cli.question_command import Asked, Shown, json_option, model_command, picture_option
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @click.option(
     "--joint", metavar="JOINT", help="Joint whose force and orbit are shown; default: the first with clearance."
 )
@@ -20,20 +19,14 @@ from rattle.cli.output import STOPPED, check_pictures, say_written
     " body.",
 )  # fmt: skip
 @click.option(
-    "--law",
-    metavar="NAME",
+    "--law", metavar="NAME",
     help="Normal force law of the compliant run (`rattle kinds normal` lists them); default: the joint's own, "
     "otherwise exact.",
-)
+)  # fmt: skip
 @click.option("--t-end", type=time, help="End of the runs, in s or as '20 ms'; default: one turn of the driver.")
-@click.option(
-    "-o", "--output", metavar="FILE", default="compare.png", show_default=True, help="Picture (.png, .svg, .pdf)."
-)
-@click.pass_context
-def compare(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, joint: str | None,
-    curves: tuple[str, ...], law: str | None, t_end: float | None, output: str,
-) -> None:  # fmt: skip
+@picture_option("Picture (.png, .svg, .pdf).", usual="compare.png")
+@json_option("The table and its notes as JSON, in SI units.")
+def compare(asked: Asked, joint: str | None, curves: tuple[str, ...], law: str | None, t_end: float | None) -> Shown:
     """Ideal joint, massless link, impact, compliant contact and oil on one page: motion, force, orbit, energy.
 
     FILE is a model file or the name of a shipped example.  Values that a compliant contact or oil needs and the file
@@ -42,16 +35,10 @@ def compare(
     \b
     Example:  rattle compare fourbar -o play.png
     """
-    from rattle.plots.curves import save_figure
-
-    check_pictures(file, output)
-    comparison = read_model(file, settings, ideal).compare(
-        joint=joint, curve=curves, t_end=t_end, law=law, progress=shows_progress(ctx)
-    )
-    click.echo(str(comparison))
-    if any(r.cut_short for r in comparison.results.values()):
-        ctx.exit(STOPPED)
-    save_figure(comparison.figure(), output)
-    say_written(output)
-    if not all(r.success for r in comparison.results.values()):
-        ctx.exit(1)
+    comparison = asked.model().compare(joint=joint, curve=curves, t_end=t_end, law=law, progress=asked.progress)
+    results = comparison.results.values()
+    stopped = any(result.cut_short for result in results)
+    return Shown(
+        lambda: str(comparison), comparison.record, () if stopped else asked.drawn(comparison.figure),
+        status=STOPPED if stopped else int(not all(result.success for result in results)),
+    )  # fmt: skip

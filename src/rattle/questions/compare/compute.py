@@ -15,7 +15,7 @@ from rattle.description.switch_contact import recontact
 from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
 from rattle.results.chosen_units import Shown
 from rattle.results.contact_summary import contact_lines, readable
-from rattle.results.display import quantity, table
+from rattle.results.display import in_columns, quantity, table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,9 +63,7 @@ class Comparison:
         return table(HEAD, self.rows(), f"{self.name}: joint {self.joint}", [*below, *self.assumed], "c.plot()")
 
     def __str__(self) -> str:
-        rows = [HEAD, *self.rows()]
-        wide = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
-        lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in rows]
+        lines = in_columns([HEAD, *self.rows()])
         lines += [f"{model}: left out: {why}" for model, why in self.skipped.items()]
         by_note: dict[str, list[str]] = {}
         for model, notes in self.notes.items():
@@ -77,6 +75,17 @@ class Comparison:
     def rows(self) -> list[tuple[str, ...]]:
         """The table: one row per model, cells as in HEAD."""
         return [_row(model, result, self.joint) for model, result in self.results.items()]
+
+    def record(self) -> dict[str, object]:
+        """The table and its notes as plain data, in SI units."""
+        models = {
+            model: {
+                **_numbers(model, result, self.joint), "success": result.success, "trust": result.trust.to_dict(),
+                "notes": self.notes.get(model, ()),
+            }
+            for model, result in self.results.items()
+        }  # fmt: skip
+        return {"joint": self.joint, "models": models, "left_out": self.skipped, "assumed": self.assumed}
 
     @property
     def reference(self) -> str:
@@ -97,24 +106,42 @@ class Comparison:
 HEAD = ("model", "peak force", "RMS force", "pressing", "contacts", "impacts", "energy lost", "trusted up to")
 
 
-# a rigid contact has impulses, listed with the impacts; its force is that of lasting contact, where that can be read
+NUMBERS = ("peak", "rms", "pressing", "contacts", "impacts", "hardest", "energy_lost")
+
+
+def _numbers(model: str, result: Result, joint: str) -> dict[str, float | None]:
+    """What a run says of a joint, by NUMBERS: forces [N], share of the time, counts, impulse [N*s], energy [J].
+
+    A rigid contact has impulses, listed with the impacts; its force is that of lasting contact, where that can be read.
+    None where there is nothing to say.
+    """
+    contact, force = result.contacts.get(joint), f"{joint}.force"
+    numbers: dict[str, float | None] = dict.fromkeys(NUMBERS)
+    if readable(result, force):
+        numbers |= {"peak": max(result.peak(force)[0], contact.peak if contact else 0.0), "rms": result.rms(force)}
+    if contact:
+        numbers["pressing"] = contact.share
+    if contact and model != LINK:
+        oil = result.films.get(joint)  # its mean power has the dry friction beside it
+        lost = oil.mean_power * float(result.t[-1] - result.t[0]) if oil else contact.energy_lost
+        mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
+        hardest = max((event.impulse for event in mine), default=0.0)
+        numbers |= {"contacts": contact.contacts, "impacts": contact.impacts, "hardest": hardest, "energy_lost": lost}
+    return numbers
 
 
 def _row(model: str, result: Result, joint: str) -> tuple[str, ...]:
-    contact = result.contacts.get(joint)
-    peak = max(result.peak(f"{joint}.force")[0], contact.peak if contact else 0.0)
-    if not contact or model == LINK:
-        touched = (f"{100 * contact.share:.0f} %" if contact else "-", "-", "-", "-")
-    else:
-        oil = result.films.get(joint)  # its mean power has the dry friction beside it
-        lost = quantity(oil.mean_power * float(result.t[-1] - result.t[0]) if oil else contact.energy_lost, "J", 3)
-        mine = [event for event in result.events if event.joint == joint and event.kind == "impact"]
-        hardest = max((event.impulse for event in mine), default=0.0)
-        hits = f"{contact.impacts}, to {quantity(hardest, 'N*s', 2)}" if contact.impacts else "0"
-        touched = (f"{100 * contact.share:.0f} %", str(contact.contacts), hits, lost)
-    shown = readable(result, f"{joint}.force")
-    forces = (newton(peak), newton(result.rms(f"{joint}.force"))) if shown else ("-", "-")
-    return (model, *forces, *touched, _reach(result.trust))
+    numbers = _numbers(model, result, joint)
+
+    def hits(count: float) -> str:
+        return f"{count}, to {quantity(numbers['hardest'] or 0.0, 'N*s', 2)}" if count else "0"
+
+    written: dict[str, Callable[[float], str]] = {
+        "peak": newton, "rms": newton, "pressing": lambda share: f"{100 * share:.0f} %", "contacts": str,
+        "impacts": hits, "energy_lost": lambda energy: quantity(energy, "J", 3),
+    }  # fmt: skip
+    cells = ["-" if (number := numbers[name]) is None else write(number) for name, write in written.items()]
+    return (model, *cells, _reach(result.trust))
 
 
 def _reach(trust: Trust) -> str:

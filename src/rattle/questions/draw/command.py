@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import click
+from pathlib import Path
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model
-from rattle.cli.output import check_pictures, say_written
+from rattle.cli.question_command import Asked, Shown, model_command, picture_option
 
 
-@click.command(cls=Command)
-@model_options
-@click.option(
-    "-o", "--output", metavar="FILE", default=None,
-    help="Picture to write (.png, .svg, .pdf); default: the name of FILE with .png, in the current folder.",
-)  # fmt: skip
-@click.pass_context
-def draw(ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None) -> None:
+@model_command
+@picture_option("Picture to write (.png, .svg, .pdf); default: the name of FILE with .png, in the current folder.")
+def draw(asked: Asked) -> Shown:
     """Draw a mechanism as put together, before any run: to scale, with everything in it by name.
 
     Bodies, joints with their play, points, mass centres, drivers, springs, the other loads as arrows of what they exert
@@ -27,18 +20,13 @@ def draw(ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, 
     Example:  rattle draw fourbar -o fourbar.svg
               rattle draw fourbar --set l2="0.7 m"
     """
-    from pathlib import Path
-
     from rattle.errors import AssemblyError
-    from rattle.plots.curves import save_figure
 
-    m = read_model(file, settings, ideal)
-    target = Path(output) if output else Path(f"{Path(file).stem}.png")
-    check_pictures(file, target)
-    save_figure(m.plot(), target)
-    say_written(target)
+    asked = asked._replace(picture=asked.picture or f"{Path(asked.file).stem}.png")
+    m = asked.model()
+    drawing = Shown(files=asked.drawn(m.plot))
     try:
         _ = m.start
     except AssemblyError as error:
-        click.echo(f"error: {error}", err=True)
-        ctx.exit(1)
+        return drawing._replace(status=1, remarks=[f"error: {error}"])
+    return drawing

@@ -3,49 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress, value
-from rattle.cli.output import as_json
-from rattle.cli.requirements import (
-    asked_outputs,
-    required_share,
-)
+from rattle.cli.options import value
+from rattle.cli.question_command import Asked, Shown, model_command
+from rattle.cli.requirements import asked_outputs, required_record, required_share
 from rattle.questions.ensemble.options import (
     check_limits,
-    check_written,
     engine_options,
     judge_share,
-    keep_runs,
     of_share,
     question_options,
+    shown_runs,
     tolerances,
+    vary_option,
 )
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @click.option("-n", "count", type=int, default=1000, show_default=True, help="How many mechanisms.")
 @question_options(needed=False)
-@click.option(
-    "--vary", "varied", multiple=True, metavar="NAMES",
-    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm,l2=0.5 mm:normal".  '
-    "[default: all that have a tolerance]",
-)  # fmt: skip
+@vary_option
 @click.option("--seed", default=0, show_default=True, help="Mechanism i depends on the seed and on i alone.")
 @click.option(
     "--design", type=click.Choice(["sobol", "halton", "lhs", "random"]), default="sobol", show_default=True,
     help="How the fields are sampled: evenly (sobol, halton, lhs), or independently (random).",
 )  # fmt: skip
 @click.option(
-    "--history",
-    "histories",
-    multiple=True,
-    metavar="CURVE",
+    "--history", "histories", multiple=True, metavar="CURVE",
     help="Keep this curve of every mechanism too, at 201 instants (netCDF, with -o); may be given more than once.",
-)
+)  # fmt: skip
 @click.option("--limit", metavar="VALUE", help='Also: how many stay at or below it, e.g. "5 kN"; for one --of.')
 @click.option(
     "--require", "required", multiple=True, metavar="CONDITION",
@@ -53,14 +42,10 @@ from rattle.questions.ensemble.options import (
     ' share "max(B.force) < 2 kN: 95 %"; 95% alone is about --limit.  May be given more than once.',
 )  # fmt: skip
 @engine_options
-@click.pass_context
 def ensemble(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, count: int, outputs: tuple[str, ...],
-    analysis: str, t_end: float | None, varied: tuple[str, ...], seed: int, design: str, limit: str | None,
-    required: tuple[str, ...], histories: tuple[str, ...],
-    threads: int | None, workers: int | None, scheduler: str | None, folder: str | None, csv: str | None,
-    picture: str | None, json_too: bool,
-) -> None:  # fmt: skip
+    asked: Asked, count: int, outputs: tuple[str, ...], analysis: str, t_end: float | None, varied: tuple[str, ...],
+    limit: str | None, histories: tuple[str, ...], folder: str | None, **more: Any,
+) -> Shown:  # fmt: skip
     """What tolerances do: statistics of numbers over many mechanisms made with the same drawing.
 
     FILE is a model file or the name of a shipped example.  Tolerances stand there beside the values:
@@ -75,11 +60,10 @@ def ensemble(
     every mean with its 95 % confidence, quantiles, and how many mechanisms could not be run and why.  With --limit
     or --require the exit status is 1 if fewer than 99.73 % of the mechanisms keep it, or than the share asked for.
     """
-    needed, conditions = _required(required, limit)
+    needed, conditions = _required(asked.required, limit)
     outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(conditions)]))
     _require_sense(outputs, limit, histories, folder)
-    check_written(file, csv, picture)
-    m = read_model(file, settings, ideal)
+    m = asked.model()
     vary = tolerances(varied)
     if limit is not None:
         from rattle.questions.ensemble.compute import require_limit
@@ -87,25 +71,19 @@ def ensemble(
         require_limit(m, outputs[0], value(limit), vary, analysis=analysis, t_end=t_end)
     check_limits(m, conditions, vary, analysis=analysis, t_end=t_end)
     answer = m.ensemble(
-        count, list(outputs), vary, seed=seed, analysis=analysis, t_end=t_end, design=design,
-        threads=threads, workers=workers, scheduler=scheduler, folder=folder, histories=histories,
-        progress=shows_progress(ctx),
+        count, list(outputs), vary, analysis=analysis, t_end=t_end, folder=folder, histories=histories,
+        progress=asked.progress, **more,
     )  # fmt: skip
-    share = None if limit is None else answer.yield_below(outputs[0], value(limit))
-    verdicts = judge_share(answer, conditions)
-    if share is not None:
+    verdicts, below = judge_share(answer, conditions), {}
+    if limit is not None:
+        share = answer.yield_below(outputs[0], value(limit))
         verdicts.insert(0, of_share(f"stay at or below {limit}", share, needed))
-    if json_too:
-        below = {} if share is None else {"share_below": share._asdict()}
-        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-        click.echo(as_json(answer.record() | below | asked))
-    else:
-        click.echo(str(answer))
-        for verdict in verdicts:
-            click.echo(verdict.said)
-    keep_runs(ctx, answer, csv, picture, lambda: answer.plot(outputs[0], limit=None if limit is None else value(limit)))
-    if not all(verdict.kept for verdict in verdicts):
-        ctx.exit(1)
+        below = {"share_below": share._asdict()}
+    shown = shown_runs(
+        asked, answer, lambda: answer.plot(outputs[0], limit=None if limit is None else value(limit)),
+        [verdict.said for verdict in verdicts], record=below | required_record(verdicts),
+    )  # fmt: skip
+    return shown if all(verdict.kept for verdict in verdicts) else shown._replace(status=shown.status or 1)
 
 
 def _required(required: Sequence[str], limit: str | None) -> tuple[float, list[str]]:

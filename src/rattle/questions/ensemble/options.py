@@ -8,26 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.options import value
-
-if TYPE_CHECKING:
-    from rattle.mechanism import Mechanism
-    from rattle.questions.ensemble.compute import Ensemble
-    from rattle.questions.ensemble.statistics import Bounded
-
-from typing import TYPE_CHECKING
-
-from rattle.cli.options import time
-from rattle.cli.output import STOPPED, check_files, check_pictures, say_written
+from rattle.cli.command import Options
+from rattle.cli.options import time, value
+from rattle.cli.output import STOPPED
+from rattle.cli.question_command import Asked, Shown, Written, json_option, picture_option
 from rattle.cli.requirements import Condition, Verdict, said_required
 from rattle.question import analysis_names
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from rattle.mechanism import Mechanism
+    from rattle.questions.ensemble.compute import Ensemble
     from rattle.questions.ensemble.runs import Samples
+    from rattle.questions.ensemble.statistics import Bounded
 
 
-def question_options(needed: bool = True) -> Callable[..., Any]:
+def question_options(needed: bool = True) -> Options:
     """Add to a command what is asked of every mechanism: --of (needed: at least one), --analysis, --t-end."""
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -47,11 +44,18 @@ def question_options(needed: bool = True) -> Callable[..., Any]:
     return add
 
 
+vary_option = click.option(
+    "--vary", "varied", multiple=True, metavar="NAMES",
+    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm,l2=0.5 mm:normal".  '
+    "[default: all that have a tolerance]",
+)  # fmt: skip
+
+
 def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add to a command where runs take place, and where they are kept."""
     for option in (
-        click.option("--json", "json_too", is_flag=True, help="The answer as JSON, in SI units."),
-        click.option("--plot", "picture", metavar="FILE", help="Draw the first output (.svg, .png, .pdf)."),
+        json_option("The answer as JSON, in SI units."),
+        picture_option("Draw the first output (.svg, .png, .pdf).", "--plot"),
         click.option("--csv", metavar="FILE", help="Write one row per mechanism, in SI units."),
         click.option(
             "-o", "--output", "folder", metavar="FOLDER",
@@ -65,30 +69,17 @@ def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
-def check_written(file: str, csv: str | None, picture: str | None) -> None:
-    """Refuse files that cannot be written."""
-    if csv is not None:
-        from rattle.results.result import require_table
-
-        require_table(csv)
-    check_pictures(file, picture)
-    check_files(file, csv, picture)
-
-
-def keep_runs(ctx: click.Context, runs: Samples, csv: str | None, picture: str | None, draw: Callable[[], Any]) -> None:
-    """Write table and picture, and end with the exit status of the runs."""
-    if csv is not None:
-        runs.to_csv(csv)
-        say_written(csv)
-    if picture is not None:
-        from rattle.plots.curves import save_figure
-
-        save_figure(draw(), picture)
-        say_written(picture)
-    if runs.interrupted:
-        ctx.exit(STOPPED)
-    if not runs.counts()["ok"]:
-        ctx.exit(1)
+def shown_runs(
+    asked: Asked, runs: Samples, draw: Callable[[], Figure], words: Sequence[str] = (), *,
+    record: dict[str, Any], verdicts: Sequence[Verdict] = (),
+) -> Shown:  # fmt: skip
+    """What is shown of runs: their own words and record, and more; table and picture are written."""
+    table = () if asked.csv is None else (Written(asked.csv, runs.to_csv),)
+    status = STOPPED if runs.interrupted else int(not runs.counts()["ok"])
+    return Shown(
+        lambda: "\n".join([str(runs), *words]), lambda: runs.record() | record, (*table, *asked.drawn(draw)), verdicts,
+        status,
+    )  # fmt: skip
 
 
 # ---------------------------------------------------------------- words of the command line

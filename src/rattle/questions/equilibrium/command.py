@@ -3,60 +3,42 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.instants import at_option, effort_option, notes, ranges, record, span_options, span_times
-from rattle.cli.options import given, model_options, read_model
-from rattle.cli.output import as_json as to_json
-from rattle.cli.output import check_results, finish, keep, save_options
-from rattle.cli.requirements import (
-    check_required,
-    finish_required,
-    judge,
-    require_option,
-)
+from rattle.cli.instants import at_option, effort_option, moved, ranges, span_options
+from rattle.cli.options import given
+from rattle.cli.output import save_options
+from rattle.cli.question_command import Asked, Shown, json_option, model_command
+from rattle.cli.requirements import check_required, judge, require_option, required_record
 from rattle.questions.equilibrium.listing import entry, listed
 
 if TYPE_CHECKING:
-    from rattle.cli.requirements import Verdict
     from rattle.mechanism import Mechanism
-    from rattle.questions.equilibrium.position import Equilibria
     from rattle.results.result import Result
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @at_option
 @click.option(
-    "--branches",
-    type=click.Choice(["near", "all"]),
-    default="near",
-    show_default=True,
+    "--branches", type=click.Choice(["near", "all"]), default="near", show_default=True,
     help="all: also search the other ways in which the mechanism can be assembled.",
-)
+)  # fmt: skip
 @effort_option
 @require_option
 @click.option(
-    "--holds",
-    "load",
-    metavar="LOAD",
+    "--holds", "load", metavar="LOAD",
     help="Friction in joints: between which values of this load (or effort of this driver) the mechanism rests as put"
     " together, and whether it jams.",
-)
+)  # fmt: skip
 @click.option("--path", "path", is_flag=True, help="Quasi-static motion: follow the equilibrium from t = 0 to --t-end.")
 @span_options(181)
 @save_options("With --path: ")
-@click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
-@click.pass_context
+@json_option("Everything as JSON.")
 def equilibrium(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, branches: str, effort: float,
-    required: tuple[str, ...], load: str | None, path: bool, t_end: float | None, points: int, output: str | None,
-    csv: str | None, fallback: str | None, as_json: bool,
-) -> None:  # fmt: skip
+    asked: Asked, t: float, branches: str, effort: float, load: str | None, path: bool, t_end: float | None, points: int
+) -> Shown:
     """Equilibria: admissible (no bush has to pull) and stable ones first.
 
     FILE is a model file or the name of a shipped example.  A pin in oil floats where its film carries at the speeds
@@ -66,33 +48,23 @@ def equilibrium(
     Examples: rattle equilibrium balanced_arm
               rattle equilibrium toggle_clamp --path -o clamp.nc
     """
-    _require_one_question(ctx, path, load, (output, csv) != (None, None), bool(required))
-    m = read_model(file, settings, ideal)
+    _require_one_question(asked, path, load)
+    m = asked.model()
     if load is not None:
         held = m.holds(load, t)
-        click.echo(to_json(held.record()) if as_json else str(held))
-        return
+        return Shown(lambda: str(held), held.record)
     if path:
-        check_results(file, output, csv, fallback)
-        check_required(m, required, "equilibrium", t_end)
-        result = m.equilibrium(span_times(m, t_end, points), effort=effort)
-        verdicts = judge(result, required)
-        click.echo(record(result, verdicts) if as_json else _path_lines(m, result))
-        finish(ctx, result, keep(result, output, csv, fallback))
-    else:
-        check_required(m, required, "equilibrium", t or None)
-        equilibria = m.equilibrium(t, branches=branches, effort=effort)
-        verdicts = _listed(m, equilibria, required, as_json)
-        if not equilibria:
-            remedy = "" if equilibria.undefined else "; try other angles in [initial] or --branches all"
-            click.echo(f"no equilibrium was found at t = {t:g} s{remedy}", err=True)
-            ctx.exit(1)
-    finish_required(ctx, verdicts, None if as_json else click.echo)
+        return moved(
+            asked, m, "equilibrium", t_end, points, lambda t: m.equilibrium(t, effort=effort),
+            lambda result: _path_lines(m, result),
+        )  # fmt: skip
+    return _listed(asked, m, t, branches, effort)
 
 
-def _require_one_question(ctx: click.Context, path: bool, load: str | None, saved: bool, required: bool) -> None:
-    """Raise click.UsageError for options that belong to different questions; saved: there are -o or --csv."""
-    if not path and saved:
+def _require_one_question(asked: Asked, path: bool, load: str | None) -> None:
+    """Raise click.UsageError for options that belong to different questions."""
+    ctx = click.get_current_context()
+    if not path and (asked.output, asked.csv) != (None, None):
         raise click.UsageError("-o and --csv save a quasi-static motion; they need --path")
     if not path and (given(ctx, "t_end") or given(ctx, "points")):
         raise click.UsageError("--t-end and --points are those of a quasi-static motion; they need --path")
@@ -100,12 +72,12 @@ def _require_one_question(ctx: click.Context, path: bool, load: str | None, save
         raise click.UsageError("--at and --branches are of equilibria at one time; a --path begins at t = 0")
     if load is not None and (path or given(ctx, "branches") or given(ctx, "effort")):
         raise click.UsageError("--holds is about the position as put together: without --path, --branches and --effort")
-    if load is not None and required:
+    if load is not None and asked.required:
         raise click.UsageError("--require is about an equilibrium; leave it out with --holds")
 
 
-def _path_lines(m: Mechanism, result: Result) -> str:
-    """A quasi-static motion in lines: the ranges of forces and efforts, its events, its notes."""
+def _path_lines(m: Mechanism, result: Result) -> list[str]:
+    """A quasi-static motion in lines: the ranges of forces and efforts, its events."""
     wanted = (".torque", ".thrust", ".normal", ".advantage", ".stiffness")
     efforts = [
         n
@@ -118,17 +90,22 @@ def _path_lines(m: Mechanism, result: Result) -> str:
         for event in result.events
     ]
     finite = [name for name in efforts if abs(result[name]).max() < math.inf]
-    return "\n".join([ranges(m, result, finite), *events, notes(result)])
+    return [ranges(m, result, finite), *events]
 
 
-def _listed(m: Mechanism, equilibria: Equilibria, required: Sequence[str], as_json: bool) -> list[Verdict]:
-    """Print equilibria; whether the first of them keeps what is required."""
+def _listed(asked: Asked, m: Mechanism, t: float, branches: str, effort: float) -> Shown:
+    """The equilibria at a time, and whether the first of them keeps what is required."""
+    check_required(m, asked.required, "equilibrium", t or None)
+    equilibria = m.equilibrium(t, branches=branches, effort=effort)
     if equilibria.note:
         click.echo(equilibria.note, err=True)
-    verdicts = judge(equilibria[0].result, required) if equilibria else []
-    if as_json:
-        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-        click.echo(to_json([entry(rest) | (asked if n == 0 else {}) for n, rest in enumerate(equilibria)]))
-    else:
-        listed(m, equilibria)
-    return verdicts
+    if not equilibria:
+        remedy = "" if equilibria.undefined else "; try other angles in [initial] or --branches all"
+        return Shown(record=list, status=1, remarks=[f"no equilibrium was found at t = {t:g} s{remedy}"])
+    verdicts = judge(equilibria[0].result, asked.required)
+    judged = [required_record(verdicts), *({} for _ in equilibria[1:])]
+    return Shown(
+        lambda: listed(m, equilibria),
+        lambda: [entry(rest) | more for rest, more in zip(equilibria, judged, strict=True)],
+        verdicts=verdicts,
+    )

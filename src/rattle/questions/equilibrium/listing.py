@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import click
-
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
     from rattle.questions.equilibrium.position import Equilibria, Equilibrium
@@ -15,20 +13,19 @@ MOST_BODIES = 5  # whose angles stand in such a line
 ZERO = 1e-12  # share of the size (1 rad for angles) below which a number is rounding
 
 
-def listed(m: Mechanism, equilibria: Equilibria) -> None:
-    """Print the first equilibria, how far the search went, and where the bodies are in the first."""
-    for n, rest in enumerate(equilibria[:MOST_LINES]):
-        click.echo(f"{n + 1}. {rest}; {_angles(rest)}")
+def listed(m: Mechanism, equilibria: Equilibria) -> str:
+    """The first equilibria, how far the search went, and where the bodies are in the first."""
+    lines = [f"{n + 1}. {rest}; {_angles(rest)}" for n, rest in enumerate(equilibria[:MOST_LINES])]
     if len(equilibria) > MOST_LINES:
         stable = sum(rest.stable and rest.admissible for rest in equilibria[MOST_LINES:])
         kind = f"{stable} of them" if stable else "none of them"
-        click.echo(f"and {len(equilibria) - MOST_LINES} more, {kind} stable and admissible; --json lists all")
-    if equilibria and equilibria.extent and not equilibria.note:
-        click.echo(f"{len(equilibria)} equilibri{'a' if len(equilibria) > 1 else 'um'}: {equilibria.extent}")
-    if equilibria:
-        click.echo(_position(m, equilibria[0]))
-    if equilibria and equilibria.rubbing:
-        click.echo(_held(m, equilibria[0]))
+        lines.append(f"and {len(equilibria) - MOST_LINES} more, {kind} stable and admissible; --json lists all")
+    if equilibria.extent and not equilibria.note:
+        lines.append(f"{len(equilibria)} equilibri{'a' if len(equilibria) > 1 else 'um'}: {equilibria.extent}")
+    lines.append(_position(m, equilibria[0]))
+    if equilibria.rubbing:
+        lines.append(_held(m, equilibria[0]))
+    return "\n".join(lines)
 
 
 def _held(m: Mechanism, rest: Equilibrium) -> str:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.core import ParameterSource
 
-from rattle.cli.command import Command
-from rattle.cli.output import say_written
+from rattle.cli.options import given, only_oiled, read_model
+from rattle.cli.question_command import Asked, Shown, json_option, plain_command
 from rattle.errors import InputError
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from pandas import DataFrame
 
     from rattle.questions.film.bearing import Film
@@ -27,7 +28,7 @@ SPARSE = 25  # every so many rows of a Stribeck curve are printed
 PICTURES = (".svg", ".png", ".pdf")
 
 
-@click.command(cls=Command)
+@plain_command
 @click.option(
     "--of", "source", metavar="FILE",
     help="Model file or shipped example: takes the bearing from a joint with oil, and draws where that joint is.",
@@ -59,10 +60,11 @@ PICTURES = (".svg", ".png", ".pdf")
     help="The film drags on the whole circumference, or where it has pressure: wetted.",
 )  # fmt: skip
 @click.option("-o", "--output", metavar="FILE", help="Chart (.svg, .png, .pdf) or table (.csv) to write.")
+@json_option("Static positions, where the load rests and the Stribeck curve as JSON, in SI units.")
 def film(
-    source: str | None, joint: str | None, load: str | None, speed: str | None, boundary_film: str | None,
-    friction: float, output: str | None, **bearing: str | None,
-) -> None:  # fmt: skip
+    asked: Asked, source: str | None, joint: str | None, load: str | None, speed: str | None,
+    boundary_film: str | None, friction: float, **bearing: str | None,
+) -> Shown:  # fmt: skip
     """An oil film between pin and bush: what it carries, at which film thickness, and when the pin whirls.
 
     Prints a table of static positions, the same for every load and speed through the Sommerfeld number
@@ -81,7 +83,9 @@ def film(
     and whirl/w the rate of whirl there, over the speed w ("never": every mass is stable).  With --of the chart has a
     dot for every output of its orbit; dots beside the line carry by squeezing oil.
     """
-    _require_complete(load, speed, boundary_film, output)
+    _require_complete(load, speed, boundary_film, asked.output)
+    asked = asked.by_suffix()._replace(file=source or "")
+    asked.check()
     orbit = None
     if source is None:
         if joint is not None:
@@ -95,22 +99,29 @@ def film(
     if boundary_film is not None and load is not None:
         curve = oil_film.stribeck(load, boundary_film=boundary_film, friction=friction)
         lines += ["", f"Stribeck curve at {load}, boundary film {boundary_film}", *_stribeck(curve)]
-    click.echo("\n".join(lines))
-    for note in oil_film.notes:
-        click.echo(f"note: {note}", err=True)
-    if output is None:
-        return
-    if Path(output).suffix.lower() == ".csv":
-        _write(oil_film.table() if curve is None else curve, output)
-    else:
-        from rattle.plots.curves import save_figure
 
+    def draw() -> Figure:
         if boundary_film is not None and load is not None:
-            drawn = oil_film.plot_stribeck(load, boundary_film=boundary_film, friction=friction)
-        else:
-            drawn = oil_film.plot(load, speed, result=orbit, joint=joint or "")
-        save_figure(drawn, output)
-    say_written(output)
+            return oil_film.plot_stribeck(load, boundary_film=boundary_film, friction=friction)
+        return oil_film.plot(load, speed, result=orbit, joint=joint or "")
+
+    return Shown(
+        lambda: "\n".join(lines), lambda: _record(oil_film, position, curve),
+        (*asked.tabled(lambda: oil_film.table() if curve is None else curve), *asked.drawn(draw)),
+        remarks=[f"note: {note}" for note in oil_film.notes],
+    )  # fmt: skip
+
+
+def _record(oil_film: Film, position: JournalPosition | None, curve: DataFrame | None) -> dict[str, object]:
+    """Columns of static positions and of the Stribeck curve, and where the load comes to rest."""
+    from rattle.questions.film.journal import threshold
+    from rattle.questions.film.locus import locus
+
+    record: dict[str, object] = {"model": oil_film.model, "notes": oil_film.notes, "static": locus(oil_film, SHOWN)}
+    if position is not None:
+        mass, whirl = threshold(position.stiffness, position.damping)
+        record["position"] = asdict(position) | {"critical_mass": mass, "whirl": whirl}
+    return record | ({} if curve is None else {"stribeck": curve.to_dict("list")})
 
 
 def _require_complete(load: str | None, speed: str | None, boundary_film: str | None, output: str | None) -> None:
@@ -136,10 +147,7 @@ def _of_sizes(bearing: Mapping[str, str | None]) -> Film:
 
 def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None]) -> tuple[Film, Result, str]:
     """The film of a joint of a model, its orbit, and its name.  Raises click.UsageError for sizes given twice."""
-    from rattle.cli.options import only_oiled, read_model
-
-    context = click.get_current_context()
-    options = [f"--{name}" for name in bearing if context.get_parameter_source(name) is not ParameterSource.DEFAULT]
+    options = [f"--{name}" for name in bearing if given(click.get_current_context(), name)]
     if options:
         raise click.UsageError(f"{', '.join(options)}: the model says that already; leave it out with --of")
     m = read_model(source, (), False)
@@ -159,13 +167,6 @@ def _stribeck(frame: DataFrame) -> list[str]:
         share, film = f"{100 * row.dry:.3g} %", quantity(row.film_thickness, "m", usual=Shown(1e6, "um"))
         lines.append(f"{rate.factor * row.speed:13.4g}  {row.friction:8.4g}  {share:>9}  {film:>10}")
     return lines
-
-
-def _write(frame: DataFrame, path: str) -> None:
-    from rattle.atomic_file import atomic
-
-    with atomic(path) as file:
-        frame.to_csv(file, index=False, lineterminator="\n")
 
 
 def _locus(oil_film: Film) -> list[str]:

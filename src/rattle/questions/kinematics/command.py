@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-import click
-
-from rattle.cli.command import Command
-from rattle.cli.instants import notes, ranges, record, span_options, span_times
-from rattle.cli.options import model_options, read_model
-from rattle.cli.output import check_results, finish, keep, save_options
-from rattle.cli.requirements import (
-    check_required,
-    finish_required,
-    judge,
-    require_option,
-)
+from rattle.cli.instants import moved, ranges, span_options
+from rattle.cli.output import save_options
+from rattle.cli.question_command import Asked, Shown, json_option, model_command
+from rattle.cli.requirements import require_option
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @span_options(1001)
 @save_options()
 @require_option
-@click.option("--json", "as_json", is_flag=True, help="Ranges, events and trust as JSON.")
-@click.pass_context
-def kinematics(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t_end: float | None, points: int,
-    output: str | None, csv: str | None, fallback: str | None, required: tuple[str, ...], as_json: bool,
-) -> None:  # fmt: skip
+@json_option("Ranges, events and trust as JSON.")
+def kinematics(asked: Asked, t_end: float | None, points: int) -> Shown:
     """Driven motion: position, velocity and acceleration, dead centres and branch points.
 
     FILE is a model file or the name of a shipped example. Joints must have no clearance (--ideal closes them).
@@ -34,16 +21,6 @@ def kinematics(
     \b
     Example:  rattle kinematics path_generator --ideal --points 361
     """
-    m = read_model(file, settings, ideal)
-    check_results(file, output, csv, fallback)
-    check_required(m, required, "kinematics", t_end)
-    result = m.kinematics(span_times(m, t_end, points))
-    verdicts = judge(result, required)
-    if as_json:
-        click.echo(record(result, verdicts))
-    elif len(result.t):
-        bodies = list(result.geometry["bodies"])
-        click.echo(ranges(m, result, [f"{body}.{key}" for body in bodies for key in ("x", "y", "angle", "omega")]))
-        click.echo(notes(result))
-    finish(ctx, result, keep(result, output, csv, fallback))
-    finish_required(ctx, verdicts, None if as_json else click.echo)
+    m = asked.model()
+    curves = [f"{body}.{key}" for body in m.model.bodies for key in ("x", "y", "angle", "omega")]
+    return moved(asked, m, "kinematics", t_end, points, m.kinematics, lambda result: [ranges(m, result, curves)])

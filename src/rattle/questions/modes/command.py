@@ -7,17 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.command import Command
 from rattle.cli.instants import at_option, effort_option
-from rattle.cli.options import model_options, read_model
-from rattle.cli.output import as_json as to_json
-from rattle.cli.output import check_pictures, say_written
-from rattle.cli.requirements import (
-    check_required,
-    finish_required,
-    judge,
-    require_option,
-)
+from rattle.cli.question_command import Asked, Shown, Written, json_option, model_command, picture_option
+from rattle.cli.requirements import check_required, judge, require_option, required_record
 from rattle.questions.equilibrium.listing import entry
 
 if TYPE_CHECKING:
@@ -26,8 +18,7 @@ if TYPE_CHECKING:
     from rattle.questions.modes.compute import Modes
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @at_option
 @effort_option
 @require_option
@@ -35,15 +26,9 @@ if TYPE_CHECKING:
     "--mode", type=click.IntRange(1), default=1, show_default=True,
     help="Which mode -o draws; 1 has the lowest frequency.",
 )  # fmt: skip
-@click.option(
-    "-o", "--output", metavar="FILE", help="Draw the mode: .svg, .png or .pdf; .gif or .mp4 for an animation."
-)
-@click.option("--json", "as_json", is_flag=True, help="Everything as JSON.")
-@click.pass_context
-def modes(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, t: float, effort: float,
-    required: tuple[str, ...], mode: int, output: str | None, as_json: bool,
-) -> None:  # fmt: skip
+@picture_option("Draw the mode: .svg, .png or .pdf; .gif or .mp4 for an animation.")
+@json_option("Everything as JSON.")
+def modes(asked: Asked, t: float, effort: float, mode: int) -> Shown:
     """Natural frequencies about the first equilibrium.
 
     FILE is a model file or the name of a shipped example.  A mode that an oil film makes grow is named as oil whirl,
@@ -53,33 +38,27 @@ def modes(
     Examples: rattle modes balanced_arm -o mode.svg
               rattle modes balanced_arm --require "final(mode1.frequency) >= 0.2 Hz"
     """
-    from rattle.plots.curves import SUFFIXES, save_figure
+    from rattle.plots.curves import SUFFIXES
 
-    check_pictures(file, output, moving=True)
-    m = read_model(file, settings, ideal)
-    check_required(m, required, "modes", t or None)
+    m = asked.model(moving=True)
+    check_required(m, asked.required, "modes", t or None)
     answer = m.modes(t, effort=effort)
-    if len(answer) < mode and (output is not None or mode > 1):
+    if len(answer) < mode and (asked.picture is not None or mode > 1):
         raise click.UsageError(f"--mode {mode}: the modes are numbered from 1 to {len(answer)}")
-    verdicts = _judge_modes(m, t, answer, required) if required else []
-    if as_json:
-        asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-        click.echo(to_json(modes_record(answer) | asked))
-    else:
-        click.echo(f"about: {answer.about}")
-        click.echo(str(answer))
-    if output is not None:
-        if output.lower().endswith(SUFFIXES):
-            save_figure(answer.plot(mode - 1), output)
-        else:
-            answer.animate(mode - 1, output)
-        if not as_json:
-            say_written(output)
-    finish_required(ctx, verdicts, None if as_json else click.echo)
+    verdicts = _judge_modes(m, t, answer, asked.required)
+    files = asked.drawn(lambda: answer.plot(mode - 1))
+    if asked.picture is not None and not asked.picture.lower().endswith(SUFFIXES):
+        files = (Written(asked.picture, lambda path: answer.animate(mode - 1, path)),)
+    return Shown(
+        lambda: f"about: {answer.about}\n{answer}", lambda: modes_record(answer) | required_record(verdicts), files,
+        verdicts,
+    )  # fmt: skip
 
 
 def _judge_modes(m: Mechanism, t: float, answer: Modes, required: Sequence[str]) -> list[Verdict]:
     """Whether the modes keep what is required."""
+    if not required:
+        return []
     import numpy as np
 
     from rattle.questions.modes.samples import modes_table

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress, time
-from rattle.cli.output import STOPPED, check_files, say_written
+from rattle.cli.options import time, value
+from rattle.cli.output import STOPPED, check_files
+from rattle.cli.question_command import Asked, Shown, Written, json_option, model_command
+
+if TYPE_CHECKING:
+    from rattle.questions.optimise.optimum import Optimum
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @click.option(
     "--minimise", "objective", metavar="OUTPUT", required=True,
     help='The number to be made as small as possible, e.g. "max(O3.force)" or "(final(block.x) - 0.3)**2".',
@@ -34,16 +38,14 @@ from rattle.cli.output import STOPPED, check_files, say_written
 )  # fmt: skip
 @click.option("--seed", default=0, show_default=True, help="Of the designs drawn; the same seed, the same answer.")
 @click.option(
-    "-o",
-    "--output",
-    metavar="FILE",
+    "-o", "--output", "design", metavar="FILE",
     help="Model file to write with the best values: .toml (comments are kept) or .json.",
-)
-@click.pass_context
+)  # fmt: skip
+@json_option("The best design and how it was found as JSON, in SI units.")
 def optimise(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, objective: str, varied: tuple[str, ...],
-    constraints: tuple[str, ...], t_end: float | None, analysis: str, starts: int, seed: int, output: str | None,
-) -> None:  # fmt: skip
+    asked: Asked, objective: str, varied: tuple[str, ...], constraints: tuple[str, ...], design: str | None,
+    **how: Any,
+) -> Shown:  # fmt: skip
     """The best design between bounds: which lengths, stiffnesses, masses make a number as small as possible.
 
     FILE is a model file or the name of a shipped example.
@@ -65,25 +67,40 @@ def optimise(
     """
     from rattle.description.file import wants_json
 
-    if output is not None:
-        wants_json(output)  # refuses other names
-    check_files(file, output)
-    m = read_model(file, settings, ideal)
+    if design is not None:
+        wants_json(design)  # refuses other names
+    check_files(asked.file, design)
+    m = asked.model()
     vary = dict(map(_bounds, varied))
     if len(vary) < len(varied):
         raise click.UsageError("--vary: every parameter once")
-    optimum = m.optimise(
-        objective, vary, constraints, t_end=t_end, analysis=analysis, starts=starts, seed=seed,
-        progress=shows_progress(ctx),
+    optimum = m.optimise(objective, vary, constraints, progress=asked.progress, **how)
+    return Shown(
+        lambda: optimum.report, lambda: _record(optimum),
+        () if design is None else (Written(design, optimum.mechanism.save),),
+        status=STOPPED if optimum.interrupted else int(not optimum.success),
     )  # fmt: skip
-    click.echo(optimum.report)
-    if output is not None:
-        optimum.mechanism.save(output)
-        say_written(output)
-    if optimum.interrupted:
-        ctx.exit(STOPPED)
-    if not optimum.success:
-        ctx.exit(1)
+
+
+def _record(optimum: Optimum) -> dict[str, object]:
+    """The best design and what is known of it; margins of constraints are positive where they hold."""
+    asked, before = optimum.question, optimum.question.mechanism
+    parameters = {
+        name: {"value": value, "before": before.parameters[name], "unit": before.model.parameters[name].unit}
+        for name, value in optimum.values.items()
+    }
+    constraints = [
+        {"condition": constraint.text, "margin": margin, "unit": constraint.margin.unit}
+        for constraint, margin in zip(asked.constraints, optimum.numbers[1:].tolist(), strict=True)
+    ]
+    searches = [{"value": search.value, "feasible": search.feasible} for search in optimum.searches]
+    return {
+        "minimise": asked.objective.text, "value": optimum.value, "before": optimum.searches[0].begun_value,
+        "unit": asked.objective.unit, "parameters": parameters, "constraints": constraints,
+        "active": optimum.active, "success": optimum.success, "feasible": optimum.feasible,
+        "confirmed": optimum.confirmed, "message": optimum.best_search.message or optimum.check.message,
+        "squares": optimum.squares, "searches": searches, "runs": optimum.runs, "failures": optimum.failures,
+    }  # fmt: skip
 
 
 def _bounds(text: str) -> tuple[str, tuple[float | str, float | str]]:
@@ -92,12 +109,5 @@ def _bounds(text: str) -> tuple[str, tuple[float | str, float | str]]:
     ends = rest.split(":")
     if len(ends) != 2 or not name.strip():
         raise click.UsageError(f"--vary needs NAME=LOW:HIGH, as in l2=0.5:0.7, got '{text}'")
-    low, high = map(_number, ends)
+    low, high = map(value, ends)
     return name.strip(), (low, high)
-
-
-def _number(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text.strip()

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress
-from rattle.cli.output import STOPPED, beside, check_pictures, say_written
+from rattle.cli.options import contact_option
+from rattle.cli.output import STOPPED, beside
+from rattle.cli.question_command import Asked, Shown, json_option, model_command, picture_option
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
+SECTION = ("rule", "t", "values", "units", "interrupted", "message")  # what JSON holds of a section
+DIAGRAM = ("rule", "parameter", "parameter_unit", "values", "of", "of_unit", "points", "interrupted")  # of a diagram
 
-@click.command(cls=Command)
-@model_options
-@click.option("--contact", metavar="NAME", help="Contact model of every joint with clearance, e.g. impact or exact.")
+
+@model_command
+@contact_option
 @click.option(
-    "--of",
-    "names",
-    multiple=True,
-    metavar="NAME",
+    "--of", "names", multiple=True, metavar="NAME",
     help="Curve to sample, such as B.ex. Give the option twice for a section, once with --parameter.",
-)
+)  # fmt: skip
 @click.option(
     "--parameter", metavar="NAME",
     help="Draw a bifurcation diagram over this parameter, such as c, or over a path such as joints.B.clearance.",
@@ -34,10 +33,9 @@ if TYPE_CHECKING:
     "--values", "count", default=100, show_default=True, help="Number of values, evenly spaced from --from to --to."
 )
 @click.option(
-    "--period",
-    metavar="TIME",
+    "--period", metavar="TIME",
     help="Time between two points, in s, as '20 ms' or over parameters as '2*pi/w'; default: one turn of the driver.",
-)
+)  # fmt: skip
 @click.option(
     "--crossing", metavar="NAME", help="Take a point whenever this curve rises through zero, not once per --period."
 )
@@ -48,21 +46,12 @@ if TYPE_CHECKING:
     "--points", default=200, show_default=True, help="Number of points kept; with --parameter, at every value."
 )
 @click.option("--lyapunov", is_flag=True, help="Also print the largest Lyapunov exponent [1/s], with its uncertainty.")
-@click.option(
-    "-o",
-    "--output",
-    "picture",
-    metavar="FILE",
-    default="poincare.png",
-    show_default=True,
-    help="Picture (.png, .svg, .pdf).",
-)
-@click.pass_context
+@picture_option("Picture (.png, .svg, .pdf).", usual="poincare.png")
+@json_option("All points as JSON, in SI units.")
 def poincare(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, contact: str | None, names: tuple[str, ...],
-    parameter: str | None, first: str | None, last: str | None, count: int, period: str | None,
-    crossing: str | None, skip: int, points: int, lyapunov: bool, picture: str,
-) -> None:  # fmt: skip
+    asked: Asked, contact: str | None, names: tuple[str, ...], parameter: str | None, first: str | None,
+    last: str | None, count: int, crossing: str | None, lyapunov: bool, **points: Any,
+) -> Shown:  # fmt: skip
     """Poincare section of two curves, or bifurcation diagram of one curve over a parameter.
 
     FILE is a model file or the name of a shipped example.  Default of --of: ex and ey of the first joint with
@@ -74,41 +63,38 @@ def poincare(
     """
     import numpy as np
 
-    from rattle.plots.curves import save_figure
-
-    check_pictures(file, picture)
-    m = read_model(file, settings, ideal)
+    m = asked.model()
     if contact is not None:
         m = m.with_contact(contact)
     curves = _curves(m, names, parameter is None)
-    interrupted = early = False
+    record: dict[str, object]
     if parameter is not None:
         if first is None or last is None:
             raise click.UsageError("--parameter needs --from and --to")
         low, high = (_amount(m, parameter, text, at) for text, at in ((first, "--from"), (last, "--to")))
-        diagram = m.bifurcation(
-            parameter, np.linspace(low, high, count), curves[0], period=period, skip=skip, points=points,
-            progress=shows_progress(ctx),
-        )  # fmt: skip
-        figure, interrupted = diagram.plot(), diagram.interrupted
-        click.echo(diagram.rule)
+        diagram = m.bifurcation(parameter, np.linspace(low, high, count), curves[0], progress=asked.progress, **points)
+        words, draw, interrupted, early = diagram.rule, lambda: diagram.plot(), diagram.interrupted, False
+        record = {name: getattr(diagram, name) for name in DIAGRAM}
     else:
         if len(curves) < 2:
             raise click.UsageError("a section needs two curves, --of NAME --of NAME; a bifurcation needs --parameter")
-        section = m.poincare(*curves, period=period, crossing=crossing, skip=skip, points=points)
-        interrupted = section.interrupted
-        click.echo(f"{len(section.t)} points, {section.rule}")
+        section = m.poincare(*curves, crossing=crossing, **points)
+        words = f"{len(section.t)} points, {section.rule}"
+        draw, interrupted, early = (
+            lambda: section.plot(curves[0], curves[1]),
+            section.interrupted,
+            bool(section.message),
+        )
+        record = {name: getattr(section, name) for name in SECTION}
         if not len(section.t):
-            ctx.exit(STOPPED)
-        figure, early = section.plot(curves[0], curves[1]), bool(section.message)
+            return Shown(lambda: words, lambda: record, status=STOPPED)
     if interrupted:
-        picture = beside(picture)
+        asked = asked._replace(picture=beside(str(asked.picture)))
     elif lyapunov and not early:
-        click.echo(str(m.lyapunov()))
-    save_figure(figure, picture)
-    say_written(picture)
-    if interrupted or early:
-        ctx.exit(STOPPED if interrupted else 1)
+        exponent = m.lyapunov()
+        words, record = f"{words}\n{exponent}", record | {"lyapunov": exponent._asdict()}
+    status = STOPPED if interrupted else int(early)
+    return Shown(lambda: words, lambda: record, asked.drawn(draw), status=status)
 
 
 def _curves(m: Mechanism, names: tuple[str, ...], section: bool) -> tuple[str, ...]:

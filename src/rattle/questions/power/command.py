@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.options import read_result, run_laws, settings_option, time
-from rattle.cli.output import check_files, check_pictures, say_written
+from rattle.cli.options import run_laws, settings_option, time
+from rattle.cli.question_command import Asked, Shown, json_option, plain_command
 from rattle.errors import InputError
 from rattle.jit.choices import TINY
 from rattle.questions.power.in_units import in_units, with_units
@@ -26,8 +25,8 @@ ENERGIES = ("supplied", "lost", "stored", "recirculated")
 ELEMENTS = ("element", "kind", *ENERGIES)
 
 
-@click.command(cls=Command)
-@click.argument("result")
+@plain_command
+@click.argument("file", metavar="RESULT")
 @click.option("--cycle", type=time, metavar="TIME", help="Length of the cycle before the end, in s or as '20 ms'.")
 @click.option("--at", "instant", type=time, metavar="TIME", help="Powers at this instant instead.")
 @click.option("--curves", is_flag=True, help="Draw the powers over time, in place of where energy goes.")
@@ -37,15 +36,8 @@ ELEMENTS = ("element", "kind", *ENERGIES)
 )  # fmt: skip
 @settings_option
 @click.option("-o", "--output", metavar="FILE", help="Picture (.svg, .png, .pdf) or table (.csv) to write.")
-def power(
-    result: str,
-    cycle: float | None,
-    instant: float | None,
-    curves: bool,
-    laws: tuple[str, ...],
-    settings: tuple[str, ...],
-    output: str | None,
-) -> None:
+@json_option("All ports and elements as JSON, in SI units.")
+def power(asked: Asked, cycle: float | None, instant: float | None, curves: bool, laws: tuple[str, ...]) -> Shown:
     """Where the energy of a saved motion goes: who gives it to which body, and where it is lost.
 
     Without --cycle it is the last turn of the driver, or the whole motion.  The motion is repeated from the model that
@@ -56,28 +48,35 @@ def power(
               rattle power out.nc --cycle "20 ms" -o power.svg
               rattle power out.nc -o power.csv
     """
-
-    table = _is_table(output, curves, instant)
-    if output is not None:
-        (check_files if table else check_pictures)(result, output)
+    _require_sense(asked.output, curves, instant)
+    prints = asked.output is None
+    asked = asked.by_suffix()
+    asked.check()
     run_laws(laws)
-    r = read_result(result, settings)
+    r = asked.result()
     end = r.trust.t_end
     p = r.power() if cycle is None else r.power(0.0 if abs(end - cycle) < WHOLE * end else end - cycle)
-    if output is None:
-        click.echo(_instant(p, instant) if instant is not None else _cycle(p))
-        return
-    if table:
-        p.to_csv(output) if instant is None else _write(p.at(instant), output)
-    else:
-        from rattle.plots.curves import save_figure
 
-        save_figure(p.plot_curves() if curves else p.plot(), output)
-    say_written(output)
+    def words() -> str:
+        if not prints:
+            return ""
+        return _cycle(p) if instant is None else _instant(p, instant)
+
+    table = asked.tabled(lambda: with_units(p.table if instant is None else p.at(instant)))
+    return Shown(words, lambda: _record(p, instant), (*table, *asked.drawn(p.plot_curves if curves else p.plot)))
 
 
-def _is_table(output: str | None, curves: bool, instant: float | None) -> bool:
-    """True for the name of a table.  Raises InputError, and click.UsageError for options that ask for the other."""
+def _record(p: Power, instant: float | None) -> dict[str, object]:
+    """The powers at an instant, or the energies of the cycle."""
+    if instant is not None:
+        return {"t": instant, "ports": p.at(instant).to_dict("records")}
+    ports, elements = (frame.to_dict("records") for frame in (p.table, p.elements))
+    facts = {"t0": p.t0, "t1": p.t1, "residual": p.residual, "remark": p.remark}
+    return {**facts, "ports": ports, "elements": elements}
+
+
+def _require_sense(output: str | None, curves: bool, instant: float | None) -> None:
+    """Raise InputError for a file that is none of a table or picture, click.UsageError for options that do not fit."""
     table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
     if table and Path(str(output)).suffix.lower() != ".csv":
         raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
@@ -85,14 +84,6 @@ def _is_table(output: str | None, curves: bool, instant: float | None) -> bool:
         raise click.UsageError("--curves draws a picture: give its name, -o power.svg")
     if instant is not None and output is not None and not table:
         raise click.UsageError("--at prints or writes a table: give the name of a .csv file, or leave -o out")
-    return table
-
-
-def _write(frame: Any, path: str) -> None:
-    from rattle.atomic_file import atomic
-
-    with atomic(path) as file:
-        with_units(frame).to_csv(file, index=False, lineterminator="\n")
 
 
 def _instant(p: Power, t: float) -> str:

@@ -7,24 +7,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.instants import span_options
-from rattle.cli.options import given, model_options, read_model, time
-from rattle.cli.output import as_json as to_json
-from rattle.cli.output import check_pictures, check_results, fallback_option, finish, keep, say_written
+from rattle.cli.instants import span_options, span_times
+from rattle.cli.options import given, time
+from rattle.cli.output import fallback_option
+from rattle.cli.question_command import Asked, Shown, json_option, model_command
 from rattle.errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
 
-PICTURES = (".svg", ".png", ".pdf")
 
-
-@click.command(cls=Command)
-@model_options
+@model_command
 @click.option(
     "--of", "outputs", multiple=True, required=True, metavar="NAME",
     help="A curve, e.g. rocker.angle, coupler.P.x, O3.normal; several with commas, or give the option again.",
@@ -46,13 +40,11 @@ PICTURES = (".svg", ".png", ".pdf")
     help="Save all curves and derivatives (.nc, .npz, .csv), or draw what each change does (.svg, .png, .pdf).",
 )  # fmt: skip
 @fallback_option
-@click.option("--json", "as_json", is_flag=True, help="The table as JSON, in SI units.")
-@click.pass_context
+@json_option("The table as JSON, in SI units.")
 def sensitivity(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, outputs: tuple[str, ...],
-    parameters: tuple[str, ...], analysis: str, t: float, t_end: float | None, points: int, output: str | None,
-    fallback: str | None, as_json: bool,
-) -> None:  # fmt: skip
+    asked: Asked, outputs: tuple[str, ...], parameters: tuple[str, ...], analysis: str, t: float, t_end: float | None,
+    points: int,
+) -> Shown:  # fmt: skip
     """Derivatives of curves by parameters: which dimension matters, when, and how much.
 
     For every curve and parameter: the largest derivative and when, and what it means for a change of the parameter by
@@ -70,29 +62,24 @@ def sensitivity(
               rattle sensitivity path_generator --ideal --analysis kinematics --of coupler.P.y -o dimensions.svg
               rattle sensitivity balanced_arm --analysis equilibrium --of arm.angle --to l,lamp_mass
     """
-    _require_used(ctx, analysis, t_end)
-    if output is not None:
-        _require_name(output)
-    if output is not None and Path(output).suffix.lower() in PICTURES:
-        check_pictures(file, output)
-    else:
-        csv = output if output is not None and output.lower().endswith(".csv") else None
-        check_results(file, None if csv else output, csv, fallback)
-    m = read_model(file, settings, ideal)
-    of, to = _names(outputs), _names(parameters) or _usual(m)
-    result = m.sensitivity(of, to, _instants(m, analysis, t, t_end, points), analysis)
-    if as_json:
-        click.echo(to_json(_record(result)))
-    elif len(result.t):
-        click.echo(_table(result))
-        click.echo("\n".join([result.trust.word, *result.trust.notes]))
-    kept = output is None or _write(result, output, fallback, as_json)
-    finish(ctx, result, kept)
+    from rattle.questions.sensitivity.pictures import plot_effects
 
-
-def _require_used(ctx: click.Context, analysis: str, t_end: float | None) -> None:
-    """Refuse options that this analysis would leave aside."""
     single = analysis == "equilibrium" and t_end is None
+    _require_used(single)
+    _require_name(asked.output)
+    asked = asked.by_suffix()
+    m = asked.model()
+    of, to = _names(outputs), _names(parameters) or _usual(m)
+    result = m.sensitivity(of, to, t if single else span_times(m, t_end, points), analysis)
+    return asked.shown(
+        result, lambda: "\n".join([*_table(result), result.trust.word, *result.trust.notes]), lambda: _record(result),
+        asked.drawn(lambda: plot_effects(result)),
+    )  # fmt: skip
+
+
+def _require_used(single: bool) -> None:
+    """Refuse options that one equilibrium, or curves over time, would leave aside."""
+    ctx = click.get_current_context()
     if given(ctx, "t") and not single:
         raise click.UsageError(
             "--at is of one equilibrium: it needs --analysis equilibrium and no --t-end; curves begin at t = 0"
@@ -101,12 +88,14 @@ def _require_used(ctx: click.Context, analysis: str, t_end: float | None) -> Non
         raise click.UsageError("--points is of a path; --at is one equilibrium. Give --t-end for a path")
 
 
-def _require_name(output: str) -> None:
+def _require_name(output: str | None) -> None:
     """Raise InputError for a name that is none of a result, a table or a picture."""
     from rattle.atomic_file import is_special
+    from rattle.plots.curves import SUFFIXES as PICTURES
     from rattle.results.archive import SUFFIXES
 
-    if Path(output).suffix.lower() not in (*SUFFIXES, ".csv", *PICTURES) and not is_special(output):
+    written = (*SUFFIXES, ".csv", *PICTURES)
+    if output is not None and Path(output).suffix.lower() not in written and not is_special(output):
         raise InputError(
             f"{output}: curves and derivatives are saved as {', '.join(SUFFIXES)} or .csv, a drawing as"
             f" {', '.join(PICTURES)}; give a name ending in one of them"
@@ -125,20 +114,10 @@ def _usual(m: Mechanism) -> list[str]:
     return [name for name, parameter in every.items() if parameter.tol] or list(every)
 
 
-def _instants(m: Mechanism, analysis: str, t: float, t_end: float | None, points: int) -> np.ndarray | float:
-    import numpy as np
-
-    if analysis == "equilibrium" and t_end is None:
-        return t
-    end = m.model.settings.t_end if t_end is None else t_end
-    if not 0.0 < end < float("inf"):
-        raise click.UsageError(f"--t-end must be positive, got {end}")
-    return np.linspace(0.0, end, points)
-
-
-def _table(result: Result) -> str:
+def _table(result: Result) -> list[str]:
     """Per output a line for each parameter, those with the largest effect first."""
     from rattle.questions.sensitivity.effects import effects
+    from rattle.results.display import in_columns
 
     entries = effects(result)
     rows = []
@@ -150,9 +129,7 @@ def _table(result: Result) -> str:
             at = f"{result.t[effect.largest]:.4g} s"
             rows.append((name, effect.parameter, effect.slope, at, effect.words, effect.effect))
     head = ("", "by", "largest derivative", "at t", "a change by", "moves it by")
-    wide = [max(len(row[c]) for row in (head, *rows)) for c in range(len(head))]
-    lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, wide, strict=True)).rstrip() for row in (head, *rows)]
-    return "\n".join(lines)
+    return in_columns([head, *rows])
 
 
 def _record(result: Result) -> dict[str, object]:
@@ -171,18 +148,3 @@ def _record(result: Result) -> dict[str, object]:
         "success": result.success, "message": result.message, "sensitivities": entries,
         "trust": result.trust.to_dict(),
     }  # fmt: skip
-
-
-def _write(result: Result, output: str, fallback: str | None, silent: bool) -> bool:
-    """Save or draw the result; False if it could not be saved."""
-    if Path(output).suffix.lower() not in PICTURES:
-        csv = output.lower().endswith(".csv")
-        return keep(result, None if csv else output, output if csv else None, fallback)
-    from rattle.plots.curves import save_figure
-    from rattle.questions.sensitivity.pictures import plot_effects
-
-    if len(result.t):
-        save_figure(plot_effects(result), output)
-        if not silent:
-            say_written(output)
-    return True

@@ -8,27 +8,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rattle.cli.options import value
+from rattle.cli.over import axes_of
+from rattle.cli.question_command import Asked, Shown, model_command
+from rattle.cli.requirements import ORDER, Condition, Verdict, asked_outputs, required_record
+from rattle.questions.ensemble.options import engine_options, question_options, shown_runs
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
     from rattle.questions.sweep.compute import Sweep
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress
-from rattle.cli.output import as_json
-from rattle.cli.over import axes_of
-from rattle.cli.requirements import (
-    ORDER,
-    Condition,
-    Verdict,
-    asked_outputs,
-    finish_required,
-)
-from rattle.questions.ensemble.options import check_written, engine_options, keep_runs, question_options
 
-
-@click.command(cls=Command)
-@model_options
+@model_command
 @click.option(
     "--over", "ranges", multiple=True, required=True, metavar="NAME=FIRST:LAST:COUNT",
     help='A parameter and its values: r3=0.001:0.005:21, "r3=1 mm:5 mm:21", or a list r3=0.001,0.002,0.005; '
@@ -41,13 +31,9 @@ from rattle.questions.ensemble.options import check_written, engine_options, kee
     " given more than once.",
 )  # fmt: skip
 @engine_options
-@click.pass_context
 def sweep(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, ranges: tuple[str, ...],
-    outputs: tuple[str, ...], analysis: str, t_end: float | None, required: tuple[str, ...], threads: int | None,
-    workers: int | None, scheduler: str | None, folder: str | None, csv: str | None, picture: str | None,
-    json_too: bool,
-) -> None:  # fmt: skip
+    asked: Asked, ranges: tuple[str, ...], outputs: tuple[str, ...], analysis: str, t_end: float | None, **engine: Any
+) -> Shown:
     """Numbers over all combinations of values of parameters: a curve for one, a map for two.
 
     FILE is a model file or the name of a shipped example.  --over also takes the path of a number of the model, such as
@@ -57,21 +43,16 @@ def sweep(
     Examples: rattle sweep slider_crank_play --over "c=0.1 mm:0.5 mm:9" --of "max(B.normal)" --t-end 6ms
               rattle sweep slider_crank --analysis kinematics --over "rod_length=.1:.2:11" --of "max(slider.ax)"
     """
-    check_written(file, csv, picture)
-    outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(required)]))
+    outputs = tuple(dict.fromkeys([*outputs, *asked_outputs(asked.required)]))
     if not outputs:
         raise click.UsageError('--of names what is asked of every combination, e.g. --of "max(O3.force)"')
-    m, axes = axes_of(read_model(file, settings, ideal), ranges)
-    check_every(m, required, list(axes), analysis=analysis, t_end=t_end)
-    answer = m.sweep(
-        axes, list(outputs), analysis=analysis, t_end=t_end, threads=threads, workers=workers, scheduler=scheduler,
-        folder=folder, progress=shows_progress(ctx),
-    )  # fmt: skip
-    verdicts = judge_every(answer, required)
-    asked = {"required": [verdict.record for verdict in verdicts]} if verdicts else {}
-    click.echo(as_json(answer.record() | asked) if json_too else str(answer))
-    keep_runs(ctx, answer, csv, picture, lambda: answer.plot(outputs[0]))
-    finish_required(ctx, verdicts, None if json_too else click.echo)
+    m, axes = axes_of(asked.model(), ranges)
+    check_every(m, asked.required, list(axes), analysis=analysis, t_end=t_end)
+    answer = m.sweep(axes, list(outputs), analysis=analysis, t_end=t_end, progress=asked.progress, **engine)
+    verdicts = judge_every(answer, asked.required)
+    return shown_runs(
+        asked, answer, lambda: answer.plot(outputs[0]), record=required_record(verdicts), verdicts=verdicts
+    )
 
 
 def check_every(m: Mechanism, required: Sequence[str], varied: Sequence[str], **question: Any) -> None:

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
-from click.core import ParameterSource
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress, value
-from rattle.cli.output import as_json, check_pictures, say_written
+from rattle.cli.options import given, value
+from rattle.cli.question_command import Asked, Shown, alone_or_all, json_option, model_command, picture_option
 from rattle.cli.requirements import require_share_option, required_share, said_required
-from rattle.questions.ensemble.options import question_options, tolerances
+from rattle.questions.ensemble.options import question_options, tolerances, vary_option
 
 if TYPE_CHECKING:
     from rattle.questions.tolerance.largest import Largest
     from rattle.questions.tolerance.report import Tolerance
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @question_options()
-@click.option(
-    "--vary", "varied", multiple=True, metavar="NAMES",
-    help='Parameters with a tolerance in the file: r3,r4; or with one here: "r3=0.1 mm,l2=0.5 mm:normal".  '
-    "[default: all that have a tolerance]",
-)  # fmt: skip
+@vary_option
 @click.option(
     "--limit", metavar="VALUE",
     help='The deviation that is allowed, e.g. "0.1 deg": how many mechanisms keep it, and which tolerances would.',
@@ -50,16 +42,12 @@ if TYPE_CHECKING:
 @click.option("-n", "count", type=click.IntRange(1), help="Rows of samples.  [default: 1024 side by side, else 512]")
 @click.option("--seed", default=0, show_default=True, help="Of the samples; the same seed, the same answer.")
 @click.option("--threads", type=click.IntRange(1), metavar="N", help="Threads.  [default: one per core]")
-@click.option("--plot", "picture", metavar="FILE", help="Draw the contributions (.svg, .png, .pdf).")
-@click.option("--json", "json_too", is_flag=True, help="The answer as JSON, in SI units.")
-@click.pass_context
+@picture_option("Draw the contributions (.svg, .png, .pdf).", "--plot")
+@json_option("The answer as JSON, in SI units.")
 def tolerance(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, outputs: tuple[str, ...], analysis: str,
-    t_end: float | None, varied: tuple[str, ...], limit: str | None, required: str | None, allocate: str,
-    costs: tuple[str, ...],
-    parameter: str | None, share: float, count: int | None, seed: int, threads: int | None, picture: str | None,
-    json_too: bool,
-) -> None:  # fmt: skip
+    asked: Asked, outputs: tuple[str, ...], varied: tuple[str, ...], limit: str | None, enough: str | None,
+    allocate: str, costs: tuple[str, ...], parameter: str | None, share: float, count: int | None, **question: Any,
+) -> Shown:  # fmt: skip
     """What each tolerance does to a number: worst case, root sum square and samples side by side.
 
     FILE is a model file or the name of a shipped example.  Tolerances stand there beside the values:
@@ -74,35 +62,29 @@ def tolerance(
     amounts to.  Sobol indices say which share of the scatter it causes, alone and together with others.
     With --limit the exit status is 1 if fewer than 99.73 % of the mechanisms keep it, or than --require asks for.
     """
-    _require_sense(ctx)
-    check_pictures(file, picture)
-    m = read_model(file, settings, ideal)
+    _require_sense(click.get_current_context())
+    m = asked.model()
     vary, cost = tolerances(varied), _costs(costs)
-    common: dict[str, Any] = {"vary": vary, "analysis": analysis, "t_end": t_end, "n": count, "seed": seed,
-                              "threads": threads, "progress": shows_progress(ctx)}  # fmt: skip
+    question |= {"vary": vary, "n": count, "progress": asked.progress}
     if parameter is not None and limit is not None:
-        answer = [m.tolerance_for(output, value(limit), parameter, share, **common) for output in outputs]
-        click.echo(_largest(answer, json_too))
-        return
+        largest = [m.tolerance_for(output, value(limit), parameter, share, **question) for output in outputs]
+        return Shown(
+            lambda: "\n\n".join(answer.report for answer in largest), lambda: alone_or_all([*map(_record, largest)])
+        )
     if limit is not None:
         from rattle.questions.tolerance.compute import require_limit
 
         for output in outputs:
-            require_limit(m, output, value(limit), cost, vary, analysis=analysis, t_end=t_end)
-    needed = required_share(required)
-    answers = []
-    for number, output in enumerate(outputs, 1):
-        study = m.tolerance(output, **common)
-        answers.append(_Answer.of(study, limit, allocate, cost, needed))
-        if picture is not None:
-            from rattle.plots.curves import save_figure
-
-            target = picture if len(outputs) == 1 else str(Path(picture).with_stem(f"{Path(picture).stem}-{number}"))
-            save_figure(study.plot(), target)
-            say_written(target)
-    click.echo(as_json(_together([a.record for a in answers])) if json_too else "\n\n".join(a.text for a in answers))
-    if not all(answer.kept for answer in answers):
-        ctx.exit(1)
+            require_limit(m, output, value(limit), cost, vary, analysis=question["analysis"], t_end=question["t_end"])
+    needed = required_share(enough)
+    studies = [m.tolerance(output, **question) for output in outputs]
+    answers = [_Answer.of(study, limit, allocate, cost, needed) for study in studies]
+    return Shown(
+        lambda: "\n\n".join(answer.text for answer in answers),
+        lambda: alone_or_all([answer.record for answer in answers]),
+        asked.drawn(*(study.plot for study in studies), named=range(1, len(studies) + 1)),
+        status=0 if all(answer.kept for answer in answers) else 1,
+    )
 
 
 class _Answer(NamedTuple):
@@ -138,20 +120,9 @@ class _Answer(NamedTuple):
         return cls("\n".join(parts), record | {"allocation": allocation.tolerances}, kept)
 
 
-def _largest(answer: list[Largest], json_too: bool) -> str:
-    """The largest values of a parameter for each output, as they are printed."""
-    if not json_too:
-        return "\n\n".join(largest.report for largest in answer)
-    records = [
-        {"parameter": largest.parameter, "value": float(largest), "unit": largest.unit, "share": largest.share}
-        for largest in answer
-    ]
-    return as_json(_together(records))
-
-
-def _together(records: list[dict[str, Any]]) -> Any:
-    """What JSON holds: the record of one output, or a list of several."""
-    return records[0] if len(records) == 1 else records
+def _record(largest: Largest) -> dict[str, float | str]:
+    """The largest value of a parameter."""
+    return {"parameter": largest.parameter, "value": float(largest), "unit": largest.unit, "share": largest.share}
 
 
 NEEDED = {
@@ -159,19 +130,16 @@ NEEDED = {
     "allocate": ("--allocate", "--limit"),
     "parameter": ("--largest", "--limit"),
     "share": ("--share", "--largest"),
-    "required": ("--require", "--limit"),
+    "enough": ("--require", "--limit"),
 }  # options, and those without which they have no meaning
-USELESS = {
-    "costs": "--cost",
-    "allocate": "--allocate",
-    "picture": "--plot",
-    "required": "--require",
-}  # beside --largest
+USELESS = {  # beside --largest
+    "costs": "--cost", "allocate": "--allocate", "picture": "--plot", "enough": "--require",
+}  # fmt: skip
 
 
 def _require_sense(ctx: click.Context) -> None:
     """Refuse options that would be left out of account.  Raises UsageError."""
-    typed = {name for name in ctx.params if ctx.get_parameter_source(name) == ParameterSource.COMMANDLINE}
+    typed = {name for name in ctx.params if given(ctx, name)}
     asked = {"--limit": "limit" in typed, "--largest": "parameter" in typed}
     for name, (option, other) in NEEDED.items():
         if name in typed and not asked[other]:

@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
-from rattle.cli.command import Command
-from rattle.cli.options import model_options, read_model, shows_progress, time
-from rattle.cli.output import STOPPED, as_json, check_pictures, say_written
+from rattle.cli.options import time
+from rattle.cli.output import STOPPED
+from rattle.cli.question_command import Asked, Shown, Written, json_option, model_command, picture_option
+
+if TYPE_CHECKING:
+    from rattle.questions.wear.worn import Worn
 
 
-@click.command(cls=Command)
-@model_options
+@model_command
 @click.option("--cycles", type=float, metavar="N", help="How many cycles.  [default: as in the model]")
 @click.option("--cycle", type=time, metavar="TIME", help="Duration of a cycle.  [default: one turn of the driver]")
 @click.option(
     "--jump", metavar="N", help="Cycles of a jump, or auto: as many as keep its error below 1 % of the depth.",
 )  # fmt: skip
 @click.option("--depth", metavar="LENGTH", help='Stop where a surface is worn as deep as this, "0.1 mm".')
-@click.option("-o", "--output", metavar="FOLDER", help="Keep the study here after every jump; the same call goes on.")
-@click.option("--plot", "picture", metavar="FILE", help="Draw profiles and history (.svg, .png, .pdf).")
-@click.option("--json", "json_too", is_flag=True, help="The answer as JSON, in SI units.")
-@click.pass_context
+@click.option(
+    "-o", "--output", "folder", metavar="FOLDER", help="Keep the study here after every jump; the same call goes on."
+)
+@picture_option("Draw profiles and history (.svg, .png, .pdf).", "--plot")
+@json_option("The answer as JSON, in SI units.")
 def wear(
-    ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, cycles: float | None, cycle: float | None,
-    jump: str | None, depth: str | None, output: str | None, picture: str | None, json_too: bool,
-) -> None:  # fmt: skip
+    asked: Asked, cycles: float | None, cycle: float | None, jump: str | None, depth: str | None, folder: str | None
+) -> Shown:
     """Where pins and bushes wear over many cycles, how deep, and how long they last.
 
     FILE is a model file or the name of a shipped example.  Joints wear that say how fast:
@@ -42,24 +44,13 @@ def wear(
 
     A million turns of this example, --cycles 1e6, take some ten seconds.
     """
-    check_pictures(file, picture)
-    if ideal:
+    if asked.ideal:
         raise click.UsageError("--ideal closes every clearance: nothing would wear; leave it out")
-    m = read_model(file, settings, ideal)
-    worn = m.wear(
-        cycles, _jump(jump), cycle, {} if depth is None else {"depth": _depth(depth)}, output,
-        progress=shows_progress(ctx),
-    )  # fmt: skip
-    click.echo(as_json(_record(worn)) if json_too else str(worn))
-    if picture is not None:
-        from rattle.plots.curves import save_figure
-
-        save_figure(worn.plot(), picture)
-        say_written(picture)
-    if output is not None:
-        say_written(output)
-    if worn.interrupted:
-        ctx.exit(STOPPED)
+    stop = {} if depth is None else {"depth": _depth(depth)}
+    worn = asked.model().wear(cycles, _jump(jump), cycle, stop, folder, progress=asked.progress)
+    study = () if folder is None else (Written(folder, lambda path: None),)  # it was kept after every jump
+    files = (*asked.drawn(worn.plot), *study)
+    return Shown(lambda: str(worn), lambda: _record(worn), files, status=STOPPED if worn.interrupted else 0)
 
 
 def _jump(text: str | None) -> float | str | None:
@@ -77,7 +68,7 @@ def _depth(text: str) -> float:
     return in_si("--depth", text, "m", '1e-4 or "0.1 mm"')
 
 
-def _record(worn: Any) -> dict[str, Any]:
+def _record(worn: Worn) -> dict[str, object]:
     sides = {
         f"{joint}.{name}": {"volume": side.volume, "depth": side.deepest, "at": side.angle[side.depth.argmax()]}
         for joint in worn.joints

@@ -97,6 +97,15 @@ def names_from(run: Run) -> Callable[[Mechanism], dict[str, str]]:
     return names
 
 
+def over_times(ask: Callable[[Mechanism, np.ndarray], Result], points: int, at_rest: bool = False) -> Analysis:
+    """An analysis that makes curves at instants (n,) [s]; ask: of a mechanism.  Raises SolverError if it ends early."""
+
+    def run(m: Mechanism, times: np.ndarray, names: Collection[str], how: Stepping) -> Result:
+        return complete(ask(m, times))
+
+    return Analysis(run, names_from(run), points, at_rest)
+
+
 # ---------------------------------------------------------------- all of them
 @functools.cache
 def analysis_of(name: str) -> Analysis:
