@@ -106,8 +106,10 @@ def _reached(scene: Scene) -> tuple[Array, Array]:
     Parts whose size follows from that of the mechanism reach as far as their points when it is measured.
     """
     low = high = np.zeros(2)
+    geometry = scene.result.geometry
+    written = display_list(geometry)
     for _ in range(2):
-        stage = stage_of(scene._replace(size=float(max(high - low))))
+        stage = Stage(written, geometry, scene, float(max(high - low)))
         every = np.vstack([path.reshape(-1, 2) for path in stage.held()])
         every = every[np.isfinite(every).all(axis=1)]
         low, high = every.min(axis=0), every.max(axis=0)
