@@ -212,19 +212,21 @@ def test_last_turn_of_the_crank_is_found(viewer_in_node):
 TEETH = """
 import { Motion, Stage } from "./viewer.mjs";
 const motion = new Motion(data.runs[0], data.geometry), stage = new Stage(motion, data);
-const { forces: { mesh } } = stage.drawing;
-console.log(JSON.stringify(Array.from(motion.t, (t) => {
+const frames = stage.drawing.arrows.map(({ frame }) => frame);
+console.log(JSON.stringify(frames.map(([x, y]) => Array.from(motion.t, (t) => {
   stage.values.set(motion.pose(t), t, 0);
-  return mesh.map((place) => stage.values.get(place));
-})));
+  return [stage.values.get(x), stage.values.get(y)];
+}))));
 """
 
 
 def test_force_of_a_gear_acts_where_its_pitch_circles_touch(viewer_in_node):
     r = any_motion("gear_rattle")
-    at = np.array(viewer_in_node(TEETH, plain(scene_of([("", r)]))))
-    away = np.hypot(at[:, 0] - r["driver.C.x"], at[:, 1] - r["driver.C.y"])
-    np.testing.assert_allclose(away, 0.03, atol=1e-6)
+    centre = np.column_stack([r["driver.C.x"], r["driver.C.y"]])
+    every = np.array(viewer_in_node(TEETH, plain(scene_of([("", r)]))))
+    off = np.abs(np.hypot(*np.moveaxis(every - centre, 2, 0)) - 0.03).max(axis=1)  # of the arrows of each force
+    at = every[np.argmin(off)]
+    assert off.min() < 1e-6
     between = np.column_stack([r["idle.C.x"] - r["driver.C.x"], r["idle.C.y"] - r["driver.C.y"]])
     out = at - np.column_stack([r["driver.C.x"], r["driver.C.y"]])
     np.testing.assert_allclose(between[:, 0] * out[:, 1] - between[:, 1] * out[:, 0], 0.0, atol=1e-6)

@@ -39,7 +39,7 @@ export function themeOf(dark, bodies = {}) {
   const shades = new Map(Object.entries(bodies).map(([name, colour]) => [name, own(colour)]));
   const curves = CURVES_LIGHT.map((colour) => (dark ? (colour === "#333333" ? "#D5DBE3" : own(colour)) : colour));
   return {
-    ...base,
+    ...base, green: own(GREEN), pink: own(PINK), sky: own(SKY),
     curve: (k) => curves[k % curves.length],
     body: (name) => shades.get(name) ?? base.black,
     force: (share) => ramp(dark ? 0.3 + 0.7 * share : 1 - share), // the largest stands out on its paper

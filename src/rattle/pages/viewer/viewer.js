@@ -118,10 +118,9 @@ export class Viewer {
     this.others = others.map(motionOf);
     this.tools.ghost.hidden = !this.ghost;
     this.regroup();
-    const { forces, moments } = this.view.forces;
-    this.tools.forces.hidden = forces.length + moments.length === 0;
+    this.tools.forces.hidden = !this.view.forces.length;
     this.parts.canvas.style.setProperty("--tall", Math.min(2, this.view.tall).toFixed(3));
-    this.insets.setMotion(this.motion, this.scene);
+    this.insets.setMotion(this.view.stage);
     this.player.setMotion(this.motion);
     this.chooser.setMotion(this.motion);
     const pins = this.orbits.setMotion(this.motion, this.scene), events = this.motion.events.length;
