@@ -24,9 +24,9 @@ FINER = 2  # pixels of a picture in one of a page: thin lines are then moved les
 PLAY = """
 async ({ text, scene, low, high, wide, tall, instants, size, across, layer }) => {
   const viewer = await import(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
-  const data = JSON.parse(scene), motion = new viewer.Motion(data.runs[0], data.geometry);
+  const data = JSON.parse(scene), motion = new viewer.Motion(data.runs[0], data);
   const stage = new viewer.Stage(motion, data);
-  const theme = viewer.themeOf(false, stage.colours), scale = wide / (high[0] - low[0]);
+  const theme = viewer.themeOf(false, data.colours), scale = wide / (high[0] - low[0]);
   // the motion is these instants alone
   Object.assign(stage, { size, times: instants, poses: instants.map((t) => motion.pose(t)) });
   stage.values.renew();

@@ -70,7 +70,7 @@ def test_a_result_without_motion_is_refused(tmp_path):
 
 LINES = """
 import { Motion } from "./viewer.mjs";
-const motion = new Motion(data.runs[0], data.geometry);
+const motion = new Motion(data.runs[0], data);
 const plain = ({ t, y }) => ({ t: Array.from(t), y: Array.from(y) });
 console.log(JSON.stringify(Object.fromEntries(motion.names.map((name) => [name, plain(motion.line(name))]))));
 """
@@ -129,7 +129,7 @@ def test_a_curve_too_fast_for_a_page_is_named():
 CURVES = """
 import { Motion } from "./viewer.mjs";
 const found = data.map((scene) => {
-  const motion = new Motion(scene.runs[0], scene.geometry);
+  const motion = new Motion(scene.runs[0], scene);
   return Object.fromEntries(motion.names.map((name) => [name, [motion.unit(name), Array.from(motion.curve(name))]]));
 });
 console.log(JSON.stringify(found));
@@ -151,7 +151,7 @@ def test_derived_curves_are_those_of_python_in_every_example(viewer_in_node):
 PLACES = """
 import { Motion, Stage, pointAt } from "./viewer.mjs";
 const found = data.map((scene) => {
-  const motion = new Motion(scene.runs[0], scene.geometry), stage = new Stage(motion, scene), places = {};
+  const motion = new Motion(scene.runs[0], scene), stage = new Stage(motion, scene), places = {};
   for (const [body, form] of Object.entries(motion.geometry.bodies)) {
     for (const [point, at] of Object.entries(form.points)) {
       places[`${body}.${point}`] = Array.from(motion.t, (t) => pointAt(motion.pose(t), body, at));
@@ -177,7 +177,7 @@ def test_points_are_drawn_where_they_are_in_every_example(viewer_in_node):
 
 CRANK = """
 import { crankOf, Motion } from "./viewer.mjs";
-const found = data.map((scene) => crankOf(new Motion(scene.runs[0], scene.geometry)));
+const found = data.map((scene) => crankOf(new Motion(scene.runs[0], scene)));
 console.log(JSON.stringify(found.map((one) => one && [one.name, one.last])));
 """
 
@@ -211,7 +211,7 @@ def test_last_turn_of_the_crank_is_found(viewer_in_node):
 
 TEETH = """
 import { Motion, Stage } from "./viewer.mjs";
-const motion = new Motion(data.runs[0], data.geometry), stage = new Stage(motion, data);
+const motion = new Motion(data.runs[0], data), stage = new Stage(motion, data);
 const frames = stage.drawing.arrows.map(({ frame }) => frame);
 console.log(JSON.stringify(frames.map(([x, y]) => Array.from(motion.t, (t) => {
   stage.values.set(motion.pose(t), t, 0);
@@ -248,7 +248,7 @@ simulate = { t_end = 0.1 }
 """
 SHAPE = """
 import { Motion, placed, Stage } from "./viewer.mjs";
-const stage = new Stage(new Motion(data.runs[0], data.geometry), data);
+const stage = new Stage(new Motion(data.runs[0], data), data);
 stage.values.set({ table: { x: 0, y: 0, angle: 0, cos: 1, sin: 0 } }, 0, 0);
 const { frame, rings } = stage.drawing.drawn.find((primitive) => primitive.body === "table");
 console.log(JSON.stringify(placed(stage.values, frame, rings[0])()));

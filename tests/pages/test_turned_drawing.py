@@ -10,7 +10,7 @@ from rattle.plots.sketch import extent, stage_of
 
 PLAYED = """
 import { Motion, placed, Stage } from "./viewer.mjs";
-const { scene, across } = data, run = scene.runs[1], motion = new Motion(run, scene.geometry);
+const { scene, across } = data, run = scene.runs[1], motion = new Motion(run, scene);
 const stage = new Stage(motion, scene), { low, high } = stage;
 stage.values.set(motion.pose(motion.end), motion.end, stage.size / across);
 const shown = stage.drawing.drawn.filter(({ when }) => when === undefined || stage.values.get(when) > 0);

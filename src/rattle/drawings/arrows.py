@@ -185,5 +185,4 @@ def _scale_of_moments(sheet: Sheet, usual: Number, moments: Sequence[Number]) ->
 
 def _told(sheet: Sheet, sizes: Sequence[Number], step: Number, width: Number) -> dict[str, Any]:
     """Places of the force or moment that a scale shows, of its width, and of what is positive where it is needed."""
-    _, most = sheet.range(most_of(sheet.number(0.0), *(abs(size) for size in sizes)))
-    return {"step": step.place, "wide": width.place, "when": most.place}
+    return {"step": step.place, "wide": width.place, "when": sheet.usual(1.0, *sizes).place}

@@ -43,15 +43,15 @@ export const EVENT = ["t", "joint", "kind", "speed", "duration", "force", "impul
 
 // One run that is shown: its curves, derived ones too, and where it is in time.
 export class Motion {
-  constructor(run, geometry) {
+  constructor(run, scene) {
     this.run = unpack(run);
     this.t = this.run.t;
     this.n = this.t.length;
-    this.geometry = this.run.geometry ?? geometry;
+    this.geometry = this.run.geometry ?? scene.geometry;
     this.label = this.run.label ?? "";
     this.trust = this.run.trust ?? { text: [] };
     const stored = this.run.names.filter((name) => this.run.columns[name]);
-    this.rules = derivedRules(this.geometry, new Set(stored));
+    this.rules = derivedRules(scene.derived, this.geometry, new Set(stored));
     this.names = [...stored, ...this.rules.keys()];
     this.made = new Map();
     this.lines = new Map();

@@ -1,6 +1,5 @@
 // What all forms read of a mechanism: its bodies and parts, its size, and places over the whole motion.
 
-import { bodyColours } from "./colours.js";
 import { pointAt } from "./data.js";
 import { placed } from "./play.js";
 import { Values } from "./values.js";
@@ -13,7 +12,6 @@ export class Stage {
     this.geometry = motion.geometry;
     this.bodies = this.geometry.bodies;
     this.kinds = scene.kinds;
-    this.colours = { ...bodyColours(Object.keys(this.bodies)), ...scene.colours };
     const every = Math.max(1, Math.ceil(motion.n / MOST_POSES));
     this.times = Array.from(motion.t).filter((_, k) => k % every === 0 || k === motion.n - 1);
     this.poses = this.times.map((t) => motion.pose(t));

@@ -3,7 +3,7 @@
 
 import { niceStep } from "./units.js";
 
-const OPERATIONS = {
+export const OPERATIONS = {
   "+": (a, b) => a + b, "-": (a, b) => a - b, "*": (a, b) => a * b, "/": (a, b) => a / b, "<": (a, b) => (a < b ? 1 : 0),
   min: (a, b) => (b < a ? b : a), max: (a, b) => (b > a ? b : a), hypot: (a, b) => Math.hypot(a, b), atan2: Math.atan2,
   abs: Math.abs, sin: Math.sin, cos: Math.cos,
@@ -14,16 +14,16 @@ const OVER_TIME = {
   least: (values) => values.reduce((low, value) => (value < low ? value : low), Infinity),
   most: (values) => values.reduce((high, value) => (value > high ? value : high), -Infinity),
   first: (values) => values[0],
-  usual: (values, share) => {
-    const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b);
-    return sizes.length ? sizes[Math.min(sizes.length - 1, Math.floor(share * sizes.length))] : 0;
-  },
+};
+const usualSize = (values, share) => {
+  const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b);
+  return sizes.length ? sizes[Math.min(sizes.length - 1, Math.floor(share * sizes.length))] : 0;
 };
 const NOWHERE = { x: NaN, y: NaN, angle: NaN, cos: NaN, sin: NaN }; // a body that a motion does not have
 
 export class Values {
   constructor(nodes, stage) {
-    Object.assign(this, { nodes, stage, still: [], now: [], pose: {}, time: NaN, pixel: NaN, side: NaN });
+    Object.assign(this, { nodes, stage, still: [], columns: [], now: [], pose: {}, time: NaN, pixel: NaN, side: NaN });
     this.moves = [];
     for (const node of nodes) {
       const operation = Array.isArray(node) && node[0] in OPERATIONS;
@@ -35,7 +35,7 @@ export class Values {
   set(pose, time, pixel, side = NaN) { Object.assign(this, { pose, time, pixel, side, now: [] }); }
 
   // The size of the mechanism is another.
-  renew() { this.still = []; }
+  renew() { [this.still, this.columns] = [[], []]; }
 
   get(place) { return ((this.moves[place] ? this.now : this.still)[place] ??= this.find(this.nodes[place])); }
 
@@ -44,8 +44,8 @@ export class Values {
     const [name, first, second, third] = node;
     const operation = OPERATIONS[name], next = (place) => (place === undefined ? NaN : this.get(place));
     if (operation) return operation(this.get(first), next(second), next(third));
-    if (name === "usual") return OVER_TIME.usual(this.over(node.slice(2)), this.get(first));
-    if (name in OVER_TIME) return OVER_TIME[name](this.over([first], name === "first" ? 1 : Infinity));
+    if (name === "usual") return usualSize(node.slice(2).flatMap((place) => this.over(place)), this.get(first));
+    if (name in OVER_TIME) return OVER_TIME[name](this.over(first, name === "first" ? 1 : Infinity));
     if (name === "of") return node.slice(1).reduce((entry, key) => entry?.[key], this.stage.geometry) ?? NaN;
     if (name === "size") return this.stage.size;
     if (name === "pixel" || name === "side") return this[name];
@@ -56,15 +56,18 @@ export class Values {
     return name === "x" ? x + cos * u - sin * v : y + sin * u + cos * v;
   }
 
-  // What some numbers are at the instants of the motion, or at the first ones; those that do not move once.
-  over(places, most = Infinity) {
-    const { pose, time, pixel, side, now } = this, still = places.filter((place) => !this.moves[place]), moving = places.filter((place) => this.moves[place]);
-    const values = moving.length ? this.stage.poses.slice(0, most).flatMap((there, k) => {
-      this.set(there, this.stage.times[k], pixel, side);
-      return moving.map((place) => this.get(place));
-    }) : [];
+  // What a number is at the instants of the motion, or at so many of them; once if it does not move.
+  over(place, most = Infinity) {
+    if (!this.moves[place]) return [this.get(place)];
+    if (this.columns[place]) return this.columns[place].slice(0, most);
+    const { pose, time, pixel, side, now } = this, { poses, times } = this.stage;
+    const values = poses.slice(0, most).map((there, k) => {
+      this.set(there, times[k], pixel, side);
+      return this.get(place);
+    });
     Object.assign(this, { pose, time, pixel, side, now });
-    return [...still.map((place) => this.get(place)), ...values];
+    if (most === Infinity) this.columns[place] = values;
+    return values;
   }
 
   place(body) { return this.pose?.[body] ?? NOWHERE; }
