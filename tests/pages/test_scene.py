@@ -10,6 +10,7 @@ import pytest
 import rattle as rt
 from any_motion import any_motion
 from circling import circling
+from rattle.drawings import numbers
 from rattle.pages.replay import page_text
 from rattle.pages.scene import MOST_ROWS, plain, scene_json, scene_of
 from rattle.plots.scene import Scene
@@ -265,3 +266,22 @@ def test_a_body_is_drawn_up_to_the_pin_in_its_slot(viewer_in_node):
     table = next(shape for shape in stage.shapes() if shape.style.get("body") == "table")
     drawn = table.rings[0][0, :, 0] - r["table.x"][0]
     assert drawn.max() > pin.max()
+
+
+NUMBERS = """
+import { Values } from "./viewer.mjs";
+const values = new Values(data, {});
+console.log(JSON.stringify(data.map((_, place) => values.get(place))));
+"""
+
+
+def test_usual_sizes_and_round_steps_are_those_of_python(viewer_in_node):
+    """Of a force that is seldom there the largest is usual: its arrow can be seen."""
+    sizes = [0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0]
+    nodes = [0.7, 0.8, 0.96, *sizes, *(["usual", share, *range(3, 13)] for share in range(3))]
+    nodes += [30.1, 0.0019, 5.0, *(["nice", place] for place in (3, 16, 17, 18))]
+    here = numbers.Values(nodes, {}, None, 1.0)
+    told = viewer_in_node(NUMBERS, nodes)
+    assert told == pytest.approx([float(here[place]) for place in range(len(nodes))])
+    assert told[13:16] == [7.0, 3.0, 7.0]
+    assert told[-4:] == pytest.approx([1.0, 50.0, 0.002, 5.0])

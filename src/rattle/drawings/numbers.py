@@ -9,7 +9,7 @@ A `Number` is an entry of a tape: a list of nodes of which each names earlier on
     ["x", "crank", 3, 4]    where a point of a body's frame is now, and so "y"; ["angle", "crank"] its angle
     ["curve", "A.locked"]   a curve now, 0 where there is none; ["pin", "A.ex"]: of the place of a pin, along its arc
     ["least", 7]            over all instants, and so "most"; ["first", 7]: at the first
-    ["usual", 3, 7, 8]      size that this share (3) of what these are at all instants does not exceed
+    ["usual", 3, 7, 8]      size that this share (3) of what these are at all instants does not exceed; if 0 the largest
 
 `viewer/values.js` evaluates the same tapes in pages.
 """
@@ -171,7 +171,7 @@ def usual_size(share: float, values: Iterable[Any]) -> float:
     sizes = sizes[np.isfinite(sizes)]
     if not len(sizes):
         return 0.0
-    return float(sizes[min(len(sizes) - 1, int(share * len(sizes)))])
+    return float(sizes[min(len(sizes) - 1, int(share * len(sizes)))] or sizes[-1])
 
 
 class Moving(Protocol):

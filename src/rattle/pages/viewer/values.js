@@ -17,7 +17,7 @@ const OVER_TIME = {
 };
 const usualSize = (values, share) => {
   const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b);
-  return sizes.length ? sizes[Math.min(sizes.length - 1, Math.floor(share * sizes.length))] : 0;
+  return sizes[Math.min(sizes.length - 1, Math.floor(share * sizes.length))] || (sizes.at(-1) ?? 0); // a force that is seldom there
 };
 const NOWHERE = { x: NaN, y: NaN, angle: NaN, cos: NaN, sin: NaN }; // a body that a motion does not have
 
