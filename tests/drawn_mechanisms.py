@@ -86,13 +86,14 @@ def pictures(r, layer="drawn"):
         yield figure
 
 
-def magnified(r, picture):
-    """Three figures of a joint with play, by its place among those of a motion."""
+def magnified(r, lines=None):
+    """Three figures of the first joint with play; lines: only primitives whose lines have this colour."""
     written, scene = display_list(r.geometry), Scene(r, instants(r), 1.0)
     stage = Stage(written, r.geometry, scene, 1.0, float(PIXELS[1]))
+    drawn = [one for one in written["magnified"][0]["drawn"] if lines in (None, (one["line"] or [None])[0])]
     for k in range(3):
         figure, ax = _empty(np.zeros(2), 0.75)
-        for move in draw_shapes(ax, scene, stage.shapes_of(written["magnified"][picture]["drawn"])):
+        for move in draw_shapes(ax, scene, stage.shapes_of(drawn)):
             move(k)
         yield figure
 

@@ -22,7 +22,7 @@ UNLIKE = 0.04  # ink that differs, as a share of all
 FEW = 0.1  # the same of arrows alone, a hundredth of a picture: one that is missing or elsewhere is a fifth and more
 FINER = 2  # pixels of a picture in one of a page: thin lines are then moved less to whole pixels
 PLAY = """
-async ({ text, scene, low, high, wide, tall, instants, size, across, layer }) => {
+async ({ text, scene, low, high, wide, tall, instants, size, across, layer, lines }) => {
   const viewer = await import(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
   const data = JSON.parse(scene), motion = new viewer.Motion(data.runs[0], data);
   const stage = new viewer.Stage(motion, data);
@@ -30,7 +30,8 @@ async ({ text, scene, low, high, wide, tall, instants, size, across, layer }) =>
   // the motion is these instants alone
   Object.assign(stage, { size, times: instants, poses: instants.map((t) => motion.pose(t)) });
   stage.values.renew();
-  const drawn = layer ? stage.drawing[layer] : stage.drawing.magnified[0].drawn;
+  const every = layer ? stage.drawing[layer] : stage.drawing.magnified[0].drawn;
+  const drawn = every.filter(({ line }) => !lines || line?.[0] === lines);
   const play = drawn.map((primitive) => viewer.player(stage, primitive));
   return instants.map((t) => {
     const canvas = document.createElement("canvas"), context = viewer.sized(canvas, wide, tall);
@@ -63,11 +64,20 @@ def test_forces_and_moments_are_the_same_arrows(open_page, name):  # noqa: F811
 
 @pytest.mark.parametrize("name", ["crank_rocker_play", "fourbar", "geneva", "guide_play"])
 def test_joints_with_play_are_magnified_in_the_same_way(open_page, name):  # noqa: F811
-    r = rt.example(name).simulate(0.05)
-    figures = list(magnified(r, 0))
+    compare_magnified(open_page, rt.example(name).simulate(0.05))
+
+
+def test_the_way_of_a_pin_is_the_same(open_page):  # noqa: F811
+    """On a massless link it goes along arcs between the outputs."""
+    compare_magnified(open_page, rt.example("fourbar").simulate(t_eval=np.linspace(0.0, 1.0, 401)), "sky", FEW)
+
+
+def compare_magnified(open_page, r, lines=None, most=UNLIKE):  # noqa: F811
     wide, tall = PIXELS
     across = {"low": [-0.5 * wide / tall, -0.5], "high": [0.5 * wide / tall, 0.5], "size": 1.0, "across": tall}
-    same_pictures(open_page, r, figures, across)
+    begun = int(lines is not None)  # there is no way behind the pin at first
+    told = {**across, "lines": lines, "instants": r.t[instants(r)[begun:]].tolist()}
+    same_pictures(open_page, r, list(magnified(r, lines))[begun:], told, most)
 
 
 def compare(open_page, r, layer, most=UNLIKE):  # noqa: F811
