@@ -5,8 +5,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import rattle as rt
+from rattle.drawings.forms import display_list
+from rattle.drawings.played import Stage
 from rattle.plots.scene import Scene
-from rattle.plots.sketch import draw_mechanism, extent
+from rattle.plots.sketch import draw_layers, draw_shapes, extent, stage_of
 
 EXAMPLES = {  # time [s] up to which each runs: all forms of joints and loads are among them
     "belt_drive": 0.5, "cam_lift_off": 0.02, "crank_rocker_play": 0.1, "door_closer": 1.0, "double_wishbone": 0.05,
@@ -65,23 +67,45 @@ def motion(name):
     return rt.loads(OWN).simulate(0.5) if name == "own" else rt.example(name).simulate(EXAMPLES[name])
 
 
-def pictures(r):
-    """Three figures of a motion: where it begins, halfway and where it ends."""
-    pick = np.array([0, len(r.t) // 2, len(r.t) - 1])
-    stage = Scene(r, pick, 1.0)
+def instants(r):
+    """Rows of the three instants that are drawn: where it begins, halfway and where it ends."""
+    return np.array([0, len(r.t) // 2, len(r.t) - 1])
+
+
+def pictures(r, layer="drawn"):
+    """Three figures of a motion."""
+    stage = Scene(r, instants(r), 1.0)
     low, high = extent(stage)
-    size = float(max(high - low))
+    stage = stage._replace(size=float(max(high - low)))
+    # the limits are fixed before anything is drawn: equal scales, the box in the middle
+    middle, half = 0.5 * (low + high), 0.55 * max(high[0] - low[0], 1.5 * (high[1] - low[1]))
     for k in range(3):
-        figure = Figure(figsize=(4.5, 3.0), dpi=100)
-        FigureCanvasAgg(figure)
-        ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        ax.axis("off")
-        # the limits are fixed before anything is drawn: equal scales, the box in the middle
-        middle, half = 0.5 * (low + high), 0.55 * max(high[0] - low[0], 1.5 * (high[1] - low[1]))
-        ax.set(xlim=middle[0] + half * np.array([-1, 1]), ylim=middle[1] + half / 1.5 * np.array([-1, 1]))
-        for move in draw_mechanism(ax, stage._replace(size=size), names=False):
+        figure, ax = _empty(middle, half)
+        for move in draw_layers(ax, stage, stage_of(stage), [layer]):
             move(k)
         yield figure
+
+
+def magnified(r, lines=None):
+    """Three figures of the first joint with play; lines: only primitives whose lines have this colour."""
+    written, scene = display_list(r.geometry), Scene(r, instants(r), 1.0)
+    stage = Stage(written, r.geometry, scene, 1.0, float(PIXELS[1]))
+    drawn = [one for one in written["magnified"][0]["drawn"] if lines in (None, (one["line"] or [None])[0])]
+    for k in range(3):
+        figure, ax = _empty(np.zeros(2), 0.75)
+        for move in draw_shapes(ax, scene, stage.shapes_of(drawn)):
+            move(k)
+        yield figure
+
+
+def _empty(middle, half):
+    """A figure and its axes, about a point and so far to either side."""
+    figure = Figure(figsize=(4.5, 3.0), dpi=100)
+    FigureCanvasAgg(figure)
+    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.axis("off")
+    ax.set(xlim=middle[0] + half * np.array([-1, 1]), ylim=middle[1] + half / 1.5 * np.array([-1, 1]))
+    return figure, ax
 
 
 def cells(figure):

@@ -38,9 +38,9 @@ def test_a_pin_alone_is_drawn_large_in_its_bush():
     """Of a mechanism nothing but the pin would be a dot."""
     pin = thumbnail(rt.example("bouncing_pin").simulate(0.01))
     bars = thumbnail(rt.example("double_pendulum").simulate(0.01))
-    white = "stroke: #ffffff"  # the path of the pin
-    assert white in pin
-    assert white not in bars
+    path = "stroke: #56b4e9"  # of the pin
+    assert path in pin
+    assert path not in bars
     assert pin.startswith("<svg")
 
 

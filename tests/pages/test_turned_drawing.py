@@ -10,9 +10,9 @@ from rattle.plots.sketch import extent, stage_of
 
 PLAYED = """
 import { Motion, placed, Stage } from "./viewer.mjs";
-const { scene, across } = data, run = scene.runs[1], motion = new Motion(run, scene.geometry);
+const { scene, across } = data, run = scene.runs[1], motion = new Motion(run, scene);
 const stage = new Stage(motion, scene), { low, high } = stage;
-stage.values.set(motion.poseAt(motion.n - 1), motion.end, stage.size / across);
+stage.values.set(motion.pose(motion.end), motion.end, stage.size / across);
 const shown = stage.drawing.drawn.filter(({ when }) => when === undefined || stage.values.get(when) > 0);
 const paths = shown.map(({ frame, rings, path }) =>
   (rings ?? [path]).map((ring) => placed(stage.values, frame, ring)()));

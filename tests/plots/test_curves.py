@@ -8,6 +8,7 @@ from PIL import Image
 
 import rattle as rt
 from circling import OMEGA, STEADY, SWING, T_END, C, circling
+from rattle.drawings.magnified import BUSH, PIN
 from rattle.plots.animation import scene
 from rattle.plots.curves import AFTER, RED, new_axes, robust_limits, save_figure
 from rattle.plots.paper_page import paper_page
@@ -169,14 +170,15 @@ def test_gif_shows_as_many_frames_as_asked_at_their_pace(tmp_path):
 def test_frames_are_even_in_time_and_show_the_pin_where_it_is():
     figure, update, count = scene(circling(horizon=0.16), frames=9)
     ax, inset = figure.axes[1], figure.axes[0]
-    pin = next(line for line in inset.lines if line.get_marker() == "o")
+    pins = [line for line in inset.lines if line.get_marker() == "o"]  # the pin as it is pushed, and as it is pulled
     assert count == 9
     for k in range(count):
         update(k)
         t = k * T_END / 8
         assert ax.get_title(loc="left").startswith(f"t = {t:.4f} s")
         assert (AFTER in ax.get_title(loc="left")) == (t > 0.16)
-        where = 1e3 * C * np.array([np.cos(OMEGA * t), np.sin(OMEGA * t)])
+        (pin,) = [line for line in pins if np.isfinite(line.get_xdata()).all()]
+        where = (1.0 - PIN) * BUSH * np.array([np.cos(OMEGA * t), np.sin(OMEGA * t)])  # the play is magnified so
         assert np.ravel(pin.get_data()) == pytest.approx(where, abs=1e-9)
         assert (to_hex(pin.get_color()) == RED.lower()) == (STEADY + SWING * np.cos(OMEGA * t) < 0)
 

@@ -5,10 +5,11 @@ A `Number` is an entry of a tape: a list of nodes of which each names earlier on
     0.5                     a constant
     ["+", 3, 0]             an operation on two other nodes, see OPERATIONS
     ["of", "joints", "A", "points", 0, 1]     a number of the geometry, by its place there
-    ["size"]                of the mechanism [m]; ["pixel"]: of the picture [m]
+    ["size"]                of the mechanism [m]; ["pixel"], and ["side"], the shorter one: of the picture [m]
     ["x", "crank", 3, 4]    where a point of a body's frame is now, and so "y"; ["angle", "crank"] its angle
-    ["curve", "A.locked"]   a curve now, 0 where there is none
+    ["curve", "A.locked"]   a curve now, 0 where there is none; ["pin", "A.ex"]: of the place of a pin, along its arc
     ["least", 7]            over all instants, and so "most"; ["first", 7]: at the first
+    ["usual", 3, 7, 8]      size that this share (3) of what these are at all instants does not exceed; if 0 the largest
 
 `viewer/values.js` evaluates the same tapes in pages.
 """
@@ -16,7 +17,7 @@ A `Number` is an entry of a tape: a list of nodes of which each names earlier on
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -41,9 +42,11 @@ OPERATIONS: Mapping[str, Callable[..., Any]] = {
     "hypot": np.hypot,
     "ceil": np.ceil,
     "round": np.round,
+    "nice": lambda a: nice_step(a),
     "if": lambda a, b, c: np.where(np.greater(a, 0.0), b, c),
 }
 PIXELS = 420.0  # across a mechanism: a usual size of a picture, in which marks and bars have these widths
+NICE = 1.0, 2.0, 5.0, 10.0
 OVER_TIME: Mapping[str, Callable[[Any], Any]] = {"least": np.nanmin, "most": np.nanmax, "first": lambda a: a.flat[0]}
 
 
@@ -153,6 +156,24 @@ def most_of(first: Number, *more: Value) -> Number:
 
 
 # ---------------------------------------------------------------- their values
+def nice_step(least: Any) -> float:
+    """1, 2 or 5 times a power of ten, no less than this; 1 where that is not positive."""
+    size = float(least)
+    if not 0.0 < size < math.inf:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(size) + 1e-12)
+    return power * next(step for step in NICE if step * power >= size * (1.0 - 1e-9))
+
+
+def usual_size(share: float, values: Iterable[Any]) -> float:
+    """The size that this share of all finite values does not exceed; the largest where that is 0."""
+    sizes = np.sort(np.abs(np.concatenate([np.zeros(0), *(np.ravel(each) for each in values)])))
+    sizes = sizes[np.isfinite(sizes)]
+    if not len(sizes):
+        return 0.0
+    return float(sizes[min(len(sizes) - 1, int(share * len(sizes)))] or sizes[-1])
+
+
 class Moving(Protocol):
     """Where the bodies of a drawing are, at all of its frames."""
 
@@ -162,12 +183,16 @@ class Moving(Protocol):
 
     def curve(self, name: str) -> Any: ...
 
+    def trail(self, joint: str, share: float) -> Any: ...
+
 
 class Values:
     """Values of the nodes of a tape: floats, or (frames,) arrays of those that move."""
 
-    def __init__(self, nodes: list[Node], geometry: Mapping[str, Any], moving: Moving, size: float) -> None:
-        self.nodes, self.geometry, self.moving, self.size = nodes, geometry, moving, size
+    def __init__(self, nodes: list[Node], geometry: Mapping[str, Any], moving: Moving, size: float,
+                 across: float = PIXELS) -> None:  # fmt: skip
+        """size: of the mechanism [m], which is so many pixels across."""
+        self.nodes, self.geometry, self.moving, self.size, self.across = nodes, geometry, moving, size, across
         self._known: dict[int, Any] = {}
 
     def __getitem__(self, place: int) -> Any:
@@ -186,13 +211,15 @@ class Values:
             return float(OVER_TIME[name](np.asarray(self[rest[0]])))
         if name == "of":
             return number_at(self.geometry, rest)
-        if name == "size":
+        if name == "usual":
+            return usual_size(self[rest[0]], (self[place] for place in rest[1:]))
+        if name in ("size", "side"):
             return self.size
         if name == "pixel":
-            return self.size / PIXELS
+            return self.size / self.across
         if name == "angle":
             return self.moving.angle(rest[0])
-        if name == "curve":
+        if name in ("curve", "pin"):
             return self.moving.curve(rest[0])
         body, x, y = rest
         return self.moving.at(body, self[x], self[y])["xy".index(name)]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.drawings.numbers import Array, Moving, Values, number_at
+from rattle.drawings.numbers import PIXELS, Array, Moving, Values, number_at
 
 GAP = np.full((1, 1, 2), np.nan)
 FEWEST, MOST = 3, 80  # hatches of a wall
@@ -28,13 +28,19 @@ class Shape(NamedTuple):
 class Stage:
     """A display list with the motion that it follows."""
 
-    def __init__(self, written: Mapping[str, Any], geometry: Mapping[str, Any], moving: Moving, size: float) -> None:
+    def __init__(self, written: Mapping[str, Any], geometry: Mapping[str, Any], moving: Moving, size: float,
+                 across: float = PIXELS) -> None:  # fmt: skip
+        """size: of the mechanism [m], which is so many pixels across."""
         self.written, self.geometry, self.moving, self.size = written, geometry, moving, size
-        self.values = Values(written["numbers"], geometry, moving, size)
+        self.values = Values(written["numbers"], geometry, moving, size, across)
 
-    def shapes(self) -> Iterator[Shape]:
-        """All primitives in the order in which they lie over each other."""
-        for primitive in self.written["drawn"]:
+    def shapes(self, layer: str = "drawn") -> Iterator[Shape]:
+        """All primitives of a layer in the order in which they lie over each other."""
+        return self.shapes_of(self.written[layer])
+
+    def shapes_of(self, primitives: Iterable[Mapping[str, Any]]) -> Iterator[Shape]:
+        """Primitives that are there at one frame at least."""
+        for primitive in primitives:
             if (shown := self._shown(primitive)).any():
                 rings = [self._world(primitive["frame"], ring) for ring in self._rings(primitive)]
                 yield Shape(primitive, rings, shown)
@@ -78,6 +84,8 @@ class Stage:
             return GAP
         if isinstance(piece, list):
             return np.stack(np.broadcast_arrays(*(_column(self.values[place]) for place in piece)), axis=-1)
+        if "trail" in piece:
+            return np.asarray(self.values[piece["scale"]] * self.moving.trail(piece["trail"], piece["share"]))
         if "arc" in piece:
             return self._arc(piece)
         if "of" in piece:

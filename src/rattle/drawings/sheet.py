@@ -2,13 +2,13 @@
 
 A list of primitives (`Sheet.written`) is plain data, see docs/scene.md.  Places are numbers of a tape (`numbers.py`) in
 metres; widths of lines and radii of dots are pixels of a page, three quarters of a point on paper.  Colours are names:
-black, grey, metal, steel, paper, or `body NAME`, mixed with a share of paper.
+black, grey, metal, steel, paper, red, green, pink, sky, or `body NAME`, mixed with a share of paper.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rattle.drawings.numbers import Number, Tape, Value, call, cos, sin
@@ -78,14 +78,24 @@ class Sheet:
         self.tape = Tape()
         self.size = self.tape.node("size")
         self.pixel = self.tape.node("pixel")
+        self.side = self.tape.node("side")
         self.drawn: list[dict[str, Any]] = []
         self.within: list[dict[str, Any]] = []  # what a picture has to hold
-        self.forces: dict[str, list[int]] = {}  # where the forces of joints act
+        self.forces: dict[str, Spot] = {}  # where the forces of joints act
         self.held: dict[str, list[Piece]] = {}  # points up to which bodies are drawn
         self.instead: dict[str, Number] = {}  # positive where a body is drawn by a joint
         self.shared: dict[str, Any] = {}  # what drawings of one form find once for all
+        self.layers: dict[str, Any] = {}  # what is drawn over it, by name
 
     # ------------------------------------------------------------ numbers
+    def number(self, value: Value) -> Number:
+        """A value as a number of the tape."""
+        return Number(self.tape, self.tape.of(value))
+
+    def spot(self, x: Value, y: Value) -> Spot:
+        """A place in the world [m]."""
+        return Spot(self.number(x), self.number(y))
+
     def at(self, body: str, point: tuple[Value, Value]) -> Spot:
         """Where a point of a body is in the world."""
         return Spot(*(self.tape.node(name, body, *point) for name in ("x", "y")))
@@ -105,6 +115,10 @@ class Sheet:
     def range(self, value: Number) -> tuple[Number, Number]:
         """The least and the largest of a number over all instants."""
         return self.tape.node("least", value), self.tape.node("most", value)
+
+    def usual(self, share: float, *values: Number) -> Number:
+        """The size that this share of what several numbers are at all instants does not exceed."""
+        return self.tape.node("usual", share, *values)
 
     def points(self, body: str) -> list[tuple[Number, Number]]:
         """The named points of a body in its frame."""
@@ -131,6 +145,10 @@ class Sheet:
         """Points that stand in the geometry; every: so many of them."""
         return {"of": list(place), "every": every}
 
+    def trail(self, joint: str, share: float, scale: Value) -> Piece:
+        """Where a pin was in its bush, for such a share of the motion up to now, so many times as large."""
+        return {"trail": joint, "share": share, "scale": self.tape.of(scale)}
+
     def around(self, path: Piece, half: Value) -> Piece:
         """What lies so far from a path to either side, with round ends."""
         return {"around": self._written([path]), "half": self.tape.of(half)}
@@ -147,12 +165,16 @@ class Sheet:
     def path(
         self, frame: Frame | str, *rings: Sequence[Piece], z: float, line: Colour | str | None = "black",
         width: float = 1.2, fill: Colour | str | None = None, opacity: float = 1.0, closed: bool = False,
-        butt: bool = False, when: Value | None = None,
+        butt: bool = False, dash: Sequence[float] = (), when: Value | None = None,
     ) -> None:  # fmt: skip
-        """Paths with a line of so many pixels along them and perhaps filled; the further ones are holes."""
+        """Paths with a line of so many pixels along them and perhaps filled; the further ones are holes.
+
+        dash: lengths of strokes and gaps [pixels] of a broken line.
+        """
         style = {"line": _colour(line), "width": width, "fill": _colour(fill), "opacity": opacity}
+        broken = {"dash": list(dash)} if dash else {}
         self._add("path", frame, z, when, rings=[self._written(ring) for ring in rings], **style, closed=closed,
-                  butt=butt)  # fmt: skip
+                  butt=butt, **broken)  # fmt: skip
 
     def dot(
         self, frame: Frame | str, point: tuple[Value, Value], radius: float, *, z: float = 5.0, width: float = 1.4,
@@ -177,6 +199,13 @@ class Sheet:
             stroke=self.tape.of(HATCH * self.pixel if stroke is None else stroke),
             **style,
         )
+
+    def text(
+        self, frame: Frame | str, point: tuple[Value, Value], text: str, *, z: float = 6.5,
+        line: Colour | str = "black", bold: bool = False, when: Value | None = None,
+    ) -> None:  # fmt: skip
+        """A name beside a point, on a little paper."""
+        self._add("text", frame, z, when, path=self._written([point]), text=text, line=_colour(line), bold=bold)
 
     def foot(self, point: tuple[Value, Value]) -> None:
         """The usual symbol of a fixed pivot."""
@@ -239,12 +268,24 @@ class Sheet:
 
     def force_at(self, part: Part, spot: Spot) -> None:
         """Where the force of a joint acts; without it at its point on A."""
-        self.forces[part.name] = [spot.x.place, spot.y.place]
+        self.forces[part.name] = spot
+
+    def apart(self, draw: Callable[..., None], *which: Any) -> list[dict[str, Any]]:
+        """What a function draws, for a layer of its own; which: what it is called with."""
+        own, self.drawn = self.drawn, []
+        draw(*which)
+        own, self.drawn = self.drawn, own
+        return in_order(own)
 
     def written(self) -> dict[str, Any]:
         """The list as plain data."""
-        in_order = sorted(self.drawn, key=lambda primitive: float(primitive["z"]))
-        return {"numbers": self.tape.nodes, "drawn": in_order, "within": self.within, "forces": self.forces}
+        drawn = in_order(self.drawn)
+        return {"numbers": self.tape.nodes, "drawn": drawn, "within": self.within, **self.layers}
+
+
+def in_order(drawn: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Primitives from the back to the front."""
+    return sorted(drawn, key=lambda primitive: float(primitive["z"]))
 
 
 def box(low: Value, high: Value, half: Value) -> list[Piece]:

@@ -13,6 +13,7 @@ import numpy as np
 from rattle import registry
 from rattle.drawings.forms import display_list, form_of
 from rattle.errors import InputError
+from rattle.pages.derived_curves import derived_curves
 from rattle.pages.thinning import Between, Rows, between, shared_rows
 from rattle.plots.scene import BODIES
 from rattle.results.contact_summary import contact_lines, far_apart
@@ -89,6 +90,7 @@ def frame_of(geometry: Mapping[str, Any]) -> dict[str, Any]:
         "program": f"rattle {__version__}",
         "kinds": kinds_of(geometry),
         "drawing": display_list(geometry),
+        "derived": derived_curves(geometry),
         "colours": {body: BODIES[k % len(BODIES)] for k, body in enumerate(geometry["bodies"])},
     }
 

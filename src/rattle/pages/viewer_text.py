@@ -14,10 +14,13 @@ from importlib import resources
 
 from rattle.errors import InputError
 from rattle.pages.compact import compact
+from rattle.plots.curves import CURVES, MORE
+from rattle.plots.scene import COLOURS
 from rattle.results.handy_units import HANDY, LEAST, MOST
 
 ENTRY = "mount.js"
 STYLE = "style.js"  # made here: the style sheet as a text
+PALETTE = "palette.js"  # made here: the colours of `rattle.plots`
 HANDY_UNITS = "handy_units.js"  # made here: the table of `rattle.results.handy_units`
 IMPORT = re.compile(r'^import \{([^}]*)\} from "\./([\w-]+\.js)";\n', re.MULTILINE)
 TOP = re.compile(r"^(?:export )?(?:async )?(?:function\*?|class|const|let) +([A-Za-z_$][\w$]*)", re.MULTILINE)
@@ -37,6 +40,8 @@ def viewer_files() -> dict[str, str]:
     files = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir() if file.name.endswith(".js")}
     files[STYLE] = f"export const viewerStyle = {json.dumps(style_text(), ensure_ascii=False)};\n"
     handy = {"units": HANDY, "least": LEAST, "most": MOST}
+    palette = {"named": COLOURS, "curves": [*CURVES, *MORE]}
+    files[PALETTE] = f"export const PALETTE = {json.dumps(palette)};\n"
     title = "// Units in which quantities are handy: rattle/results/handy_units.py.\n"
     files[HANDY_UNITS] = f"{title}export const HANDY = {json.dumps(handy, ensure_ascii=False)};\n"
     return files

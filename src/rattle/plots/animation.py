@@ -1,10 +1,10 @@
-"""Animation of a mechanism: bodies, joints and springs, with its pins in their bushes magnified beside it."""
+"""Animation of a mechanism: bodies, joints and springs, with its joints with play magnified beside it."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,14 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
+from rattle.drawings.forms import display_list
+from rattle.drawings.played import Stage
 from rattle.errors import InputError
-from rattle.jit.choices import TINY
-from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, length_axes, new_figure, tidy
+from rattle.plots.curves import AFTER, BLACK, CURVES, RED, length_axes, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
-from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
+from rattle.plots.orbit import length_unit, require_point
 from rattle.plots.power_arrows import draw_power
-from rattle.plots.scene import Scene, draw_tag
-from rattle.plots.sketch import draw_mechanism, extent
+from rattle.plots.scene import Scene
+from rattle.plots.sketch import draw_layers, draw_shapes, extent
 from rattle.results.handy_units import units_of_result
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_INSETS = 4
+ACROSS = 136.0  # pixels of an inset in a page, in which marks have these sizes
 MOST_FRAMES = 3000
 
 
@@ -93,18 +95,20 @@ def scene(
     stage = stage._replace(size=float(max(high - low)) or 1.0)
     low, high = low - 0.08 * stage.size, high + 0.08 * stage.size
 
-    pins = list(clearance_joints(result))[:MOST_INSETS]
-    figure, ax, insets = _stage(high - low, len(pins))
+    written = display_list(result.geometry)
+    loose = [picture for picture in written["magnified"] if _has_play(result, picture["joint"])][:MOST_INSETS]
+    figure, ax, insets = _axes(high - low, len(loose))
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     length_axes(ax, float(max(high - low)), units_of_result(result.provenance))
     pace = float(result.t[pick[-1]] - result.t[pick[0]]) * fps / max(len(pick) - 1, 1)
     updates = [_clock(ax, stage, pace), *_traces(ax, stage, trace)]
-    updates += draw_mechanism(ax, stage)
-    if names:
-        updates += [draw_tag(ax, body, stage.path(body, (0, 0))) for body in result.geometry["bodies"]]
+    drawn = Stage(written, result.geometry, stage, stage.size)
+    updates += draw_layers(ax, stage, drawn, ("drawn", "pins", "names") if names else ("drawn", "pins"))
     if power:
         updates += draw_power(ax, stage, result.power())
-    updates += [_inset(inset, stage, pin) for inset, pin in zip(insets, pins, strict=True)]
+    small = Stage(written, result.geometry, stage, 1.0, ACROSS)
+    for inset, picture in zip(insets, loose, strict=True):
+        updates += _inset(inset, stage, small, picture)
 
     def update(k: int) -> None:
         for change in updates:
@@ -116,8 +120,12 @@ def scene(
     return figure, update, len(pick)
 
 
-def _stage(extent: Array, pins: int) -> tuple[Figure, Axes, list[Axes]]:
-    """A large axis for the mechanism; beside it a square one for each pin, two in a column."""
+def _has_play(result: Result, joint: str) -> bool:
+    return bool(result.geometry["joints"][joint]["clearance"] > 0.0) and f"{joint}.ex" in result
+
+
+def _axes(extent: Array, pins: int) -> tuple[Figure, Axes, list[Axes]]:
+    """A large axis for the mechanism; beside it a square one for each joint with play, two in a column."""
     rows, columns = min(2, pins), (pins + 1) // 2
     height = float(np.clip(6.2 * extent[1] / extent[0] + 1.0, 3.2 if rows < 2 else 4.6, 6.4))
     side = 0.42 * height if rows == 2 else 2.2
@@ -156,43 +164,19 @@ def _traces(ax: Axes, stage: Scene, points: Iterable[str]) -> list[Update]:
     return updates
 
 
-# ---------------------------------------------------------------- a pin, magnified
-def _inset(ax: Axes, stage: Scene, joint: str) -> Update:
-    """The pin centre in its clearance circle, with the force on the pin; red where N < 0."""
-    from matplotlib.patches import Circle
-
-    result, pick = stage.result, stage.pick
-    form = result.geometry["joints"][joint]
-    scale, unit = length_unit(form["clearance"])
-    c = form["clearance"] * scale
-    normal, size = result[f"{joint}.normal"], result[f"{joint}.force"]
-    # typical forces fill the arrow, so that rare peaks do not shrink it
-    length = np.minimum(size / (float(np.nanpercentile(size, 80)) or 1.0), np.where(normal < 0, 0.45, 1.0)) * c
-    u, v = (result[f"{joint}.{force}"] / np.maximum(size, TINY) * length for force in ("fx", "fy"))
-    path = pin_path(result, joint)
-    pieces = (len(path[0]) - 1) // max(len(result.t) - 1, 1)
-
-    ax.add_patch(Circle((0, 0), c, facecolor=BORE, edgecolor=GREY, linewidth=1.2))
-    ax.set(xlim=(-1.5 * c, 1.5 * c), ylim=(-1.5 * c, 1.5 * c), aspect="equal", xticks=[], yticks=[])
+# ---------------------------------------------------------------- a joint with play, magnified
+def _inset(ax: Axes, scene: Scene, stage: Stage, picture: Mapping[str, Any]) -> list[Update]:
+    """A pin in its bush or a block in its guide, with the force on it; red where N < 0."""
+    result, joint = scene.result, picture["joint"]
+    scale, unit = length_unit(result.geometry["joints"][joint]["clearance"])
+    ax.set(xlim=(-0.5, 0.5), ylim=(-0.5, 0.5), aspect="equal", xticks=[], yticks=[])
     ax.spines[:].set_visible(False)
-    ax.set_title(f"{joint}: play {c:.3g} {unit}", fontsize=10)
-    label = ax.set_xlabel("N", fontsize=9)
-    (trail,) = ax.plot([], [], color=SKY, linewidth=2.5)
-    (pin,) = ax.plot([], [], "o", markersize=6)
-    arrow = ax.quiver([0.0], [0.0], [0.0], [0.0], angles="xy", scale_units="xy", scale=1.0, width=0.02, zorder=4)
+    ax.set_title(f"{joint}: play {result.geometry['joints'][joint]['clearance'] * scale:.3g} {unit}", fontsize=10)
+    label, normal = ax.set_xlabel("N", fontsize=9), scene.curve(f"{joint}.normal")
 
     def update(k: int) -> None:
-        now, before = pick[k], pick[max(k - 1, 0)]
-        colour = RED if normal[now] < 0 else BLACK
-        x, y = (values[before * pieces : now * pieces + 1] * scale for values in path[:2])
-        trail.set_data(x, y)
-        pin.set_data(x[-1:], y[-1:])
-        pin.set_color(colour)
-        arrow.set_offsets([[x[-1], y[-1]]])
-        arrow.set_UVC([u[now]], [v[now]])
-        arrow.set_color(colour)
-        pulls = " (would pull)" if normal[now] < 0 else ""
-        label.set_text(f"N = {normal[now]:.0f} N{pulls}".replace("-", "\N{MINUS SIGN}"))
-        label.set_color(colour)
+        pulls = " (would pull)" if normal[k] < 0 else ""
+        label.set_text(f"N = {normal[k]:.0f} N{pulls}".replace("-", "\N{MINUS SIGN}"))
+        label.set_color(RED if normal[k] < 0 else BLACK)
 
-    return update
+    return [*draw_shapes(ax, scene, stage.shapes_of(picture["drawn"])), update]

@@ -14,19 +14,21 @@ from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.assembly.start_constants import as_guessed
 from rattle.analyses.load_forces import load_forces
 from rattle.description.model import Driver, Model
+from rattle.drawings.arrows import Style, Way, straight, turning
 from rattle.drawings.forms import drawing_of
+from rattle.drawings.played import Stage
+from rattle.drawings.sheet import Sheet as DrawingSheet
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at, pose
 from rattle.equations.system import System
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
-from rattle.plots.arrows import straight, turning
 from rattle.plots.curves import BLACK, GREY, RED, drawn, figure_of, length_axes, new_figure, tidy
 from rattle.plots.figure import Page
 from rattle.plots.labels import Label, place_labels
 from rattle.plots.scene import Array, Scene
-from rattle.plots.sketch import draw_mechanism, extent
+from rattle.plots.sketch import draw_layers, draw_mechanism, extent
 from rattle.results.build import build_result
 from rattle.results.display import quantity
 from rattle.results.handy_units import written_units
@@ -41,6 +43,8 @@ if TYPE_CHECKING:
 ROOM = 0.2  # around the mechanism, as a share of its size
 FORCE, MOMENT, DRIVE, FREE = 0.13, 0.07, 0.055, 0.045  # length of an arrow, radii of arcs: same share
 TOGETHER = 1e-6  # distance of points that have one name, and gap that is open: same share
+SWEEP = 3.6  # of an arc [rad]
+WIDTH, DASH = 1.9, (5.6, 3.7)  # of an arrow, and of the strokes and gaps of one that stands for nothing yet [pixels]
 MANY = 8  # free coordinates that are listed, and up to which they are marked
 WIDE = 110  # characters of a line below the title
 LABEL = 40  # characters of a line of a label
@@ -72,6 +76,30 @@ class Position(NamedTuple):
         return np.array([x + c * spot[0] - s * spot[1], y + s * spot[0] + c * spot[1]])
 
 
+class Arrows:
+    """Arrows in a drawing that rests; places and lengths in m."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.size = scene, scene.size
+        self.sheet = DrawingSheet(scene.result.geometry)
+
+    def straight(self, start: Array, way: Array, style: Style) -> Array:
+        """An arrow from `start` by `way` (2,).  Returns its tip (2,)."""
+        straight(self.sheet, self.sheet.spot(*start), Way(*way), style)
+        return start + way
+
+    def turning(self, centre: Array, radius: float, start: float, style: Style, sense: float = 1.0) -> Array:
+        """An arc about `centre` from the angle `start` [rad], clockwise where sense < 0.  Returns its middle (2,)."""
+        angles = (start, SWEEP) if sense >= 0.0 else (start + SWEEP, -SWEEP)
+        turning(self.sheet, self.sheet.spot(*centre), radius, angles, style)
+        middle = start + 0.5 * SWEEP
+        return centre + radius * np.array([math.cos(middle), math.sin(middle)])
+
+    def stage(self) -> Stage:
+        """All of them, to be drawn."""
+        return Stage(self.sheet.written(), self.sheet.geometry, self.scene, self.size)
+
+
 def plot_model(m: AnalysedModel, ax: Axes | None = None, sheet: Sheet | None = None) -> Figure | Axes:
     """See `Mechanism.plot`; sheet: of a new picture without a title, for a page that has one."""
     position = _position(m)
@@ -85,15 +113,13 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None, sheet: Sheet | None = N
     tidy(ax).grid(False)
     length_axes(ax, float(max(high - low)), written_units(m.to_json()))
     draw_mechanism(ax, scene, names=False)
+    arrows = Arrows(scene)
     labels = [*_joints(scene, position), *_bodies(ax, scene, position), *_points(ax, scene, position)]
-    labels += [
-        *_drivers(ax, scene, position),
-        *_loads(ax, scene, position),
-        *_gravity(ax, scene, position.system.model),
-    ]
+    labels += [*_drivers(arrows, position), *_loads(arrows, position), *_gravity(ax, arrows, position.system.model)]
     free = () if position.reason else free_coordinates(position.system, 0.0, position.q)
     if len(free) <= MANY:
-        _mark_free(ax, scene, position, free)
+        _mark_free(arrows, position, free)
+    draw_layers(ax, scene, arrows.stage(), ("drawn",))
     labels += _open_joints(ax, scene, position)
     _say(ax, position, free, sheet)
     place_labels(ax, labels)
@@ -205,7 +231,7 @@ def _points(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
         yield Label(name, (float(x), float(y)), GREY, size=8.0)
 
 
-def _drivers(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
+def _drivers(arrows: Arrows, position: Position) -> Iterator[Label]:
     """Drivers as arrows of what they move: an arc, or an arrow along the line."""
     system = position.system
     workspace = system.workspace()
@@ -215,11 +241,11 @@ def _drivers(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
         row = workspace.rows[system.first_row(name)]
         way = np.array([row[at.BX], row[at.BY]])
         if driver.sets_angle or not np.hypot(*way) > 0.0:
-            tip = turning(ax, spot, DRIVE * scene.size, 1.0, scene.size, color=BLACK)
+            tip = arrows.turning(spot, DRIVE * arrows.size, -0.6, Style("black", WIDTH))
         else:
             n = np.array([-way[1], way[0]])
-            start = spot + (0.07 * n - 0.06 * way) * scene.size
-            tip = straight(ax, start, 0.12 * scene.size * way, scene.size, color=BLACK) - 0.06 * scene.size * way
+            start = spot + (0.07 * n - 0.06 * way) * arrows.size
+            tip = arrows.straight(start, 0.12 * arrows.size * way, Style("black", WIDTH)) - 0.06 * arrows.size * way
         yield Label(name, (float(tip[0]), float(tip[1])), BLACK, "italic")
 
 
@@ -228,7 +254,7 @@ def _driven_point(position: Position, driver: Driver) -> Array:
     return point_at(position.system, position.q, point)
 
 
-def _loads(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
+def _loads(arrows: Arrows, position: Position) -> Iterator[Label]:
     """Springs and the like by name; other loads as arrows of what they exert at the start, broken lines if nothing."""
     system = position.system
     exerted = load_forces(system, 0.0, position.q, position.v)
@@ -247,55 +273,53 @@ def _loads(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
             effect = exerted[name][1 + system.bodies.index(end.body)]
             if k and not np.any(effect):
                 continue
-            tip = _exerted(ax, scene, position, point_at(system, position.q, end), end.body, effect, turns)
+            tip = _exerted(arrows, position, point_at(system, position.q, end), end.body, effect, turns)
             if not k:
                 yield Label(name, (float(tip[0]), float(tip[1])), RED)
 
 
-def _exerted(ax: Axes, scene: Scene, position: Position, spot: Array, body: str, effect: Array, turns: bool) -> Array:
+def _exerted(arrows: Arrows, position: Position, spot: Array, body: str, effect: Array, turns: bool) -> Array:
     """Arrows of a force and a moment (3,) [N, N*m] on a body at one of its points; returns a tip (2,) [m]."""
-    size, force = scene.size, float(np.hypot(effect[0], effect[1]))
+    size, force = arrows.size, float(np.hypot(effect[0], effect[1]))
     arm = spot - position.point(body, (0.0, 0.0))
     moment = float(effect[2] - (arm[0] * effect[1] - arm[1] * effect[0]))
     nothing = not np.any(effect)
-    style: dict[str, Any] = {"color": RED, "linestyle": (0, (3, 2)) if nothing else "-"}
+    style = Style("red", WIDTH, dash=DASH if nothing else ())
     tip = spot
     if abs(moment) > 1e-9 * force * size or (nothing and turns):
-        tip = turning(ax, spot, MOMENT * size, 1.0 if nothing else moment, size, 0.9, **style)
+        tip = arrows.turning(spot, MOMENT * size, 0.9, style, 1.0 if nothing else moment)
     if force > 0.0 or (nothing and not turns):
         way = effect[:2] / force if force > 0.0 else np.array([1.0, 0.0])
-        tip = straight(ax, spot, FORCE * size * way, size, **style)
+        tip = arrows.straight(spot, FORCE * size * way, style)
     return tip
 
 
-def _gravity(ax: Axes, scene: Scene, model: Model) -> Iterator[Label]:
+def _gravity(ax: Axes, arrows: Arrows, model: Model) -> Iterator[Label]:
     """The direction of gravity, in the upper right corner."""
     g = np.array(model.gravity)
     strength = float(np.hypot(*g))
     if not strength > 0.0:
         return
     (_, right), (_, top) = ax.get_xlim(), ax.get_ylim()
-    middle = np.array([right, top]) - 0.08 * scene.size
-    tip = straight(
-        ax, middle - 0.05 * scene.size * g / strength, 0.1 * scene.size * g / strength, scene.size, color=GREY
-    )
+    middle, way = np.array([right, top]) - 0.08 * arrows.size, arrows.size * g / strength
+    tip = arrows.straight(middle - 0.05 * way, 0.1 * way, Style("grey", WIDTH))
     yield Label("g", (float(tip[0]), float(tip[1])), GREY, "italic")
 
 
-def _mark_free(ax: Axes, scene: Scene, position: Position, free: tuple[str, ...]) -> None:
+def _mark_free(arrows: Arrows, position: Position, free: tuple[str, ...]) -> None:
     """Free coordinates of joints as thin broken arrows with two heads."""
-    style: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (3, 2)), "zorder": 5.5, "both": True}
+    style = Style("grey", 1.2, 5.5, (3.6, 2.4), both=True)
     for name in free:
         joint = position.system.model.joints.get(name.rpartition(".")[0])
         if joint is None or joint.leaf.motor is None or not name.endswith(f".{joint.leaf.motor.driver}"):
             continue
         spot = point_at(position.system, position.q, joint.b)
         if registry.kinds("driver")[joint.leaf.motor.driver].leaf.sets_angle:
-            turning(ax, spot, FREE * scene.size, 1.0, scene.size, 1.2, **style)
+            arrows.turning(spot, FREE * arrows.size, 1.2, style)
         else:
             angle = pose(position.system, position.q, joint.a.body)[2] + (joint.line or 0.0)
             u, n = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
-            straight(ax, spot + scene.size * (0.06 * n - 0.06 * u), 0.12 * scene.size * u, scene.size, **style)
+            arrows.straight(spot + arrows.size * (0.06 * n - 0.06 * u), 0.12 * arrows.size * u, style)
 
 
 def _open_joints(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:

@@ -111,7 +111,8 @@ def _best(anchor: Array, half: Array, taken: Sequence[Box], lines: Array, edge: 
 
 def _covered(box: Box, lines: Array) -> NDArray[np.intp]:
     """(n,) number of the points (m, 2) inside each of n boxes."""
-    x, y = lines[:, 0], lines[:, 1]
+    near = (lines > (box.x0.min(), box.y0.min())).all(axis=1) & (lines < (box.x1.max(), box.y1.max())).all(axis=1)
+    x, y = lines[near].T
     return np.array(
         [int(((x > x0) & (x < x1) & (y > y0) & (y < y1)).sum()) for x0, y0, x1, y1 in zip(*box, strict=True)], np.intp
     )

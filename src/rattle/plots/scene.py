@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.plots.curves import BLACK, BLUE, GREEN, GREY, MORE, ORANGE, PINK, SKY
+from rattle.plots.curves import BLACK, BLUE, GREEN, GREY, MORE, ORANGE, PINK, RED, SKY
 from rattle.plots.movie_file import Update
+from rattle.plots.orbit import pin_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +24,10 @@ FIRST = (BLUE, GREEN, ORANGE, PINK, SKY, *MORE)  # red is kept for forces that a
 DARKER = (1.0, 0.62, 0.36)  # further bodies have the same colours, mixed with so much black
 # behind a name; a white outline instead would turn it into curves in an .svg
 PAPER = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
-COLOURS = {"black": BLACK, "grey": GREY, "metal": "#8C959F", "steel": "#D8DEE4", "paper": "#FFFFFF"}
+COLOURS = {
+    "black": BLACK, "grey": GREY, "metal": "#8C959F", "steel": "#D8DEE4", "paper": "#FFFFFF",
+    "red": RED, "green": GREEN, "pink": PINK, "sky": SKY,
+}  # fmt: skip
 PIXEL = 0.75  # [pt]
 
 
@@ -70,6 +75,14 @@ class Scene(NamedTuple):
     def curve(self, name: str) -> Array:
         """(frames,) a curve, 0 where there is none."""
         return self.result[name][self.pick] if name in self.result else np.zeros(len(self.pick))
+
+    def trail(self, joint: str, share: float) -> Array:
+        """(frames, n, 2) where a pin was in its bush for such a share of the motion [m], from the first instant on."""
+        x, y, _ = pin_path(self.result, joint)
+        pieces = (len(x) - 1) // max(len(self.result.t) - 1, 1)
+        back = np.arange(-math.ceil(share * len(x)), 1)
+        rows = np.maximum(pieces * self.pick[:, None] + back, 0)
+        return np.stack([x[rows], y[rows]], axis=-1)
 
     def angle(self, body: str) -> Array:
         """(frames,) angle of a body [rad]."""
@@ -139,14 +152,14 @@ def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, alpha: float, zord
     return update
 
 
-def draw_tag(ax: Axes, name: str, path: Array) -> Update:
-    """The name of a joint or body, beside its point `path` (frames, 2) [m]."""
+def draw_name(ax: Axes, name: str, path: Array, **style: Any) -> Update:
+    """The name of a joint or body, beside its point `path` (frames, 1, 2) [m]; nan: it is not there."""
     tag = ax.annotate(
-        name, (0, 0), (9, 5), textcoords="offset points", fontsize=9, color=BLACK, zorder=6, parse_math=False,
-        bbox=PAPER,
-    )  # fmt: skip
+        name, (0, 0), (7.5, 7.5), textcoords="offset points", fontsize=9, parse_math=False, bbox=PAPER, **style
+    )
 
     def update(k: int) -> None:
-        tag.xy = (path[k, 0], path[k, 1])
+        tag.set_visible(bool(np.isfinite(path[k]).all()))
+        tag.xy = (path[k, 0, 0], path[k, 0, 1])
 
     return update

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,8 +11,7 @@ from rattle.drawings.forms import display_list
 from rattle.drawings.played import Shape, Stage
 from rattle.plots.curves import GREY, LINES, tidy
 from rattle.plots.movie_file import Update
-from rattle.plots.orbit import clearance_joints
-from rattle.plots.scene import PIXEL, Array, Scene, draw_area, draw_line, draw_plate, draw_tag
+from rattle.plots.scene import PIXEL, Array, Scene, draw_area, draw_line, draw_name, draw_plate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,9 +37,17 @@ def draw_mechanism(ax: Axes, scene: Scene, names: bool = True) -> list[Update]:
 
     names: beside pins with play.
     """
-    updates = [move for shape in stage_of(scene).shapes() for move in draw_shape(ax, scene, shape)]
-    for name in clearance_joints(scene.result) if names else ():
-        updates.append(draw_tag(ax, name, scene.ends(scene.result.geometry["joints"][name])[0]))
+    return draw_layers(ax, scene, stage_of(scene), ("drawn", "pins") if names else ("drawn",))
+
+
+def draw_layers(ax: Axes, scene: Scene, stage: Stage, layers: Iterable[str]) -> list[Update]:
+    """The same of some layers of a stage."""
+    return draw_shapes(ax, scene, (shape for layer in layers for shape in stage.shapes(layer)))
+
+
+def draw_shapes(ax: Axes, scene: Scene, shapes: Iterable[Shape]) -> list[Update]:
+    """The same of some primitives."""
+    updates = [move for shape in shapes for move in draw_shape(ax, scene, shape)]
     for move in updates:
         move(0)
     return updates
@@ -59,6 +67,9 @@ def draw_shape(ax: Axes, scene: Scene, shape: Shape) -> list[Update]:
     rings = [np.broadcast_to(ring, (frames, *ring.shape[1:])) for ring in shape.rings]
     if not shown.all():
         rings = [np.where(shown, ring, np.nan) for ring in rings]
+    if style["draw"] == "text":
+        weight = "bold" if style["bold"] else "normal"
+        return [draw_name(ax, style["text"], rings[0], color=line, fontweight=weight, zorder=style["z"])]
     width = PIXEL * style["width"]
     own: dict[str, Any] = {"color": line, "linewidth": width, "zorder": style["z"], "solid_joinstyle": "round"}
     if style["draw"] == "dot":
@@ -77,6 +88,8 @@ def draw_shape(ax: Axes, scene: Scene, shape: Shape) -> list[Update]:
         if style["closed"]:
             rings = [np.concatenate([ring, ring[:, :1]], axis=1) for ring in rings]
         cap = "butt" if style["butt"] else "round"
+        if dash := style.get("dash"):
+            own |= {"linestyle": (0, [length / style["width"] for length in dash])}
         updates += [draw_line(ax, ring, solid_capstyle=cap, **own) for ring in rings]
     return updates
 
@@ -106,8 +119,10 @@ def _reached(scene: Scene) -> tuple[Array, Array]:
     Parts whose size follows from that of the mechanism reach as far as their points when it is measured.
     """
     low = high = np.zeros(2)
+    geometry = scene.result.geometry
+    written = display_list(geometry)
     for _ in range(2):
-        stage = stage_of(scene._replace(size=float(max(high - low))))
+        stage = Stage(written, geometry, scene, float(max(high - low)))
         every = np.vstack([path.reshape(-1, 2) for path in stage.held()])
         every = every[np.isfinite(every).all(axis=1)]
         low, high = every.min(axis=0), every.max(axis=0)

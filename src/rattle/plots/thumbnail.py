@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rattle.plots.curves import BLUE, BORE, GREY, new_figure
+from rattle.drawings.forms import display_list
+from rattle.drawings.magnified import BUSH, PIN
+from rattle.drawings.played import Stage
+from rattle.plots.curves import GREY, SKY, new_figure
 from rattle.plots.figure import TEXT
-from rattle.plots.orbit import clearance_joints, pin_path
+from rattle.plots.orbit import pin_path
 from rattle.plots.scene import Scene
-from rattle.plots.sketch import draw_mechanism, extent, is_a_pin_alone
+from rattle.plots.sketch import draw_mechanism, draw_shapes, extent, is_a_pin_alone
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
 
 ROOM = 0.06  # around a drawing, as a share of its size
 SIZE = 3.2, 2.0  # [inch]
-PIN = 0.7  # radius of a pin that is drawn alone, over that of its bush: its play is magnified
+ACROSS = 200.0  # pixels of a pin that is drawn alone
 
 
 def thumbnail(result: Result, k: int = 0, path: str = "", salt: str = "") -> str:
@@ -66,15 +69,13 @@ def _draw(ax: Axes, result: Result, k: int, path: str) -> None:
 
 
 def _draw_pin(ax: Axes, result: Result, k: int) -> None:
-    """Pin and bush, with the path of the pin's centre where it is known."""
-    from matplotlib.patches import Circle
-
-    centre = 0.0, 0.0
-    ax.add_patch(Circle((0, 0), 1.0, facecolor=BORE, edgecolor=GREY, linewidth=2))
-    for joint, form in clearance_joints(result).items():
-        x, y, _ = pin_path(result, joint)
-        x, y = ((1.0 - PIN) / form["clearance"] * each for each in (x, y))
-        centre = float(x[k]), float(y[k])
-        ax.plot(x, y, color="white", linewidth=1, zorder=3)
-    ax.add_patch(Circle(centre, PIN, facecolor=BLUE, alpha=0.8, zorder=2))
-    _show(ax, np.full(2, -1.0 - ROOM), np.full(2, 1.0 + ROOM))
+    """Pin and bush, with the path of the pin's centre."""
+    scene, written = Scene(result, np.array([k]), 1.0), display_list(result.geometry)
+    stage = Stage(written, result.geometry, scene, 1.0, ACROSS)
+    for picture in written["magnified"]:
+        for move in draw_shapes(ax, scene, stage.shapes_of(picture["drawn"])):
+            move(0)
+        x, y, _ = pin_path(result, picture["joint"])
+        scale = (1.0 - PIN) * BUSH / result.geometry["joints"][picture["joint"]]["clearance"]
+        ax.plot(scale * x, scale * y, color=SKY, linewidth=1, zorder=1)
+    _show(ax, np.full(2, -0.5), np.full(2, 0.5))

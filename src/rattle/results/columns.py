@@ -330,6 +330,7 @@ def geometry(model: Model) -> dict[str, Any]:
         "joints": {name: _form_of_joint(joint) for name, joint in model.joints.items()},
         "loads": {name: _form_of_load(load) for name, load in model.loads.items()},
         "driven": [driver.joint for driver in model.drivers.values() if driver.joint],
+        "drivers": {name: driver.joint for name, driver in model.drivers.items() if driver.joint},
     }
 
 

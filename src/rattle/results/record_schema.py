@@ -77,6 +77,7 @@ class Geometry(TypedDict):
     joints: NotRequired[dict[str, JointForm]]
     loads: NotRequired[dict[str, LoadForm]]
     driven: NotRequired[list[str]]
+    drivers: NotRequired[dict[str, str]]  # the joint of each
 
 
 class Change(TypedDict):
@@ -177,7 +178,9 @@ def _stranger(geometry: Geometry) -> str:
         for name, form in forms.items():
             if not bodies.issuperset(form["bodies"]):
                 return f"geometry.{family}.{name}.bodies"
-    return "" if joints.keys() >= {*geometry.get("driven", ())} else "geometry.driven"
+    if not joints.keys() >= {*geometry.get("driven", ())}:
+        return "geometry.driven"
+    return "" if joints.keys() >= {*geometry.get("drivers", {}).values()} else "geometry.drivers"
 
 
 def _film_without_oil(geometry: Geometry, names: Collection[str]) -> str:

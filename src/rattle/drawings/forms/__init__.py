@@ -14,10 +14,12 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rattle import registry
+from rattle.drawings.arrows import draw_forces
+from rattle.drawings.magnified import draw_magnified
 from rattle.drawings.sheet import Part, Sheet
 
 Draw = Callable[[Sheet, Part], None]
@@ -72,11 +74,47 @@ def parts(sheet: Sheet) -> Iterator[tuple[Part, Drawing]]:
 
 
 def display_list(geometry: Mapping[str, Any]) -> dict[str, Any]:
-    """All primitives of a mechanism as plain data, from the geometry of a result."""
+    """All primitives of a mechanism as plain data, from the geometry of a result; those over it by layers."""
     sheet = Sheet(geometry)
     for part, how in parts(sheet):
         sheet.hold(part.bodies[0], part.point(0))
         sheet.hold(part.bodies[1], part.point(1))
         how.draw(sheet, part)
     sheet.bodies()
+    _add_layers(sheet)
     return sheet.written()
+
+
+def _add_layers(sheet: Sheet) -> None:
+    """Arrows of forces, names, and what is magnified."""
+    geometry = sheet.geometry
+    every = [
+        Part(sheet, name, family, form, name in geometry["driven"])
+        for family in ("joint", "load")
+        for name, form in geometry[f"{family}s"].items()
+    ]
+    drivers = geometry.get("drivers", {})
+    layers = sheet.layers
+    layers["arrows"] = sheet.apart(lambda: layers.update(scales=draw_forces(sheet, every, drivers)))
+    loose = [(part, play) for part in every if part.family == "joint" and (play := play_of(part))]
+    layers["pins"] = sheet.apart(lambda: _name_pins(part for part, play in loose if play == "circle"))
+    layers["names"] = sheet.apart(lambda: _name_bodies(sheet))
+    layers["magnified"] = draw_magnified(sheet, loose)
+
+
+def play_of(part: Part) -> str:
+    """What the play of a joint looks like: `circle`, `walls`, or `slot` for a pin between walls; "" without play."""
+    play = registry.play_of(part.form["type"])
+    if play is None or part.form.get("contact", "") in ("", "ideal"):
+        return ""
+    return "circle" if play.leaf.orbit else "slot" if form_of("joint", part.form["type"]) == "slot" else "walls"
+
+
+def _name_pins(pins: Iterable[Part]) -> None:
+    for part in pins:
+        part.sheet.text(part.bodies[0], part.point(0), part.name, bold=True, when=part.number("clearance"))
+
+
+def _name_bodies(sheet: Sheet) -> None:
+    for body in sheet.geometry["bodies"]:
+        sheet.text(body, (0.0, 0.0), body, line=f"body {body}")

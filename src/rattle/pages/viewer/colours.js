@@ -1,18 +1,16 @@
-// Colours: those of the Python plots (Okabe and Ito, Tol), on light and on dark paper.
+// Colours: those of the Python plots (rattle/plots/curves.py, rattle/plots/scene.py), on light and on dark paper.
 
-export const BLUE = "#0072B2", RED = "#D55E00", GREEN = "#009E73", PINK = "#CC79A7", ORANGE = "#E69F00", SKY = "#56B4E9";
-const MORE = ["#882255", "#44AA99", "#999933", "#332288", "#AA4499"];
-const FIRST = [BLUE, GREEN, ORANGE, PINK, SKY, ...MORE]; // red is kept for forces that a bush cannot give
+import { PALETTE } from "./palette.js";
 
+const SHADES = PALETTE.named, CURVES = PALETTE.curves;
 const LIGHT = {
   dark: false, paper: "#FFFFFF", ink: "#24292F", grey: "#6E7781", lines: "#DFE3E8", faint: "#EEF1F4", bore: "#F2F4F7",
-  shade: "#ECEEF1", red: RED, metal: "#8C959F", steel: "#D8DEE4", black: "#333333",
+  shade: "#ECEEF1", red: SHADES.red, metal: SHADES.metal, steel: SHADES.steel, black: SHADES.black,
 };
 const DARK = {
   dark: true, paper: "#12161C", ink: "#E6EAF0", grey: "#98A2AF", lines: "#2E3640", faint: "#1E242C", bore: "#1B2129",
   shade: "#1D232B", red: "#FF8A3D", metal: "#8C98A6", steel: "#3A444F", black: "#D5DBE3",
 };
-const CURVES_LIGHT = [BLUE, RED, GREEN, PINK, ORANGE, SKY, "#333333", ...MORE];
 const CIVIDIS = [
   "#00224E", "#002E6C", "#1E3A6F", "#35456C", "#47516C", "#575D6D", "#666970", "#757575",
   "#848279", "#948E77", "#A59C74", "#B7A96E", "#C8B866", "#DBC75A", "#EED649", "#FEE838",
@@ -28,27 +26,18 @@ export function mix(one, other, share) {
   return `#${a.map((part, k) => Math.round(part + share * (b[k] - part)).toString(16).padStart(2, "0")).join("")}`;
 }
 
-export function alpha(colour, share) {
-  return `rgba(${parts(colour).join(",")},${share})`;
-}
-
 // All colours of one theme; `curve(k)`, `body(name)`, `force(share)` give those of things.
 export function themeOf(dark, bodies = {}) {
   const base = dark ? DARK : LIGHT;
   const own = (colour) => (dark ? mix(colour, "#FFFFFF", luminance(colour) < 0.25 ? 0.38 : 0.12) : colour);
   const shades = new Map(Object.entries(bodies).map(([name, colour]) => [name, own(colour)]));
-  const curves = CURVES_LIGHT.map((colour) => (dark ? (colour === "#333333" ? "#D5DBE3" : own(colour)) : colour));
+  const curves = CURVES.map((colour) => (dark && colour === SHADES.black ? base.black : own(colour)));
   return {
-    ...base,
+    ...base, green: own(SHADES.green), pink: own(SHADES.pink), sky: own(SHADES.sky),
     curve: (k) => curves[k % curves.length],
     body: (name) => shades.get(name) ?? base.black,
     force: (share) => ramp(dark ? 0.3 + 0.7 * share : 1 - share), // the largest stands out on its paper
   };
-}
-
-// Colours of bodies by name, for a scene that gives none.
-export function bodyColours(names) {
-  return Object.fromEntries(names.map((name, k) => [name, FIRST[k % FIRST.length]]));
 }
 
 function luminance(colour) {

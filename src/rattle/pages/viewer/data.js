@@ -43,18 +43,19 @@ export const EVENT = ["t", "joint", "kind", "speed", "duration", "force", "impul
 
 // One run that is shown: its curves, derived ones too, and where it is in time.
 export class Motion {
-  constructor(run, geometry) {
+  constructor(run, scene) {
     this.run = unpack(run);
     this.t = this.run.t;
     this.n = this.t.length;
-    this.geometry = this.run.geometry ?? geometry;
+    this.geometry = this.run.geometry ?? scene.geometry;
     this.label = this.run.label ?? "";
     this.trust = this.run.trust ?? { text: [] };
     const stored = this.run.names.filter((name) => this.run.columns[name]);
-    this.rules = derivedRules(this.geometry, new Set(stored));
+    this.rules = derivedRules(scene.derived, this.geometry, new Set(stored));
     this.names = [...stored, ...this.rules.keys()];
     this.made = new Map();
     this.lines = new Map();
+    this.paths = new Map();
     this.events = (this.run.events ?? []).map((one) =>
       Array.isArray(one) ? Object.fromEntries(EVENT.map((key, k) => [key, one[k]])) : one);
   }
@@ -149,14 +150,34 @@ export class Motion {
     return places;
   }
 
-  // Up to `most` of the finite values of a curve, evenly chosen: enough for percentiles.
-  sample(name, most = 400) {
-    const y = this.curve(name), every = Math.max(1, Math.ceil(this.n / most)), found = [];
-    for (let k = 0; k < this.n; k += every) if (Number.isFinite(y[k])) found.push(Math.abs(y[k]));
-    return found;
+  // Path of a pin in its bush {x, y, normal}, so many pieces between rows: on a massless link with the arcs between them.
+  pinPath(joint) {
+    if (!this.paths.has(joint)) this.paths.set(joint, pinPath(this, joint));
+    return this.paths.get(joint);
   }
 
-  poseAt(k) { return this.pose(this.t[k]); }
+  // Where a pin is at a time, and the last point of its path before.
+  pinAt(joint, time) {
+    const path = this.pinPath(joint), { k, f } = this.row(time), place = path.pieces * (k + f), n = Math.min(path.x.length - 1, Math.floor(place));
+    const g = place - n, next = Math.min(path.x.length - 1, n + 1);
+    return { x: path.x[n] + g * (path.x[next] - path.x[n]), y: path.y[n] + g * (path.y[next] - path.y[n]), n };
+  }
+}
+
+function pinPath(motion, joint) {
+  const x = motion.curve(`${joint}.ex`), y = motion.curve(`${joint}.ey`);
+  const normal = motion.has(`${joint}.normal`) ? motion.curve(`${joint}.normal`) : new Float64Array(motion.n);
+  if (motion.geometry.joints[joint].contact !== "massless-link" || motion.n < 2) return { x, y, normal, pieces: 1 };
+  const pieces = 8, last = motion.n - 1, [fineX, fineY, fineNormal] = [x, y, normal].map(() => new Float64Array(pieces * last + 1));
+  for (let n = 0; n <= pieces * last; n++) {
+    const k = Math.min(last - 1, Math.floor(n / pieces)), f = n / pieces - k;
+    const from = Math.atan2(y[k], x[k]), r = Math.hypot(x[k], y[k]), way = Math.atan2(y[k + 1], x[k + 1]) - from;
+    const angle = from + f * (way - 2 * Math.PI * Math.round(way / (2 * Math.PI))), radius = r + f * (Math.hypot(x[k + 1], y[k + 1]) - r);
+    fineX[n] = radius * Math.cos(angle);
+    fineY[n] = radius * Math.sin(angle);
+    fineNormal[n] = normal[k] + f * (normal[k + 1] - normal[k]);
+  }
+  return { x: fineX, y: fineY, normal: fineNormal, pieces };
 }
 
 // Where a point given in the frame of a body is, [x, y] in metres.

@@ -25,12 +25,12 @@ const PATHS = {
   wide: "M3 5h18v14H3zm2 2v10h14V7z",
 };
 
-export function icon(name) {
+export function icon(name, paths = PATHS) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("viewBox", "0 0 24 24");
   svg.setAttribute("aria-hidden", "true");
   const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  path.setAttribute("d", PATHS[name]);
+  path.setAttribute("d", paths[name]);
   svg.append(path);
   return svg;
 }

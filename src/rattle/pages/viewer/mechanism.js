@@ -1,10 +1,9 @@
 // The mechanism to scale: bodies and parts, paths of points, another motion behind it, forces, and a scale bar.
 
 import { pathOf, pointAt } from "./data.js";
-import { drawForces, drawMoment, forcesOf, forceScale } from "./forces.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { ghostPlayer, player } from "./play.js";
-import { pinsWithPlay, Stage } from "./stage.js";
+import { Stage } from "./stage.js";
 import { handyUnit, niceStep, short } from "./units.js";
 
 const DASHED = [6, 5];
@@ -21,13 +20,15 @@ export class MechanismView {
     this.stage = new Stage(motion, scene);
     this.units = scene.units;
     const { stage } = this;
-    this.drawn = stage.drawing.drawn.map((primitive) => player(stage, primitive));
+    this.layers = Object.fromEntries(["drawn", "arrows", "pins", "names"].map((name) => [name, played(stage, stage.drawing[name])]));
+    this.scales = (stage.drawing.scales ?? []).map((scale) => ({ ...scale, draw: played(stage, scale.drawn) }));
     const before = this.ghosts ?? [];
     this.ghosts = ghosts.map(({ motion: other, name }) => before.find((one) => one.motion === other) ?? this.ghostOf(other, scene, name));
-    this.forces = forcesOf(stage);
-    this.pins = Object.entries(pinsWithPlay(motion, scene.kinds));
     this.reachNow();
   }
+
+  // Scales of the forces and moments that there are in the motion.
+  get forces() { return this.scales.filter(({ when }) => this.stage.values.get(when) > 0); }
 
   ghostOf(motion, scene, name) {
     const stage = new Stage(motion, scene), ideal = name === "ideal";
@@ -82,8 +83,9 @@ export class MechanismView {
     const { stage } = this, pose = stage.motion.pose(time);
     this.grid(p);
     this.traces(p, time, show);
-    stage.values.set(pose, time, p.metres(1));
-    for (const draw of this.drawn) draw(p);
+    const side = Math.min(this.width, this.height), layer = (name) => this.layers[name].forEach((draw) => draw(p));
+    stage.values.set(pose, time, p.metres(1), p.metres(side));
+    layer("drawn");
     for (const ghost of this.ghosts) { // on top: its bars lie within a bar's width
       if (ghost.name === "ideal" && !show.ghost) continue;
       ghost.stage.values.set(ghost.motion.pose(time), time, p.metres(1));
@@ -94,15 +96,10 @@ export class MechanismView {
       if (!pathOf(stage.motion, name)) return;
       p.dot([stage.motion.value(`${name}.x`, time), stage.motion.value(`${name}.y`, time)], 4, { colour: theme.paper, fill: colour });
     });
-    const side = Math.min(this.width, this.height);
-    if (show.forces) drawForces(p, stage, this.forces, pose, time, side);
-    for (const [name, form] of this.pins) p.tag(name, stage.ends(form, pose)[0], { bold: true });
-    if (show.names) {
-      for (const body of Object.keys(stage.bodies)) {
-        if (pose[body]) p.tag(body, [pose[body].x, pose[body].y], { colour: theme.body(body) });
-      }
-    }
-    this.legend(p, show, side);
+    if (show.forces) layer("arrows");
+    layer("pins");
+    if (show.names) layer("names");
+    this.legend(p, show, side, pose, time);
     if (this.over) this.hover(p, pose, time);
   }
 
@@ -157,7 +154,7 @@ export class MechanismView {
   }
 
   // The scale bar at the lower left, the scale of forces at the lower right.
-  legend(p, show, side) {
+  legend(p, show, side, pose, time) {
     const { context, theme } = p, y = this.height - 14, { length, text } = this.bar;
     context.strokeStyle = context.fillStyle = theme.ink;
     context.lineWidth = 1.6;
@@ -172,15 +169,17 @@ export class MechanismView {
     context.textAlign = "center";
     context.fillText(text, 16 + length / 2, y - 7);
     if (!show.forces) return;
-    const lines = forceScale(p, this.forces, side);
+    const { values } = this.stage, { forces } = this;
     context.textAlign = "right";
-    lines.forEach((one, k) => {
-      const base = y - 22 * (lines.length - 1 - k), wide = one.share ? 24 : one.length;
-      context.fillStyle = one.colour;
-      context.fillText(one.text, this.width - 26 - wide, base + 4);
-      const corner = new Painter(context, { x: this.width - 16 - wide, y: base, scale: 1 }, theme);
-      if (one.share) drawMoment(corner, [12, -2], one.share, 9);
-      else corner.arrow([0, 0], [one.length, 0], { colour: one.colour });
+    values.set(pose, time, 1, side);
+    forces.forEach(({ text: what, unit, line: [name], step, wide, draw }, k) => {
+      const base = y - 22 * (forces.length - 1 - k), size = values.get(step), handy = handyUnit(unit, size), across = values.get(wide);
+      context.fillStyle = theme[name];
+      context.fillText(`${short(handy.factor * size)} ${handy.unit} ${what}`, this.width - 26 - across, base + 4);
+      const corner = new Painter(context, { x: this.width - 16 - across, y: base, scale: 1 }, theme);
+      for (const play of draw) play(corner);
     });
   }
 }
+
+const played = (stage, primitives = []) => primitives.map((primitive) => player(stage, primitive));

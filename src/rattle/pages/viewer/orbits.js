@@ -3,7 +3,6 @@
 import { make, say } from "./dom.js";
 import { crankDots, crankOf, oilKey, oilMarks } from "./oil_marks.js";
 import { FONT, Painter, sized } from "./painter.js";
-import { pinNow, pinPath } from "./pins.js";
 import { pinsWithPlay } from "./stage.js";
 import { clearanceUnit, handyUnit, short, steady, ticks } from "./units.js";
 
@@ -37,7 +36,7 @@ export class Orbits {
 
   describe(tile, form) {
     const { motion } = this, { name } = tile, oil = motion.has(`${name}.film_pressure`);
-    const path = pinPath(motion, name), { factor, unit } = clearanceUnit(form.clearance);
+    const path = motion.pinPath(name), { factor, unit } = clearanceUnit(form.clearance);
     const strength = oil ? motion.curve(`${name}.film_pressure`) : path.normal.map(Math.abs);
     const sizes = Array.from(strength).filter(Number.isFinite).sort((a, b) => a - b);
     const top = sizes[Math.min(sizes.length - 1, Math.floor(0.999 * sizes.length))] || 1;
@@ -75,7 +74,7 @@ export class Orbits {
   }
 
   live(tile, p, time) {
-    const now = pinNow(this.motion, tile.name, tile.path, time), at = [now.x, now.y];
+    const now = this.motion.pinAt(tile.name, time), at = [now.x, now.y];
     const pulls = tile.path.pieces > 1 && this.motion.value(`${tile.name}.normal`, time) < 0;
     p.line([[0, 0], at], { colour: p.theme.grey, width: 1 });
     p.dot(at, 6, { colour: p.theme.paper, fill: pulls ? p.theme.red : p.theme.ink, width: 2 });

@@ -118,32 +118,6 @@ export class Painter {
     context.fillText(text, left, base);
   }
 
-  // An arrow from a point [m] by a way in pixels (y upwards).
-  arrow([x, y], [wx, wy], { colour = this.theme.black, width = 2.4, opacity = 1, cut = false } = {}) {
-    const size = Math.hypot(wx, wy);
-    if (!(size > 2)) return;
-    const ux = wx / size, uy = -wy / size, head = Math.min(11, 0.55 * size + 2);
-    const x0 = this.X(x), y0 = this.Y(y), x1 = x0 + wx, y1 = y0 - wy;
-    const { context } = this;
-    context.globalAlpha = opacity;
-    context.strokeStyle = context.fillStyle = colour;
-    context.lineWidth = width;
-    context.lineCap = "round";
-    context.beginPath();
-    context.moveTo(x0, y0);
-    context.lineTo(x1 - 0.7 * head * ux, y1 - 0.7 * head * uy);
-    context.stroke();
-    context.beginPath();
-    for (const back of cut ? [0, 0.75 * head] : [0]) { // two heads: the force is larger than the arrow
-      context.moveTo(x1 - back * ux, y1 - back * uy);
-      context.lineTo(x1 - (head + back) * ux - 0.42 * head * uy, y1 - (head + back) * uy + 0.42 * head * ux);
-      context.lineTo(x1 - (head + back) * ux + 0.42 * head * uy, y1 - (head + back) * uy - 0.42 * head * ux);
-      context.closePath();
-    }
-    context.fill();
-    context.globalAlpha = 1;
-  }
-
   // A line of the ground, hatched on its right hand; stroke: length of a hatch in pixels.
   wall(a, b, { stroke = 8, colour = this.theme.black, width = 1.4 } = {}) {
     const length = Math.hypot(b[0] - a[0], b[1] - a[1]);

@@ -12,12 +12,20 @@ function pathNow(values, pieces, thin) {
     if (piece === null) return [null];
     if (Array.isArray(piece)) return [piece.map((place) => values.get(place))];
     if (piece.arc) return arcNow(piece.arc.map((place) => values.get(place)), piece.count);
+    if (piece.trail) return trailNow(values, piece);
     if (piece.of) return piece.of.reduce((entry, key) => entry?.[key] ?? [], values.stage.geometry).filter((_, k) => k % piece.every === 0);
     if (piece.around) return around(pathNow(values, piece.around), values.get(piece.half));
     if (piece.grown) return grown(pathNow(values, piece.grown), thin ? 0 : values.get(piece.half));
     const path = pathNow(values, piece.path), shift = values.get(piece.shift), turn = values.get(piece.turn);
     return Array.from({ length: Math.max(0, Math.round(values.get(piece.copies))) || 0 }, (_, k) => path.map((point) => point && turned(point, k * shift, k * turn))).flat();
   });
+}
+
+// Where a pin was up to now.
+function trailNow(values, { trail, share, scale }) {
+  const { stage: { motion }, time } = values, { x, y } = motion.pinPath(trail), { n } = motion.pinAt(trail, time), times = values.get(scale);
+  const from = Math.max(0, n - Math.ceil(share * x.length));
+  return Array.from({ length: n + 1 - from }, (_, k) => [times * x[from + k], times * y[from + k]]);
 }
 
 function turned([x, y], shift, turn) {
@@ -78,6 +86,7 @@ export function hull(points) {
 function movesIn(values, pieces) {
   return pieces.some((piece) => {
     if (!piece || piece.of) return false;
+    if (piece.trail) return true;
     const places = Array.isArray(piece) ? piece : [...(piece.arc ?? []), piece.half, piece.copies, piece.shift, piece.turn];
     return places.some((place) => values.moves[place]) || movesIn(values, piece.around ?? piece.grown ?? piece.path ?? []);
   });
@@ -103,11 +112,12 @@ export function player(stage, primitive) {
     if (primitive.when !== undefined && !(values.get(primitive.when) > 0)) return;
     const colour = colourOf(p.theme, primitive.line), fill = colourOf(p.theme, primitive.fill), paths = rings.map((ring) => ring());
     if (draw === "wall") p.wall(...paths[0], { stroke: values.get(primitive.stroke) / p.metres(1), colour, width });
+    else if (draw === "text") p.tag(primitive.text, paths[0][0], { colour, bold: primitive.bold });
     else if (draw === "dot" && primitive.square) p.square(paths[0][0], radius, fill);
     else if (draw === "dot") p.dot(paths[0][0], radius, { colour, width, fill });
     else {
       if (fill) p.plate(paths, fill, primitive.opacity);
-      if (colour) for (const path of paths) p.line(path, { colour, width, closed: primitive.closed, cap: primitive.butt ? "butt" : "round" });
+      if (colour) for (const path of paths) p.line(path, { colour, width, dash: primitive.dash, closed: primitive.closed, cap: primitive.butt ? "butt" : "round" });
     }
   };
 }

@@ -1,6 +1,5 @@
 // What all forms read of a mechanism: its bodies and parts, its size, and places over the whole motion.
 
-import { bodyColours } from "./colours.js";
 import { pointAt } from "./data.js";
 import { placed } from "./play.js";
 import { Values } from "./values.js";
@@ -13,11 +12,9 @@ export class Stage {
     this.geometry = motion.geometry;
     this.bodies = this.geometry.bodies;
     this.kinds = scene.kinds;
-    this.colours = { ...bodyColours(Object.keys(this.bodies)), ...scene.colours };
     const every = Math.max(1, Math.ceil(motion.n / MOST_POSES));
-    this.poses = [];
-    for (let k = 0; k < motion.n; k += every) this.poses.push(motion.poseAt(k));
-    if (motion.n && (motion.n - 1) % every) this.poses.push(motion.poseAt(motion.n - 1));
+    this.times = Array.from(motion.t).filter((_, k) => k % every === 0 || k === motion.n - 1);
+    this.poses = this.times.map((t) => motion.pose(t));
     this.first = this.poses[0];
     this.drawing = motion.run.drawing ?? scene.drawing;
     this.size = 0; // until it is known: parts whose size follows from it then reach as far as their points
@@ -64,15 +61,6 @@ export class Stage {
 
 // Joints of a motion whose play is a circle in which the path of a pin is drawn: {name: form}.
 export function pinsWithPlay(motion, kinds) {
-  return joints(motion, (name, form) => kinds.play?.[name] === "circle" && form.clearance > 0 && form.contact !== "ideal");
-}
-
-// Joints of a motion whose play is between walls: blocks in guides, pins in slots: {name: form}.
-export function blocksWithPlay(motion, kinds) {
-  return joints(motion, (name, form) => kinds.play?.[name] === "walls" && form.clearance > 0 && form.contact !== "ideal");
-}
-
-function joints(motion, chosen) {
-  return Object.fromEntries(
-    Object.entries(motion.geometry.joints).filter(([name, form]) => motion.has(`${name}.ex`) && chosen(name, form)));
+  return Object.fromEntries(Object.entries(motion.geometry.joints).filter(([name, form]) =>
+    motion.has(`${name}.ex`) && kinds.play?.[name] === "circle" && form.clearance > 0 && form.contact !== "ideal"));
 }

@@ -109,19 +109,18 @@ export class Viewer {
   setRun(run, { ghost = this.ghostRun ?? this.scene.ideal ?? null, others = this.otherRuns ?? [] } = {}) {
     const first = !this.motion;
     [this.ghostRun, this.otherRuns] = [ghost, others];
-    this.motion = new Motion(run, this.scene.geometry);
+    this.motion = new Motion(run, this.scene);
     if (!this.motion.n) throw new Error("this motion has no instant to show");
     this.clock.setMotion(this.motion);
     const known = [this.ghost, ...this.others].filter(Boolean), motionOf = (one) =>
-      known.find((old) => old.run === one || old.from === one) ?? Object.assign(new Motion(one, this.scene.geometry), { from: one });
+      known.find((old) => old.run === one || old.from === one) ?? Object.assign(new Motion(one, this.scene), { from: one });
     this.ghost = ghost ? motionOf(ghost) : null;
     this.others = others.map(motionOf);
     this.tools.ghost.hidden = !this.ghost;
     this.regroup();
-    const { forces, moments } = this.view.forces;
-    this.tools.forces.hidden = forces.length + moments.length === 0;
+    this.tools.forces.hidden = !this.view.forces.length;
     this.parts.canvas.style.setProperty("--tall", Math.min(2, this.view.tall).toFixed(3));
-    this.insets.setMotion(this.motion, this.scene);
+    this.insets.setMotion(this.view.stage);
     this.player.setMotion(this.motion);
     this.chooser.setMotion(this.motion);
     const pins = this.orbits.setMotion(this.motion, this.scene), events = this.motion.events.length;

@@ -1,5 +1,7 @@
 // Elements in one call, as in the viewer: h("button", { class: "quiet", onclick: f }, "Save").
 
+import { icon as iconOf } from "./viewer.js";
+
 export { make as h } from "./viewer.js";
 
 export function replace(el, ...children) {
@@ -23,12 +25,4 @@ const SVG = {
   sun: "M12 4V2m0 20v-2m8-8h2M2 12h2m13.7-5.7 1.4-1.4M4.9 19.1l1.4-1.4m0-11.4L4.9 4.9m14.2 14.2-1.4-1.4M12 7.5a4.5 4.5 0 1 0 0 9 4.5 4.5 0 0 0 0-9z",
 };
 
-export function icon(name) {
-  const found = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  found.setAttribute("viewBox", "0 0 24 24");
-  found.setAttribute("aria-hidden", "true");
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  path.setAttribute("d", SVG[name]);
-  found.append(path);
-  return found;
-}
+export const icon = (name) => iconOf(name, SVG);
