@@ -16,11 +16,11 @@ from rattle.errors import InputError
 from rattle.jit.choices import TINY
 from rattle.plots.curves import AFTER, BLACK, BORE, CURVES, GREY, RED, SKY, length_axes, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
-from rattle.plots.orbit import clearance_joints, length_unit, pin_path, require_point
+from rattle.plots.orbit import clearance_joints, pin_path, require_point
 from rattle.plots.power_arrows import draw_power
 from rattle.plots.scene import Scene, draw_tag
 from rattle.plots.sketch import draw_mechanism, extent
-from rattle.results.handy_units import units_of_result
+from rattle.results.handy_units import handy_unit, units_of_result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -163,7 +163,7 @@ def _inset(ax: Axes, stage: Scene, joint: str) -> Update:
 
     result, pick = stage.result, stage.pick
     form = result.geometry["joints"][joint]
-    scale, unit = length_unit(form["clearance"])
+    scale, unit = handy_unit("m", form["clearance"])
     c = form["clearance"] * scale
     normal, size = result[f"{joint}.normal"], result[f"{joint}.force"]
     # typical forces fill the arrow, so that rare peaks do not shrink it
