@@ -5,7 +5,7 @@ import { crankDots, crankOf, oilKey, oilMarks } from "./oil_marks.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { pinNow, pinPath } from "./pins.js";
 import { pinsWithPlay } from "./stage.js";
-import { clearanceUnit, handyUnit, short, steady, ticks } from "./units.js";
+import { handyUnit, short, steady, ticks } from "./units.js";
 
 const LEVELS = 24; // colours of a path
 const BAR = 78; // pixels for the colour bar with its numbers
@@ -37,7 +37,7 @@ export class Orbits {
 
   describe(tile, form) {
     const { motion } = this, { name } = tile, oil = motion.has(`${name}.film_pressure`);
-    const path = pinPath(motion, name), { factor, unit } = clearanceUnit(form.clearance);
+    const path = pinPath(motion, name), { factor, unit } = handyUnit("m", form.clearance);
     const strength = oil ? motion.curve(`${name}.film_pressure`) : path.normal.map(Math.abs);
     const sizes = Array.from(strength).filter(Number.isFinite).sort((a, b) => a - b);
     const top = sizes[Math.min(sizes.length - 1, Math.floor(0.999 * sizes.length))] || 1;

@@ -3,7 +3,7 @@
 import { make, say } from "./dom.js";
 import { Painter, sized } from "./painter.js";
 import { blocksWithPlay, pinsWithPlay } from "./stage.js";
-import { clearanceUnit, handyUnit, short, steady } from "./units.js";
+import { handyUnit, short, steady } from "./units.js";
 
 const TRAIL = 0.012; // of the motion, whose path is drawn behind the centre of a pin
 const PIN = 0.56; // radius of the pin as a share of that of its bush, in the picture
@@ -55,7 +55,7 @@ export class Insets {
     const every = [...pins, ...blocks];
     if (every.map((one) => one.name).join("\n") !== this.tiles.map((one) => one.name).join("\n")) this.build(every);
     this.tiles.forEach((tile, k) => {
-      const { unit, factor } = clearanceUnit(every[k].form.clearance);
+      const { unit, factor } = handyUnit("m", every[k].form.clearance);
       Object.assign(tile, every[k], { path: every[k].draw === drawPin ? pinPath(motion, every[k].name) : null });
       tile.usual = usualForce(motion, tile.name);
       tile.curve = `${tile.name}.${motion.has(`${tile.name}.film_pressure`) ? "force" : "normal"}`;
