@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rattle.answers.arguments import listed
 from rattle.cli.command import Command
 from rattle.cli.instants import span_options
 from rattle.cli.options import given, model_options, read_model, time
@@ -79,7 +80,7 @@ def sensitivity(
         csv = output if output is not None and output.lower().endswith(".csv") else None
         check_results(file, None if csv else output, csv, fallback)
     m = read_model(file, settings, ideal)
-    of, to = _names(outputs), _names(parameters) or _usual(m)
+    of, to = listed(*outputs), listed(*parameters) or _usual(m)
     result = m.sensitivity(of, to, _instants(m, analysis, t, t_end, points), analysis)
     if as_json:
         click.echo(to_json(_record(result)))
@@ -111,10 +112,6 @@ def _require_name(output: str) -> None:
             f"{output}: curves and derivatives are saved as {', '.join(SUFFIXES)} or .csv, a drawing as"
             f" {', '.join(PICTURES)}; give a name ending in one of them"
         )
-
-
-def _names(texts: tuple[str, ...]) -> list[str]:
-    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
 
 
 def _usual(m: Mechanism) -> list[str]:
