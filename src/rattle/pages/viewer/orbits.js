@@ -92,7 +92,10 @@ function keyOf(motion, tile) {
   if (tile.pulls.length) found.push("red ticks: the bush would have to pull");
   if (tile.hits.length) found.push(`dots: ${tile.hits.length} impact${tile.hits.length > 1 ? "s" : ""}, area by impulse`);
   if (tile.lasting.length) found.push(`rings: ${tile.lasting.length} contact${tile.lasting.length > 1 ? "s" : ""} begin`);
-  if (tile.oil) found.push(`red ring: boundary film, ${short(1e6 * tile.form.oil.boundary)} µm`, ...oilKey(motion, tile.name, tile.crank));
+  if (tile.oil) {
+    const { boundary } = tile.form.oil, { factor, unit } = handyUnit("m", boundary);
+    found.push(`red ring: boundary film, ${short(factor * boundary)} ${unit}`, ...oilKey(motion, tile.name, tile.crank));
+  }
   return found.join("; ");
 }
 
