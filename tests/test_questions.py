@@ -113,6 +113,14 @@ def test_it_has_a_section_in_the_report_and_a_card_in_a_notebook(everywhere):
     assert "<svg" in everywhere["card"]
 
 
+def test_a_question_of_a_result_is_asked_of_the_motion_of_a_report(tmp_path):
+    lasts = plain("lasts", shown="f'it lasts {m.t[-1]:g} s'", declared='of="result"')
+    page = tmp_path / "report.html"
+    asked_with([tmp_path], "report", "slider_crank", "--t-end", "2 ms", "-o", str(page), lasts=lasts)
+    assert "<h2>Lasts</h2>" in page.read_text()
+    assert "it lasts 0.002 s" in page.read_text()
+
+
 def test_ensembles_and_sweeps_may_ask_it(everywhere):
     assert everywhere["samples"] == pytest.approx([2.0 * crank for crank in everywhere["cranks"]], rel=1e-4)
     assert everywhere["sweep"] == pytest.approx([0.08, 0.1], rel=1e-4)

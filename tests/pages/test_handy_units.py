@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from rattle.language.units import UNITS, parse_quantity, unit_name
 from rattle.results.handy_units import HANDY, handy_unit, written_units
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
@@ -37,6 +38,38 @@ def test_the_unit_of_the_model_file_is_left_where_its_numbers_are_not_handy():
     assert handy_unit("m", 2e-8, written).unit == "µm"
     assert handy_unit("m", 200.0, written) == (1.0, "m")
     assert handy_unit("Pa", 5e6, written) == (1e-6, "MPa")
+
+
+def test_an_energy_lends_its_unit_to_no_moment_and_turns_lend_theirs_to_angles():
+    written = written_units({"parameters": {"E": "5 kJ", "M": "4 N*m", "turns": "3 rev", "w": "2 rev/s"}})
+    assert sorted(written) == ["N*m", "rad", "rad/s"]
+    assert handy_unit("N*m", 5.0, written).unit == "N*m"
+    assert handy_unit("rad", 6.0 * math.pi, written) == (pytest.approx(0.5 / math.pi), "rev")
+
+
+def test_pages_read_every_unit_that_model_files_may_have(viewer_in_node):
+    texts = [f"2.5 {unit}" for unit in (*UNITS, "N*m/rad", "kN/mm^2", "mm/s^2", "N*s/m")]
+    want = [parse_quantity(text) for text in texts]
+    found = viewer_in_node(
+        'import { typedValue } from "./viewer.mjs";\n'
+        'console.log(JSON.stringify(data.map(([text, unit]) => typedValue(text, unit, ""))));',
+        [(text, unit_name(dimension)) for text, (_, dimension) in zip(texts, want, strict=True)],
+    )
+    assert found == pytest.approx([value for value, _ in want], rel=1e-12)
+
+
+def test_a_slider_is_exact_at_its_ends_and_its_own_value_and_round_in_the_unit_shown_elsewhere(viewer_in_node):
+    knob = {"min": 1e-3, "max": 4e-3, "value": 2.0001e-3, "factor": 1e-3}
+    found = viewer_in_node(
+        'import { plain, stepOf, valueAt } from "./viewer.mjs";\n'
+        "const texts = [...Array(401).keys()].map((step) => plain(valueAt(data, step) / data.factor));\n"
+        "console.log(JSON.stringify([texts, stepOf(data, data.value), plain(2e7), plain(5e-5), plain(0.1 + 0.2)]));",
+        knob,
+    )
+    texts, own, *numbers = found
+    assert (texts[0], texts[own], texts[400]) == ("1", "2.0001", "4")
+    assert all(len(text) <= 4 for step, text in enumerate(texts) if step != own)  # such as 3.27
+    assert numbers == ["2e7", "5e-5", "0.3"]
 
 
 def test_pages_choose_the_same_unit_as_pictures(viewer_in_node):

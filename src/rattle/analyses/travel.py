@@ -15,6 +15,7 @@ import numpy as np
 from rattle.description.model import Joint, Model, Point
 from rattle.equations.system import System
 from rattle.jit import layout as at
+from rattle.results.display import quantity
 
 BEYOND = 1e-9  # share of a travel, or of the size or 1 rad beside it, by which rounding may pass an end
 UNFIT = 1e-4  # share of the distance that a joint needs by which another one is noted
@@ -212,9 +213,9 @@ def stop_lines(model: Model) -> list[str]:
     for name, joint in model.joints.items():
         if joint.stop is None:
             continue
-        scale, unit = (180.0 / math.pi, "deg") if joint.stops_angle else (1.0, "m")
+        unit = ("rad", "deg") if joint.stops_angle else ("m", "m")
         ends = (("from", joint.stop.minimum), ("to", joint.stop.maximum))
-        limits = " ".join(f"{word} {scale * end:.6g} {unit}" for word, end in ends if math.isfinite(end))
+        limits = " ".join(f"{word} {quantity(end, unit[0], 6, unit[1])}" for word, end in ends if math.isfinite(end))
         lines.append(f"{name} {limits}, {joint.stop.contact.title}")
     return lines
 

@@ -43,8 +43,13 @@ def read(question: Question, name: str, text: str) -> Any:
     told, kind = question.arguments.get(name, Argument("")), types_of(question)[name]
     if takes_several(kind):
         of = kind.partition("[")[2].rstrip("]").removesuffix(",...")
-        return [_value(name, part.strip(), of, told) for part in text.split(",") if part.strip()]
+        return [_value(name, part, of, told) for part in listed(text)]
     return _value(name, text, kind, told)
+
+
+def listed(*texts: str) -> list[str]:
+    """The names in texts, with commas between them."""
+    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
 
 
 def _value(name: str, text: str, kind: str, told: Argument) -> Any:

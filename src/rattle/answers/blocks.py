@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rattle.errors import InputError
-from rattle.plots.curves import QUANTITY, axis_label
-from rattle.results.handy_units import handy_unit, units_of_result
+from rattle.plots.curves import axis_label
+from rattle.results.handy_units import QUANTITY, handy_unit, units_of_result
 from rattle.results.result import Result
 from rattle.results.within_steps import bursts, cut, largest, shown_curve, summit
 

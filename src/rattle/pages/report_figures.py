@@ -16,7 +16,7 @@ from rattle.plots.diagram import Sheet, plot_model
 from rattle.plots.figure import Page
 from rattle.plots.orbit import clearance_joints
 from rattle.results.contact_summary import force_rounding
-from rattle.results.handy_units import handy_unit, units_of_result
+from rattle.results.handy_units import QUANTITY, handy_unit, units_of_result
 from rattle.results.within_steps import cut, largest, shown_curve
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def together(run: Result, names: Sequence[str], robust: bool = False) -> Figure:
             label = f"{name} ({told})" if told else name
             ax.plot(run.t, factor * shown_curve(run, name), color=colour, linewidth=0.9, label=label)
             tops += [factor * shown_curve(run, name), factor * style.mark_largest(ax, run, name, colour, factor)]
-        ax.set_ylabel(style.axis_label(style.QUANTITY.get(unit, ""), shown) or "no unit", fontsize=8)
+        ax.set_ylabel(style.axis_label(QUANTITY.get(unit, ""), shown) or "no unit", fontsize=8)
         spikes = robust and style.robust_limits(ax, tops, side="right")
         names_above(ax, LINE_OF_NOTE if spikes else 0.0)
         _over_time(ax, run)

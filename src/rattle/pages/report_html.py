@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from rattle.errors import WrongType
 from rattle.plots.figure import Page
 from rattle.results.display import grid, printed, quantity
-from rattle.results.handy_units import PRINTED, rung
+from rattle.results.handy_units import handy_unit
 
 SHORT, LINE = 16, 80  # lines up to which a table is printed in one piece, a quarter of a page; characters of a line
 NARROW, GUTTER = 58, 2  # characters of a row of a table that takes half a page, and between two columns
@@ -35,9 +35,7 @@ class Section:
 
 def handy(value: float, unit: str, digits: int = 4) -> str:
     """A value [SI] as text in a handy unit, as it is printed."""
-    factor, shown = rung(PRINTED, unit, abs(value))
-    text = quantity(factor * value, shown, digits) if shown == unit else f"{factor * value:.{digits}g} {shown}"
-    text = printed(text)
+    text = printed(quantity(value, unit, digits, handy_unit(unit, abs(value))))
     return text.replace("-", "\N{MINUS SIGN}", 1) if text.startswith("-") else text
 
 

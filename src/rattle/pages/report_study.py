@@ -15,7 +15,7 @@ from rattle.answers.answer import Answer
 from rattle.answers.html import html_of
 from rattle.errors import AssemblyError, MissingPackage, ModelError, SolverError
 from rattle.pages.report_html import Section, paragraph
-from rattle.question import Question, asked_of, questions
+from rattle.question import Question, questions
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -52,6 +52,10 @@ class Study:
         """What a question answered; None if it was not asked, or could not be answered."""
         answer = self.answers.get(name)
         return answer if isinstance(answer, kind) else None
+
+    def left_out(self, title: str, name: str, otherwise: str = "") -> Section:
+        """The section without a body of a question that has no answer, with the reason."""
+        return Section(title, "", self.reasons.get(name, otherwise))
 
     @property
     def loose(self) -> list[str]:
@@ -113,7 +117,8 @@ def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> S
             gather(results)
     for question in in_blocks():
         words = f"asking: {question.asks[0].lower()}{question.asks[1:].rstrip('.')}"
-        results.keep(question.name, tried(results, question.name, words, partial(question.answer, m)))
+        subject = m if question.of == "mechanism" else results.run
+        results.keep(question.name, tried(results, question.name, words, partial(question.answer, subject)))
     return results
 
 
@@ -152,8 +157,8 @@ def section_parts() -> list[ModuleType]:
 
 
 def in_blocks() -> list[Question]:
-    """Questions without a section of their own whose answer shows itself, and which need nothing but the mechanism."""
-    asked = asked_of("mechanism").values()
+    """Questions without a section of their own whose answer shows itself, and which need no argument."""
+    asked = questions().values()
     return [each for each in asked if each.answers_in_blocks and not each.has("section") and not each.needed]
 
 
@@ -161,8 +166,8 @@ def answer_section(s: Study, question: Question) -> Section:
     """The section of an answer in blocks."""
     answer = s.answer(question.name, Answer)
     if answer is None:
-        return Section(question.title, "", s.reasons.get(question.name, ""))
+        return s.left_out(question.title, question.name)
     body = tried(s, question.name, f"drawing: {question.title}", lambda: "".join(map(html_of, answer.blocks)))
     if body is None:  # numbers that no axis can hold
-        return Section(question.title, "", s.reasons[question.name])
+        return s.left_out(question.title, question.name)
     return Section(question.title, paragraph(answer.told) + body)

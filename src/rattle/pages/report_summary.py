@@ -39,8 +39,8 @@ def _numbers(s: Study) -> list[Headline]:
             numbers.append((f"Peak effort of {name}", handy(peak, unit), more))
     numbers += _touching(run)
     for name, film in list(run.films.items())[:1]:
-        micro = f"{1e6 * film.least_film:.3g} µm"
-        numbers.append((f"Least oil film in {name}", micro, f"pressure up to {1e-6 * film.peak_pressure:.3g} MPa"))
+        pressure = f"pressure up to {handy(film.peak_pressure, 'Pa', 3)}"
+        numbers.append((f"Least oil film in {name}", handy(film.least_film, "m", 3), pressure))
     for part in section_parts():
         numbers += getattr(part, "headline", _nothing)(s)
     return numbers

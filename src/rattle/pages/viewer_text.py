@@ -13,10 +13,11 @@ from collections.abc import Mapping
 from importlib import resources
 
 from rattle.errors import InputError
+from rattle.language.units import UNITS
 from rattle.pages.compact import compact
 from rattle.plots.curves import CURVES, MORE
 from rattle.plots.scene import COLOURS
-from rattle.results.handy_units import HANDY, LEAST, MOST
+from rattle.results.handy_units import HANDY, LEAST, MOST, QUANTITY
 
 ENTRY = "mount.js"
 STYLE = "style.js"  # made here: the style sheet as a text
@@ -39,10 +40,11 @@ def viewer_files() -> dict[str, str]:
     folder = resources.files("rattle.pages") / "viewer"
     files = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir() if file.name.endswith(".js")}
     files[STYLE] = f"export const viewerStyle = {json.dumps(style_text(), ensure_ascii=False)};\n"
-    handy = {"units": HANDY, "least": LEAST, "most": MOST}
+    known = {name: (size, *dimension) for name, (size, dimension) in UNITS.items()}
+    handy = {"units": HANDY, "least": LEAST, "most": MOST, "quantities": QUANTITY, "known": known}
     palette = {"named": COLOURS, "curves": [*CURVES, *MORE]}
     files[PALETTE] = f"export const PALETTE = {json.dumps(palette)};\n"
-    title = "// Units in which quantities are handy: rattle/results/handy_units.py.\n"
+    title = "// Units that are known, and those in which quantities are handy: rattle/results/handy_units.py.\n"
     files[HANDY_UNITS] = f"{title}export const HANDY = {json.dumps(handy, ensure_ascii=False)};\n"
     return files
 

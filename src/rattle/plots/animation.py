@@ -17,11 +17,11 @@ from rattle.drawings.played import Stage
 from rattle.errors import InputError
 from rattle.plots.curves import AFTER, BLACK, CURVES, RED, length_axes, new_figure, tidy
 from rattle.plots.movie_file import Update, require_film, write_gif, write_mp4
-from rattle.plots.orbit import length_unit, require_point
+from rattle.plots.orbit import require_point
 from rattle.plots.power_arrows import draw_power
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_layers, draw_shapes, extent
-from rattle.results.handy_units import units_of_result
+from rattle.results.handy_units import handy_unit, units_of_result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -168,7 +168,7 @@ def _traces(ax: Axes, stage: Scene, points: Iterable[str]) -> list[Update]:
 def _inset(ax: Axes, scene: Scene, stage: Stage, picture: Mapping[str, Any]) -> list[Update]:
     """A pin in its bush or a block in its guide, with the force on it; red where N < 0."""
     result, joint = scene.result, picture["joint"]
-    scale, unit = length_unit(result.geometry["joints"][joint]["clearance"])
+    scale, unit = handy_unit("m", result.geometry["joints"][joint]["clearance"])
     ax.set(xlim=(-0.5, 0.5), ylim=(-0.5, 0.5), aspect="equal", xticks=[], yticks=[])
     ax.spines[:].set_visible(False)
     ax.set_title(f"{joint}: play {result.geometry['joints'][joint]['clearance'] * scale:.3g} {unit}", fontsize=10)

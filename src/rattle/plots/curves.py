@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.results.chosen_units import Shown
-from rattle.results.handy_units import Units, handy_unit, units_of_result
+from rattle.results.handy_units import QUANTITY, Units, handy_unit, units_of_result
 from rattle.results.within_steps import bursts, cut, largest, shown_curve, summit
 
 if TYPE_CHECKING:
@@ -32,21 +32,6 @@ CURVES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 MORE = ("#882255", "#44AA99", "#999933", "#332288", "#AA4499")
 GREY, SHADE, LINES, BORE = "#777777", "#ECECEC", "#DDDDDD", "#F4F4F4"
 AFTER = "after the horizon: statistics only"
-QUANTITY = {
-    "s": "time",
-    "Hz": "frequency",
-    "m": "length",
-    "rad": "angle",
-    "N": "force",
-    "N*m": "moment",
-    "Pa": "pressure",
-    "m/s": "speed",
-    "rad/s": "angular rate",
-    "m/s^2": "acceleration",
-    "rad/s^2": "angular acceleration",
-    "J": "energy",
-    "W": "power",
-}
 LARGEST = "largest "  # before the name of a curve: what marks its largest value
 NOTE = "_note"  # label of notes that may be left out where a caption says the same
 SUFFIXES = (".svg", ".png", ".pdf")

@@ -109,7 +109,7 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     if form is None:
         pins = ", ".join(clearance_joints(result)) or "none"
         raise InputError(f"no orbit of {joint!r}: orbits are drawn for pins with clearance in a bush; here: {pins}")
-    scale, length = length_unit(form["clearance"])
+    scale, length = handy_unit("m", form["clearance"])
     c = form["clearance"] * scale
     x, y, normal = pin_path(result, joint)
     x, y = x * scale, y * scale
@@ -239,8 +239,3 @@ def clearance_joints(result: Result) -> dict[str, Any]:
     pins = {name: result.geometry["joints"][name] for name, play in plays.items() if play and play.leaf.orbit}
     loose = {name: form for name, form in pins.items() if form["clearance"] > 0 and form["contact"] != "ideal"}
     return {name: form for name, form in loose.items() if f"{name}.ex" in result}
-
-
-def length_unit(clearance: float) -> tuple[float, str]:
-    """Factor from metres, and the unit (mm or µm) in which a clearance [m] is a handy number."""
-    return (1e3, "mm") if clearance >= 1e-4 else (1e6, "µm")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rattle.errors import InputError
-from rattle.plots.curves import QUANTITY, axis_label, figure_of, new_axes, note, panel_of, title_of
-from rattle.results.handy_units import handy_unit
+from rattle.plots.curves import axis_label, figure_of, new_axes, note, panel_of, title_of
+from rattle.results.handy_units import QUANTITY, handy_unit
 from rattle.results.spectrum import amplitude_spectrum, steady_turns
 
 if TYPE_CHECKING:

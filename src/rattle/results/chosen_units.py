@@ -7,7 +7,7 @@ from contextvars import ContextVar
 from typing import NamedTuple
 
 from rattle.errors import InputError
-from rattle.language.units import dimension_of, unit_name, unit_of_quantity
+from rattle.language.units import Dimension, dimension_of, unit_name, unit_of_quantity
 
 
 class Shown(NamedTuple):
@@ -17,9 +17,14 @@ class Shown(NamedTuple):
     unit: str
 
 
+def shown_in(unit: str) -> Shown:
+    """A unit by its name, such as "kN*m"."""
+    return Shown(1.0 / unit_of_quantity(f"1 {unit}")[0], unit)
+
+
 SI = "si"  # in place of units: everything in SI
 ANGLES = ("rad", "mrad", "deg", "°", "rev", "turn")
-ENERGIES = ("J", "mJ", "kJ")  # of the same dimension as a moment
+ENERGIES = ("J", "mJ", "kJ", "MJ")  # of the same dimension as a moment
 
 
 class Choice:
@@ -83,15 +88,17 @@ def _read(word: str) -> tuple[str, Shown]:
         dimension = dimension_of(word)
     except InputError as error:
         raise InputError(f"units: {error}; give units with commas between them, such as mm,deg,N") from None
-    size, _ = unit_of_quantity(f"1 {word}")
-    unit = _si_name(word) or unit_name(dimension)
+    unit = si_unit(word, dimension)
     if not unit:
         raise InputError(f"units: {word} is a plain number, not a unit; give units such as mm,deg,N")
-    return unit, Shown(1.0 / size, word)
+    return unit, shown_in(word)
 
 
-def _si_name(word: str) -> str:
-    """SI unit of angles, their rates and energies, whose dimensions do not tell them from others; "" for the rest."""
+def si_unit(word: str, dimension: Dimension) -> str:
+    """The SI unit that a unit of this dimension replaces; "" for plain numbers.
+
+    Names tell angles, their rates and energies, whose dimensions are those of others.
+    """
     if word in ENERGIES:
         return "J"
     if word == "rpm":
@@ -100,8 +107,8 @@ def _si_name(word: str) -> str:
         return "Hz"
     first, _, rest = word.partition("/")
     if first not in ANGLES:
-        return ""
-    return unit_name(dimension_of(f"1/({rest})")).replace("1/", "rad/", 1) if rest else "rad"
+        return unit_name(dimension)
+    return unit_name(dimension).replace("1/", "rad/", 1) if rest else "rad"
 
 
 _CHOSEN: ContextVar[Choice | None] = ContextVar("units that a user asks for", default=None)

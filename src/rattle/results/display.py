@@ -9,8 +9,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rattle.description.model import Model, Parameter
-from rattle.results.chosen_units import ANGLES, Shown, chosen
-from rattle.results.handy_units import SMALL, handy_unit
+from rattle.results.chosen_units import ANGLES, Shown, chosen, shown_in
+from rattle.results.handy_units import IN_TABLES, rung
 
 ROUNDING = 1e-12  # an angle below it is zero [rad]
 _KIND_OF_FILE = {".gif": "image/gif", ".png": "image/png", ".svg": "image/svg+xml", ".mp4": "video/mp4"}
@@ -51,11 +51,7 @@ def scale(unit: str, size: float) -> Shown:
 
     As the user asks for; otherwise angles and their rates are in degrees, lengths below 0.2 m in mm, all else as it is.
     """
-    if asked := chosen(unit):
-        return asked
-    if unit == "m":
-        return Shown(1e3, "mm") if 0.0 < size < SMALL else Shown(1.0, unit)
-    return handy_unit(unit, size) if unit.startswith("rad") else Shown(1.0, unit)
+    return chosen(unit) or rung(IN_TABLES, unit, size)
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
@@ -66,16 +62,18 @@ def readable(value: float, unit: str) -> tuple[float, str]:
     return factor * value, shown
 
 
-def quantity(value: float, unit: str, digits: int = 4, usual: Shown | None = None) -> str:
+def quantity(value: float, unit: str, digits: int = 4, usual: Shown | str = "") -> str:
     """A value [SI] as text with its unit, angles in degrees and short lengths in mm.
 
-    usual: the unit unless the user asks for another one.
+    usual: the unit, or its name, unless the user asks for another one.
     """
     if unit == "m" and abs(value) < NO_LENGTH:
         value = 0.0
     if unit == "rad" and abs(value) < ROUNDING:
         value = 0.0
-    factor, shown = chosen(unit) or usual or scale(unit, abs(value))
+    if isinstance(usual, str):
+        usual = shown_in(usual) if usual else scale(unit, abs(value))
+    factor, shown = chosen(unit) or usual
     return f"{factor * value:.{digits}g} {shown}".rstrip()
 
 

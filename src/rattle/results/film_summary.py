@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.results.chosen_units import Shown, chosen
+from rattle.results.chosen_units import chosen
 from rattle.results.contact_summary import Curves, extreme
 from rattle.results.display import quantity
 
@@ -95,10 +95,10 @@ def film_rows(result: Curves) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         angle = "-" if math.isnan(film.at_angle) else _angle(film.at_angle)
         rows.append(
             (
-                name, quantity(film.least_film, "m", usual=Shown(1e6, "um")), quantity(film.at_t, "s"), angle,
-                quantity(film.peak_pressure, "Pa", usual=Shown(1e-6, "MPa")),
+                name, quantity(film.least_film, "m", usual="um"), quantity(film.at_t, "s"), angle,
+                quantity(film.peak_pressure, "Pa", usual="MPa"),
                 quantity(film.mean_power, "W"), quantity(film.peak_power, "W"), f"{100 * film.mixed:.0f} %",
-                quantity(film.leakage, "m^3/s", usual=Shown(1e6, "cm^3/s")), f"{film.heating:.3g} K",
+                quantity(film.leakage, "m^3/s", usual="cm^3/s"), f"{film.heating:.3g} K",
             )
         )  # fmt: skip
     return HEAD, rows

@@ -1,6 +1,7 @@
-"""In which unit people read a quantity: one table for pictures, pages and the studio.
+"""In which unit people read a quantity: one table for tables, reports, pictures, pages and the studio.
 
-The unit in which the model file writes a quantity of such a size comes first, where its number is handy; then a table.
+What the user asks for comes first; then, in pictures and pages, the unit in which the model file writes a quantity of
+such a size, where its number is handy; then the table.
 """
 
 from __future__ import annotations
@@ -10,18 +11,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from rattle.language.units import (
-    FORCE,
-    LENGTH,
-    MOMENT,
-    POWER,
-    Dimension,
-    QuantityError,
-    dimension_of,
-    parse_quantity,
-    unit_of_quantity,
-)
-from rattle.results.chosen_units import Shown, chosen
+from rattle.language.units import QuantityError, parse_quantity, unit_of_quantity
+from rattle.results.chosen_units import Shown, chosen, shown_in, si_unit
 
 DEGREES = 180.0 / math.pi
 SMALL = 0.2  # a length below it is written in mm, in drawings, curves and tables [m]
@@ -39,34 +30,42 @@ class Written(NamedTuple):
 Units = Mapping[str, Sequence[Written]]  # by SI unit the quantities of a model file
 
 
-Ladders = Mapping[str, tuple[tuple[float, float, str], ...]]  # by SI unit: from which size [SI] on, factor, unit
-# of axes and curves
-HANDY: Ladders = {
-    "m": ((0.0, 1e6, "µm"), (1e-4, 1e3, "mm"), (SMALL, 1.0, "m")),
-    "rad": ((0.0, DEGREES, "deg"),),
-    "rad/s": ((0.0, DEGREES, "deg/s"),),
-    "rad/s^2": ((0.0, DEGREES, "deg/s^2"),),
-    "N": ((0.0, 1.0, "N"), (2e4, 1e-3, "kN"), (2e7, 1e-6, "MN")),
-    "N*m": ((0.0, 1.0, "N*m"), (2e4, 1e-3, "kN*m"), (2e7, 1e-6, "MN*m")),
-    "W": ((0.0, 1.0, "W"), (2e4, 1e-3, "kW"), (2e7, 1e-6, "MW")),
-    "J": ((0.0, 1e3, "mJ"), (0.05, 1.0, "J"), (2e4, 1e-3, "kJ"), (2e7, 1e-6, "MJ")),
-    "Pa": ((0.0, 1.0, "Pa"), (1e4, 1e-3, "kPa"), (1e5, 1e-6, "MPa"), (1e9, 1e-9, "GPa")),
-}
-# of single numbers on paper, between which no scale is shared
-PRINTED: Ladders = {
-    "N": ((1e4, 1e-3, "kN"), (1e7, 1e-6, "MN")),
-    "N*m": ((1e4, 1e-3, "kN*m"),),
-    "W": ((0.0, 1e3, "mW"), (0.1, 1.0, "W"), (1e4, 1e-3, "kW")),
-    "J": ((0.0, 1e3, "mJ"), (0.1, 1.0, "J"), (1e4, 1e-3, "kJ")),
-    "s": ((0.0, 1e6, "us"), (1e-4, 1e3, "ms"), (0.1, 1.0, "s")),
-    "m": ((0.0, 1e6, "um"), (1e-4, 1e3, "mm"), (0.05, 1.0, "m")),
-    "Pa": ((1e3, 1e-3, "kPa"), (1e6, 1e-6, "MPa"), (1e9, 1e-9, "GPa")),
-    "Hz": ((1e4, 1e-3, "kHz"),),
-}
-# SI units of curves by the dimension of what a model file writes; angles have none, so that their names decide
-DIMENSIONS: dict[Dimension, str] = {LENGTH: "m", FORCE: "N", MOMENT: "N*m", POWER: "W", dimension_of("m/s"): "m/s"}
-TURNING = {"deg": "rad", "°": "rad", "rad": "rad", "rpm": "rad/s", "rad/s": "rad/s", "deg/s": "rad/s"}
-ENERGIES = ("J", "Wh")  # of the same dimension as a moment
+class Rung(NamedTuple):
+    """A unit, and the size [SI] from which on it is used."""
+
+    least: float
+    factor: float  # from the SI unit
+    unit: str
+
+
+Ladders = Mapping[str, tuple[Rung, ...]]  # by SI unit
+
+
+def _ladders(units: Mapping[str, Mapping[str, float]]) -> Ladders:
+    return {si: tuple(Rung(least, *shown_in(unit)) for unit, least in rungs.items()) for si, rungs in units.items()}
+
+
+ANGLES: Mapping[str, Mapping[str, float]] = {"rad": {"deg": 0.0}, "rad/s": {"deg/s": 0.0}, "rad/s^2": {"deg/s^2": 0.0}}
+# units, each with the size [SI] from which on it is used: of curves, pictures and pages, and of single numbers on paper
+HANDY = _ladders({
+    **ANGLES,
+    "m": {"µm": 0.0, "mm": 1e-4, "m": SMALL},
+    "s": {"µs": 0.0, "ms": 1e-4, "s": 0.1},
+    "Hz": {"Hz": 0.0, "kHz": 1e4},
+    "N": {"N": 0.0, "kN": 1e4, "MN": 1e7},
+    "N*m": {"N*m": 0.0, "kN*m": 1e4, "MN*m": 1e7},
+    "W": {"mW": 0.0, "W": 0.1, "kW": 1e4, "MW": 1e7},
+    "J": {"mJ": 0.0, "J": 0.1, "kJ": 1e4, "MJ": 1e7},
+    "Pa": {"Pa": 0.0, "kPa": 1e4, "MPa": 1e5, "GPa": 1e9},
+})  # fmt: skip
+# of numbers in a terminal, which stand below each other: all else in SI
+IN_TABLES = _ladders({**ANGLES, "m": {"mm": 0.0, "m": SMALL}})
+QUANTITY = {  # what has an SI unit, in words
+    "s": "time", "Hz": "frequency", "m": "length", "rad": "angle", "N": "force", "N*m": "moment", "Pa": "pressure",
+    "m/s": "speed", "rad/s": "angular rate", "m/s^2": "acceleration", "rad/s^2": "angular acceleration", "J": "energy",
+    "W": "power",
+}  # fmt: skip
+LENT = ("m", "rad", "rad/s", "N", "N*m", "W", "m/s")  # SI units of quantities that a model file lends its units
 
 
 def handy_unit(unit: str, size: float, written: Units | None = None) -> Shown:
@@ -88,7 +87,7 @@ def rung(ladders: Ladders, unit: str, size: float) -> Shown:
     rungs = ladders.get(unit, ())
     if len(rungs) > 1 and not size > 0.0:
         return Shown(1.0, unit)
-    reached = [Shown(factor, name) for least, factor, name in rungs if least <= size]
+    reached = [Shown(rung.factor, rung.unit) for rung in rungs if rung.least <= size]
     return reached[-1] if reached else Shown(1.0, unit)
 
 
@@ -135,6 +134,6 @@ def _unit_of(text: str) -> tuple[str, Written | None]:
         return "", None
     if quantity is None or quantity[1] is None or quantity[0] == 0.0:
         return "", None
-    size, name = unit_of_quantity(text)
-    unit = TURNING.get(name) or ("" if name in ENERGIES else DIMENSIONS.get(quantity[1], ""))
-    return unit, Written(abs(quantity[0]), 1.0 / size, name) if unit else None
+    name = unit_of_quantity(text)[1]
+    unit = si_unit(name, quantity[1])
+    return unit, Written(abs(quantity[0]), *shown_in(name)) if unit in LENT else None

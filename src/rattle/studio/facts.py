@@ -10,16 +10,17 @@ from rattle.errors import ModelError, Problem
 from rattle.language.units import parse_quantity
 from rattle.mechanism import Mechanism
 from rattle.registry import kinds
-from rattle.results.display import scale
+from rattle.results.handy_units import Units, handy_unit, written_units
 
 SPAN = 0.5  # share of its value by which a parameter without limits may be changed up and down
 
 
 def facts(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
     """Everything the left column shows; document: the tables of the model file as they are written."""
+    lent = written_units(document)
     return {
         "title": m.name,
-        "knobs": [_knob(m, document, name) for name in m.model.parameters],
+        "knobs": [_knob(m, document, lent, name) for name in m.model.parameters],
         "contacts": _contacts(document),
         "settings": _settings(m, document),
         "names": {"bodies": list(m.model.bodies), "joints": list(m.model.joints), "loads": list(m.model.loads)},
@@ -29,7 +30,7 @@ def facts(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _knob(m: Mechanism, document: Mapping[str, Any], name: str) -> dict[str, Any]:
+def _knob(m: Mechanism, document: Mapping[str, Any], lent: Units, name: str) -> dict[str, Any]:
     """A parameter: its value [SI], between which values it can be turned, and in which unit it is shown."""
     parameter = m.model.parameters[name]
     written = document.get("parameters", {}).get(name)
@@ -41,7 +42,7 @@ def _knob(m: Mechanism, document: Mapping[str, Any], name: str) -> dict[str, Any
     most = parameter.value + reach if parameter.maximum is None else parameter.maximum
     factor, unit = m.written_unit(name) if not follows else (1.0, "")
     if not unit:
-        times, unit = scale(parameter.unit, size)
+        times, unit = handy_unit(parameter.unit, max(map(abs, (least, most, parameter.value))), lent)
         factor = 1.0 / times
     return {
         "name": name, "value": parameter.value, "unit": unit, "factor": factor, "min": least, "max": most,

@@ -2,10 +2,10 @@
 
 import { button, make, say } from "./dom.js";
 import { downloadText, modelFile, runTable } from "./hand_over.js";
-import { tidy, typedValue, unitOf } from "./typed.js";
-import { handyUnit, printed } from "./units.js";
+import { STEPS, stepOf, valueAt } from "./slider.js";
+import { typedValue, unitOf } from "./typed.js";
+import { handyUnit, plain, printed } from "./units.js";
 
-const STEPS = 400; // of a slider
 const ROUNDING = 1e-14; // of a number in a unit: 20 um is 0.000019999999999999998 m, and a limit of so much is meant
 
 // A part of an address as it was written; as it stands where it is none.
@@ -84,10 +84,10 @@ export class Knobs {
     const handy = handyUnit(knob.unit, Math.max(...[knob.min, knob.max, knob.value].filter((x) => x !== null).map(Math.abs)), this.viewer.scene.units);
     const shown = own ? { unit: knob.shown, factor: own[0] } : { unit: handy.unit, factor: 1 / handy.factor };
     const around = Math.abs(knob.value) || 1;
-    const low = knob.min ?? knob.value - 0.5 * around, high = knob.max ?? knob.value + 0.5 * around;
+    const range = { min: knob.min ?? knob.value - 0.5 * around, max: knob.max ?? knob.value + 0.5 * around, value: knob.value, factor: shown.factor };
     const name = knob.label || knob.name;
     const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": name, title: "Double-click: as in the model file",
-      oninput: () => this.quietly(this.turned(knob.name, this.atStep(row, Number(slider.value)))),
+      oninput: () => this.quietly(this.turned(knob.name, valueAt(row.range, Number(slider.value)))),
       ondblclick: () => this.quietly(this.turned(knob.name, knob.value)) });
     const box = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": `${name} in ${shown.unit || "its unit"}`,
       title: `Type a number, in ${printed(shown.unit) || "its own unit"} unless you write another unit`,
@@ -101,32 +101,23 @@ export class Knobs {
         ask.setAttribute("aria-expanded", String(!about.hidden));
       } }, "?"));
     const element = make("div", { class: long ? "knob labelled" : "knob" }, label, slider, box, make("span", { class: "unit quiet" }, printed(shown.unit)), about);
-    const row = { knob, shown, low, high, slider, box, element };
+    const row = { knob, shown, range, slider, box, element };
     this.rows.set(knob.name, row);
     return row.element;
   }
 
-  // The value of a step of a slider: round in the unit shown, exact at its ends and for the model's own value.
-  atStep({ low, high, knob, shown }, step) {
-    if (step === 0 || step === STEPS) return step ? high : low;
-    const own = Math.round(((knob.value - low) / (high - low)) * STEPS);
-    if (step === own) return knob.value;
-    const fine = 10 ** Math.ceil(Math.log10((high - low) / STEPS / shown.factor) - 1e-9 - 0.5);
-    return Number((Math.round((low + ((high - low) * step) / STEPS) / shown.factor / fine) * fine).toPrecision(12)) * shown.factor;
-  }
-
   fill() {
     const set = this.sets[this.now];
-    for (const [name, { knob, low, high, slider, box, shown, element }] of this.rows) {
-      const share = (set[name] - low) / (high - low);
-      slider.value = String(Math.round(share * STEPS));
+    for (const [name, { knob, range, slider, box, shown, element }] of this.rows) {
+      const share = (set[name] - range.min) / (range.max - range.min);
+      slider.value = String(stepOf(range, set[name]));
       slider.style.setProperty("--share", Math.min(1, Math.max(0, share)).toFixed(5));
-      slider.setAttribute("aria-valuetext", `${tidy(set[name] / shown.factor)} ${shown.unit}`);
-      if (box !== this.viewer.shadow.activeElement) box.value = tidy(set[name] / shown.factor);
+      slider.setAttribute("aria-valuetext", `${plain(set[name] / shown.factor)} ${shown.unit}`);
+      if (box !== this.viewer.shadow.activeElement) box.value = plain(set[name] / shown.factor);
       element.classList.toggle("changed", set[name] !== knob.value);
     }
     const end = this.end === this.usualEnd ? this.runs[this.now]?.t_end ?? this.end : this.end;
-    if (this.end !== null) this.time.value = `${tidy(Number(end.toPrecision(5)))} s`;
+    if (this.end !== null) this.time.value = `${plain(Number(end.toPrecision(5)))} s`;
     this.time.parentElement.hidden = this.end === null;
     const names = this.sets.B ? ["A", "B"] : [];
     this.which.replaceChildren(...names.map((one) => make("button", { type: "button", class: "chip strong", "aria-pressed": String(one === this.now),
@@ -165,9 +156,9 @@ export class Knobs {
     if (!way) return;
     event.preventDefault();
     event.stopPropagation();
-    const step = Math.round(((this.sets[this.now][row.knob.name] - row.low) / (row.high - row.low)) * STEPS) + 4 * way;
+    const step = stepOf(row.range, this.sets[this.now][row.knob.name]) + 4 * way;
     row.box.blur();
-    this.quietly(this.turned(row.knob.name, this.atStep(row, Math.min(STEPS, Math.max(0, step)))));
+    this.quietly(this.turned(row.knob.name, valueAt(row.range, Math.min(STEPS, Math.max(0, step)))));
     row.box.focus();
   }
 
@@ -247,7 +238,7 @@ export class Knobs {
   // In the units of the page; whoever computes knows those of SI.
   requireLimits(set) {
     for (const { knob, shown: { unit, factor } } of this.rows.values()) {
-      const { min, max } = knob, inUnit = (x) => tidy(x / factor), value = set[knob.name];
+      const { min, max } = knob, inUnit = (x) => plain(x / factor), value = set[knob.name];
       if (value >= (min ?? -Infinity) && value <= (max ?? Infinity)) continue;
       const limits = [min === null ? "" : `at least ${inUnit(min)}`, max === null ? "" : `at most ${inUnit(max)}`].filter(Boolean).join(", ");
       throw new Error(`${knob.label || knob.name} = ${inUnit(value)} ${printed(unit)} is outside of its limits: ${limits} ${printed(unit)}`.trim());

@@ -4,7 +4,7 @@ import { make, say } from "./dom.js";
 import { crankDots, crankOf, oilKey, oilMarks } from "./oil_marks.js";
 import { FONT, Painter, sized } from "./painter.js";
 import { pinsWithPlay } from "./stage.js";
-import { clearanceUnit, handyUnit, short, steady, ticks } from "./units.js";
+import { handyUnit, short, steady, ticks } from "./units.js";
 
 const LEVELS = 24; // colours of a path
 const BAR = 78; // pixels for the colour bar with its numbers
@@ -36,7 +36,7 @@ export class Orbits {
 
   describe(tile, form) {
     const { motion } = this, { name } = tile, oil = motion.has(`${name}.film_pressure`);
-    const path = motion.pinPath(name), { factor, unit } = clearanceUnit(form.clearance);
+    const path = motion.pinPath(name), { factor, unit } = handyUnit("m", form.clearance);
     const strength = oil ? motion.curve(`${name}.film_pressure`) : path.normal.map(Math.abs);
     const sizes = Array.from(strength).filter(Number.isFinite).sort((a, b) => a - b);
     const top = sizes[Math.min(sizes.length - 1, Math.floor(0.999 * sizes.length))] || 1;
@@ -91,7 +91,10 @@ function keyOf(motion, tile) {
   if (tile.pulls.length) found.push("red ticks: the bush would have to pull");
   if (tile.hits.length) found.push(`dots: ${tile.hits.length} impact${tile.hits.length > 1 ? "s" : ""}, area by impulse`);
   if (tile.lasting.length) found.push(`rings: ${tile.lasting.length} contact${tile.lasting.length > 1 ? "s" : ""} begin`);
-  if (tile.oil) found.push(`red ring: boundary film, ${short(1e6 * tile.form.oil.boundary)} µm`, ...oilKey(motion, tile.name, tile.crank));
+  if (tile.oil) {
+    const { boundary } = tile.form.oil, { factor, unit } = handyUnit("m", boundary);
+    found.push(`red ring: boundary film, ${short(factor * boundary)} ${unit}`, ...oilKey(motion, tile.name, tile.crank));
+  }
   return found.join("; ");
 }
 

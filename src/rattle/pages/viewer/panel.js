@@ -2,7 +2,8 @@
 
 import { Chart, valueOf } from "./chart.js";
 import { make, say } from "./dom.js";
-import { handyUnit, QUANTITY, timeText } from "./units.js";
+import { HANDY } from "./handy_units.js";
+import { handyUnit, timeText } from "./units.js";
 
 export class Panel extends Chart {
   // curves: the view it belongs to, which holds the window of time that all panels share
@@ -26,7 +27,7 @@ export class Panel extends Chart {
     this.names = names;
     const most = Math.max(0, ...lines.map((line) => line.motion.largest(line.name)));
     this.handy = handyUnit(this.quantity, most, this.view.host.scene.units);
-    const quantity = QUANTITY[this.quantity] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " ");
+    const quantity = HANDY.quantities[this.quantity] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " ");
     this.notes = this.view.motion.events.map(({ t, joint, kind }) => ({ x: t, strong: kind === "impact", words: `${joint}: ${kind}` }));
     this.setLines(lines.map(({ motion, name, ...style }) => ({ ...style, name, ...overTime(motion.line(name)),
       peak: overTime(motion.peak(name)), bursts: motion.bursts(name).map(overTime) })), { across: "t [s]", up: `${quantity} [${this.handy.unit || "1"}]`, ...this.handy });

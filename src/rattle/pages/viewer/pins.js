@@ -3,7 +3,7 @@
 import { make, say } from "./dom.js";
 import { Painter, sized } from "./painter.js";
 import { player } from "./play.js";
-import { clearanceUnit, handyUnit, short, steady } from "./units.js";
+import { handyUnit, short, steady } from "./units.js";
 
 // The insets of one motion, beside the mechanism: primitives of which 1 is the width of the picture.
 export class Insets {
@@ -18,7 +18,7 @@ export class Insets {
     const every = (stage.drawing.magnified ?? []).filter(({ joint }) => motion.geometry.joints[joint].clearance > 0 && motion.has(`${joint}.ex`));
     if (every.map((picture) => picture.joint).join("\n") !== this.tiles.map((tile) => tile.name).join("\n")) this.build(every);
     this.tiles.forEach((tile, k) => {
-      const form = motion.geometry.joints[tile.name], { unit, factor } = clearanceUnit(form.clearance);
+      const form = motion.geometry.joints[tile.name], { unit, factor } = handyUnit("m", form.clearance);
       tile.draw = every[k].drawn.map((primitive) => player(stage, primitive));
       tile.link = form.contact === "massless-link";
       tile.curve = `${tile.name}.${motion.has(`${tile.name}.film_pressure`) ? "force" : "normal"}`;

@@ -1,12 +1,8 @@
-// Numbers for people: handy units as in the Python plots, ticks, and texts whose width does not jump.
+// Numbers for people: handy units by the table of Python, ticks, and texts whose width does not jump.
 
 import { HANDY } from "./handy_units.js";
 
 const FINER = 8; // steps by which an axis without two labels is divided more finely, enough for any range
-export const QUANTITY = {
-  s: "time", m: "length", rad: "angle", N: "force", "N*m": "moment", Pa: "pressure", "m/s": "speed",
-  "rad/s": "angular rate", "m/s^2": "acceleration", "rad/s^2": "angular acceleration", J: "energy", W: "power",
-};
 
 export function printed(unit) {
   return unit.replaceAll("*", "·").replaceAll("^2", "²").replaceAll("^3", "³");
@@ -23,11 +19,6 @@ export function handyUnit(unit, size, written = {}) {
   return { factor: times, unit: printed(shown) };
 }
 
-// Factor and unit in which a clearance is a handy number.
-export function clearanceUnit(clearance) {
-  return clearance >= 1e-4 ? { factor: 1e3, unit: "mm" } : { factor: 1e6, unit: "µm" };
-}
-
 export function minus(text) {
   return String(text).replaceAll("-", "\u2212");
 }
@@ -42,6 +33,12 @@ export function short(value, digits = 3) {
     return minus(`${Number(part)}e${Number(power)}`);
   }
   return minus(Number(value.toPrecision(digits)));
+}
+
+// A number as it is typed: as many digits as tell it from its neighbours.
+export function plain(value, digits = 7) {
+  const number = Number(Number(value).toPrecision(digits)), size = Math.abs(number);
+  return size !== 0 && (size >= 1e6 || size < 1e-4) ? number.toExponential().replace("e+", "e") : String(number);
 }
 
 // A function that writes numbers up to this size with constant width: figure spaces in front.

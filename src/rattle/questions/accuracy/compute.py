@@ -36,14 +36,13 @@ from rattle.questions.equilibrium.starts import opened
 from rattle.questions.kinematics.compute import instants, require_driven
 from rattle.questions.kinematics.singular_positions import why_stuck
 from rattle.questions.kinematics.sweep import Sweep, begin
-from rattle.results.chosen_units import Shown, chosen
-from rattle.results.display import quantity, table
+from rattle.results.chosen_units import chosen, shown_in
+from rattle.results.display import quantity, scale, table
 from rattle.solvers.positions import position_sweep as swept
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MILLIMETRES = Shown(1e3, "mm")
 UNLOADED = 1e-9  # share of the largest reaction up to which a reaction is rounding alone
 LEAST_FORCE = 1e-9  # [N] largest reaction, at least, of which UNLOADED is taken: no pin may carry a load
 RATES = ("vx", "vy", "omega", "ax", "ay", "alpha", "power")  # quantities that are zero or undefined at rest
@@ -98,7 +97,7 @@ class Accuracy:
 
     def __str__(self) -> str:
         k = int(np.argmax(self.worst))
-        usual = {"rad": Shown(180 / math.pi, "deg"), "m": MILLIMETRES}.get(self.unit, Shown(1.0, self.unit))
+        usual = shown_in("mm") if self.unit == "m" else scale(self.unit, 0.0)
         factor, unit = chosen(self.unit) or usual
 
         def shown(value: float) -> str:
@@ -121,7 +120,7 @@ class Accuracy:
         wide = max(len(name) for name in self.joints)
         for name, share in sorted(self.share.items(), key=lambda item: -item[1]):
             mine = shown(self.contributions[k, self.joints.index(name)])
-            play = quantity(self.clearances[name], "m", usual=MILLIMETRES)
+            play = quantity(self.clearances[name], "m", usual="mm")
             lines.append(f"  {name:{wide}s}  {play:>11s}  {mine}  {100 * share:3.0f} %")
         first = self.tighten
         equal = [name for name in self.joints if self.share[name] > 0.99 * self.share[first] and name != first]
@@ -139,7 +138,7 @@ class Accuracy:
         rows = [
             (
                 name,
-                quantity(self.clearances[name], "m", usual=MILLIMETRES),
+                quantity(self.clearances[name], "m", usual="mm"),
                 f"+-{quantity(self.contributions[k, self.joints.index(name)], self.unit)}",
                 f"{100 * share:.0f} %",
             )

@@ -13,14 +13,13 @@ from rattle.plots.curves import (
     BLUE,
     GREY,
     ORANGE,
-    QUANTITY,
     RED,
     axis_label,
     new_figure,
     tidy,
 )
 from rattle.results.chosen_units import Shown
-from rattle.results.handy_units import handy_unit
+from rattle.results.handy_units import QUANTITY, handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

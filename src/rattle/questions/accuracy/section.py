@@ -32,7 +32,7 @@ def section(s: Study) -> Section:
     """How far play lets the output deviate."""
     answer = s.answer("accuracy", Accuracy)
     if answer is None:
-        return Section("Accuracy", "", s.reasons.get("accuracy", ""))
+        return s.left_out("Accuracy", "accuracy")
     k = int(np.argmax(answer.worst))
     total = answer.worst[k]
     when = handy(answer.t[k], "s")

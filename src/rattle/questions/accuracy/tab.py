@@ -20,18 +20,14 @@ def tab(shelf: Shelf, source: Source, of: str = "") -> Content:
     of = of.strip() or usual_output(shelf.motion(source))
     answer = m.accuracy(of, np.linspace(0.0, end, POINTS))
     factor, unit = handy_unit(answer.unit, float(answer.worst.max(initial=0.0)))
-    exact = not np.isnan(answer.low).all()
-    t = answer.t
-    lines = [
-        line("all pins at their worst, to first order", t, factor * answer.worst),
-        line("", t, -factor * answer.worst, like=0),
-    ]
-    lines += [line("root sum square", t, factor * answer.rss), line("", t, -factor * answer.rss, like=2)]
-    if exact:
-        lines += [
-            line("exact extremes", t, factor * (answer.high - answer.nominal), dash=True),
-            line("", t, factor * (answer.low - answer.nominal), like=4, dash=True),
-        ]
+    t, bands = answer.t, [("all pins at their worst, to first order", answer.worst, -answer.worst)]
+    bands.append(("root sum square", answer.rss, -answer.rss))
+    if not np.isnan(answer.low).all():
+        bands.append(("exact extremes", answer.high - answer.nominal, answer.low - answer.nominal))
+    lines = []
+    for k, (name, up, down) in enumerate(bands):
+        dash = name.startswith("exact")
+        lines += [line(name, t, factor * up, dash=dash), line("", t, factor * down, like=2 * k, dash=dash)]
     if not np.isnan(answer.loaded).all():
         lines.append(line("under the loads, at rest", t, factor * answer.loaded))
     k = int(np.argmax(answer.worst))

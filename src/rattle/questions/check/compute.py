@@ -236,9 +236,10 @@ def _reach(system: System, start: Assembled) -> list[str]:
 
 def _range(name: str, now: float, down: float | None, up: float | None, turning: bool) -> str:
     """Between which values [rad or m] a driver can move; None: as far as was tried."""
-    unit, scale = ("deg", 180 / math.pi) if turning else ("m", 1.0)
+    unit = ("rad", "deg") if turning else ("m", "m")
     at, low, high = (
-        f"{value * scale:.5g} {unit}" if value is not None else "beyond the range tried" for value in (now, down, up)
+        quantity(value, unit[0], 5, unit[1]) if value is not None else "beyond the range tried"
+        for value in (now, down, up)
     )
     if up is None and down is None:
         return f"{name} can move as far as was tried, to both sides (now {at})"

@@ -11,7 +11,7 @@ def section(s: Study) -> Section:
     """Mobility, loops, play and ranges of drivers."""
     check = s.answer("check", Check)
     if check is None:
-        return Section("Checks before the run", "", s.reasons.get("check", ""))
+        return s.left_out("Checks before the run", "check")
     words = {"free": "free coordinates", "loop": "closed loop", "play": "radial play", "driver": "range of the driver"}
     rows: dict[str, list[str]] = {}
     for line in str(check).splitlines()[1:]:

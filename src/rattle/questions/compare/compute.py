@@ -13,9 +13,9 @@ from rattle import registry
 from rattle.analyses.elastic_bushes import LEAST_RESTITUTION, rigid_restitution
 from rattle.description.switch_contact import recontact
 from rattle.errors import AssemblyError, InputError, ModelError, Problem, suggest
-from rattle.results.chosen_units import Shown
 from rattle.results.contact_summary import contact_lines, readable
 from rattle.results.display import in_columns, quantity, table
+from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -156,7 +156,7 @@ def _reach(trust: Trust) -> str:
 
 def newton(force: float) -> str:
     """A force [N] as text, in N or kN."""
-    return quantity(force, "N", usual=Shown(1.0, "N") if force < 1e4 else Shown(1e-3, "kN"))
+    return quantity(force, "N", usual=handy_unit("N", force))
 
 
 def compare(

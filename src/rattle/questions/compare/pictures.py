@@ -16,7 +16,6 @@ from rattle.plots.curves import (
     GREEN,
     GREY,
     ORANGE,
-    QUANTITY,
     RED,
     SHADE,
     axis_label,
@@ -24,9 +23,10 @@ from rattle.plots.curves import (
     note,
     tidy,
 )
-from rattle.plots.orbit import length_unit, mark_impacts, mark_pulling, pin_path  # fmt: skip
+from rattle.plots.orbit import mark_impacts, mark_pulling, pin_path  # fmt: skip
 from rattle.questions.compare.compute import COMPLIANT, HEAD, IDEAL, IMPACT, LINK, OILED, Comparison, newton
 from rattle.results.contact_summary import pressing_spans
+from rattle.results.handy_units import QUANTITY, handy_unit
 from rattle.results.within_steps import CUT, bursts, cut, largest, shown_curve
 
 if TYPE_CHECKING:
@@ -92,8 +92,7 @@ def _has_orbit(comparison: Comparison, model: str) -> bool:
 
 
 def _time_unit(comparison: Comparison) -> tuple[float, str]:
-    end = max(r.trust.t_end for r in comparison.results.values())
-    return (1.0, "s") if end >= 0.5 else (1e3, "ms") if end >= 5e-4 else (1e6, "µs")
+    return handy_unit("s", max(r.trust.t_end for r in comparison.results.values()))
 
 
 # ---------------------------------------------------------------- panels
@@ -237,7 +236,7 @@ def _orbit(ax: Axes, comparison: Comparison, model: str) -> None:
 
     r, joint = comparison.results[model], comparison.joint
     form = r.geometry["joints"][joint]
-    scale, unit = length_unit(form["clearance"])
+    scale, unit = handy_unit("m", form["clearance"])
     c = scale * form["clearance"]
     x, y, normal = pin_path(r, joint)
     tidy(ax).grid(False)

@@ -14,7 +14,6 @@ from rattle.plots.curves import (
     BLUE,
     GREY,
     ORANGE,
-    QUANTITY,
     RED,
     SKY,
     axis_label,
@@ -23,6 +22,7 @@ from rattle.plots.curves import (
     note,
     robust_limits,
 )  # fmt: skip
+from rattle.results.handy_units import QUANTITY
 from rattle.studies.runs.columns import number, scale_of
 
 if TYPE_CHECKING:

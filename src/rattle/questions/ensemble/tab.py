@@ -7,12 +7,12 @@ import numpy as np
 from rattle.answers.blocks import Block, Content, content, table, words
 from rattle.errors import InputError
 from rattle.mechanism import Mechanism
-from rattle.plots.curves import QUANTITY, axis_label
+from rattle.plots.curves import axis_label
 from rattle.questions.ensemble.compute import Ensemble
 from rattle.questions.ensemble.fields import Vary
 from rattle.questions.ensemble.shares import bounded, together
 from rattle.results.display import quantity
-from rattle.results.handy_units import handy_unit
+from rattle.results.handy_units import QUANTITY, handy_unit
 from rattle.studio.jobs.motion import usual_force
 from rattle.studio.shelf import Shelf, Source
 

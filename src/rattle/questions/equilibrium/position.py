@@ -17,7 +17,6 @@ import numpy as np
 from rattle.analyses.arguments import MOST_EFFORT
 from rattle.errors import InputError
 from rattle.jit.choices import TINY
-from rattle.results.chosen_units import Shown
 from rattle.results.display import card, quantity, table
 from rattle.results.film_columns import DRY
 from rattle.results.result import Result
@@ -166,7 +165,7 @@ class Equilibrium:
         dry = f" and presses with {quantity(normal, 'N')}" if normal > 0.0 else ""
         if self[f"{name}.film_thickness"] <= 0.0:
             return f"{name} is carried by oil between asperities (e/c {self[f'{name}.eccentricity']:.4f}){dry}"
-        floats = f"{name} floats on {quantity(self[f'{name}.film_thickness'], 'm', usual=Shown(1e6, 'um'))} of oil"
+        floats = f"{name} floats on {quantity(self[f'{name}.film_thickness'], 'm', usual='um')} of oil"
         return f"{floats} (e/c {self[f'{name}.eccentricity']:.4f}){dry}"
 
 

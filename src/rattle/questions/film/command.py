@@ -158,13 +158,13 @@ def _of_model(source: str, joint: str | None, bearing: Mapping[str, str | None])
 
 def _stribeck(frame: DataFrame) -> list[str]:
     """The Stribeck curve, a line for each speed."""
-    from rattle.results.chosen_units import Shown, column_unit
+    from rattle.results.chosen_units import column_unit
     from rattle.results.display import quantity
 
     rate = column_unit("rad/s")
     lines = [f"{f'speed [{rate.unit}]':>13s}  friction  dry share  least film"]
     for row in frame.iloc[::SPARSE].itertuples():
-        share, film = f"{100 * row.dry:.3g} %", quantity(row.film_thickness, "m", usual=Shown(1e6, "um"))
+        share, film = f"{100 * row.dry:.3g} %", quantity(row.film_thickness, "m", usual="um")
         lines.append(f"{rate.factor * row.speed:13.4g}  {row.friction:8.4g}  {share:>9}  {film:>10}")
     return lines
 
@@ -192,23 +192,23 @@ def _number(value: float) -> str:
 def _position(oil_film: Film, position: JournalPosition) -> list[str]:
     """Where the load comes to rest."""
     from rattle.questions.film.journal import threshold
-    from rattle.results.chosen_units import Shown, chosen
+    from rattle.results.chosen_units import chosen
     from rattle.results.display import quantity
 
     turned = quantity(position.attitude, "rad", 6) if chosen("rad") else f"{math.degrees(position.attitude):.3f} deg"
-    film = quantity(position.film_thickness, "m", usual=Shown(1e6, "um"))
+    film = quantity(position.film_thickness, "m", usual="um")
 
     mass, whirl = threshold(position.stiffness, position.damping)
     limit = "whirls with no mass at this speed" if mass == math.inf else f"whirls from {mass:.4g} kg on"
     lines = [
-        f"load {quantity(position.load, 'N', 5)} at {quantity(position.speed, 'rad/s', 5, Shown(1.0, 'rad/s'))}",
+        f"load {quantity(position.load, 'N', 5)} at {quantity(position.speed, 'rad/s', 5, 'rad/s')}",
         f"  Sommerfeld number  {position.sommerfeld:.5g}",
         f"  eccentricity       {position.eccentricity:.5f} of the clearance",
         f"  attitude           {turned}",
         f"  least film         {film}",
-        f"  peak pressure      {quantity(position.pressure, 'Pa', usual=Shown(1e-6, 'MPa'))}",
+        f"  peak pressure      {quantity(position.pressure, 'Pa', usual='MPa')}",
         f"  friction           {position.friction:.4g} (coefficient), {quantity(position.loss, 'W')}",
-        f"  leakage            {quantity(position.leakage, 'm^3/s', usual=Shown(1e6, 'cm^3/s'))}",
+        f"  leakage            {quantity(position.leakage, 'm^3/s', usual='cm^3/s')}",
         f"  stiffness [N/m]    {_matrix(position.stiffness)}",
         f"  damping [N*s/m]    {_matrix(position.damping)}",
         f"  stability          {limit}"

@@ -41,7 +41,7 @@ def section(s: Study) -> Section:
     """Equilibria and natural frequencies of a mechanism without drivers."""
     rest, modes = s.answer("equilibrium", Equilibria), s.answer("modes", Modes)
     if not rest:
-        return Section("Equilibrium and vibration", "", s.reasons.get("equilibrium", ""))
+        return s.left_out("Equilibrium and vibration", "equilibrium")
     rows, least = [], ROUNDING * min(s.m.system.extent, 1.0)
     for n, position in enumerate(rest[:MOST_RESTS]):
         units = {"x": "m", "y": "m", "angle": "rad"}

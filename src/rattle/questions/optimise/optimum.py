@@ -11,7 +11,6 @@ import numpy as np
 
 from rattle.questions.optimise.asked import Question
 from rattle.questions.optimise.search import Held
-from rattle.results.chosen_units import Shown
 from rattle.results.display import lines, quantity
 from rattle.results.reductions import EQUAL
 
@@ -234,8 +233,7 @@ class Optimum:
     def _shown(self, name: str, value: float) -> str:
         """A value of a parameter in the unit that the model file uses for it."""
         parameter = self.question.mechanism.model.parameters[name]
-        scale, unit = self.question.mechanism.written_unit(name)
-        return quantity(value, parameter.unit, 6, Shown(1.0 / scale, unit) if unit else None)
+        return quantity(value, parameter.unit, 6, self.question.mechanism.written_unit(name)[1])
 
     def __repr__(self) -> str:
         return f"<rattle.Optimum: {self.question.objective.text[:60]} = {self._number(self.value)}>"

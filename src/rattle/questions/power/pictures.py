@@ -175,7 +175,7 @@ def plot_powers(p: Power) -> Figure:
     bodies = list(dict.fromkeys(table["body"]))
     axes = new_axes(8.0, 1.0 + 2.1 * max(len(bodies), 1), rows=max(len(bodies), 1))
     largest = float(np.abs(powers).max(initial=0.0))
-    factor, unit = (1e-3, "kW") if largest >= 2e3 else (1.0, "W") if largest >= 0.5 or largest == 0.0 else (1e3, "mW")
+    factor, unit = handy_unit("W", largest)
     colours = (*CURVES, *MORE)
     for ax, body in zip(axes, bodies, strict=False):
         mine = [k for k, owner in enumerate(table["body"]) if owner == body]

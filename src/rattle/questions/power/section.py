@@ -34,7 +34,7 @@ def section(s: Study) -> Section:
     """Where the energy of a cycle goes."""
     power = s.answer("power", Power)
     if power is None:
-        return Section("Power", "", s.reasons.get("power", ""))
+        return s.left_out("Power", "power")
     rows, left = [], 0.0
     cycle = power.cycle
     for name, kind, *energies in power.balance():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rattle.answers.arguments import listed
 from rattle.cli.instants import span_options, span_times
 from rattle.cli.options import given, time
 from rattle.cli.output import fallback_option
@@ -69,7 +70,7 @@ def sensitivity(
     _require_name(asked.output)
     asked = asked.by_suffix()
     m = asked.model()
-    of, to = _names(outputs), _names(parameters) or _usual(m)
+    of, to = listed(*outputs), listed(*parameters) or _usual(m)
     result = m.sensitivity(of, to, t if single else span_times(m, t_end, points), analysis)
     return asked.shown(
         result, lambda: "\n".join([*_table(result), result.trust.word, *result.trust.notes]), lambda: _record(result),
@@ -100,10 +101,6 @@ def _require_name(output: str | None) -> None:
             f"{output}: curves and derivatives are saved as {', '.join(SUFFIXES)} or .csv, a drawing as"
             f" {', '.join(PICTURES)}; give a name ending in one of them"
         )
-
-
-def _names(texts: tuple[str, ...]) -> list[str]:
-    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
 
 
 def _usual(m: Mechanism) -> list[str]:

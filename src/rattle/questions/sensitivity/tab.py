@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.answers.arguments import listed
 from rattle.answers.blocks import MOST_LINES, Block, Content, bars, content, curves, line, table, words
 from rattle.errors import InputError, ModelError, SolverError, TraceError
 from rattle.plots.curves import axis_label
@@ -22,8 +23,8 @@ def tab(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Content:
     every = m.model.parameters
     if not every:
         raise InputError("the model has no parameters; write a dimension as one in Text")
-    parameters = _listed(to) or [name for name, parameter in every.items() if parameter.tol] or list(every)
-    outputs = _listed(of) or [usual_output(shelf.motion(source))]
+    parameters = listed(to) or [name for name, parameter in every.items() if parameter.tol] or list(every)
+    outputs = listed(of) or [usual_output(shelf.motion(source))]
     t = np.linspace(0.0, m.model.settings.t_end, POINTS)
     result, note = _of_motion(m, outputs, parameters, t)
     entries = sorted(effects(result), key=lambda effect: -effect.size)
@@ -48,11 +49,6 @@ def tab(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Content:
         table(("curve", "parameter", "changed by", "largest derivative", "so it changes by", "at t"), rows),
         words(str(result.trust)),
     )
-
-
-def _listed(text: str) -> list[str]:
-    """The names in a text, with commas between them."""
-    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 def _pictures(result: Result, entries: list[Effect], outputs: list[str]) -> tuple[Block | None, Block | None]:

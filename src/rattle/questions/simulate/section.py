@@ -29,6 +29,7 @@ from rattle.results.film_summary import film_rows
 from rattle.results.result import Result
 
 MOST_EVENTS = 10
+NO_MOTION = "there is no motion"
 NO_IDEAL = 1e-9  # [of the force] force without play below which a ratio says nothing
 ROUNDING = 1e-9  # moment over force times size below which it is rounding
 KINDS = {
@@ -53,14 +54,14 @@ def motion_section(s: Study) -> Section:
     pictures = figures.motion_figures(s)
     marks = figures.key(s)
     body = (paragraph(marks, "lead") if marks else "") + gallery(pictures)
-    return Section(MOTION, body, "" if pictures else s.reasons.get("motion", "there is no motion"))
+    return Section(MOTION, body) if pictures else s.left_out(MOTION, "motion", NO_MOTION)
 
 
 def force_section(s: Study) -> Section:
     """Efforts of drivers, forces of joints: pictures, and a table with instants."""
     run = s.run
     if run is None or not len(run.t):
-        return Section(FORCES, "", s.reasons.get("motion", "there is no motion"))
+        return s.left_out(FORCES, "motion", NO_MOTION)
     tables = abreast([_drivers(s, run), _joints(s, run), _clutches(s, run)])
     pictures = [*figures.driver_figures(s), *figures.force_figures(s)]
     if s.path is not None:
@@ -138,7 +139,7 @@ def contact_section(s: Study) -> Section:
     """Orbits, contacts and impacts of joints with play, stops and one-sided joints."""
     run = s.run
     if run is None:
-        return Section("Play, contacts and impacts", "", s.reasons.get("motion", "there is no motion"))
+        return s.left_out("Play, contacts and impacts", "motion", NO_MOTION)
     rows = []
     for name, contact in run.contacts.items():
         hits = [event.impulse for event in run.events if event.joint == name and event.kind == "impact"]

@@ -13,7 +13,6 @@ from rattle.plots.curves import (
     BLACK,
     BLUE,
     GREY,
-    QUANTITY,
     RED,
     axis_label,
     drawn,
@@ -23,6 +22,7 @@ from rattle.plots.curves import (
     note,
     tidy,
 )
+from rattle.results.handy_units import QUANTITY
 from rattle.studies.runs.columns import in_one_unit, scale_of
 from rattle.studies.runs.limits import limit_of
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from rattle.jit.choices import TINY
 from rattle.plots.bulk import bulk_of
-from rattle.plots.curves import BLACK, BLUE, ORANGE, QUANTITY, RED, SKY, axis_label, figure_of, new_figure, note, tidy
+from rattle.plots.curves import BLACK, BLUE, ORANGE, RED, SKY, axis_label, figure_of, new_figure, note, tidy
 from rattle.questions.ensemble.shares import MOST, draw_shares
+from rattle.results.handy_units import QUANTITY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

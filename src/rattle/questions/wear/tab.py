@@ -8,6 +8,7 @@ from rattle.answers.blocks import Block, Content, content, curves, drawing, line
 from rattle.errors import InputError
 from rattle.plots.curves import axis_label
 from rattle.results.film_summary import film_rows
+from rattle.results.handy_units import handy_unit
 from rattle.studio.shelf import Shelf, Source
 
 HOW_WEAR = (
@@ -33,13 +34,12 @@ def tab(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
     if answer.interrupted:
         raise KeyboardInterrupt
     history = answer.columns
-    lines = [
-        line(f"{name}, {side}", history["cycle"], 1e6 * history[f"{name}.{side}.depth"])
-        for name in answer.joints for side in ("bush", "pin") if np.any(history[f"{name}.{side}.depth"] > 0)
-    ]  # fmt: skip
+    depths = {f"{name}, {side}": history[f"{name}.{side}.depth"] for name in answer.joints for side in ("bush", "pin")}
+    factor, unit = handy_unit("m", max(float(depth.max()) for depth in depths.values()))
+    lines = [line(name, history["cycle"], factor * depth) for name, depth in depths.items() if np.any(depth > 0)]
     return content(
         f"{told}; {answer.cycles:.4g} cycles of wear, {answer.simulated} of them simulated", *blocks,
-        curves("Deepest wear", "cycles", axis_label("depth", "µm"), lines),
+        curves("Deepest wear", "cycles", axis_label("depth", unit), lines),
         *(drawing(answer.plot(name), f"Wear of {name}") for name in answer.joints), words(str(answer)),
     )  # fmt: skip
 

@@ -14,7 +14,7 @@ from rattle.mechanism import Mechanism
 from rattle.questions.wear.cycle import Sliding, State
 from rattle.questions.wear.pins import Depths, Pin, as_documents
 from rattle.results.archive import package
-from rattle.results.chosen_units import Shown, chosen
+from rattle.results.chosen_units import chosen
 from rattle.results.display import quantity, table
 from rattle.results.result import UnknownName
 
@@ -251,11 +251,11 @@ class Worn:
 
 
 def _length(metres: float) -> str:
-    return quantity(metres, "m", usual=Shown(1e6, "um") if metres < 1e-3 else Shown(1e3, "mm"))
+    return quantity(metres, "m", usual="um" if metres < 1e-3 else "mm")
 
 
 def _volume(cubic_metres: float) -> str:
-    return quantity(cubic_metres, "m^3", usual=Shown(1e9, "mm^3"))
+    return quantity(cubic_metres, "m^3", usual="mm^3")
 
 
 def _angle(radians: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rattle.results.chosen_units import chosen
+from rattle.results.chosen_units import chosen, shown_in
 from rattle.results.display import readable
 from rattle.results.handy_units import SMALL
 
@@ -19,7 +19,7 @@ def scale_of(values: Sequence[float], unit: str) -> tuple[float, str]:
     if asked := chosen(unit):
         return asked
     if unit == "m" and sizes and min(sizes) < SMALL and max(sizes) < LONGEST:
-        return 1e3, "mm"
+        return shown_in("mm")
     return readable(1.0, unit)
 
 

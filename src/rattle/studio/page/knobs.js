@@ -1,9 +1,12 @@
 // The left column: parameters as sliders, contact models of joints, gravity, end and method of the run.
 
 import { h, replace } from "./dom.js";
-import { shown, stepOf, valueAt, written } from "./numbers.js";
+import { STEPS, plain, stepOf, valueAt } from "./viewer.js";
 
+const DIGITS = 6; // of a value beside its slider
 const WAIT = 60; // between two messages while a slider is dragged [ms]
+
+const shown = (knob, value) => `${plain(value / knob.factor, DIGITS)} ${knob.unit}`.trim();
 
 export class Knobs {
   constructor(tell, turned) {
@@ -47,14 +50,14 @@ export class Knobs {
   knobRow(knob) {
     const id = `knob-${knob.name}`;
     const entry = h("input", { class: "entry", "aria-label": `${knob.name}, value with unit`, spellcheck: "false", autocomplete: "off" });
-    const slider = h("input", { type: "range", id, min: 0, max: 400, step: 1 });
+    const slider = h("input", { type: "range", id, min: 0, max: STEPS, step: 1 });
     const label = h("label", { for: id, title: knob.label === knob.name ? knob.name : `${knob.label} (${knob.name})` }, knob.label);
     let now = knob, sent = 0, timer = 0;
     const send = (value) => {
       clearTimeout(timer);
       timer = setTimeout(() => {
         sent = performance.now();
-        this.tell({ do: "knob", name: knob.name, value: written(now, value) });
+        this.tell({ do: "knob", name: knob.name, value: now.unit ? shown(now, value) : Number(plain(value, 10)) });
       }, Math.max(0, sent + WAIT - performance.now()));
     };
     slider.addEventListener("input", () => {
