@@ -43,7 +43,8 @@ def viewer_files() -> dict[str, str]:
     known = {name: (size, *dimension) for name, (size, dimension) in UNITS.items()}
     handy = {"units": HANDY, "least": LEAST, "most": MOST, "quantities": QUANTITY, "known": known}
     palette = {"named": COLOURS, "curves": [*CURVES, *MORE]}
-    files[PALETTE] = f"export const PALETTE = {json.dumps(palette)};\n"
+    named = "// Colours of drawings and curves: rattle/plots/scene.py and curves.py.\n"
+    files[PALETTE] = f"{named}export const PALETTE = {json.dumps(palette)};\n"
     title = "// Units that are known, and those in which quantities are handy: rattle/results/handy_units.py.\n"
     files[HANDY_UNITS] = f"{title}export const HANDY = {json.dumps(handy, ensure_ascii=False)};\n"
     return files
