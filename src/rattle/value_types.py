@@ -1,9 +1,9 @@
-"""Types of values that every room has: arrays by the kind of their numbers, and what JSON holds."""
+"""Types that every room has: arrays by the kind of their numbers, functions of any kind, and what JSON holds."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,4 +12,5 @@ Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Flags: TypeAlias = NDArray[np.bool_]
 Objects: TypeAlias = NDArray[np.object_]  # floats and symbols
+Plain: TypeAlias = Callable[..., Any]  # of the compiled layer, whose types follow from its text, or of a user
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import builtins
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import CodeType, FunctionType, SimpleNamespace
 from typing import Any
 
@@ -22,8 +22,7 @@ from rattle.language.recorded import Operand, Recorded, symbol_of
 from rattle.trace.graph import FUNCTIONS, Symbol, apply, select
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import Column
-
-Plain = Callable[..., Any]  # a function of the compiled layer, or one that stands for it
+from rattle.value_types import Plain
 
 
 class Copies:

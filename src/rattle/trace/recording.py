@@ -25,9 +25,10 @@ from rattle.language import bytecode as code
 from rattle.language.operations import CHOICES, CHOOSE, OPERATIONS
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.trace.graph import Graph, Symbol, both, select
-from rattle.trace.recorded_language import Copies, Plain
+from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
+from rattle.value_types import Plain
 
 T = TypeVar("T")
 Prepare = Callable[[SimpleNamespace], None]  # changes values of joints in a workspace
