@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rattle.cli.options import value
+from rattle.value_types import Plain
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -27,10 +28,10 @@ if TYPE_CHECKING:
     from rattle.questions.ensemble.runs import Samples
 
 
-def question_options(needed: bool = True) -> Callable[..., Any]:
+def question_options(needed: bool = True) -> Plain:
     """Add to a command what is asked of every mechanism: --of (needed: at least one), --analysis, --t-end."""
 
-    def add(function: Callable[..., Any]) -> Callable[..., Any]:
+    def add(function: Plain) -> Plain:
         function = click.option(
             "--t-end", type=time,
             help="End of the runs, in s or as '20 ms'.  [default: as in the model; t = 0 for equilibrium and modes]",
@@ -47,7 +48,7 @@ def question_options(needed: bool = True) -> Callable[..., Any]:
     return add
 
 
-def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
+def engine_options(function: Plain) -> Plain:
     """Add to a command where runs take place, and where they are kept."""
     for option in (
         click.option("--json", "json_too", is_flag=True, help="The answer as JSON, in SI units."),
