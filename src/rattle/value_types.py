@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
-Flags: TypeAlias = NDArray[np.bool_]
-Objects: TypeAlias = NDArray[np.object_]  # floats and symbols
 Plain: TypeAlias = Callable[..., Any]  # of the compiled layer, whose types follow from its text, or of a user
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
 Tree: TypeAlias = Mapping[str, Any]  # tables within tables, as files and records hold them: who reads knows the form

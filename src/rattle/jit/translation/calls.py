@@ -23,16 +23,8 @@ from rattle.jit.translation.values import (
     said,
 )
 
-LETTERS: dict[str, Kind] = {
-    "f": "f",
-    "i": "i",
-    "h": "h",
-    "v": "f1",
-    "m": "f2",
-    "w": "i1",
-    "n": "i2",
-    "b": "b",
-}  # kinds of arguments
+# kinds of arguments
+LETTERS: dict[str, Kind] = {"f": "f", "i": "i", "h": "h", "v": "f1", "m": "f2", "w": "i1", "n": "i2", "b": "b"}
 
 
 def kinds_of(letters: Sequence[Any]) -> tuple[Kind, tuple[Kind, ...]]:

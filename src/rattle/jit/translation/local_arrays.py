@@ -13,16 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rattle.jit.families import Kind
-from rattle.jit.translation.values import (
-    TranslationError,
-    Value,
-    is_array,
-    joined,
-    known,
-    members,
-    parts_of,
-    said,
-)
+from rattle.jit.translation.values import TranslationError, Value, is_array, joined, known, members, parts_of, said
 from rattle.jit.translation.writing import Writing
 
 FILLED: dict[object, float] = {np.zeros: 0.0, np.empty: 0.0, np.ones: 1.0}
