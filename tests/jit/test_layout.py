@@ -1,5 +1,8 @@
 """Columns of the arrays of a run: what the declaration says is what code uses."""
 
+import ast
+import importlib
+import inspect
 import json
 import pickle
 
@@ -7,6 +10,7 @@ import pytest
 
 import rattle as rt
 from rattle.jit import layout as at
+from rattle.jit.folder import compiled_modules
 from rattle.jit.workspace import ARRAYS
 
 pytestmark = pytest.mark.nojit
@@ -28,6 +32,19 @@ def test_a_column_has_one_meaning():
     shared = {"KERNEL", "END_A", "END_B", "FIRST_P", "FIRST_CODE", "END_CODE", "OWN_CODE", "TARGET"}
     names = [name for columns in at.COLUMNS.values() for name in columns if name not in shared]
     assert len(names) == len(set(names))
+
+
+def test_kernels_ask_an_array_for_its_own_columns():
+    """`body[i, at.X]`, `m.body[i, at.X + k]`: X is declared for `body`, in all modules with kernels."""
+    asked = set()
+    for module in compiled_modules():
+        for node in ast.walk(ast.parse(inspect.getsource(importlib.import_module(module)))):
+            if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Tuple):
+                array = getattr(node.value, "attr", getattr(node.value, "id", ""))
+                names = [ast.unparse(part).partition(" + ")[0] for part in node.slice.elts]
+                asked |= {(array, name[3:]) for name in names if name.startswith("at.") and array in at.COLUMNS}
+    assert ("body", "X") in asked
+    assert not [f"{array}[..., at.{name}]" for array, name in sorted(asked) if name not in at.COLUMNS[array]]
 
 
 def test_a_column_that_leaves_the_process_is_a_number():

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from rattle.description.written_model import WrittenModel
 from rattle.errors import ModelError, TraceError
+from rattle.value_types import Tree
 
 if TYPE_CHECKING:
     from rattle.analyses.assembly.assembly import Assembled
@@ -43,7 +44,7 @@ class AnalysedModel(WrittenModel):
         with computable(self._file):
             return assemble(system, told=self._told)
 
-    def neighbour(self, values: Mapping[str, Any], told: bool = True) -> Self:
+    def neighbour(self, values: Tree, told: bool = True) -> Self:
         """As `set`, but what is not given of the start is looked for near the start of this mechanism.
 
         So samples of one study start on one branch, and none of them a turn away.  told: False for a mechanism that is

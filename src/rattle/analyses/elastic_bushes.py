@@ -24,6 +24,7 @@ from rattle.errors import AssemblyError, InputError, ModelError
 from rattle.jit import layout as at
 from rattle.jit.families import call_stiffness
 from rattle.solvers.stepper import ATOL
+from rattle.value_types import Json
 
 SOFTER = 0.01  # stiffness of the softer bushes, in those of Hertz for full solids
 LAW = "exact"
@@ -45,7 +46,7 @@ class Loosened(Protocol):
     @property
     def start(self) -> Assembled: ...
     def contact_of(self, joint: str) -> Any: ...
-    def set(self, changes: Mapping[str, Any], /) -> Self: ...
+    def set(self, changes: Mapping[str, object], /) -> Self: ...
 
 
 def elastic_bushes(m: Loosened, t_end: float) -> tuple[dict[str, tuple[float, float]], dict[str, str]]:
@@ -78,7 +79,7 @@ def _stiff(m: Loosened) -> tuple[Loosened, dict[str, str]]:
             continue
         old = m.contact_of(name)
         table = recontact(old, LAW)
-        written: dict[str, Any] = {"model": table} if isinstance(table, str) else dict(table)
+        written: dict[str, Json] = {"model": table} if isinstance(table, str) else dict(table)
         own = rigid_restitution(joint.contact.fields)
         written["restitution"] = max(own, LEAST_RESTITUTION)
         stated = any(key == "stiffness" or key.endswith("material") for key in written)
@@ -115,7 +116,7 @@ def _stiffness(m: Loosened, joint: str) -> float:
     return force / float(DEPTH**1.5)
 
 
-def _with_stiffness(written: Any, stiffness: float) -> dict[str, Any]:
+def _with_stiffness(written: Any, stiffness: float) -> dict[str, Json]:
     """The table of an elastic contact with this stiffness [N/m^1.5] in place of materials."""
     kept = {key: written[key] for key in ("model", "restitution", "friction", "bush_radius") if key in written}
     return {**kept, "stiffness": stiffness, "exponent": 1.5}

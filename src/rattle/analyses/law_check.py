@@ -23,7 +23,7 @@ POINTS = 400  # of a path
 PULLS = 1e-9  # share of the largest force of a path below which a pull is rounding
 SLIP = 1e-3  # about what is slipped along a path [m]
 ALLOWED = 2e-3  # share of the work exchanged: error of the quadrature
-_known: dict[Any, str] = {}
+_known: dict[object, str] = {}
 
 
 def law_faults(model: Model) -> list[str]:

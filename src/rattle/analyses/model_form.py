@@ -12,7 +12,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,10 +26,11 @@ from rattle.description.reader import read
 from rattle.equations.system import System, compile_system, length_of
 from rattle.errors import ModelError, TraceError
 from rattle.language.operations import OPERATIONS
-from rattle.language.recorded import Recorded
+from rattle.language.recorded import Operand, Recorded
 from rattle.language.watched import Watch, Watched
 from rattle.trace.graph import Graph, both
 from rattle.trace.recording import Recorder
+from rattle.value_types import Plain, Tree
 
 FORM_PAYS = 3  # models with other numbers of the same parameters from which on a form pays
 MOST = 20_000  # operations beyond which a form is not worth its making
@@ -40,7 +41,7 @@ TEXTS = {  # of exact operations
     "less": "{0} < {1}", "at_most": "{0} <= {1}", "equal": "{0} == {1}", "both": "{0} and {1}",
     "either": "{0} or {1}", "not": "not {0}", "select": "{1} if {0} else {2}",
 }  # fmt: skip
-CALLED: dict[str, Callable[..., Any]] = {
+CALLED: dict[str, Plain] = {
     **{record.recorded: record.value.python for record in OPERATIONS.values() if record.recorded},
     "floor": OPERATIONS["floor"].value.python, "copysign": math.copysign,
 }  # fmt: skip
@@ -67,12 +68,12 @@ class ModelForm:
     Raises TraceError where there is nothing that can be vouched for.
     """
 
-    def __init__(self, document: Mapping[str, Any], model: Model, names: Sequence[str]) -> None:
+    def __init__(self, document: Tree, model: Model, names: Sequence[str]) -> None:
         """document: of which `model` was read, but for `initial.near`; names: parameters that are numbers in it."""
         self._model, self._names = model, tuple(names)
         graph = Graph()
         recorder, watch = Recorder(graph), Watch()
-        follow: list[Any] = []  # symbols of the numbers that follow
+        follow: list[Operand] = []  # symbols of the numbers that follow
         try:
             recorded = beside(read_watched(document, names, recorder, watch), model)
             self._plan = plan_of(recorded, model, follow)
@@ -104,7 +105,7 @@ class ModelForm:
             system.__dict__["shut"] = self._shut.base if same else self._shut.at(ideal_model(model), every)
         return Made(model, system)
 
-    def _check(self, document: Mapping[str, Any]) -> None:
+    def _check(self, document: Tree) -> None:
         """Raise TraceError where the form differs from what reading gives; where arrays do, they are left out."""
         own = [self._model.parameters[name].value for name in self._names]
         tried = 0
@@ -126,13 +127,13 @@ class ModelForm:
             raise TraceError("the form of the model changes with its parameters")
 
 
-def read_watched(document: Mapping[str, Any], names: Sequence[str], recorder: Recorder, watch: Watch) -> Model:
+def read_watched(document: Tree, names: Sequence[str], recorder: Recorder, watch: Watch) -> Model:
     """The model with parameters that are watched: each is a new input of the graph, in this order.
 
     Raises TraceError where a value is taken without its record; ModelError.
     """
 
-    def watched(value: float, symbol: Any) -> Any:
+    def watched(value: float, symbol: Operand) -> Any:
         return Watched(value, symbol, recorder, watch)
 
     inputs = [recorder.graph.input() for _ in names]
@@ -141,7 +142,7 @@ def read_watched(document: Mapping[str, Any], names: Sequence[str], recorder: Re
     return model
 
 
-def recorded_places(system: System) -> dict[str, tuple[np.ndarray, list[Any]]]:
+def recorded_places(system: System) -> dict[str, tuple[np.ndarray, list[Operand]]]:
     """Where numbers that follow stand in the arrays of a system, as flat indices, and their symbols."""
     recorded = {}
     for name, array in system.arrays.items():
@@ -152,7 +153,7 @@ def recorded_places(system: System) -> dict[str, tuple[np.ndarray, list[Any]]]:
     return recorded
 
 
-def _read_at(document: Mapping[str, Any], values: Mapping[str, float], like: Model) -> Model | None:
+def _read_at(document: Tree, values: Mapping[str, float], like: Model) -> Model | None:
     """The model as it is read with other values; None where it cannot be read."""
     table = dict(document["parameters"])
     for name, value in values.items():
@@ -171,7 +172,7 @@ def beside(model: Model, other: Model) -> Model:
 
 
 # ---------------------------------------------------------------- which numbers follow
-def plan_of(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
+def plan_of(recorded: Any, plain: Any, follow: list[Operand]) -> Plan:
     """Where numbers that follow stand in something that was read; their symbols are appended to `follow`.
 
     plain: the same, read without recording.  Raises TraceError where the two differ in other things.
@@ -179,7 +180,7 @@ def plan_of(recorded: Any, plain: Any, follow: list[Any]) -> Plan:
     if isinstance(recorded, Recorded):
         follow.append(recorded.symbol)
         return len(follow) - 1
-    parts: dict[Any, tuple[Any, Any]] = {}
+    parts: dict[Any, tuple[Operand, Operand]] = {}
     if isinstance(recorded, Mapping):
         if list(recorded) != list(plain):
             raise TraceError("reading again gives other parts")
@@ -205,7 +206,7 @@ class _SystemForm(NamedTuple):
     arrays: Mapping[str, tuple[np.ndarray, np.ndarray]]  # where such numbers stand in an array, and which they are
 
     @classmethod
-    def of(cls, recorded: Model, model: Model, follow: list[Any], watch: Watch) -> _SystemForm | None:
+    def of(cls, recorded: Model, model: Model, follow: list[Operand], watch: Watch) -> _SystemForm | None:
         """The form of the system of a model; None where a value is taken without its record.
 
         Symbols of the numbers that follow are appended to `follow`.
@@ -264,7 +265,7 @@ def _filled(plain: Any, plan: Plan, numbers: Sequence[float]) -> Any:
     return copy
 
 
-def _function(graph: Graph, outputs: Sequence[Any]) -> Callable[..., Any]:
+def _function(graph: Graph, outputs: Sequence[Operand]) -> Plain:
     """A Python function of the inputs of a graph that returns these outputs.  Raises TraceError."""
     live = graph.live(outputs)
     if len(live) > MOST:
@@ -286,7 +287,7 @@ def _function(graph: Graph, outputs: Sequence[Any]) -> Callable[..., Any]:
             raise TraceError(f"the operation {op} has no form in Python")
     lines.append(f" return ({''.join(f'{names[graph.place(output)]}, ' for output in outputs)})")
     exec("\n".join(lines), space)  # of names and operations of a graph alone
-    function: Callable[..., Any] = space["numbers"]
+    function: Plain = space["numbers"]
     return function
 
 

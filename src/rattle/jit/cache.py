@@ -94,7 +94,7 @@ def _require_private(root: Path, folder: Path) -> None:
 class KeptFile:
     """One kept object: SHA-256 of what follows, and the pickled object.  The folder's name identifies the sources."""
 
-    def __init__(self, folder: Path | None, name: str, key: Any) -> None:
+    def __init__(self, folder: Path | None, name: str, key: object) -> None:
         short = DIGEST(repr((name, key)).encode()).hexdigest()[:16]
         self.file = None if folder is None else folder / f"{name}-{short}.code"
 

@@ -7,7 +7,9 @@ A table differs from run to run, so machine code calls what stands at a number i
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
+
+from rattle.value_types import Plain
 
 # one line per family: result and arguments of its kernels; i: int64, f: float64, v: (n,) and m: (n, k) of float64,
 # h: (n,) of int64
@@ -31,63 +33,66 @@ BY_PLACE = (
     "dense output",
 )  # tables of our own large functions, made by `entries`
 
+Kind: TypeAlias = "str | tuple[Kind, ...]"  # of a value or of several together, see `translation.values`
+Arguments = tuple[object, ...]
 
-def call_joint(entry: Any, arguments: Any) -> None:
+
+def call_joint(entry: Plain, arguments: Arguments) -> None:
     """Call one joint kernel of a table."""
     entry(*arguments)
 
 
-def call_load(entry: Any, arguments: Any) -> None:
+def call_load(entry: Plain, arguments: Arguments) -> None:
     """Call one load kernel of a table."""
     entry(*arguments)
 
 
-def call_clearance(entry: Any, arguments: Any) -> None:
+def call_clearance(entry: Plain, arguments: Arguments) -> None:
     """Call one clearance kernel of a table: the geometry of one contact."""
     entry(*arguments)
 
 
-def call_stiffness(entry: Any, arguments: Any) -> Any:
+def call_stiffness(entry: Any, arguments: Arguments) -> Any:
     """Static contact force [N] by one stiffness kernel of a table."""
     return entry(*arguments)
 
 
-def call_normal(entry: Any, arguments: Any) -> Any:
+def call_normal(entry: Callable[..., float], arguments: Arguments) -> float:
     """Normal force [N] by one normal kernel of a table."""
     return entry(*arguments)
 
 
-def call_friction(entry: Any, arguments: Any) -> Any:
+def call_friction(entry: Callable[..., float], arguments: Arguments) -> float:
     """Friction force [N] by one friction kernel of a table."""
     return entry(*arguments)
 
 
-def call_film(entry: Any, arguments: Any) -> None:
+def call_film(entry: Plain, arguments: Arguments) -> None:
     """Call one film kernel of a table: force, moments and loss of a film."""
     entry(*arguments)
 
 
-def call_stepper(entry: Any, arguments: Any) -> Any:
+def call_stepper(entry: Callable[..., tuple[float, int]], arguments: Arguments) -> tuple[float, int]:
     """Take a step; returns its error as a share of the tolerance, and 1 if monitored forces have changed signs."""
     return entry(*arguments)
 
 
-def call_dense_output(entry: Any, arguments: Any) -> None:
+def call_dense_output(entry: Plain, arguments: Arguments) -> None:
     """Compute the terms that the stepper of a run adds to the dense output of a step."""
     entry(*arguments)
 
 
-def call_closed_contacts(entry: Any, arguments: Any) -> None:
+def call_closed_contacts(entry: Plain, arguments: Arguments) -> None:
     """Call the kernel that adds the forces of closed set-valued contacts."""
     entry(*arguments)
 
 
-def call_problem(entry: Any, arguments: Any) -> Any:
+def call_problem(entry: Callable[..., int], arguments: Arguments) -> int:
     """Call one part of the solution of contact problems."""
     return entry(*arguments)
 
 
-CALLERS: dict[str, Callable[..., Any]] = {
+CALLERS: dict[str, Plain] = {
     "joint": call_joint,
     "load": call_load,
     "clearance": call_clearance,

@@ -12,6 +12,7 @@ import secrets
 import threading
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from rattle.jit import mode
 from rattle.jit.cache import KeptFile
 from rattle.jit.families import SIGNATURE
 from rattle.jit.folder import cache_folder, code_folder, compiled_modules
+from rattle.value_types import Ints, Plain
 
 log = logging.getLogger("rattle")
 
@@ -38,12 +40,14 @@ class KernelFunction:
     machine code that calls it contains a copy of it.
     """
 
-    def __init__(self, function: Callable[..., Any], family: str = "", letters: Sequence[str] = ()) -> None:
+    def __init__(self, function: Plain, family: str = "", letters: Sequence[str] = ()) -> None:
         self.python = function
         self.family = family
         self.letters = tuple(letters) or SIGNATURE.get(family, ())
         self.native = bool(self.letters)
-        self._callers: dict[Any, Any] = {}  # Python functions that call machine code, by types and kinds of arguments
+        self._callers: dict[
+            object, Plain
+        ] = {}  # Python functions that call machine code, by types and kinds of arguments
         self._address, self._trap = 0, 0
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
@@ -72,10 +76,10 @@ class KernelFunction:
             called = self._callers[types] = self._caller(arguments)
         return called(*arguments)
 
-    def _caller(self, args: Sequence[Any]) -> Callable[..., Any]:
+    def _caller(self, args: Sequence[object]) -> Plain:
         """The Python function that calls the machine code for arguments like these."""
         if self.native:
-            of_fixed_types: Callable[..., Any] = _machine().caller(self.__name__, self.address, self.letters)
+            of_fixed_types: Plain = _machine().caller(self.__name__, self.address, self.letters)
             return of_fixed_types
         kinds = importlib.import_module("rattle.jit.translation.values").kinds_given(args)
         with _lock:
@@ -91,7 +95,7 @@ class KernelFunction:
                     address = machine.load(code)
                     kept.write(lambda: pickle.dumps((letters, tuple(code))))
                 self._callers[kinds] = machine.caller(self.__name__, address, letters)
-        caller: Callable[..., Any] = self._callers[kinds]
+        caller: Plain = self._callers[kinds]
         return caller
 
     @property
@@ -121,11 +125,11 @@ class KernelFunction:
             kept.write(lambda: pickle.dumps(tuple(code)))
         return int(address)
 
-    def loaded(self, python: Callable[..., Any]) -> int:
+    def loaded(self, python: Plain) -> int:
         """Address of the machine code of a Python function with the types of this one; it is kept nowhere."""
         return int(_announced().load(_translation().native(python, self._new_symbol, self.letters)))
 
-    def _kept(self, kinds: Any) -> tuple[Any, KeptFile]:
+    def _kept(self, kinds: object) -> tuple[ModuleType, KeptFile]:
         """The module `machine`, and the file of machine code for these kinds of arguments."""
         machine = _announced()
         ours = self.__module__.startswith("rattle.")
@@ -150,10 +154,10 @@ def natives() -> tuple[KernelFunction, ...]:
 
 
 _natives: list[KernelFunction] = []
-_places: dict[KernelFunction, Any] = {}  # of the first of them
+_places: dict[KernelFunction, object] = {}  # of the first of them
 
 
-def _announced() -> Any:
+def _announced() -> ModuleType:
     """The module `machine`, which knows the addresses of all native functions that machine code may call."""
     machine = _machine()
     with _lock:
@@ -162,11 +166,11 @@ def _announced() -> Any:
     return machine
 
 
-def _machine() -> Any:
+def _machine() -> ModuleType:
     return importlib.import_module("rattle.jit.machine")  # imports llvmlite
 
 
-def _translation() -> Any:
+def _translation() -> ModuleType:
     return importlib.import_module("rattle.jit.translation.unit")  # imports llvmlite
 
 
@@ -180,17 +184,17 @@ def say_once(words: str) -> None:
 _said: list[str] = []
 
 
-def compiled(function: Callable[..., Any]) -> KernelFunction:
+def compiled(function: Plain) -> KernelFunction:
     """Decorator for a function of the compiled layer (types follow from the first call)."""
     return KernelFunction(function)
 
 
-def native(*letters: str) -> Callable[[Callable[..., Any]], KernelFunction]:
+def native(*letters: str) -> Callable[[Plain], KernelFunction]:
     """Decorator for a large function, or one that not every run needs; see `KernelFunction` and SIGNATURE."""
     return lambda function: KernelFunction(function, letters=letters)
 
 
-def kernel(family: str) -> Callable[[Callable[..., Any]], KernelFunction]:
+def kernel(family: str) -> Callable[[Plain], KernelFunction]:
     """Decorator for the kernel of a kind: compiled for the family's one signature."""
     return lambda function: KernelFunction(function, family)
 
@@ -221,7 +225,7 @@ def _works() -> bool:
     return True
 
 
-def entries(functions: Iterable[KernelFunction]) -> Any:
+def entries(functions: Iterable[KernelFunction]) -> Ints | tuple[Plain, ...]:
     """A table of functions by number, for modules that cannot import them: places of their addresses, see `machine`."""
     if _jit:
         machine = _announced()
@@ -229,9 +233,9 @@ def entries(functions: Iterable[KernelFunction]) -> Any:
     return tuple(function.python for function in functions)
 
 
-def names_in_tables() -> dict[Any, str]:
+def names_in_tables() -> dict[object, str]:
     """Symbols of all kernels of the package, by what stands for them in tables: place, address or Python function."""
-    symbols: dict[Any, str] = {}
+    symbols: dict[object, str] = {}
     for kernel in natives():
         if kernel.family and kernel.__module__.startswith("rattle."):
             symbols[kernel.python] = kernel.symbol

@@ -22,6 +22,8 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from rattle.jit.address import address_of
+from rattle.jit.families import Kind
+from rattle.value_types import Plain
 
 FIND = "rattle.find"  # symbol of the function that provides a missing address
 FAULT = "rattle.fault"  # symbol of the function that machine code tells of an error
@@ -39,7 +41,7 @@ class Code(NamedTuple):
 
 # ---------------------------------------------------------------- loading
 @cache
-def _engine() -> Any:
+def _engine() -> llvm.ExecutionEngine:
     """The linker of object files."""
     return llvm.create_mcjit_compiler(llvm.parse_assembly(""), new_target())
 
@@ -51,7 +53,7 @@ def ready() -> Any:
     return llvm
 
 
-def parsed(text: str) -> Any:
+def parsed(text: str) -> llvm.ModuleRef:
     """A module from LLVM's text, in a context of its own, which goes when the module goes."""
     if ready().llvm_version_info[0] < 17:  # has pointers with types too, and llvmlite would take these
         context = llvm.context.ContextRef(llvm.ffi.lib.LLVMPY_ContextCreate(True))
@@ -60,7 +62,7 @@ def parsed(text: str) -> Any:
     return llvm.parse_assembly(text, context)
 
 
-def new_target() -> Any:
+def new_target() -> llvm.TargetMachine:
     """The processor and system for which machine code is made; each engine takes possession of one."""
     ready()
     triple, name, features = processor()
@@ -86,13 +88,13 @@ def load(code: Code) -> int:
 
 
 @cache
-def target() -> Any:
+def target() -> llvm.TargetMachine:
     """The same for all modules that are compiled here."""
     return new_target()
 
 
 # ---------------------------------------------------------------- places
-def announce(name: str, make: Callable[[], int]) -> Any:
+def announce(name: str, make: Callable[[], int]) -> ctypes.c_int64:
     """A new place, known to the linker by name; `make` returns the address for it."""
     place = ctypes.c_int64(0)
     at = ctypes.addressof(place)
@@ -101,7 +103,7 @@ def announce(name: str, make: Callable[[], int]) -> Any:
     return place  # to be kept alive
 
 
-def where(place: Any) -> int:
+def where(place: ctypes.c_int64) -> int:
     """Address of a place."""
     return ctypes.addressof(place)
 
@@ -131,7 +133,7 @@ _TRAP = ctypes.CFUNCTYPE(ctypes.c_int32)  # whatever the arguments are: who call
 _FAILED = _TRAP(lambda: 1)
 llvm.add_symbol(FIND, _address(_FIND))
 llvm.add_symbol(FAULT, _address(_FAULT))
-_kept: list[Any] = []  # machine code may call these until the end
+_kept: list[object] = []  # machine code may call these until the end
 
 
 @cache
@@ -160,15 +162,15 @@ class Entry:
     """A function from outside that kernels call: its address, and letters of result and arguments."""
 
     address: int
-    letters: tuple[Any, ...]  # the result as a kind, see `translation.values`
+    letters: tuple[Kind, ...]  # the result as a kind, see `translation.values`
 
 
-def keep(thing: Any) -> None:
+def keep(thing: object) -> None:
     """Keep something that machine code may call until the end."""
     _kept.append(thing)
 
 
-def python_entry(function: Callable[..., Sequence[float]], result: Any, count: int) -> Entry:
+def python_entry(function: Callable[..., Sequence[float]], result: Kind, count: int) -> Entry:
     """A Python function of floats that returns several; an exception of it is what the call fails with.
 
     result: kind of the result: "f" or a tuple of such.  count: of the arguments.
@@ -189,7 +191,7 @@ def python_entry(function: Callable[..., Sequence[float]], result: Any, count: i
     return Entry(_address(entry), (result, *"f" * count))
 
 
-def _count(kind: Any) -> int:
+def _count(kind: Kind) -> int:
     return sum(map(_count, kind)) if isinstance(kind, tuple) else 1
 
 
@@ -209,7 +211,7 @@ ARRAYS = {
 }
 
 
-def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any]:
+def caller(name: str, address: int, letters: Sequence[str]) -> Plain:
     """A Python function that calls the one at this address.
 
     letters: result and arguments.  It raises TypeError for an array that is not contiguous or of another type.
@@ -225,7 +227,7 @@ def caller(name: str, address: int, letters: Sequence[str]) -> Callable[..., Any
     def call(*args: Any) -> Any:  # in one piece: a function for each argument would take as long as a short kernel
         if len(args) != len(wanted):
             raise TypeError(f"{name} takes {len(wanted)} arguments, got {len(args)}")
-        flat: list[Any] = []
+        flat: list[object] = []
         for (kind, numbers, dimensions), argument in zip(wanted, args, strict=True):
             if dimensions:
                 if argument.dtype != numbers or argument.ndim != dimensions or not argument.flags.c_contiguous:

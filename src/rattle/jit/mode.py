@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib
 import os
-from typing import Any
 
 from rattle.errors import InputError
 
@@ -31,7 +30,7 @@ def is_native() -> bool:
 
 def compiler() -> str:
     """The version of LLVM's package."""
-    llvmlite: Any = importlib.import_module("llvmlite")
+    llvmlite = importlib.import_module("llvmlite")
     return f"llvmlite {llvmlite.__version__}"
 
 

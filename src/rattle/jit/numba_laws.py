@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from rattle.jit import machine
+from rattle.jit.families import Kind
+from rattle.value_types import Plain
 
 CALL = """
 def run(result, {parameters}):
@@ -19,7 +21,7 @@ def run(result, {parameters}):
 """
 
 
-def entry(law: Callable[..., Any], pack: Any, sizes: Sequence[int], result: Any) -> machine.Entry | None:
+def entry(law: Plain, pack: Any, sizes: Sequence[int], result: Kind) -> machine.Entry | None:
     """A law as a function of floats that kernels call; nan if it raises.  None if Numba is not installed.
 
     pack: class of the named tuple of its fields.  sizes: of its other arguments: 0 for a number, n for a tuple.
@@ -42,7 +44,7 @@ def entry(law: Callable[..., Any], pack: Any, sizes: Sequence[int], result: Any)
     arguments.append(f"pack({some(len(pack._fields))})")
     stores: list[str] = []
 
-    def place(kind: Any, value: str = "") -> str:
+    def place(kind: Kind, value: str = "") -> str:
         if isinstance(kind, tuple):
             return f"({''.join(f'{place(part, value)}, ' for part in kind)})"
         stores.append(f"y{len(stores)}")
@@ -57,7 +59,7 @@ def entry(law: Callable[..., Any], pack: Any, sizes: Sequence[int], result: Any)
         nothing=place(result, "nan"),
         kept=kept,
     )
-    space: dict[str, Any] = {"law": law, "pack": pack, "nan": math.nan}
+    space: dict[str, object] = {"law": law, "pack": pack, "nan": math.nan}
     exec(text, space)
     number = numba.types.float64
     called = numba.cfunc(numba.types.int32(numba.types.CPointer(number), *[number] * len(parameters)))(space["run"])

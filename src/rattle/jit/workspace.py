@@ -369,7 +369,7 @@ class Handle:
 
     __slots__ = ("address", "arrays", "table")
 
-    def __init__(self, table: np.ndarray, arrays: Any) -> None:
+    def __init__(self, table: np.ndarray, arrays: object) -> None:
         self.arrays = arrays  # live as long as their addresses
         self.table = table
         self.address = address_of(table)
@@ -387,7 +387,7 @@ class Workspace:
         self.__dict__.update(arrays)
         self._image = image or Image({}, ())
         self._block = self._image.block.copy()
-        self.handle: Any = functions.IN_PYTHON
+        self.handle: Handle | str = functions.IN_PYTHON
         if isinstance(self.joint_table, np.ndarray) and functions.jit_runs():
             table = self._image.layout.table.copy()
             table[:, 0] += address_of(self._block)

@@ -17,6 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rattle.language.bytecode import BENT, CONST, CURVE, JUMPS
 from rattle.language.expression import Apply, Name, Node, compile_program, replaced
@@ -32,7 +33,7 @@ class LocalFunction(NamedTuple):
     constant: bool  # it does not use its variable
     switches: bool  # its derivatives may jump
 
-    def __call__(self, x: Any) -> np.ndarray:
+    def __call__(self, x: ArrayLike) -> np.ndarray:
         """Values, first and second derivatives at numbers x [SI]: (3, *shape of x)."""
         p = np.array([1.0, *map(float, self.block)])
         points = np.asarray(x, dtype=float)

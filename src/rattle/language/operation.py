@@ -55,7 +55,7 @@ class Operation:
     operands: int
     units: Units
     value: KernelFunction  # (x) or (x, y)
-    array: Callable[..., Any]  # the same for arrays of NumPy
+    array: Rule  # the same for arrays of NumPy
     span: KernelFunction  # bounds, of spans; of a switch (side, spans)
     slope: KernelFunction | None = None  # f' (x, f)
     bend: KernelFunction | None = None  # f'' (x, f, f1)
@@ -103,8 +103,8 @@ def _kernel(name: str, part: str, rule: Rule) -> KernelFunction:
 
 
 def dispatch(
-    module: str, name: str, arguments: str, cases: Mapping[int, tuple[str, Mapping[str, Any]]], otherwise: str = "",
-    kernels: Mapping[str, Any] | None = None,
+    module: str, name: str, arguments: str, cases: Mapping[int, tuple[str, Mapping[str, object]]], otherwise: str = "",
+    kernels: Mapping[str, object] | None = None,
 ) -> KernelFunction:  # fmt: skip
     """A kernel (op, arguments) of a module that does for each code of an operation what its case says.
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from rattle.errors import InputError, WrongType
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 
@@ -36,5 +34,5 @@ def in_si(value: Quantity, what: str, unit: str, example: str) -> float:
         raise _wrong_type(value, what, f"{kind} in {unit}", example) from None
 
 
-def _wrong_type(value: Any, what: str, kind: str, example: str) -> WrongType:
+def _wrong_type(value: object, what: str, kind: str, example: str) -> WrongType:
     return WrongType(f"{what} is {kind}, as in {example}; got {value!r}")

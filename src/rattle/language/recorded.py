@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -18,16 +18,45 @@ from rattle.language import bytecode
 ROUNDING = 1e-12  # share of a number that expressions may be off
 
 
+class Symbolic(Protocol):
+    """A number or flag of a recorded calculation: a `Symbol` of `rattle.trace.graph`."""
+
+    def __add__(self, other: Operand, /) -> Operand: ...
+    def __radd__(self, other: Operand, /) -> Operand: ...
+    def __sub__(self, other: Operand, /) -> Operand: ...
+    def __rsub__(self, other: Operand, /) -> Operand: ...
+    def __mul__(self, other: Operand, /) -> Operand: ...
+    def __rmul__(self, other: Operand, /) -> Operand: ...
+    def __truediv__(self, other: Operand, /) -> Operand: ...
+    def __rtruediv__(self, other: Operand, /) -> Operand: ...
+    def __pow__(self, other: Operand, /) -> Operand: ...
+    def __neg__(self) -> Operand: ...
+    def __abs__(self) -> Operand: ...
+    def __lt__(self, other: Operand, /) -> Flag: ...
+    def __le__(self, other: Operand, /) -> Flag: ...
+    def __gt__(self, other: Operand, /) -> Flag: ...
+    def __ge__(self, other: Operand, /) -> Flag: ...
+    def __and__(self, other: Flag, /) -> Flag: ...
+    def __rand__(self, other: Flag, /) -> Flag: ...
+    def __or__(self, other: Flag, /) -> Flag: ...
+    def __ror__(self, other: Flag, /) -> Flag: ...
+    def __float__(self) -> float: ...  # refused
+
+
+Operand: TypeAlias = "Symbolic | float"
+Flag: TypeAlias = "Symbolic | bool"
+
+
 class Journal(Protocol):
     """What keeps the record."""
 
-    def operation(self, op: int, *operands: Any) -> Any:
+    def operation(self, op: int, *operands: Operand) -> Operand:
         """Symbol of an operation of `language.bytecode` on symbols and numbers."""
 
-    def table(self, block: Sequence[Any], x: Any) -> Any:
+    def table(self, block: Sequence[Operand], x: Operand) -> Operand:
         """Symbol of the value at x of a table, given by its block of numbers, see `language.tables`."""
 
-    def assume(self, condition: Any, holds: bool) -> None:
+    def assume(self, condition: Flag, holds: bool) -> None:
         """Keep that a condition between symbols and numbers was true or false."""
 
 
@@ -35,15 +64,15 @@ class Recorded(float):
     """A number [SI] and its symbol."""
 
     __slots__ = ("journal", "symbol")
-    symbol: Any
+    symbol: Operand
     journal: Journal
 
-    def __new__(cls, value: float, symbol: Any, journal: Journal) -> Recorded:
+    def __new__(cls, value: float, symbol: Operand, journal: Journal) -> Recorded:
         number = super().__new__(cls, value)
         number.symbol, number.journal = symbol, journal
         return number
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[type[float], tuple[float]]:
         return float, (float(self),)
 
     @property
@@ -51,60 +80,60 @@ class Recorded(float):
         """Its value without the record."""
         return float.__add__(self, 0.0)
 
-    def made(self, value: float, symbol: Any) -> Any:
+    def made(self, value: float, symbol: Operand) -> Recorded:
         """Another number with a record, which follows from this one."""
         return Recorded(value, symbol, self.journal)
 
-    def _kept(self, condition: Any, holds: bool) -> bool:
+    def _kept(self, condition: Flag, holds: bool) -> bool:
         self.journal.assume(condition, holds)
         return holds
 
-    def __add__(self, other: Any) -> Any:
+    def __add__(self, other: float) -> Recorded:
         return self.made(float(self) + float(other), self.symbol + symbol_of(other))
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Any:
+    def __sub__(self, other: float) -> Recorded:
         return self.made(float(self) - float(other), self.symbol - symbol_of(other))
 
-    def __rsub__(self, other: Any) -> Any:
+    def __rsub__(self, other: float) -> Recorded:
         return self.made(float(other) - float(self), symbol_of(other) - self.symbol)
 
-    def __mul__(self, other: Any) -> Any:
+    def __mul__(self, other: float) -> Recorded:
         return self.made(float(self) * float(other), self.symbol * symbol_of(other))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Any:
+    def __truediv__(self, other: float) -> Recorded:
         return self.made(float(self) / float(other), self.symbol / symbol_of(other))
 
-    def __rtruediv__(self, other: Any) -> Any:
+    def __rtruediv__(self, other: float) -> Recorded:
         return self.made(float(other) / float(self), symbol_of(other) / self.symbol)
 
-    def __neg__(self) -> Any:
+    def __neg__(self) -> Recorded:
         return self.made(-float(self), -self.symbol)
 
-    def __abs__(self) -> Any:
+    def __abs__(self) -> Recorded:
         return self.made(abs(float(self)), abs(self.symbol))
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: float) -> bool:
         return self._kept(self.symbol < symbol_of(other), float(self) < float(other))
 
-    def __le__(self, other: Any) -> bool:
+    def __le__(self, other: float) -> bool:
         return self._kept(self.symbol <= symbol_of(other), float(self) <= float(other))
 
-    def __gt__(self, other: Any) -> bool:
+    def __gt__(self, other: float) -> bool:
         return self._kept(self.symbol > symbol_of(other), float(self) > float(other))
 
-    def __ge__(self, other: Any) -> bool:
+    def __ge__(self, other: float) -> bool:
         return self._kept(self.symbol >= symbol_of(other), float(self) >= float(other))
 
-    def __eq__(self, other: Any) -> bool:
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, int | float):
             return False
         return self._kept(self.symbol == symbol_of(other), float(self) == float(other))
 
-    def __ne__(self, other: Any) -> bool:
+    def __ne__(self, other: object) -> bool:
         return not self == other
 
     def __bool__(self) -> bool:
@@ -113,12 +142,12 @@ class Recorded(float):
     __hash__ = float.__hash__
 
 
-def symbol_of(x: Any) -> Any:
+def symbol_of(x: Operand) -> Operand:
     """The symbol of a recorded number; any other number as it is."""
     return x.symbol if isinstance(x, Recorded) else float(x)
 
 
-def bare(x: Any) -> float:
+def bare(x: float) -> float:
     """The value of a number, for what leaves no trace in a record.
 
     For checks that only tell numbers which can be computed with from all others, and for values that are recorded.
@@ -126,61 +155,61 @@ def bare(x: Any) -> float:
     return x.bare if isinstance(x, Recorded) else float(x)
 
 
-def as_number(x: Any) -> float:
+def as_number(x: float) -> float:
     """A number as a float; one that is recorded as it is."""
     return x if isinstance(x, Recorded) else float(x)
 
 
-def hypot(x: Any, y: Any) -> float:
+def hypot(x: float, y: float) -> float:
     """Length of a vector, with its record."""
     return operate(bytecode.HYPOT, math.hypot(bare(x), bare(y)), x, y)
 
 
-def sqrt(x: Any) -> float:
+def sqrt(x: float) -> float:
     """Square root of a number that is not negative, with its record."""
     return operate(bytecode.SQRT, math.sqrt(bare(x)), x)
 
 
-def cos(x: Any) -> float:
+def cos(x: float) -> float:
     """Cosine of an angle [rad], with its record."""
     return operate(bytecode.COS, math.cos(bare(x)), x)
 
 
-def sin(x: Any) -> float:
+def sin(x: float) -> float:
     """Sine of an angle [rad], with its record."""
     return operate(bytecode.SIN, math.sin(bare(x)), x)
 
 
-def acos(x: Any) -> float:
+def acos(x: float) -> float:
     """Angle [rad] with this cosine, from -1 to 1, with its record."""
     return operate(bytecode.ACOS, math.acos(bare(x)), x)
 
 
-def log(x: Any) -> float:
+def log(x: float) -> float:
     """Natural logarithm of a number above 0, with its record."""
     return operate(bytecode.LOG, math.log(bare(x)), x)
 
 
-def is_whole(x: Any) -> bool:
+def is_whole(x: float) -> bool:
     """True of a number without a fraction, but for the rounding of what it was computed by."""
     return bool(abs(operate(bytecode.FLOOR, float(math.floor(bare(x) + 0.5)), x + 0.5) - x) <= ROUNDING * abs(x))
 
 
-def largest(first: Any, *others: Any) -> float:
+def largest(first: float, *others: float) -> float:
     """The largest of some numbers, with its record, whichever it is."""
     for other in others:
         first = operate(bytecode.MAX, max(bare(first), bare(other)), first, other)
     return as_number(first)
 
 
-def least(first: Any, *others: Any) -> float:
+def least(first: float, *others: float) -> float:
     """The least of some numbers, with its record, whichever it is."""
     for other in others:
         first = operate(bytecode.MIN, min(bare(first), bare(other)), first, other)
     return as_number(first)
 
 
-def operate(op: int, value: float, *operands: Any) -> float:
+def operate(op: int, value: float, *operands: float) -> float:
     """`value`, found by an operation of `language.bytecode`, with its record if an operand has one."""
     for operand in operands:
         if isinstance(operand, Recorded):
@@ -189,7 +218,7 @@ def operate(op: int, value: float, *operands: Any) -> float:
     return value
 
 
-def read(block: Sequence[Any], value: float, x: Any) -> float:
+def read(block: Sequence[float], value: float, x: float) -> float:
     """`value` of a table at x, with its record if x or a number of its block has one."""
     for number in (x, *block):
         if isinstance(number, Recorded):
@@ -198,7 +227,7 @@ def read(block: Sequence[Any], value: float, x: Any) -> float:
     return value
 
 
-def array_of(numbers: Iterable[Any]) -> np.ndarray:
+def array_of(numbers: Iterable[object]) -> np.ndarray:
     """An array of numbers (nested as they are); of objects if any of them is recorded."""
     if {float, int}.issuperset(map(type, numbers := list(numbers))):
         return np.array(numbers, dtype=float)

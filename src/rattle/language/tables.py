@@ -19,7 +19,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Curve:
         return [*numbers, *(coefficient for segment in self.coefficients for coefficient in segment)]
 
 
-def curve(x: Sequence[Any], y: Sequence[Any], kind: str, period: Any = 0.0) -> Curve:
+def curve(x: Sequence[float], y: Sequence[float], kind: str, period: float = 0.0) -> Curve:
     """The table of this kind through points; x increasing by more than nothing, y at the end of the period as at x[0].
 
     kind: "linear", "monotone" or "spline".
@@ -59,7 +59,7 @@ def curve(x: Sequence[Any], y: Sequence[Any], kind: str, period: Any = 0.0) -> C
     steps = [b - a for a, b in itertools.pairwise(x)]
     slopes = [(b - a) / h for a, b, h in zip(y, y[1:], steps, strict=False)]
     if kind == "linear":
-        rates: list[Any] = []
+        rates: list[float] = []
         segments = [(a, slope, 0.0, 0.0) for a, slope in zip(y, slopes, strict=False)]
     else:
         rates = (_monotone if kind == "monotone" else _spline)(steps, slopes, bool(period > 0.0))
@@ -67,22 +67,22 @@ def curve(x: Sequence[Any], y: Sequence[Any], kind: str, period: Any = 0.0) -> C
     return Curve(tuple(x), tuple(y), kind, period, tuple(segments))
 
 
-def _cubic(y: Any, h: Any, slope: Any, left: Any, right: Any) -> tuple[Any, Any, Any, Any]:
+def _cubic(y: float, h: float, slope: float, left: float, right: float) -> tuple[float, float, float, float]:
     """Coefficients of the cubic with these rates at its ends."""
     bend = (left + right - 2.0 * slope) / h
     return y, left, (slope - left) / h - bend, bend / h
 
 
-def _monotone(steps: Sequence[Any], slopes: Sequence[Any], periodic: bool) -> list[Any]:
+def _monotone(steps: Sequence[float], slopes: Sequence[float], periodic: bool) -> list[float]:
     """Rates at the knots: weighted harmonic means of the slopes beside them, zero at extremes."""
 
-    def between(h0: Any, h1: Any, s0: Any, s1: Any) -> Any:
+    def between(h0: float, h1: float, s0: float, s1: float) -> float:
         if s0 * s1 <= 0.0:
             return 0.0
         first, second = 2.0 * h1 + h0, h1 + 2.0 * h0
         return (first + second) / (first / s0 + second / s1)
 
-    def at_end(h0: Any, h1: Any, s0: Any, s1: Any) -> Any:
+    def at_end(h0: float, h1: float, s0: float, s1: float) -> float:
         rate = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1)
         if rate * s0 <= 0.0:
             return 0.0
@@ -98,7 +98,7 @@ def _monotone(steps: Sequence[Any], slopes: Sequence[Any], periodic: bool) -> li
     return [at_end(steps[0], steps[1], slopes[0], slopes[1]), *inside, last]
 
 
-def _spline(steps: Sequence[Any], slopes: Sequence[Any], periodic: bool) -> list[Any]:
+def _spline(steps: Sequence[float], slopes: Sequence[float], periodic: bool) -> list[float]:
     """Rates at the knots of the cubic spline with continuous second derivative, periodic or not-a-knot."""
     n = len(steps)
     if periodic:
@@ -115,15 +115,15 @@ def _spline(steps: Sequence[Any], slopes: Sequence[Any], periodic: bool) -> list
     return _tridiagonal(below, diagonal, above, [first, *right, last])
 
 
-def _end(h0: Any, h1: Any, s0: Any, s1: Any) -> Any:
+def _end(h0: float, h1: float, s0: float, s1: float) -> float:
     """Right-hand side of the condition that the first two segments are one cubic."""
     both = h0 + h1
     return ((h0 + 2.0 * both) * h1 * s0 + h0 * h0 * s1) / both
 
 
 def _tridiagonal(
-    below: Sequence[Any], diagonal: Sequence[Any], above: Sequence[Any], right: Sequence[Any]
-) -> list[Any]:
+    below: Sequence[float], diagonal: Sequence[float], above: Sequence[float], right: Sequence[float]
+) -> list[float]:
     """Solution of a tridiagonal system, by elimination."""
     pivots, values = [diagonal[0]], [right[0]]
     for low, here, high, value in zip(below, diagonal[1:], above, right[1:], strict=False):
@@ -136,7 +136,7 @@ def _tridiagonal(
     return solution[::-1]
 
 
-def _periodic_rates(steps: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
+def _periodic_rates(steps: Sequence[float], slopes: Sequence[float]) -> list[float]:
     """Rates of the periodic spline: the tridiagonal system whose corners are one unknown, the rate at the start."""
     n = len(steps)
     before = [steps[-1], *steps[:-1]]

@@ -12,7 +12,7 @@ from typing import Any
 
 from rattle.errors import TraceError
 from rattle.language import bytecode
-from rattle.language.recorded import Journal, Recorded, bare, symbol_of
+from rattle.language.recorded import Flag, Journal, Operand, Recorded, bare, symbol_of
 
 
 class Watch:
@@ -37,18 +37,18 @@ class Watched:
 
     __slots__ = ("bare", "journal", "symbol", "watch")
 
-    def __init__(self, value: float, symbol: Any, journal: Journal, watch: Watch) -> None:
+    def __init__(self, value: float, symbol: Operand, journal: Journal, watch: Watch) -> None:
         self.bare, self.symbol, self.journal, self.watch = value, symbol, journal, watch
 
     @property  # type: ignore[misc]  # mypy knows no property of this name
     def __class__(self) -> Any:  # what isinstance asks
         return Recorded
 
-    def made(self, value: float, symbol: Any) -> Any:
+    def made(self, value: float, symbol: Operand) -> Watched:
         """Another number with a record, which follows from this one."""
         return Watched(value, symbol, self.journal, self.watch)
 
-    def _kept(self, condition: Any, holds: bool) -> bool:
+    def _kept(self, condition: Flag, holds: bool) -> bool:
         self.journal.assume(condition, holds)
         return holds
 
@@ -63,7 +63,7 @@ class Watched:
 
     __trunc__ = __int__
 
-    def __round__(self, digits: int | None = None) -> Any:
+    def __round__(self, digits: int | None = None) -> float:
         self.watch.tell()
         return round(self.bare, digits)
 
@@ -79,78 +79,78 @@ class Watched:
         self.watch.tell()
         return hash(self.bare)
 
-    def __mod__(self, other: Any) -> Any:
+    def __mod__(self, other: float) -> float:
         self.watch.tell()
         return self.bare % other
 
-    def __rmod__(self, other: Any) -> Any:
+    def __rmod__(self, other: float) -> float:
         self.watch.tell()
         return other % self.bare
 
-    def __floordiv__(self, other: Any) -> Any:
+    def __floordiv__(self, other: float) -> float:
         self.watch.tell()
         return self.bare // other
 
-    def __rfloordiv__(self, other: Any) -> Any:
+    def __rfloordiv__(self, other: float) -> float:
         self.watch.tell()
         return other // self.bare
 
     # ---------------------------------------------------------------- the record goes on
-    def __add__(self, other: Any) -> Any:
+    def __add__(self, other: float) -> Watched:
         return self.made(self.bare + bare(other), self.symbol + symbol_of(other))
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Any:
+    def __sub__(self, other: float) -> Watched:
         return self.made(self.bare - bare(other), self.symbol - symbol_of(other))
 
-    def __rsub__(self, other: Any) -> Any:
+    def __rsub__(self, other: float) -> Watched:
         return self.made(bare(other) - self.bare, symbol_of(other) - self.symbol)
 
-    def __mul__(self, other: Any) -> Any:
+    def __mul__(self, other: float) -> Watched:
         return self.made(self.bare * bare(other), self.symbol * symbol_of(other))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Any:
+    def __truediv__(self, other: float) -> Watched:
         return self.made(self.bare / bare(other), self.symbol / symbol_of(other))
 
-    def __rtruediv__(self, other: Any) -> Any:
+    def __rtruediv__(self, other: float) -> Watched:
         return self.made(bare(other) / self.bare, symbol_of(other) / self.symbol)
 
-    def __pow__(self, other: Any) -> Any:
+    def __pow__(self, other: float) -> Watched:
         return self.made(self.bare ** bare(other), self.journal.operation(bytecode.POW, self.symbol, symbol_of(other)))
 
-    def __rpow__(self, other: Any) -> Any:
+    def __rpow__(self, other: float) -> Watched:
         return self.made(bare(other) ** self.bare, self.journal.operation(bytecode.POW, symbol_of(other), self.symbol))
 
-    def __neg__(self) -> Any:
+    def __neg__(self) -> Watched:
         return self.made(-self.bare, -self.symbol)
 
-    def __pos__(self) -> Any:
+    def __pos__(self) -> Watched:
         return self
 
-    def __abs__(self) -> Any:
+    def __abs__(self) -> Watched:
         return self.made(abs(self.bare), abs(self.symbol))
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: float) -> bool:
         return self._kept(self.symbol < symbol_of(other), self.bare < bare(other))
 
-    def __le__(self, other: Any) -> bool:
+    def __le__(self, other: float) -> bool:
         return self._kept(self.symbol <= symbol_of(other), self.bare <= bare(other))
 
-    def __gt__(self, other: Any) -> bool:
+    def __gt__(self, other: float) -> bool:
         return self._kept(self.symbol > symbol_of(other), self.bare > bare(other))
 
-    def __ge__(self, other: Any) -> bool:
+    def __ge__(self, other: float) -> bool:
         return self._kept(self.symbol >= symbol_of(other), self.bare >= bare(other))
 
-    def __eq__(self, other: Any) -> bool:
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, int | float):
             return False
         return self._kept(self.symbol == symbol_of(other), self.bare == bare(other))
 
-    def __ne__(self, other: Any) -> bool:
+    def __ne__(self, other: object) -> bool:
         return not self == other
 
     def __bool__(self) -> bool:

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
-from typing import Any
 
 import numpy as np
 
@@ -21,11 +20,13 @@ from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.jit.object_file import prototype, symbol
 from rattle.jit.workspace import ARRAYS
+from rattle.language.recorded import Operand
 from rattle.pages.engine import Kernels
 from rattle.pages.result_data import WORDS
 from rattle.pages.tape import Key, Tape
 from rattle.trace import c
 from rattle.trace.graph import Graph
+from rattle.value_types import Tree
 
 ROOM = 128  # rows of what steps leave, of which one is taken at a time
 LEFT_BY_STEPS = ("events", "crossings", "break_rows")
@@ -72,9 +73,9 @@ class FunctionsInC(Tape):
 
     def __init__(self) -> None:
         super().__init__()
-        self.recorded: list[tuple[Graph, list[Any]]] = []
+        self.recorded: list[tuple[Graph, list[Operand]]] = []
 
-    def add(self, graph: Graph, outputs: Sequence[Any], inputs: Sequence[Key]) -> int:
+    def add(self, graph: Graph, outputs: Sequence[Operand], inputs: Sequence[Key]) -> int:
         """Number of a function of exact operations; inputs: see `Tape.add`."""
         self.recorded.append((graph, list(outputs)))
         return len(self.recorded) - 1
@@ -87,18 +88,18 @@ class FunctionsInC(Tape):
 class ModelInC:
     """The file model.c.  data: of a LiveModel, whose functions are in C."""
 
-    def __init__(self, data: Mapping[str, Any], functions: FunctionsInC, kernels: Kernels) -> None:
+    def __init__(self, data: Tree, functions: FunctionsInC, kernels: Kernels) -> None:
         self.data, self.result, self.functions, self.kernels = data, data["result"], functions, kernels
         start = data["start"]["description"]
         self.systems, content = start["systems"], data["start"]["content"]
-        self.starts = list[Mapping[str, Any]]()
+        self.starts = list[Tree]()
         self._enter(start["start"])
         self.order = {kernel: n for n, kernel in enumerate(kernels.families)}
         self.cells = list[int]()
         images = [(data["run"], data["content"]), *((system["image"], content) for system in self.systems)]
         self.images = [line for k, image in enumerate(images) for line in self._image(k, *image)]
 
-    def _enter(self, start: Mapping[str, Any]) -> int:
+    def _enter(self, start: Tree) -> int:
         """Number of a start in the list of all, the first of which is that of the model; -1 for none."""
         if start is None:
             return -1
@@ -161,7 +162,7 @@ class ModelInC:
         }  # fmt: skip
 
     # ---------------------------------------------------------------- workspaces
-    def _image(self, number: int, description: Mapping[str, Any], content: bytes) -> Iterator[str]:
+    def _image(self, number: int, description: Tree, content: bytes) -> Iterator[str]:
         """A workspace before anything has happened in it."""
         arrays, cells, tables = list[str](), 3 * len(ARRAYS), description["tables"]
         words = np.frombuffer(content, np.uint64).tolist() or [0]

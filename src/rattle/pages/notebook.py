@@ -9,7 +9,6 @@ from __future__ import annotations
 import functools
 import json
 import threading
-from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
@@ -23,6 +22,7 @@ from rattle.results.archive import package
 from rattle.results.columns import geometry
 from rattle.results.display import card
 from rattle.results.result import Result
+from rattle.value_types import Tree
 
 LATER = {"error": "another motion was asked for meanwhile"}
 
@@ -77,11 +77,11 @@ class Kernel:
         self._mechanism, self._t_end = m, t_end
         self._frame = json.loads(json.dumps(geometry(m.model)))
         self._lock = threading.Lock()
-        self._next: tuple[Any, Mapping[str, Any]] | None = None
+        self._next: tuple[Any, Tree] | None = None
         self._dropped: set[int] = set()  # numbers of wishes that nobody waits for
         self._thread: threading.Thread | None = None
 
-    def ask(self, send: Any, message: Mapping[str, Any]) -> None:
+    def ask(self, send: Any, message: Tree) -> None:
         """Take a message of the page; answers go to send(message)."""
         with self._lock:
             if message.get("do") == "cancel":
@@ -114,7 +114,7 @@ class Kernel:
             self._dropped.discard(message["id"])
             send({"id": message["id"], **answer})
 
-    def _answer(self, message: Mapping[str, Any]) -> dict[str, Any]:
+    def _answer(self, message: Tree) -> dict[str, Any]:
         end = message.get("t_end")
         asked = {str(name): float(value) for name, value in dict(message.get("parameters") or {}).items()}
         now = self._mechanism.parameters
@@ -151,7 +151,7 @@ def _class_of_views() -> Any:
         scene = traitlets.Unicode().tag(sync=True)
         by_kernel = traitlets.Bool().tag(sync=True)
 
-        def __init__(self, scene: Mapping[str, Any], kernel: Kernel | None, still: str) -> None:
+        def __init__(self, scene: Tree, kernel: Kernel | None, still: str) -> None:
             self.still, self.kernel = still, kernel
             super().__init__(scene=scene_json(scene), by_kernel=kernel is not None)
             if kernel is not None:

@@ -22,6 +22,7 @@ from rattle.pages.viewer_text import joined, viewer_files
 from rattle.results.columns import geometry
 from rattle.results.derived import rules
 from rattle.results.handy_units import written_units
+from rattle.value_types import Tree
 
 WORKER = "live_worker.js"
 REPLAYED = 101  # instants of the motion that a browser shows which cannot compute
@@ -54,7 +55,7 @@ def page(
     return why
 
 
-def _require_curves(scene: Mapping[str, Any], curves: Sequence[str]) -> None:
+def _require_curves(scene: Tree, curves: Sequence[str]) -> None:
     """Raise InputError for a curve that the motions of a page do not have."""
     stored = scene["runs"][0]["names"] if scene["runs"] else scene["live"]["names"]
     present = [*stored, *rules(scene["geometry"], set(stored))]

@@ -16,6 +16,7 @@ from rattle.pages.scene import require_motion, scene_json, scene_of
 from rattle.pages.viewer_text import joined, viewer_files, viewer_text
 from rattle.plots.orbit import require_point
 from rattle.results.result import Result
+from rattle.value_types import Tree
 
 # nothing may be asked for from outside: a browser then refuses what a mistake would load; scripts that test the page
 # may evaluate expressions in it
@@ -87,14 +88,14 @@ def animate(
     replay(result, path, trace=trace, names=names, speed=speed, ideal=ghost_of(result))
 
 
-def write_page(scene: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
+def write_page(scene: Tree, path: str | os.PathLike[str]) -> None:
     """Write a scene with the viewer as one HTML file. Raises OSError."""
     text = page_text(scene)
     with atomic(path) as file:
         file.write_text(text, encoding="utf-8")
 
 
-def page_text(scene: Mapping[str, Any]) -> str:
+def page_text(scene: Tree) -> str:
     """A scene with the viewer as the text of one HTML file."""
     text = viewer_text()
     viewer = _unpacked(text) if scene["live"] else text.replace("</script", "<\\/script")

@@ -12,6 +12,7 @@ from rattle.description.model import Contact, Joint, Model, ValueTable
 from rattle.language.units import parse_quantity
 from rattle.pages.report_html import Section, count, enumerated, handy, listed, paragraph, placed, sentence, table
 from rattle.pages.report_study import Study
+from rattle.value_types import Tree
 
 MOST = 12  # signals or states in a table
 COMPLIANT = (
@@ -57,7 +58,7 @@ def _bodies(model: Model) -> str:
     return table(head, rows, "Bodies")
 
 
-def _joints(model: Model, written: Mapping[str, Any]) -> str:
+def _joints(model: Model, written: Tree) -> str:
     rows = []
     for name, joint in model.joints.items():
         ends = [f"{end.body}.{end.name}" if end.name else end.body for end in (joint.a, joint.b)]
@@ -90,7 +91,7 @@ def _stop(joint: Joint) -> str:
     )
 
 
-def _moved(model: Model, written: Mapping[str, Any]) -> str:
+def _moved(model: Model, written: Tree) -> str:
     rows = []
     for name, driver in model.drivers.items():
         entry = written["drivers"].get(name, {})
@@ -99,13 +100,13 @@ def _moved(model: Model, written: Mapping[str, Any]) -> str:
     return table(("driver", "acts on", "motion over time t"), rows, "Drivers")
 
 
-def _written(what: str, entries: Mapping[str, Any], kind: str) -> str:
+def _written(what: str, entries: Tree, kind: str) -> str:
     """Entries of the model file: name, type and all else as written."""
     rows = [(name, str(own.get(kind, "")).replace("-", " "), _values(own, (kind,))) for name, own in entries.items()]
     return table((what, "type", "values"), rows, f"{what.capitalize()}s")
 
 
-def _named(what: str, entries: Mapping[str, Any], key: str = "value") -> str:
+def _named(what: str, entries: Tree, key: str = "value") -> str:
     rows = []
     for name, entry in entries.items():
         text, more = (entry.get(key, ""), _values(entry, skip=(key,))) if isinstance(entry, Mapping) else (entry, "")
@@ -114,7 +115,7 @@ def _named(what: str, entries: Mapping[str, Any], key: str = "value") -> str:
     return table((what, "is" if key == "value" else "changes by", "values"), rows[:MOST], f"{what.capitalize()}s{some}")
 
 
-def _values(entry: Mapping[str, Any], skip: tuple[str, ...] = ()) -> str:
+def _values(entry: Mapping[str, object], skip: tuple[str, ...] = ()) -> str:
     """All keys of a table of the model file with their values, as written."""
     return "; ".join(f"{key.replace('_', ' ')} {_text(value)}" for key, value in entry.items() if key not in skip)
 
@@ -128,7 +129,7 @@ def _text(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _parameters(model: Model, written: Mapping[str, Any]) -> list[str]:
+def _parameters(model: Model, written: Tree) -> list[str]:
     """A table of the parameters that are given, and one of those that follow from others."""
     free, derived = list[tuple[str, ...]](), list[tuple[str, ...]]()
     for name, p in model.parameters.items():
@@ -147,7 +148,7 @@ def _parameters(model: Model, written: Mapping[str, Any]) -> list[str]:
     return [table(head[:2] + head[3:], free, "Parameters"), table(head, derived, "Parameters that follow from others")]
 
 
-def _start(written: Mapping[str, Any]) -> str:
+def _start(written: Tree) -> str:
     starts = {name: _values(start) for name, start in written.get("initial", {}).items() if isinstance(start, Mapping)}
     return table(("body or joint", "start values given"), starts.items(), "Start")
 
@@ -215,7 +216,7 @@ def assumed_by(contact: Contact) -> str:
     return str(kind.leaf.assumes) if kind is not None else COMPLIANT
 
 
-def _kinds(contact: Contact) -> list[tuple[registry.Kind, Mapping[str, Any]]]:
+def _kinds(contact: Contact) -> list[tuple[registry.Kind, Mapping[str, object]]]:
     """The laws of a contact with their values."""
     laws = []
     if contact.film is not None:

@@ -28,7 +28,7 @@ from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction
-from rattle.language.recorded import Recorded, symbol_of
+from rattle.language.recorded import Operand, Recorded, symbol_of
 from rattle.language.watched import Watch
 from rattle.mechanism import Mechanism
 from rattle.pages.run_image import planned_run
@@ -203,7 +203,7 @@ def _record(m: Mechanism, names: Sequence[str], further: bool) -> _Record:
     )  # fmt: skip
 
 
-def _further(graph: Graph, recorded: System, stored: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
+def _further(graph: Graph, recorded: System, stored: Mapping[str, Operand]) -> Iterator[tuple[str, Any, str]]:
     """Names, symbols and SI units of the curves that results derive from stored ones."""
     for name in derived_names(recorded.model, stored):
         if (curve := derived_curve(graph, recorded, stored, name)) is not None:
@@ -262,7 +262,7 @@ def _belts(system: System, recorder: Recorder, row: Sequence[Symbol]) -> list[_B
     return belts
 
 
-def _in_columns(value: Any) -> Any:
+def _in_columns(value: object) -> Any:
     """A field of a joint with columns of one symbol in place of recorded numbers."""
     if isinstance(value, tuple | list):
         return [_in_columns(inner) for inner in value]

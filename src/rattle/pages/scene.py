@@ -21,6 +21,7 @@ from rattle.results.handy_units import units_of_result
 from rattle.results.result import Result
 from rattle.results.trust import HOW
 from rattle.results.within_steps import shown_curve, summit
+from rattle.value_types import Tree
 from rattle.version import __version__
 
 FORMAT = "rattle-scene 1"
@@ -34,7 +35,7 @@ TICKS = 2**32 - 1  # parts of a run in which the instants of single values are c
 
 def scene_of(
     results: Sequence[tuple[str, Result]], *, ideal: Result | None = None, title: str = "",
-    show: Mapping[str, Any] | None = None, notes: Iterable[str] = (),
+    show: Tree | None = None, notes: Iterable[str] = (),
 ) -> dict[str, Any]:  # fmt: skip
     """The scene of one or several results of a mechanism, each with a label; ready for JSON.
 
@@ -83,7 +84,7 @@ def _thinned(result: Result, kept: Rows, more: Mapping[str, Between]) -> str:
     return f"{text}. Too fast to be held as they are: {named}; of these the page has the range between two instants"
 
 
-def frame_of(geometry: Mapping[str, Any]) -> dict[str, Any]:
+def frame_of(geometry: Tree) -> dict[str, Any]:
     """Those keys of a scene that follow from the geometry of a model alone, such as its drawing."""
     return {
         "format": FORMAT,
@@ -95,7 +96,7 @@ def frame_of(geometry: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def kinds_of(geometry: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+def kinds_of(geometry: Tree) -> dict[str, dict[str, str]]:
     """How joints and loads are drawn, by name, and what the play of a joint looks like: a circle, or walls."""
     drawn: dict[str, dict[str, str]] = {"joints": {}, "loads": {}, "play": {}}
     for family in ("joint", "load"):
@@ -117,7 +118,7 @@ def require_motion(result: Result) -> None:
 
 
 def run_of(
-    result: Result, label: str, geometry: Mapping[str, Any], keys: Sequence[str] = (), *,
+    result: Result, label: str, geometry: Tree, keys: Sequence[str] = (), *,
     kept: tuple[Rows, Mapping[str, Between]] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """One run of a scene; its geometry is left out where it is that of the scene.
@@ -213,7 +214,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def scene_json(scene: Mapping[str, Any]) -> str:
+def scene_json(scene: Tree) -> str:
     """A scene as JSON that may stand inside of a script element of a page."""
     text = json.dumps(plain(scene), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")

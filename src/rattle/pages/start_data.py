@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,7 @@ from rattle.language.local_function import packed
 from rattle.mechanism import Mechanism
 from rattle.pages.run_image import Content, workspace_image
 from rattle.pages.tape import Tape, add_arrays
+from rattle.value_types import Json
 
 Form = Callable[[Model], Model]
 Numbers = Callable[[System], Values] | None  # of vectors, see `_start_numbers`
@@ -50,7 +51,7 @@ OFFSET = (3.0, 4.0)  # of the points of a joint, at which it tells what its cons
 class StartData(NamedTuple):
     """A start that can be found for other parameters."""
 
-    description: dict[str, Any]  # of its systems, and of the start, see `_Writer`
+    description: dict[str, Json]  # of its systems, and of the start, see `_Writer`
     content: bytes
 
 
@@ -76,7 +77,7 @@ class _Play(NamedTuple):
     every: list[str]
     missing: list[str]
     shut: System  # the mechanism without play
-    ideal: dict[str, Any] | None  # its start
+    ideal: dict[str, Json] | None  # its start
 
 
 class _Writer:
@@ -85,7 +86,7 @@ class _Writer:
     def __init__(self, m: Mechanism, tape: Tape, asked: Sequence[str] | None) -> None:
         self.document, self.content, self.tape, self.asked = m._document, Content(), tape, asked
         self.names: tuple[str, ...] = ()
-        self.systems: list[dict[str, Any]] = []
+        self.systems: list[dict[str, Json]] = []
         self.without_play: list[tuple[System, System, Assembled | AssemblyError]] = []
 
     def shut(self, system: System) -> tuple[System, Assembled | AssemblyError]:
@@ -101,7 +102,7 @@ class _Writer:
         self.without_play.append((system, shut, start))
         return shut, start
 
-    def start(self, system: System, form: Form, start: Assembled, counted: bool) -> dict[str, Any]:
+    def start(self, system: System, form: Form, start: Assembled, counted: bool) -> dict[str, Json]:
         """A start, and those that are found before it.
 
         counted: whether all entries of arrays count, or `MOVING`.
@@ -142,7 +143,7 @@ class _Writer:
             raise TraceError(f"its start without play is not known: {without}")
         return _Play([], [], [], shut, None)
 
-    def _counting(self, system: System, form: Form) -> dict[str, Any]:
+    def _counting(self, system: System, form: Form) -> dict[str, Json]:
         """What is put together before the constants are known, and the rows that tell them."""
         model = system.model
         loose = compile_system(without_counting(model))
@@ -268,7 +269,7 @@ def _start_arrays(system: System, numbers: Values) -> dict[str, np.ndarray]:
     return arrays | {"start_rates": rates, "start_least": least}
 
 
-def _given(system: System, keys: Sequence[str]) -> list[Any]:
+def _given(system: System, keys: Sequence[str]) -> list[object]:
     """Given values of these keys, body after body; nan if not given."""
     bodies = system.model.initial.bodies
     return [bodies.get(body, {}).get(key, math.nan) for body in system.bodies for key in keys]

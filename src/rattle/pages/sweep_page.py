@@ -16,6 +16,7 @@ from rattle.pages.scene import scene_of
 from rattle.progress_bar import progress_bar
 from rattle.results.display import in_written_unit
 from rattle.results.result import Result
+from rattle.value_types import Tree
 
 ONE = 7  # values of a single parameter
 TWO = 4  # values of each of two, all combinations
@@ -56,7 +57,7 @@ def sweep_scene(
     return scene_of(runs, title=m.name, notes=notes)
 
 
-def _require_known(m: Mechanism, plans: Sequence[Mapping[str, Any]]) -> None:
+def _require_known(m: Mechanism, plans: Sequence[Tree]) -> None:
     """Raise ModelError where the model takes none of these changes: a name that it does not know, a wrong unit."""
     first: ModelError | None = None
     for plan in plans:
@@ -100,7 +101,7 @@ def _values(parameter: Parameter, count: int) -> list[float]:
     return [float(x) for x in np.linspace(parameter.minimum, parameter.maximum, count)]
 
 
-def _label(m: Mechanism, plan: Mapping[str, Any]) -> str:
+def _label(m: Mechanism, plan: Tree) -> str:
     """Changed parameters in words."""
     changes = []
     for name, x in plan.items():

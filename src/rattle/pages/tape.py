@@ -13,6 +13,7 @@ import numpy as np
 
 from rattle.analyses.straight_line.recorded_arrays import RecordedArrays
 from rattle.errors import InputError
+from rattle.language.recorded import Operand
 from rattle.pages.packed import packed
 from rattle.trace.graph import EXACT, Graph
 
@@ -34,7 +35,7 @@ class Tape:
     def __init__(self) -> None:
         self._graph, self._inputs, self._functions = Graph(), dict[Key, int](), list[_Function]()
 
-    def add(self, graph: Graph, outputs: Sequence[Any], inputs: Sequence[Key]) -> int:
+    def add(self, graph: Graph, outputs: Sequence[Operand], inputs: Sequence[Key]) -> int:
         """Number on the tape of a function of exact operations.
 
         inputs: what the inputs of its graph are, in order; inputs of two functions with one key are the same ones.

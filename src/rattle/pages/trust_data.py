@@ -41,6 +41,7 @@ from rattle.solvers.contacts import penetration
 from rattle.solvers.nonsmooth import event_driven, jams
 from rattle.solvers.output_row import record
 from rattle.solvers.stepper import TIME_STEPPING, stepper_of
+from rattle.value_types import Json
 
 SENTENCES = {
     "trust": trust.SENTENCES,
@@ -76,7 +77,7 @@ LIMITS = {
 }
 
 
-def trust_data(run: Run, asked: str | None) -> dict[str, Any]:
+def trust_data(run: Run, asked: str | None) -> dict[str, Json]:
     """Sentences, limits and facts of a model for the trust of its runs; run: one before its first step.
 
     asked: the stepper that the model, or the user, asks for.
@@ -110,7 +111,7 @@ def trust_data(run: Run, asked: str | None) -> dict[str, Any]:
     }
 
 
-def _of_laws(model: Model) -> Iterator[str | dict[str, Any]]:
+def _of_laws(model: Model) -> Iterator[str | dict[str, Json]]:
     """Notes on contact laws, and on those that are valid up to a force {joint, kind, limit}."""
     for joint in model.joints.values():
         for group in contact_groups(joint):
@@ -136,7 +137,7 @@ def _of_damping(joint: str, contact: Contact) -> Iterator[str]:
         yield from (f"{joint}, {law.kind}: {note}" for note in registry.normal_law(law.kind).leaf.notes(law.values))
 
 
-def _at_the_start(run: Run) -> dict[str, Any]:
+def _at_the_start(run: Run) -> dict[str, Json]:
     """Joints whose reactions are not unique where the constraints depend on each other from the start."""
     system, workspace = run.system, run.system.workspace()
     record(workspace, run.start.t, start_state(system, run.start), np.zeros(width(system)))
@@ -144,12 +145,12 @@ def _at_the_start(run: Run) -> dict[str, Any]:
     return {"nonunique": nonunique, "friction_note": note}
 
 
-def _driver(system: System, name: str) -> dict[str, Any]:
+def _driver(system: System, name: str) -> dict[str, Json]:
     unit = system.rows[system.first_row(name)].unit
     return {"name": name, "slot": system.driver_slot(name), "unit": unit}
 
 
-def _link(model: Model, name: str) -> dict[str, Any]:
+def _link(model: Model, name: str) -> dict[str, Json]:
     """Where the ends of a massless link are: body and point [m]."""
     joint = model.joints[name]
     return {"clearance": joint.clearance, "ends": [[end.body, *end.at] for end in (joint.a, joint.b)]}
@@ -175,7 +176,7 @@ def facts(model: Model, watched: Sequence[str]) -> Iterator[tuple[tuple[str | in
         yield from ((("oil", name, key), value) for key, value in sizes.items())
 
 
-def _joints(model: Model) -> dict[str, Any]:
+def _joints(model: Model) -> dict[str, Json]:
     """Joints in their order, rigid ones, and those that can lose contact, with the name of their force."""
     forms = geometry(model)["joints"]
     return {
@@ -186,7 +187,7 @@ def _joints(model: Model) -> dict[str, Any]:
     }
 
 
-def _film(model: Model, name: str) -> dict[str, Any] | None:
+def _film(model: Model, name: str) -> dict[str, Json] | None:
     """Notes on the oil in a joint, and what its runs are compared with; None without oil."""
     joint = model.joints[name]
     film = joint.contact.film if joint.contact is not None else None

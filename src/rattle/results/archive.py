@@ -25,6 +25,7 @@ from rattle.atomic_file import atomic, is_special
 from rattle.errors import InputError, MissingPackage, WrongType, shown
 from rattle.results.record_schema import misfit_of
 from rattle.user_paths import expanded
+from rattle.value_types import Tree
 
 Array = NDArray[np.float64]
 FORMAT = 2  # 1: without checksum, netCDF only
@@ -76,7 +77,7 @@ def require(path: str | os.PathLike[str]) -> None:
 
 
 # ---------------------------------------------------------------- writing
-def write(path: str | os.PathLike[str], record: Mapping[str, Any], t: Array, data: Array) -> None:
+def write(path: str | os.PathLike[str], record: Tree, t: Array, data: Array) -> None:
     """Write curves and record; the file is made in memory first, so that a full disk leaves no partial file.
 
     record: names, units and other plain data.  t: (n,) [s].  data: (n, len(names)), SI units.
@@ -306,9 +307,9 @@ def _has_heads(record: Any, count: int) -> bool:
     )
 
 
-def _require_plain_values(record: Any) -> None:
+def _require_plain_values(record: object) -> None:
     """Refuse texts with control characters, and numbers too large, anywhere in a record."""
-    ahead: list[Any] = [record]
+    ahead: list[object] = [record]
     while ahead:
         item = ahead.pop()
         if isinstance(item, dict | list):

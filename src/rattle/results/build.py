@@ -12,6 +12,7 @@ from rattle.results.columns import geometry
 from rattle.results.event import Breaks, Event, Peak
 from rattle.results.result import Result
 from rattle.results.trust import Trust
+from rattle.value_types import Tree
 from rattle.version import __version__
 
 NOTHING_DRAWN: dict[str, Any] = {"bodies": {}, "ground": {"points": {}}, "joints": {}, "loads": {}, "driven": []}
@@ -30,7 +31,7 @@ def provenance(model: Model, analysis: str, **settings: Any) -> dict[str, Any]:
 
 def build_result(
     model: Model, analysis: str, *, t: ArrayLike, data: ArrayLike, names: Iterable[str], units: Mapping[str, str],
-    trust: Trust, stats: Mapping[str, Any] | None = None, settings: Mapping[str, Any] | None = None,
+    trust: Trust, stats: Tree | None = None, settings: Tree | None = None,
     events: Iterable[Event] = (), message: str = "", peaks: Mapping[str, Peak] | None = None,
     drawn: bool = True, breaks: Breaks | None = None,
 ) -> Result:  # fmt: skip

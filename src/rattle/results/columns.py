@@ -19,6 +19,7 @@ from rattle.description.model import Joint, Load, Model, Value
 from rattle.equations.system import System, joint_rows
 from rattle.jit import layout as at
 from rattle.results.film_columns import film_columns
+from rattle.value_types import Tree
 
 
 def width(system: System, ports: bool = False) -> int:
@@ -334,7 +335,7 @@ def geometry(model: Model) -> dict[str, Any]:
     }
 
 
-def numbers(fields: Mapping[str, Any]) -> dict[str, Any]:
+def numbers(fields: Tree) -> dict[str, Any]:
     """Those values of fields [SI] that are finite numbers, or pairs of such."""
 
     def known(value: Any) -> bool:

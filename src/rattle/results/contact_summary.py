@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from rattle.results.display import quantity, scale
 from rattle.results.event import Event, Peak
 from rattle.results.sampled_curve import SampledCurve
 from rattle.results.trust import Trust
+from rattle.value_types import Tree
 
 ROUNDING = 1e-12  # share of the largest kinetic energy, or force, below which a loss, or a force, is rounding
 TOWERS = 20.0  # ratio of largest and usual force of a mechanism with rigid contacts, above which it is not shown
@@ -38,7 +39,7 @@ class Curves(Protocol):
     @property
     def t(self) -> np.ndarray: ...
     @property
-    def geometry(self) -> Mapping[str, Any]: ...
+    def geometry(self) -> Tree: ...
     @property
     def trust(self) -> Trust: ...
     @property

@@ -5,10 +5,11 @@ Arithmetic alone, so that it serves arrays of results and symbols of straight-li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 from rattle.description.coordinates import COINCIDENT
+from rattle.value_types import Tree
 
 POINT = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}  # of a point, with units
 KEYS = {"angle": ("angle", "rate"), "position": ("position", "rate"), "length": ("length", "rate")}
@@ -30,7 +31,7 @@ class Rule(NamedTuple):
     number: Any = 0.0
 
 
-def rules(geometry: Mapping[str, Any], stored: Collection[str]) -> dict[str, Rule]:
+def rules(geometry: Tree, stored: Collection[str]) -> dict[str, Rule]:
     """Names derived from stored columns."""
     derived: dict[str, Rule] = {}
     for body, form in geometry.get("bodies", {}).items():
@@ -48,7 +49,7 @@ def rules(geometry: Mapping[str, Any], stored: Collection[str]) -> dict[str, Rul
     return {name: rule for name, rule in derived.items() if name not in stored}
 
 
-def _of_load(load: str, form: Mapping[str, Any], stored: Collection[str]) -> dict[str, Rule]:
+def _of_load(load: str, form: Tree, stored: Collection[str]) -> dict[str, Rule]:
     """Names of a load between two points or bodies."""
     derived, turns = _between(load, form["coordinate"], form, 0.0, stored), form["coordinate"] == "angle"
     if turns and f"{load}.angle" in derived:
@@ -60,9 +61,7 @@ def _of_load(load: str, form: Mapping[str, Any], stored: Collection[str]) -> dic
     return derived
 
 
-def _between(
-    owner: str, coordinate: str, form: Mapping[str, Any], axis: Any, stored: Collection[str]
-) -> dict[str, Rule]:
+def _between(owner: str, coordinate: str, form: Tree, axis: Any, stored: Collection[str]) -> dict[str, Rule]:
     bodies = tuple(form["bodies"])
     points = tuple((point[0], point[1]) for point in form["points"])
     moving = [body for body in bodies if body != "ground"]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from rattle import registry
 from rattle.description.model import Joint, OilFilm, Point
 from rattle.equations.system import System
 from rattle.jit import layout as at
+from rattle.value_types import Tree
 
 Array = np.ndarray
 FILM, MIXED, DRY = 0.0, 1.0, 2.0  # regimes
@@ -130,7 +131,7 @@ def _pressure(film: OilFilm, e: Sequence[Array], u: Sequence[Array], clearance: 
     return peak, 2.0 * radius * length * speed * of_law(law.leakage, values, part, alpha)
 
 
-def of_law(method: Callable[..., Array], values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+def of_law(method: Callable[..., Array], values: Tree, e: Array, alpha: Array) -> Array:
     """What a film law says: a place where another way to call it may be put."""
     return method(values, e, alpha)
 

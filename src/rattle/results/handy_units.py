@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from rattle.language.units import QuantityError, parse_quantity, unit_of_quantity
 from rattle.results.chosen_units import Shown, chosen, shown_in, si_unit
+from rattle.value_types import Tree
 
 DEGREES = 180.0 / math.pi
 SMALL = 0.2  # a length below it is written in mm, in drawings, curves and tables [m]
@@ -109,13 +110,13 @@ def written_units(document: Any) -> dict[str, list[Written]]:
     return units
 
 
-def units_of_result(provenance: Mapping[str, Any]) -> dict[str, list[Written]]:
+def units_of_result(provenance: Tree) -> dict[str, list[Written]]:
     """The same of the model that a result holds; none without a model."""
     document = provenance.get("document")
     return written_units(str(document)) if document else {}
 
 
-def _texts(value: Any) -> Iterator[str]:
+def _texts(value: object) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping):

@@ -4,6 +4,7 @@ The types of `Trust` are those of its fields; those of the geometry stand here, 
 """
 
 # no postponed annotations here: TypedDict would not see which keys are NotRequired
+
 import json
 from collections.abc import Collection, Mapping
 from types import NoneType, UnionType
@@ -12,6 +13,7 @@ from typing import Any, NotRequired, TypedDict, Union, get_args, get_origin, get
 from numpy import ndarray
 
 from rattle.results.trust import Trust
+from rattle.value_types import Tree
 
 Pair = tuple[float, float]
 
@@ -105,7 +107,7 @@ class Provenance(TypedDict):
     document: NotRequired[str]
 
 
-def misfit(value: Any, wanted: Any, where: str) -> str:
+def misfit(value: object, wanted: Any, where: str) -> str:
     """Where a value of JSON is not of a type, such as "geometry.joints.O.clearance"; "" if all of it is."""
     if is_typeddict(wanted):
         return _table_misfit(value, wanted, where)
@@ -122,14 +124,14 @@ def misfit(value: Any, wanted: Any, where: str) -> str:
     return "" if type(value) in fits else where
 
 
-def _list_misfit(value: Any, counted: bool, parts: tuple[Any, ...], where: str) -> str:
+def _list_misfit(value: object, counted: bool, parts: tuple[Any, ...], where: str) -> str:
     """The same of a list whose items are of one type, or `counted`: one type each."""
     if not isinstance(value, list | tuple) or (counted and len(value) != len(parts)):
         return where
     return _first(zip(value, parts if counted else parts[:1] * len(value), strict=True), where)
 
 
-def _mapping_misfit(value: Any, wanted: Any, where: str) -> str:
+def _mapping_misfit(value: object, wanted: Any, where: str) -> str:
     """The same of a mapping of names to values of one type."""
     if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
         return where
@@ -141,7 +143,7 @@ def _first(pairs: Any, where: str) -> str:
     return next(filter(None, (misfit(item, wanted, f"{where}[{n}]") for n, (item, wanted) in enumerate(pairs))), "")
 
 
-def _table_misfit(value: Any, wanted: Any, where: str) -> str:
+def _table_misfit(value: object, wanted: Any, where: str) -> str:
     if not isinstance(value, dict):
         return where
     for key, hint in get_type_hints(wanted).items():
@@ -153,7 +155,7 @@ def _table_misfit(value: Any, wanted: Any, where: str) -> str:
     return ""
 
 
-def misfit_of(record: Mapping[str, Any]) -> str:
+def misfit_of(record: Tree) -> str:
     """Where a record is not as a result is written; "" if it is.  Its names are checked before."""
     trust, geometry, provenance = record["trust"], record["geometry"], record["provenance"]
     hints = get_type_hints(Trust)

@@ -26,6 +26,7 @@ from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture, card, grid, marks, printed
 from rattle.results.event import Breaks, Event, Peak
 from rattle.results.trust import Trust
+from rattle.value_types import Tree
 from rattle.wrong_arguments import answer_in_words, answers_in_words
 
 if TYPE_CHECKING:
@@ -63,10 +64,10 @@ class Result(OfResult):
         data: ArrayLike,
         names: Iterable[str],
         units: Mapping[str, str],
-        geometry: Mapping[str, Any],
+        geometry: Tree,
         trust: Trust,
-        stats: Mapping[str, Any],
-        provenance: Mapping[str, Any],
+        stats: Tree,
+        provenance: Tree,
         events: Iterable[Event] = (),
         success: bool = True,
         message: str = "",

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rattle.results.display import card, marks
+from rattle.value_types import Json, Tree
 from rattle.wrong_arguments import answers_in_words
 
 Array = NDArray[np.float64]
@@ -282,12 +282,12 @@ class Trust:
         joints = ", ".join(self.nonunique)
         return ([_say("nonunique", joints=joints)] if joints else []) + list(self.notes)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Json]:
         """All fields as numbers (SI), texts and lists, ready for JSON."""
         return asdict(self) | {"intervals": {j: np.asarray(v).tolist() for j, v in self.intervals.items()}}
 
     @classmethod
-    def from_dict(cls, record: Mapping[str, Any]) -> Trust:
+    def from_dict(cls, record: Tree) -> Trust:
         """The inverse of `to_dict`; units as of the fields."""
         intervals = {j: np.asarray(v, float).reshape(-1, 2) for j, v in record["intervals"].items()}
         texts = {key: tuple(record[key]) for key in ("nonunique", "notes", "singular", "unread") if key in record}

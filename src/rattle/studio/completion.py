@@ -10,6 +10,7 @@ from typing import Any
 
 from rattle.description.schema import schema
 from rattle.description.schema_pieces import NAMES, Schema
+from rattle.value_types import Json
 
 TOLD = {"description": "about", "const": "const", "enum": "enum", "default": "default", "required": "required"}
 TOLD |= {NAMES: "names", "type": "type"}
@@ -27,7 +28,7 @@ def entries() -> dict[str, Any]:
     parts: list[dict[str, Any]] = []
 
     def number(part: Schema) -> int:
-        small: dict[str, Any] = {ours: part[key] for key, ours in TOLD.items() if key in part}
+        small: dict[str, Json] = {ours: part[key] for key, ours in TOLD.items() if key in part}
         if "properties" in part:
             small["keys"] = {key: number(entry) for key, entry in part["properties"].items()}
         if isinstance(part.get("additionalProperties"), dict):

@@ -10,6 +10,7 @@ from rattle.description import file as model_file
 from rattle.description.changes import Change, copied, path_of, put
 from rattle.description.switch_contact import contact_of, recontact
 from rattle.errors import ModelError, Problem
+from rattle.value_types import Json
 
 TURNABLE = 400_000  # characters of a text in which knobs write: some seconds, kept out of the way of other pages
 
@@ -47,7 +48,7 @@ def with_contact(text: str, joint: str, model: str) -> str:
     return _written(text, document, [(("joints", joint, "contact"), value)])
 
 
-def _written(text: str, document: dict[str, Any], changes: Sequence[Change]) -> str:
+def _written(text: str, document: dict[str, Json], changes: Sequence[Change]) -> str:
     renewed = copied(document)
     for path, value in changes:
         put(renewed, path, value)
@@ -77,7 +78,7 @@ def as_python(text: str, name: str, original: str | None) -> str:
     return f"{head}m = rt.loads({body})\n{tail}"
 
 
-def _difference(old: Any, new: Any, path: tuple[str, ...] = ()) -> dict[str, Any] | None:
+def _difference(old: object, new: object, path: tuple[str, ...] = ()) -> dict[str, Any] | None:
     """Values of entries by their paths that make one document of the other; None if more than values differ."""
     if isinstance(old, dict) and isinstance(new, dict):
         if (

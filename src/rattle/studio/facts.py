@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rattle.description.read_contact import contact_models
 from rattle.errors import ModelError, Problem
@@ -11,11 +10,12 @@ from rattle.language.units import parse_quantity
 from rattle.mechanism import Mechanism
 from rattle.registry import kinds
 from rattle.results.handy_units import Units, handy_unit, written_units
+from rattle.value_types import Json, Tree
 
 SPAN = 0.5  # share of its value by which a parameter without limits may be changed up and down
 
 
-def facts(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
+def facts(m: Mechanism, document: Mapping[str, object]) -> dict[str, Json]:
     """Everything the left column shows; document: the tables of the model file as they are written."""
     lent = written_units(document)
     return {
@@ -30,7 +30,7 @@ def facts(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _knob(m: Mechanism, document: Mapping[str, Any], lent: Units, name: str) -> dict[str, Any]:
+def _knob(m: Mechanism, document: Tree, lent: Units, name: str) -> dict[str, Json]:
     """A parameter: its value [SI], between which values it can be turned, and in which unit it is shown."""
     parameter = m.model.parameters[name]
     written = document.get("parameters", {}).get(name)
@@ -52,7 +52,7 @@ def _knob(m: Mechanism, document: Mapping[str, Any], lent: Units, name: str) -> 
     }  # fmt: skip
 
 
-def _contacts(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _contacts(document: Tree) -> list[dict[str, Json]]:
     """Joints with a contact: the model that is written, and those that the joint may have."""
     contacts = []
     for name, joint in document.get("joints", {}).items():
@@ -64,7 +64,7 @@ def _contacts(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     return contacts
 
 
-def _settings(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
+def _settings(m: Mechanism, document: Tree) -> dict[str, Json]:
     settings = document.get("simulate", {})
     return {
         "gravity": [str(component) for component in document.get("gravity", [0, 0])],
@@ -74,18 +74,18 @@ def _settings(m: Mechanism, document: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def problems_of(error: ModelError, text: str) -> list[dict[str, Any]]:
+def problems_of(error: ModelError, text: str) -> list[dict[str, Json]]:
     """Problems for the editor: line and column counted from 1, 0 where they are not known."""
     lines = text.split("\n")
     return [_problem(problem, lines) for problem in error.problems]
 
 
-def problem_without_place(words: str) -> dict[str, Any]:
+def problem_without_place(words: str) -> dict[str, Json]:
     """A problem that stands nowhere in the text."""
     return {"line": 0, "column": 0, "width": 0, "where": "", "words": words}
 
 
-def _problem(problem: Problem, lines: Sequence[str]) -> dict[str, Any]:
+def _problem(problem: Problem, lines: Sequence[str]) -> dict[str, Json]:
     column, width = 0, 0
     source, _, marks = problem.caret.rpartition("\n")
     if problem.line and source == lines[problem.line - 1].rstrip("\r"):  # otherwise a part of a very long line is shown

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 from weakref import WeakSet
 
 import click
@@ -18,6 +16,7 @@ from rattle.studio.folder import Folder
 from rattle.studio.page import PATHS, application, aside
 from rattle.studio.server import Server
 from rattle.user_paths import expanded
+from rattle.value_types import Plain
 
 SWITCH = (
     5e-4  # how soon a thread that reads a long text lets the server answer other pages [s]; Python's is ten times that
@@ -43,7 +42,7 @@ def serve(file: str | None, address: str, port: int, open_browser: bool) -> None
     folder = Folder(root)
     desks: WeakSet[Desk] = WeakSet()  # of pages that are open
 
-    def make_desk(**wires: Callable[..., Any]) -> Desk:
+    def make_desk(**wires: Plain) -> Desk:
         desk = Desk(folder, **wires)
         desk.draft.begin(folder.read(name) if name else text, name)
         desks.add(desk)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
+from rattle.language.recorded import Operand
 from rattle.trace.c_text import BEGIN, MAIN, NO_BEGIN
 from rattle.trace.graph import ROUND, Graph
 from rattle.trace.program import PIECES, ROWS, Begin, Input, Program
@@ -78,7 +78,7 @@ def number(value: float) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-def function(graph: Graph, outputs: Sequence[Any], name: str) -> str:
+def function(graph: Graph, outputs: Sequence[Operand], name: str) -> str:
     """`static void name(const double *in, double *out)`; the file needs INCLUDES and `helpers` before it."""
     body = statements(graph, outputs, FORMS, number, lambda x, flag: f"const {'int' if flag else 'double'} {x}")
     return "\n    ".join([f"static void {name}(const double *in, double *out) {{", *body]) + "\n}\n"

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
+from rattle.language.recorded import Operand
 from rattle.trace.graph import Graph, Symbol
 
 
-def copied(source: Graph, outputs: Sequence[Any], change: Callable[..., Any]) -> tuple[Graph, list[Any]]:
+def copied(source: Graph, outputs: Sequence[Operand], change: Callable[..., Operand]) -> tuple[Graph, list[Operand]]:
     """The operations that the outputs need, made anew in another graph with the same inputs, and the outputs there.
 
     change(graph, op, *operands) makes one operation there.  The other graph is kept: every operation is made once,
@@ -28,10 +28,10 @@ def copied(source: Graph, outputs: Sequence[Any], change: Callable[..., Any]) ->
     return graph, [places[source.place(x)] for x in outputs]
 
 
-def bind(graph: Graph, outputs: Sequence[Any], values: Mapping[int, float]) -> tuple[Graph, list[Any]]:
+def bind(graph: Graph, outputs: Sequence[Operand], values: Mapping[int, float]) -> tuple[Graph, list[Operand]]:
     """The calculation with numbers for some of its inputs, by place; the others stay, in order."""
     bound = Graph()
-    places: dict[int, Any] = {place: values[place] if place in values else bound.input() for place in graph.inputs}
+    places: dict[int, Operand] = {place: values[place] if place in values else bound.input() for place in graph.inputs}
     for place in graph.live(outputs):
         op = graph.ops[place]
         if op == "number":
@@ -41,9 +41,9 @@ def bind(graph: Graph, outputs: Sequence[Any], values: Mapping[int, float]) -> t
     return bound, [places[graph.place(x)] for x in outputs]
 
 
-def replaced(graph: Graph, outputs: Sequence[Any], new: Mapping[int, Any]) -> list[Any]:
+def replaced(graph: Graph, outputs: Sequence[Operand], new: Mapping[int, Operand]) -> list[Operand]:
     """The outputs with other symbols or numbers for some inputs, by place, in the same graph."""
-    places: dict[int, Any] = {place: Symbol(graph, place) for place in graph.inputs} | dict(new)
+    places: dict[int, Operand] = {place: Symbol(graph, place) for place in graph.inputs} | dict(new)
     for place in graph.live(outputs):
         op = graph.ops[place]
         if op == "number":

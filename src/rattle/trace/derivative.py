@@ -17,15 +17,15 @@ Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 3 (bot
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 from rattle.errors import TraceError
 from rattle.jit.functions import KernelFunction
 from rattle.language.operations import OPERATIONS
-from rattle.trace.graph import FLAGS, Graph, Operand, Symbol, select
+from rattle.language.recorded import Flag, Operand
+from rattle.trace.graph import FLAGS, Graph, Symbol, select
 from rattle.trace.recorded_language import Copies
 
-Rule = Callable[[Operand, Sequence[Operand], Symbol], Any]  # (v, operands, result): slope by one operand, times v
+Rule = Callable[[Operand, Sequence[Operand], Symbol], Operand]  # (v, operands, result): slope by one operand, times v
 Case = frozenset[tuple[int, bool]]  # flags that are so: places and truth values
 When = frozenset[Case]  # where a number counts: any of these cases
 Share = tuple[When, Operand]  # where it counts, and the number
@@ -34,7 +34,7 @@ ALWAYS: When = frozenset([frozenset()])
 CASES = 8  # more of them become one new flag
 
 
-def tangent(graph: Graph, outputs: Sequence[Operand], seeds: Mapping[int, Any]) -> list[Any]:
+def tangent(graph: Graph, outputs: Sequence[Operand], seeds: Mapping[int, Operand]) -> list[Operand]:
     """Derivatives (n_out,) of the outputs in one direction, forward: operations of the same graph, or numbers.
 
     seeds: what each input changes by, a symbol of the graph or a number, by the input's place; the others do not
@@ -49,7 +49,7 @@ def tangent(graph: Graph, outputs: Sequence[Operand], seeds: Mapping[int, Any]) 
     return [rates.get(graph.place(x), 0.0) for x in outputs]
 
 
-def gradient(graph: Graph, output: Operand, with_respect_to: Sequence[Symbol]) -> list[Any]:
+def gradient(graph: Graph, output: Operand, with_respect_to: Sequence[Symbol]) -> list[Operand]:
     """Derivatives (n_in,) of one output by inputs, in reverse: operations of the same graph, or numbers.
 
     Raises TraceError for a graph that `elementary.lower` has taken apart.
@@ -60,7 +60,7 @@ def gradient(graph: Graph, output: Operand, with_respect_to: Sequence[Symbol]) -
     for place in order:
         if any(k in changing for k in graph.operands[place]):
             changing.add(place)
-    slopes: dict[int, Any] = {}
+    slopes: dict[int, Operand] = {}
     arriving: dict[int, list[Share]] = {graph.place(output): [(ALWAYS, 1.0)]}
     for place in reversed(order):
         if place not in changing or place not in arriving:
@@ -75,7 +75,7 @@ def gradient(graph: Graph, output: Operand, with_respect_to: Sequence[Symbol]) -
     return [slopes.get(place, 0.0) for place in wanted]
 
 
-def jacobian(graph: Graph, outputs: Sequence[Operand], inputs: Sequence[Symbol]) -> list[list[Any]]:
+def jacobian(graph: Graph, outputs: Sequence[Operand], inputs: Sequence[Symbol]) -> list[list[Operand]]:
     """d outputs/d inputs (n_out, n_in): forward or in reverse, by the fewer of the inputs and outputs that count."""
     used = set(graph.live(outputs))
     columns = sum(x.place in used for x in inputs)
@@ -92,7 +92,7 @@ def _input(graph: Graph, place: int) -> int:
     return place
 
 
-def _value(x: Operand) -> Any:
+def _value(x: Operand) -> Operand:
     return x if isinstance(x, Symbol) else float(x)
 
 
@@ -100,7 +100,7 @@ def _zero(x: Operand) -> bool:
     return not isinstance(x, Symbol) and x == 0.0
 
 
-def _step(graph: Graph, place: int) -> tuple[tuple[Rule, ...], list[Any], Symbol]:
+def _step(graph: Graph, place: int) -> tuple[tuple[Rule, ...], list[Operand], Symbol]:
     """Rules of an operation, its operands (symbols or numbers), its result.  Raises TraceError if it has no rules."""
     rules = RULES.get(graph.ops[place])
     if rules is None:
@@ -109,7 +109,7 @@ def _step(graph: Graph, place: int) -> tuple[tuple[Rule, ...], list[Any], Symbol
 
 
 # ---------------------------------------------------------------- forward
-def _forward(graph: Graph, place: int, changes: Sequence[Operand]) -> Any:
+def _forward(graph: Graph, place: int, changes: Sequence[Operand]) -> Operand:
     """Change of one operation's result for changes of its operands."""
     op = graph.ops[place]
     if op == "select":
@@ -119,14 +119,14 @@ def _forward(graph: Graph, place: int, changes: Sequence[Operand]) -> Any:
     rules, operands, result = _step(graph, place)
     if op == "div":  # one product less than by its rules
         return _over(changes[0] - result * changes[1], operands[1], result)
-    total: Any = 0.0
+    total: Operand = 0.0
     for rule, v in zip(rules, changes, strict=True):
         if not _zero(v):
             total = _sum(graph, total, rule(v, operands, result))
     return total
 
 
-def _sum(graph: Graph, a: Operand, b: Operand) -> Any:
+def _sum(graph: Graph, a: Operand, b: Operand) -> Operand:
     return graph.apply("add", a, b)
 
 
@@ -158,7 +158,7 @@ def _gathered(graph: Graph, arriving: Sequence[Share]) -> Share:
     if len(sums) == 1:
         return next(iter(sums.items()))
     anywhere = _any(graph, list(sums))
-    total: Any = 0.0
+    total: Operand = 0.0
     for when, value in sums.items():
         total = _sum(graph, total, _guarded(graph, when, anywhere, value))
     return anywhere, total
@@ -176,20 +176,20 @@ def _halves(sums: Mapping[When, Operand]) -> tuple[When, When, int, When] | None
     return None
 
 
-def _guarded(graph: Graph, when: When, inside: When, value: Operand) -> Any:
+def _guarded(graph: Graph, when: When, inside: When, value: Operand) -> Operand:
     """A value that counts only in some cases, made zero in the others of those `inside`."""
     if when == inside:
         return value
     return graph.apply("select", _flag(graph, when, frozenset.intersection(*inside)), value, 0.0)
 
 
-def _flag(graph: Graph, when: When, settled: Case) -> Any:
+def _flag(graph: Graph, when: When, settled: Case) -> Flag:
     """Whether one of the cases holds, where the known flags are so."""
-    flag: Any = False
+    flag: Flag = False
     for case in sorted(when, key=sorted):
-        holds: Any = True
+        holds: Flag = True
         for place, truth in sorted(case - settled):
-            symbol: Any = Symbol(graph, place)
+            symbol = Symbol(graph, place)
             holds = graph.apply("both", holds, symbol if truth else ~symbol)
         flag = graph.apply("either", flag, holds)
     return flag
@@ -224,12 +224,12 @@ def _simple(cases: Sequence[Case]) -> When:
 
 
 # ---------------------------------------------------------------- slopes
-def _over(v: Operand, x: Operand, r: Symbol) -> Any:
+def _over(v: Operand, x: Operand, r: Symbol) -> Operand:
     """v/x; 1/x is one operation for all directions."""
     return v * (1.0 / x) if isinstance(x, Symbol) else r.graph.apply("div", v, x)
 
 
-def _base(v: Operand, xy: Sequence[Operand], r: Symbol) -> Any:
+def _base(v: Operand, xy: Sequence[Operand], r: Symbol) -> Operand:
     """x^y by x: y x^(y - 1); 0 for y = 0, where x = 0 too."""
     x, y = xy
     if isinstance(y, Symbol):
@@ -237,7 +237,7 @@ def _base(v: Operand, xy: Sequence[Operand], r: Symbol) -> Any:
     if y == 0.0:
         return 0.0
     less = y - 1.0
-    product: Any = 1.0
+    product: Operand = 1.0
     if less in (0.0, 1.0, 2.0, 3.0):
         for _ in range(int(less)):
             product = product * x
@@ -246,7 +246,7 @@ def _base(v: Operand, xy: Sequence[Operand], r: Symbol) -> Any:
     return v * (y * product)
 
 
-def _exponent(v: Operand, xy: Sequence[Operand], r: Symbol) -> Any:
+def _exponent(v: Operand, xy: Sequence[Operand], r: Symbol) -> Operand:
     """x^y by y: x^y ln x; 0 for x = 0 < y.  For x < 0 nan, unless y does not change there."""
     x, y = xy
     slope = r * r.graph.apply("log", x)
@@ -255,18 +255,18 @@ def _exponent(v: Operand, xy: Sequence[Operand], r: Symbol) -> Any:
     return r.graph.apply("select", r.graph.apply("either", vanishes, still), 0.0, v * slope)
 
 
-def _copied(v: Operand, xs: Sequence[Operand], r: Symbol) -> Any:
+def _copied(v: Operand, xs: Sequence[Operand], r: Symbol) -> Operand:
     """|x| with the sign of s, by x."""
     x, s = xs
     size = _size(v, [x], r)
     return select(r.graph.apply("less", r.graph.apply("copysign", 1.0, s), 0.0), -size, size)
 
 
-def _size(v: Operand, x: Sequence[Operand], r: Symbol) -> Any:
+def _size(v: Operand, x: Sequence[Operand], r: Symbol) -> Operand:
     return select(r.graph.apply("less", x[0], 0.0), -v, v)
 
 
-def _none(v: Operand, x: Sequence[Operand], r: Symbol) -> Any:
+def _none(v: Operand, x: Sequence[Operand], r: Symbol) -> Operand:
     return 0.0
 
 

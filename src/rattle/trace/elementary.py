@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
+from rattle.language.recorded import Flag, Operand
 from rattle.trace.copying import copied
-from rattle.trace.graph import EXACT, ROUND, Graph, Operand, Symbol, apply, select
+from rattle.trace.graph import EXACT, ROUND, Graph, Symbol, apply, select
 
 INF, NAN = math.inf, math.nan
 SPLIT = 134217729.0  # 2^27 + 1
@@ -63,60 +63,60 @@ TANH_P = (-1.61468768441708447952e3, -9.92877231001918586564e1, -9.6439917942505
 TANH_Q = (4.84406305325125486048e3, 2.23548839060100448583e3, 1.12811678491632931402e2, 1.0)
 
 
-def polynomial(x: Operand, coefficients: Sequence[float]) -> Any:
+def polynomial(x: Operand, coefficients: Sequence[float]) -> Operand:
     """c0 + c1 x + c2 x^2 + ... by Horner's rule."""
-    result: Any = coefficients[-1]
+    result: Operand = coefficients[-1]
     for c in reversed(coefficients[:-1]):
         result = result * x + c
     return result
 
 
-def _equal(a: Operand, b: Operand) -> Any:
+def _equal(a: Operand, b: Operand) -> Flag:
     return apply("equal", a, b)
 
 
-def _floor(x: Operand) -> Any:
+def _floor(x: Operand) -> Operand:
     return apply("floor", x)
 
 
-def _nearest(x: Operand) -> Any:
+def _nearest(x: Operand) -> Operand:
     """The nearest whole number of |x| < 2^51."""
     return (x + ROUND) - ROUND
 
 
-def _with_sign_of(x: Operand, sign: Operand) -> Any:
+def _with_sign_of(x: Operand, sign: Operand) -> Operand:
     """|x| with the sign of another number, which may be -0."""
     size = abs(x)
     return select((sign < 0.0) | (_equal(sign, 0.0) & (apply("div", 1.0, sign) < 0.0)), -size, size)
 
 
 # ---------------------------------------------------------------- pairs: a number and the rounding error left of it
-def _two_sum(a: Operand, b: Operand) -> tuple[Any, Any]:
+def _two_sum(a: Operand, b: Operand) -> tuple[Operand, Operand]:
     s = a + b
     t = s - a
     return s, (a - (s - t)) + (b - t)
 
 
-def _split(a: Operand) -> tuple[Any, Any]:
+def _split(a: Operand) -> tuple[Operand, Operand]:
     t = a * SPLIT
     high = t - (t - a)
     return high, a - high
 
 
-def _two_product(a: Operand, b: Operand) -> tuple[Any, Any]:
+def _two_product(a: Operand, b: Operand) -> tuple[Operand, Operand]:
     p = a * b
     a1, a2 = _split(a)
     b1, b2 = _split(b)
     return p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2
 
 
-def _product(a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
+def _product(a: tuple[Operand, Operand], b: tuple[Operand, Operand]) -> tuple[Operand, Operand]:
     p, e = _two_product(a[0], b[0])
     return _two_sum(p, e + (a[0] * b[1] + a[1] * b[0]))
 
 
 # ---------------------------------------------------------------- angles
-def reduced(x: Operand) -> tuple[Any, Any, Any]:
+def reduced(x: Operand) -> tuple[Operand, Operand, Operand]:
     """x = n pi/2 + r + s with |r| <= pi/4, s its rounding error: the remainder of n by 4, r, s."""
     n = _nearest(x * TWO_OVER_PI)
     first, second = x - n * HALF_PI[0], n * HALF_PI[1]  # both exact
@@ -126,7 +126,7 @@ def reduced(x: Operand) -> tuple[Any, Any, Any]:
     return n - 4.0 * _floor(n * 0.25), high, rest - (high - r)
 
 
-def _sine_and_cosine(x: Operand) -> tuple[Any, Any, Any, Any, Any]:
+def _sine_and_cosine(x: Operand) -> tuple[Operand, Operand, Operand, Operand, Operand]:
     """Quarter turns in x, by 4; sine and cosine of what is left, then the rounding errors of both."""
     quarter, r, s = reduced(x)
     sine, sine_low = _sine_of_rest(r, s)
@@ -134,7 +134,7 @@ def _sine_and_cosine(x: Operand) -> tuple[Any, Any, Any, Any, Any]:
     return quarter, sine, cosine, sine_low, cosine_low
 
 
-def _sine_of_rest(r: Operand, s: Operand) -> tuple[Any, Any]:
+def _sine_of_rest(r: Operand, s: Operand) -> tuple[Operand, Operand]:
     """Sine of r + s, as `reduced` leaves them, and its rounding error."""
     z = r * r
     v = z * r
@@ -143,7 +143,7 @@ def _sine_of_rest(r: Operand, s: Operand) -> tuple[Any, Any]:
     return sine, (r - sine) - less
 
 
-def _cosine_of_rest(r: Operand, s: Operand) -> tuple[Any, Any]:
+def _cosine_of_rest(r: Operand, s: Operand) -> tuple[Operand, Operand]:
     """Cosine of r + s, and its rounding error."""
     z = r * r
     half = 0.5 * z
@@ -153,17 +153,17 @@ def _cosine_of_rest(r: Operand, s: Operand) -> tuple[Any, Any]:
     return cosine, (w - cosine) + more
 
 
-def sine_of_rest(r: Operand, s: Operand) -> Any:
+def sine_of_rest(r: Operand, s: Operand) -> Operand:
     """Sine of r + s, as `reduced` leaves them."""
     return _sine_of_rest(r, s)[0]
 
 
-def cosine_of_rest(r: Operand, s: Operand) -> Any:
+def cosine_of_rest(r: Operand, s: Operand) -> Operand:
     """Cosine of r + s, as `reduced` leaves them."""
     return _cosine_of_rest(r, s)[0]
 
 
-def sine(x: Operand) -> Any:
+def sine(x: Operand) -> Operand:
     """sin x; nan where x is infinite."""
     quarter, s, c, _, _ = _sine_and_cosine(x)
     odd = _equal(quarter, 1.0) | _equal(quarter, 3.0)
@@ -171,7 +171,7 @@ def sine(x: Operand) -> Any:
     return select(quarter >= 2.0, -size, size)
 
 
-def cosine(x: Operand) -> Any:
+def cosine(x: Operand) -> Operand:
     """cos x; nan where x is infinite."""
     quarter, s, c, _, _ = _sine_and_cosine(x)
     odd = _equal(quarter, 1.0) | _equal(quarter, 3.0)
@@ -179,7 +179,7 @@ def cosine(x: Operand) -> Any:
     return select(_equal(quarter, 1.0) | _equal(quarter, 2.0), -size, size)
 
 
-def tangent(x: Operand) -> Any:
+def tangent(x: Operand) -> Operand:
     """tan x; nan where x is infinite."""
     quarter, s, c, s_low, c_low = _sine_and_cosine(x)
     odd = _equal(quarter, 1.0) | _equal(quarter, 3.0)
@@ -191,7 +191,7 @@ def tangent(x: Operand) -> Any:
 
 
 # ---------------------------------------------------------------- exp and log
-def _exponential(high: Operand, low: Operand) -> Any:
+def _exponential(high: Operand, low: Operand) -> Operand:
     """exp(high + low), |low| a rounding error of high."""
     x = select(high > 710.0, 710.0, select(high < -750.0, -750.0, high))
     n = _nearest(x * ONE_OVER_LN2)
@@ -206,12 +206,12 @@ def _exponential(high: Operand, low: Operand) -> Any:
     return select(high > 710.0, INF, result)
 
 
-def exponential(x: Operand) -> Any:
+def exponential(x: Operand) -> Operand:
     """e^x."""
     return _exponential(x, 0.0)
 
 
-def _fraction(x: Operand) -> tuple[Any, Any]:
+def _fraction(x: Operand) -> tuple[Operand, Operand]:
     """x = f 2^n with f from sqrt(1/2) to sqrt(2), for x > 0: f - 1 and n."""
     tiny = x < 2.2250738585072014e-308
     x = select(tiny, x * 18014398509481984.0, x)
@@ -221,13 +221,13 @@ def _fraction(x: Operand) -> tuple[Any, Any]:
     return select(large, 0.5 * m, m) - 1.0, n
 
 
-def _outside_log(x: Operand, result: Any) -> Any:
+def _outside_log(x: Operand, result: Operand) -> Operand:
     """The values of a logarithm where x is not a positive number."""
     result = select(_equal(x, INF), INF, result)
     return select(x > 0.0, result, select(_equal(x, 0.0), -INF, NAN))
 
 
-def logarithm(x: Operand) -> Any:
+def logarithm(x: Operand) -> Operand:
     """ln x; -inf at 0, nan below."""
     f, n = _fraction(x)
     s = f / (2.0 + f)
@@ -237,7 +237,7 @@ def logarithm(x: Operand) -> Any:
     return _outside_log(x, s * (half + r) + n * LN2_LOW - half + f + n * LN2_HIGH)
 
 
-def _logarithm_pair(x: Operand) -> tuple[Any, Any]:
+def _logarithm_pair(x: Operand) -> tuple[Operand, Operand]:
     """ln x for x > 0 to some 70 bits: 2 artanh(s) with s = f/(2 + f)."""
     f, n = _fraction(x)
     d, d_low = _two_sum(2.0, f)
@@ -254,7 +254,7 @@ def _logarithm_pair(x: Operand) -> tuple[Any, Any]:
     return _two_sum(swapped[0], low + swapped[1] + (2.0 * (s_pair[1] + more[1]) + n * LN2_LOW))
 
 
-def power(x: Operand, y: Operand) -> Any:
+def power(x: Operand, y: Operand) -> Operand:
     """x^y; nan for a negative x with a broken exponent, 1 for y = 0 or x = 1."""
     size = abs(x)
     zero, infinite = _equal(size, 0.0), _equal(size, INF)
@@ -272,11 +272,12 @@ def power(x: Operand, y: Operand) -> Any:
 
 
 # ---------------------------------------------------------------- arcs
-def arc_tangent(x: Operand) -> Any:
+def arc_tangent(x: Operand) -> Operand:
     """atan x."""
     size = abs(x)
     top, bottom = size, select(size < 0.0, 0.0, 1.0)
-    base, base_low = 0.0, 0.0
+    base: Operand = 0.0
+    base_low: Operand = 0.0
     steps = (  # from where on, numerator and denominator of tan(atan x - atan c)
         (0.4375, 2.0 * size - 1.0, 2.0 + size, *ATAN_AT[0]),
         (0.6875, size - 1.0, size + 1.0, *ATAN_AT[1]),
@@ -293,7 +294,7 @@ def arc_tangent(x: Operand) -> Any:
     return _with_sign_of(select(_equal(size, size), result, size), x)
 
 
-def arc_tangent_2(y: Operand, x: Operand) -> Any:
+def arc_tangent_2(y: Operand, x: Operand) -> Operand:
     """The angle of the point (x, y), -pi to pi."""
     up, wide = abs(y), abs(x)
     ratio = select(_equal(up, INF) & _equal(wide, INF), 1.0, apply("div", up, wide))
@@ -305,19 +306,19 @@ def arc_tangent_2(y: Operand, x: Operand) -> Any:
     return _with_sign_of(angle, y)
 
 
-def _arc(z: Operand) -> Any:
+def _arc(z: Operand) -> Operand:
     """(asin s - s)/s for s = sqrt(z)."""
     return z * polynomial(z, ASIN_P) / polynomial(z, ASIN_Q)
 
 
-def _root_and_rest(z: Operand) -> tuple[Any, Any, Any]:
+def _root_and_rest(z: Operand) -> tuple[Operand, Operand, Operand]:
     """sqrt(z), its upper half, and what is missing to it."""
     s = apply("sqrt", z)
     high, _ = _split(s)
     return s, high, select(_equal(s, 0.0), 0.0, apply("div", z - high * high, s + high))
 
 
-def arc_sine(x: Operand) -> Any:
+def arc_sine(x: Operand) -> Operand:
     """asin x; nan beyond +-1."""
     size = abs(x)
     z = (1.0 - size) * 0.5
@@ -327,7 +328,7 @@ def arc_sine(x: Operand) -> Any:
     return _with_sign_of(select(size < 0.5, size + size * _arc(size * size), outer), x)
 
 
-def arc_cosine(x: Operand) -> Any:
+def arc_cosine(x: Operand) -> Operand:
     """acos x; nan beyond +-1."""
     inner = PI_HALF_HIGH - (x - (PI_HALF_LOW - x * _arc(x * x)))
     z = (1.0 - abs(x)) * 0.5
@@ -338,7 +339,7 @@ def arc_cosine(x: Operand) -> Any:
     return select(abs(x) < 0.5, inner, select(x < 0.0, left, right))
 
 
-def hyperbolic_tangent(x: Operand) -> Any:
+def hyperbolic_tangent(x: Operand) -> Operand:
     """tanh x."""
     size = abs(x)
     z = x * x
@@ -347,7 +348,7 @@ def hyperbolic_tangent(x: Operand) -> Any:
     return select(size < 0.625, inner, outer)
 
 
-def hypotenuse(x: Operand, y: Operand) -> Any:
+def hypotenuse(x: Operand, y: Operand) -> Operand:
     """sqrt(x^2 + y^2) without overflow on the way."""
     a, b = abs(x), abs(y)
     large, small = select(a < b, b, a), select(a < b, a, b)
@@ -358,19 +359,19 @@ def hypotenuse(x: Operand, y: Operand) -> Any:
     return select(_equal(a, INF) | _equal(b, INF), INF, select(_equal(large, 0.0), a + b, result))
 
 
-def _bounded_exponent(x: Operand) -> Any:
+def _bounded_exponent(x: Operand) -> Operand:
     n = apply("exponent", x)
     return select(n > 1000.0, 1000.0, select(n < -1000.0, -1000.0, n))
 
 
-FUNCTIONS: dict[str, Callable[..., Any]] = {
+FUNCTIONS: dict[str, Callable[..., Operand]] = {
     "sin": sine, "cos": cosine, "tan": tangent, "exp": exponential, "log": logarithm, "pow": power,
     "atan": arc_tangent, "atan2": arc_tangent_2, "asin": arc_sine, "acos": arc_cosine, "tanh": hyperbolic_tangent,
     "hypot": hypotenuse, "copysign": lambda x, sign: _with_sign_of(x, sign),
 }  # fmt: skip
 
 
-def lower(source: Graph, outputs: Sequence[Operand]) -> tuple[Graph, list[Any]]:
+def lower(source: Graph, outputs: Sequence[Operand]) -> tuple[Graph, list[Operand]]:
     """The same calculation in exact operations alone: a graph with the same inputs, and its outputs.
 
     It is one graph for all that is asked of a source.
@@ -378,10 +379,10 @@ def lower(source: Graph, outputs: Sequence[Operand]) -> tuple[Graph, list[Any]]:
     return copied(source, outputs, _lowered)
 
 
-def _lowered(graph: Graph, op: str, *operands: Any) -> Any:
+def _lowered(graph: Graph, op: str, *operands: Operand) -> Operand:
     return graph.apply(op, *operands) if op in EXACT else FUNCTIONS[op](*(_symbol(graph, x) for x in operands))
 
 
 def _symbol(graph: Graph, x: Operand) -> Symbol:
     """A number as a symbol, so that functions need not tell the two apart."""
-    return x if isinstance(x, Symbol) else Symbol(graph, graph.number(x))
+    return x if isinstance(x, Symbol) else Symbol(graph, graph.place(x))

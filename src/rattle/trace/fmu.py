@@ -18,12 +18,13 @@ import uuid
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from rattle.errors import TraceError
+from rattle.language.recorded import Operand
 from rattle.solvers.tableau import Tableau
 from rattle.trace import c
 from rattle.trace.graph import Graph
@@ -64,14 +65,14 @@ class Equations(NamedTuple):
     Inputs of the first three are t, y (ny), constants (nc), of the others t, y, parameters (np), E_0.
     """
 
-    derivative: tuple[Graph, list[Any]]  # dy/dt, flag
-    project: tuple[Graph, list[Any]]  # y on the constraints, flag
-    outputs: tuple[Graph, list[Any]]  # curves, flag
-    prepare: tuple[Graph, list[Any]]  # the constants
-    initial_energy: tuple[Graph, list[Any]]  # energy at the start [J]
-    follow: tuple[Graph, list[Any]]  # parameters that follow from others, flag: the model is of the same kind
-    correct: tuple[Graph, list[Any]] | None  # positions corrected, what is left open, flag
-    close_rates: tuple[Graph, list[Any]] | None  # rates, by how much given ones are missed, flag
+    derivative: tuple[Graph, Sequence[Operand]]  # dy/dt, flag
+    project: tuple[Graph, Sequence[Operand]]  # y on the constraints, flag
+    outputs: tuple[Graph, Sequence[Operand]]  # curves, flag
+    prepare: tuple[Graph, Sequence[Operand]]  # the constants
+    initial_energy: tuple[Graph, Sequence[Operand]]  # energy at the start [J]
+    follow: tuple[Graph, Sequence[Operand]]  # parameters that follow from others, flag: the model is of the same kind
+    correct: tuple[Graph, Sequence[Operand]] | None  # positions corrected, what is left open, flag
+    close_rates: tuple[Graph, Sequence[Operand]] | None  # rates, by how much given ones are missed, flag
     inputs: Sequence[Input]
     start: Sequence[float]  # (ny,) y at t = 0 at the parameters' values
     positions: int  # 3 nb

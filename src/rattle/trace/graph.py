@@ -15,13 +15,15 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, TypeAlias, TypeGuard
+from typing import Any, Literal, TypeGuard, get_args, overload
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from rattle.errors import InputError, TraceError
 from rattle.language.operations import OPERATIONS
-from rattle.language.recorded import Recorded, symbol_of
+from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
+from rattle.value_types import Floats
 
 # exact operations: number of operands
 EXACT = {
@@ -34,12 +36,10 @@ FUNCTIONS = {
     **{record.recorded: record.operands for record in OPERATIONS.values() if record.recorded not in ("", *EXACT)},
     "copysign": 2,
 }
-FLAGS = frozenset(("less", "at_most", "equal", "both", "either", "not"))  # their results are true or false
+FlagOp = Literal["less", "at_most", "equal", "both", "either", "not"]
+FLAGS = frozenset(get_args(FlagOp))  # their results are true or false
 COMMUTE = frozenset(("add", "mul", "equal", "both", "either"))
 ROUND = 6755399441055744.0  # 1.5 * 2^52: added to |x| < 2^51 it leaves the nearest integer in the lowest bits
-
-
-Operand: TypeAlias = "Symbol | float"  # or a flag, which Python takes for a number
 
 
 class Symbol:
@@ -67,78 +67,78 @@ class Symbol:
     def __repr__(self) -> str:
         return f"<Symbol {self.place}: {self.op}>"
 
-    def __add__(self, other: Operand) -> Any:
+    def __add__(self, other: Operand) -> Operand:
         return self.graph.apply("add", self, other)
 
-    def __radd__(self, other: Operand) -> Any:
+    def __radd__(self, other: Operand) -> Operand:
         return self.graph.apply("add", other, self)
 
-    def __sub__(self, other: Operand) -> Any:
+    def __sub__(self, other: Operand) -> Operand:
         return self.graph.apply("sub", self, other)
 
-    def __rsub__(self, other: Operand) -> Any:
+    def __rsub__(self, other: Operand) -> Operand:
         return self.graph.apply("sub", other, self)
 
-    def __mul__(self, other: Operand) -> Any:
+    def __mul__(self, other: Operand) -> Operand:
         return self.graph.apply("mul", self, other)
 
-    def __rmul__(self, other: Operand) -> Any:
+    def __rmul__(self, other: Operand) -> Operand:
         return self.graph.apply("mul", other, self)
 
-    def __truediv__(self, other: Operand) -> Any:
+    def __truediv__(self, other: Operand) -> Operand:
         return self.graph.apply("div", self, other)
 
-    def __rtruediv__(self, other: Operand) -> Any:
+    def __rtruediv__(self, other: Operand) -> Operand:
         return self.graph.apply("div", other, self)
 
-    def __neg__(self) -> Any:
+    def __neg__(self) -> Operand:
         return self.graph.apply("neg", self)
 
-    def __pos__(self) -> Any:
+    def __pos__(self) -> Operand:
         return self
 
-    def __abs__(self) -> Any:
+    def __abs__(self) -> Operand:
         return self.graph.apply("abs", self)
 
-    def __pow__(self, other: Operand) -> Any:
+    def __pow__(self, other: Operand) -> Operand:
         if isinstance(other, int) and 0 < other <= 4:
-            product: Any = self
+            product: Operand = self
             for _ in range(other - 1):
                 product = product * self
             return product
         return self.graph.apply("pow", self, other)
 
-    def __rpow__(self, other: Operand) -> Any:
+    def __rpow__(self, other: Operand) -> Operand:
         return self.graph.apply("pow", other, self)
 
-    def __mod__(self, other: Operand) -> Any:
+    def __mod__(self, other: Operand) -> Operand:
         return self - other * self.graph.apply("floor", self / other)
 
-    def __lt__(self, other: Operand) -> Any:
+    def __lt__(self, other: Operand) -> Flag:
         return self.graph.apply("less", self, other)
 
-    def __le__(self, other: Operand) -> Any:
+    def __le__(self, other: Operand) -> Flag:
         return self.graph.apply("at_most", self, other)
 
-    def __gt__(self, other: Operand) -> Any:
+    def __gt__(self, other: Operand) -> Flag:
         return self.graph.apply("less", other, self)
 
-    def __ge__(self, other: Operand) -> Any:
+    def __ge__(self, other: Operand) -> Flag:
         return self.graph.apply("at_most", other, self)
 
-    def __and__(self, other: Operand) -> Any:
+    def __and__(self, other: Flag) -> Flag:
         return self.graph.apply("both", self, other)
 
-    def __rand__(self, other: Operand) -> Any:
+    def __rand__(self, other: Flag) -> Flag:
         return self.graph.apply("both", other, self)
 
-    def __or__(self, other: Operand) -> Any:
+    def __or__(self, other: Flag) -> Flag:
         return self.graph.apply("either", self, other)
 
-    def __ror__(self, other: Operand) -> Any:
+    def __ror__(self, other: Flag) -> Flag:
         return self.graph.apply("either", other, self)
 
-    def __invert__(self) -> Any:
+    def __invert__(self) -> Flag:
         return self.graph.apply("not", self)
 
     def __eq__(self, other: Any) -> Any:
@@ -150,23 +150,27 @@ class Symbol:
     __hash__ = None  # type: ignore[assignment]  # places are what dictionaries hold
 
 
-def select(condition: Operand, yes: Operand, no: Operand) -> Any:
+def select(condition: Operand, yes: Operand, no: Operand) -> Operand:
     """`yes` where the condition holds, `no` elsewhere; both are computed."""
     if isinstance(condition, Symbol):
         return condition.graph.apply("select", condition, yes, no)
     return yes if condition else no
 
 
-def apply(op: str, *operands: Operand) -> Any:
+@overload
+def apply(op: FlagOp, *operands: Operand) -> Flag: ...
+@overload
+def apply(op: str, *operands: Operand) -> Operand | Flag: ...
+def apply(op: str, *operands: Operand) -> Operand:
     """An operation of the graph of its operands; of numbers alone an exact one is done."""
     symbols = [x.symbol if isinstance(x, Recorded) else x for x in operands]
     graph = next((x.graph for x in symbols if isinstance(x, Symbol)), None)
     return graph.apply(op, *symbols) if graph is not None else fold(op, *symbols)
 
 
-def both(graph: Graph, flags: Iterable[Operand]) -> Any:
+def both(graph: Graph, flags: Iterable[Flag]) -> Flag:
     """A flag: all of these are true."""
-    result: Any = True
+    result: Flag = True
     for flag in flags:
         result = graph.apply("both", result, flag)
     return result
@@ -180,8 +184,8 @@ class Graph:
         self.operands: list[tuple[int, ...]] = []
         self.numbers: dict[int, float] = {}  # of the operations that are numbers
         self.inputs: list[int] = []  # places of the inputs, in order
-        self._known: dict[Any, int] = {}
-        self._lowered: tuple[Graph, dict[int, Any]] | None = None
+        self._known: dict[object, int] = {}
+        self._lowered: tuple[Graph, dict[int, Operand]] | None = None
 
     def __len__(self) -> int:
         return len(self.ops)
@@ -215,9 +219,13 @@ class Graph:
             if x.graph is not self:
                 raise TraceError("symbols of two traces were mixed")
             return x.place
-        return self.number(x)
+        return self.number(float(x))
 
-    def apply(self, op: str, *operands: Operand) -> Any:
+    @overload
+    def apply(self, op: FlagOp, *operands: Operand) -> Flag: ...
+    @overload
+    def apply(self, op: str, *operands: Operand) -> Operand | Flag: ...
+    def apply(self, op: str, *operands: Operand) -> Operand:
         """The result of an operation: a number if it is known, the operand it leaves as it is, or a symbol."""
         numbers, held, constant = self.numbers, [], True
         for x in operands:
@@ -261,7 +269,7 @@ class Graph:
         """Number of operations that the outputs take."""
         return sum(self.ops[place] not in ("input", "number") for place in self.live(outputs))
 
-    def evaluate(self, outputs: Sequence[Operand], inputs: Any) -> np.ndarray:
+    def evaluate(self, outputs: Sequence[Operand], inputs: ArrayLike) -> np.ndarray:
         """Outputs (n_out, n) for inputs (n_in, n), by NumPy: the reference for every target; flags are 0 or 1.
 
         The graph must be of exact operations alone, see `elementary.lower`.
@@ -270,7 +278,7 @@ class Graph:
         if columns.ndim != 2 or columns.shape[0] != len(self.inputs):
             raise InputError(f"inputs: an array ({len(self.inputs)}, n) expected, not {columns.shape}")
         rank = {place: n for n, place in enumerate(self.inputs)}
-        values: dict[int, Any] = {}
+        values: dict[int, np.float64 | Floats] = {}
         with np.errstate(all="ignore"):
             for place in self.live(outputs):
                 op = self.ops[place]
@@ -287,11 +295,11 @@ class Graph:
 
 
 # ---------------------------------------------------------------- numbers alone
-def _bits(x: Any) -> Any:
+def _bits(x: ArrayLike) -> NDArray[np.int64]:
     return np.asarray(x, dtype=np.float64).view(np.int64)
 
 
-def _power_of_two(n: Any) -> Any:
+def _power_of_two(n: NDArray[np.float64]) -> NDArray[np.float64]:
     """2^n for a whole n from -1022 to 1023, by its bits."""
     return ((_bits(np.asarray(n + (ROUND + 1023.0))) & 0xFFF) << 52).view(np.float64)
 
@@ -306,7 +314,7 @@ NUMPY: dict[str, Callable[..., Any]] = {
 }  # fmt: skip
 
 
-def fold(op: str, *operands: Operand) -> Any:
+def fold(op: str, *operands: Operand) -> Operand:
     """An exact operation on numbers."""
     with np.errstate(all="ignore"):
         result = NUMPY[op](*(x if isinstance(x, bool) else np.float64(x) for x in operands))
@@ -321,7 +329,7 @@ def _is_negative(x: Operand) -> TypeGuard[Symbol]:
     return type(x) is Symbol and x.op == "neg"
 
 
-def _without_signs(graph: Graph, op: str, a: Operand, b: Operand) -> Any:
+def _without_signs(graph: Graph, op: str, a: Operand, b: Operand) -> Operand:
     """A product or quotient of which one or both are negated: the sign goes outwards, where a sum may take it."""
     inner = [Symbol(graph, graph.operands[x.place][0]) if _is_negative(x) else x for x in (a, b)]
     if _is_negative(a) and _is_negative(b):
@@ -338,7 +346,7 @@ def _negated(graph: Graph, x: Symbol) -> Symbol:
     return Symbol(graph, graph.operands[x.place][0])
 
 
-def _simple_sum(graph: Graph, a: Operand, b: Operand) -> Any:
+def _simple_sum(graph: Graph, a: Operand, b: Operand) -> Operand | None:
     if _is(a, 0.0):
         return b
     if _is(b, 0.0):
@@ -348,7 +356,7 @@ def _simple_sum(graph: Graph, a: Operand, b: Operand) -> Any:
     return graph.apply("sub", a, _negated(graph, b)) if _is_negative(b) else None
 
 
-def _simple_difference(graph: Graph, a: Operand, b: Operand) -> Any:
+def _simple_difference(graph: Graph, a: Operand, b: Operand) -> Operand | None:
     if _is(b, 0.0):
         return a
     if _is(a, 0.0):
@@ -356,7 +364,7 @@ def _simple_difference(graph: Graph, a: Operand, b: Operand) -> Any:
     return graph.apply("add", a, _negated(graph, b)) if _is_negative(b) else None
 
 
-def _simple_product(graph: Graph, a: Operand, b: Operand) -> Any:
+def _simple_product(graph: Graph, a: Operand, b: Operand) -> Operand | None:
     if _is_negative(a) or _is_negative(b):
         return _without_signs(graph, "mul", a, b)
     for factor, other in ((a, b), (b, a)):
@@ -369,7 +377,7 @@ def _simple_product(graph: Graph, a: Operand, b: Operand) -> Any:
     return None
 
 
-def _simple_quotient(graph: Graph, a: Operand, b: Operand) -> Any:
+def _simple_quotient(graph: Graph, a: Operand, b: Operand) -> Operand | None:
     if _is_negative(a) or _is_negative(b):
         return _without_signs(graph, "div", a, b)
     if _is(b, 1.0):
@@ -377,10 +385,10 @@ def _simple_quotient(graph: Graph, a: Operand, b: Operand) -> Any:
     return 0.0 if _is(a, 0.0) else None
 
 
-def _simple_flag(op: str) -> Callable[[Graph, Operand, Operand], Any]:
+def _simple_flag(op: str) -> Callable[[Graph, Operand, Operand], Operand | None]:
     stays = op == "both"  # True and x is x; False or x is x
 
-    def simple(graph: Graph, a: Operand, b: Operand) -> Any:
+    def simple(graph: Graph, a: Operand, b: Operand) -> Operand | None:
         for flag, other in ((a, b), (b, a)):
             if not isinstance(flag, Symbol):
                 return other if bool(flag) == stays else not stays
@@ -389,14 +397,14 @@ def _simple_flag(op: str) -> Callable[[Graph, Operand, Operand], Any]:
     return simple
 
 
-def _simple_choice(graph: Graph, condition: Operand, yes: Operand, no: Operand) -> Any:
+def _simple_choice(graph: Graph, condition: Operand, yes: Operand, no: Operand) -> Operand | None:
     if not isinstance(condition, Symbol):
         return yes if condition else no
     return yes if graph.place(yes) == graph.place(no) else None
 
 
 # the result of an operation where it takes none, or a simpler one; else None
-SIMPLER: dict[str, Callable[..., Any]] = {
+SIMPLER: dict[str, Callable[..., Operand | None]] = {
     "add": _simple_sum, "sub": _simple_difference, "mul": _simple_product, "div": _simple_quotient,
     "neg": lambda graph, x: _negated(graph, x) if x.op == "neg" else None,
     "not": lambda graph, x: _negated(graph, x) if x.op == "not" else None,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rattle.language.recorded import Operand
 from rattle.trace.graph import FLAGS, Graph, Symbol
 
 
@@ -12,12 +13,12 @@ class Hoisted(NamedTuple):
     """A calculation in two parts, both of exact operations."""
 
     early: Graph  # all inputs of the whole, of which it uses the early ones
-    prepared: list[Any]  # its results
+    prepared: list[Symbol]  # its results
     late: Graph  # the other inputs of the whole in order, then one input for each result of the first part
-    outputs: list[Any]
+    outputs: list[Symbol]
 
 
-def hoist(graph: Graph, outputs: Sequence[Any], early: Collection[int]) -> Hoisted:
+def hoist(graph: Graph, outputs: Sequence[Operand], early: Collection[int]) -> Hoisted:
     """Split a calculation of exact operations.
 
     early: places of the inputs that are known first.  The operations and their order stay, so bits do too.
@@ -42,7 +43,7 @@ def hoist(graph: Graph, outputs: Sequence[Any], early: Collection[int]) -> Hoist
 
 
 def _parted(
-    graph: Graph, outputs: Sequence[Any], live: Sequence[int], early: Collection[int]
+    graph: Graph, outputs: Sequence[Operand], live: Sequence[int], early: Collection[int]
 ) -> tuple[set[int], list[int]]:
     """Places that depend on late inputs, and those of early results that the late part uses."""
     late = {place for place in graph.inputs if place not in early}

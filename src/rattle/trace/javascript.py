@@ -10,12 +10,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from typing import Any
 
+from rattle.language.recorded import Operand
 from rattle.trace.graph import ROUND, Graph
 from rattle.trace.javascript_text import BEGIN, GUIDE, HEAD, MAIN, NO_BEGIN
 from rattle.trace.program import PIECES, ROWS, Begin, Input, Program
 from rattle.trace.text import pieces
+from rattle.value_types import Json
 
 FORMS = {
     "add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "div": "{0} / {1}", "neg": "-{0}",
@@ -60,7 +61,7 @@ def number(value: float) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-def function(graph: Graph, outputs: Sequence[Any], name: str) -> str:
+def function(graph: Graph, outputs: Sequence[Operand], name: str) -> str:
     """`function name(inp, out)` over Float64Arrays; the file needs BITS before it."""
     bodies = pieces(graph, outputs, FORMS, number, lambda x, flag: f"const {x}", "inp", SIZE)
     if len(bodies) == 1:
@@ -143,7 +144,7 @@ def _begin(begin: Begin) -> str:
     return text
 
 
-def as_text(x: Any) -> str:
+def as_text(x: Json) -> str:
     """A text or list of texts as JavaScript reads it, inside a page too."""
     return json.dumps(x).replace("<", "\\u003c")
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rattle.trace.graph import both, select
+from rattle.language.recorded import Flag, Operand
+from rattle.trace.graph import apply, both, select
 from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs
 from rattle.trace.reductions import Ledger, Step
 
@@ -90,12 +91,12 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Rec
     seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
     rows, asks = ledger.advance(Step(h, t, number, last, samples, crossings, seen), held)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
-    reached: Any = GOING_ON
+    reached: Operand = GOING_ON
     for fails, why in (  # the last one that holds counts
-        (tries >= float(most_steps), Status.TOO_MANY_STEPS), (accepted & _not(accounted), Status.ENERGY),
-        (accepted & ~(sound & curves_sound), Status.ASSUMPTION),
-        (accepted & ~(finite & curves_finite), Status.NOT_FINITE),
-        (~kept, Status.ASSUMPTION), (short, Status.STEP_TOO_SMALL),
+        (tries >= float(most_steps), Status.TOO_MANY_STEPS), (accepted & apply("not", accounted), Status.ENERGY),
+        (accepted & apply("not", sound & curves_sound), Status.ASSUMPTION),
+        (accepted & apply("not", finite & curves_finite), Status.NOT_FINITE),
+        (apply("not", kept), Status.ASSUMPTION), (short, Status.STEP_TOO_SMALL),
     ):  # fmt: skip
         reached = select(fails, float(why), reached)
     good = both(graph, [running, accepted, reached < 0.0])
@@ -104,7 +105,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Rec
     reached = select(landed & (number >= float(len(stops.instants))), float(Status.DONE), reached)
     going = _one(running & (reached < 0.0))
     plan = _plan(stops, adaptive, landed, number, control[len(CONTROL) - len(PLAN) :])
-    plan[0], plan[4] = select(good, t_new, t), plan[4] + _one(good & ~landed)
+    plan[0], plan[4] = select(good, t_new, t), plan[4] + _one(good & apply("not", landed))
     if adaptive:
         plan[1] = select(running, ahead, plan[1])
     controlled = [going, select(running, reached, status), number, steps + _one(good), tries + _one(running), *plan]
@@ -112,21 +113,17 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Rec
     return graph, [good, good & asks, *merged, *controlled]
 
 
-def _plan(stops: Stops, adaptive: bool, landed: Any, number: Any, plan: Sequence[Any]) -> list[Any]:
+def _plan(stops: Stops, adaptive: bool, landed: Flag, number: Operand, plan: Sequence[Operand]) -> list[Operand]:
     """PLAN after landing at a stop: the next one is ahead."""
     t, ahead, stop, base, done, count = plan
     done = select(landed, 0.0, done)
     for n in range(1, len(stops.instants)):
-        here = landed & number.graph.apply("equal", number, float(n))
+        here = landed & apply("equal", number, float(n))
         stop, base = select(here, stops.instants[n], stop), select(here, stops.instants[n - 1], base)
         if not adaptive:
             ahead, count = select(here, stops.lengths[n], ahead), select(here, stops.counts[n], count)
     return [t, ahead, stop, base, done, count]
 
 
-def _one(on: Any) -> Any:
+def _one(on: Flag) -> Operand:
     return select(on, 1.0, 0.0)
-
-
-def _not(x: Any) -> Any:
-    return not x if isinstance(x, bool) else ~x

@@ -13,18 +13,19 @@ import itertools
 import math
 from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rattle.language.recorded import Flag, Operand
 from rattle.solvers import step_size
 from rattle.solvers.tableau import Tableau
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, Operand, apply, both, select
+from rattle.trace.graph import Graph, apply, both, select
 from rattle.trace.recording import Recorder
 
 SHORTEST, SHORTEST_OF_RUN = 1e-15, 1e-16  # steps that a float can hardly tell from none: shares of t, of the run
 WHOLE = 1e-9  # share of a step by which a span may be longer than so many of them: rounding of both
 
-Recorded = tuple[Graph, list[Any]]  # a graph of exact operations, and its outputs
+Recorded = tuple[Graph, list[Operand]]  # a graph of exact operations, and its outputs
 
 
 class Method:
@@ -65,41 +66,41 @@ class Tolerances(NamedTuple):
     h_max: float = math.inf  # [s]
 
 
-def weighted(weights: Sequence[float], terms: Sequence[Operand]) -> Any:
+def weighted(weights: Sequence[float], terms: Sequence[Operand]) -> Operand:
     """The sum of terms with weights, from left to right; zero weights take no operation."""
-    total: Any = 0.0
+    total: Operand = 0.0
     for weight, term in zip(weights, terms, strict=False):
         if weight != 0.0:
             total = total + weight * term
     return total
 
 
-def total(terms: Sequence[Operand]) -> Any:
+def total(terms: Sequence[Operand]) -> Operand:
     """The sum of terms from left to right."""
     return weighted([1.0] * len(terms), terms)
 
 
-def root(x: Operand) -> Any:
+def root(x: Operand) -> Operand:
     """Square root."""
     return apply("sqrt", x)
 
 
-def least(a: Operand, b: Operand) -> Any:
+def least(a: Operand, b: Operand) -> Operand:
     """The smaller one."""
     return select(b < a, b, a)
 
 
-def largest(a: Operand, b: Operand) -> Any:
+def largest(a: Operand, b: Operand) -> Operand:
     """The larger one."""
     return select(b > a, b, a)
 
 
-def extremes(terms: Sequence[Operand]) -> tuple[Any, Any]:
+def extremes(terms: Sequence[Operand]) -> tuple[Operand, Operand]:
     """The least and the largest one."""
     return functools.reduce(least, terms), functools.reduce(largest, terms)
 
 
-def inputs(count: int) -> tuple[Graph, list[Any]]:
+def inputs(count: int) -> tuple[Graph, list[Operand]]:
     """A new graph with inputs."""
     graph = Graph()
     return graph, [graph.input() for _ in range(count)]
@@ -137,9 +138,9 @@ def inside(method: Method) -> Recorded:
     return graph, [_inside(theta, y, rows)]
 
 
-def _inside(theta: Operand, y: Operand, rows: Sequence[Operand]) -> Any:
+def _inside(theta: Operand, y: Operand, rows: Sequence[Operand]) -> Operand:
     rest = 1.0 - theta
-    value: Any = 0.0
+    value: Operand = 0.0
     for n in reversed(range(len(rows))):  # factors theta and 1 - theta in turn
         value = (rows[n] + value) * (theta if n % 2 == 0 else rest)
     return y + value
@@ -159,7 +160,7 @@ def copied(count: int) -> Recorded:
 
 
 # ---------------------------------------------------------------- steps
-def size(graph: Graph) -> Any:
+def size(graph: Graph) -> SimpleNamespace:
     """The functions of `rattle.solvers.step_size` for symbols of a graph."""
     recorder = Recorder(graph)
     names = ("error_share", "shorter", "longer", "trial_step", "first_length")
@@ -178,7 +179,7 @@ def plan(method: Method, t_end: float) -> Recorded:
         return graph, [ahead, select(last, stop, base + (done + 1.0) * ahead), last, 0.0, ahead]
     last = t + 1.000001 * ahead >= stop
     h = select(last, stop - t, ahead)
-    short = (h <= SHORTEST * abs(t)) | (h <= SHORTEST_OF_RUN * t_end) | ~(t + h > t)
+    short = (h <= SHORTEST * abs(t)) | (h <= SHORTEST_OF_RUN * t_end) | apply("not", t + h > t)
     return graph, [h, select(last, stop, t + h), last, short, ahead]
 
 
@@ -202,14 +203,14 @@ def judge(method: Method, tolerances: Tolerances, ny: int, controlled: Sequence[
     return lower(graph, [select(accepted, longer, shorter), accepted])
 
 
-def finite_flag(graph: Graph, terms: Sequence[Operand]) -> Any:
+def finite_flag(graph: Graph, terms: Sequence[Operand]) -> Flag:
     """A flag: none of the terms is inf or nan."""
     return both(graph, [graph.apply("equal", x - x, 0.0) for x in terms])
 
 
-def flag(graph: Graph, x: Operand) -> Any:
+def flag(graph: Graph, x: Operand) -> Flag:
     """A number as a flag: it is not 0."""
-    return ~graph.apply("equal", x, 0.0)
+    return graph.apply("not", graph.apply("equal", x, 0.0))
 
 
 def checks(method: Method, ny: int, later: Sequence[int], watched: int) -> Recorded:

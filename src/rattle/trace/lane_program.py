@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rattle.errors import InputError
+from rattle.language.recorded import Operand
 from rattle.trace import lane_methods as methods
 from rattle.trace.graph import Graph
 from rattle.trace.lane_aside import results
@@ -17,7 +18,7 @@ from rattle.trace.lane_control import Stops, settle
 from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.reductions import Energies, Ledger, Reduction
 
-Compile = Callable[[Graph, Sequence[Any]], Function]  # of a graph of exact operations
+Compile = Callable[[Graph, Sequence[Operand]], Function]  # of a graph of exact operations
 EIGHT = 8  # functions take a multiple of so many columns
 
 

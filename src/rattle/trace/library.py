@@ -10,29 +10,29 @@ Numerical Algorithms (2002), section 1.14.1.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
+from rattle.language.recorded import Operand
 from rattle.trace import elementary
 from rattle.trace.graph import FUNCTIONS as OPERANDS
 from rattle.trace.graph import Graph, select
 from rattle.trace.llvm import instructions
 
 
-def exponential_less_one(x: Any) -> Any:
+def exponential_less_one(x: Operand) -> Operand:
     """e^x - 1."""
     u = elementary.exponential(x)
     near = (u - 1.0) * (x / elementary.logarithm(u))
     return select(u == 1.0, x, select(u - 1.0 == -1.0, -1.0, select(u < elementary.INF, near, u)))
 
 
-def logarithm_of_one_and(x: Any) -> Any:
+def logarithm_of_one_and(x: Operand) -> Operand:
     """ln(1 + x)."""
     u = 1.0 + x
     near = elementary.logarithm(u) * (x / (u - 1.0))
     return select(u == 1.0, x, select(u < elementary.INF, near, elementary.logarithm(u)))
 
 
-WHOLE: dict[str, Callable[..., Any]] = {  # computed without a branch
+WHOLE: dict[str, Callable[..., Operand]] = {  # computed without a branch
     **{
         name: function
         for name, function in elementary.FUNCTIONS.items()
@@ -136,7 +136,7 @@ def library_text() -> str:
     return "\n".join([*whole, *turned, HYPOT, REMAINDER, ATTRIBUTES])
 
 
-def _function(name: str, function: Callable[..., Any], count: int) -> str:
+def _function(name: str, function: Callable[..., Operand], count: int) -> str:
     """One function of some numbers."""
     arguments = [f"%a{n}" for n in range(count)]
     lines, (result,) = _recorded(function, arguments)
@@ -144,7 +144,9 @@ def _function(name: str, function: Callable[..., Any], count: int) -> str:
     return "\n".join([head, *lines, f"ret double {result}", "}"])
 
 
-def _recorded(function: Callable[..., Any], arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+def _recorded(
+    function: Callable[..., Operand | tuple[Operand, ...]], arguments: Sequence[str]
+) -> tuple[list[str], list[str]]:
     """Instructions of a function of numbers with these names, and the names of its results."""
     graph = Graph()
     results = function(*[graph.input() for _ in arguments])

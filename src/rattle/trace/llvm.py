@@ -27,6 +27,7 @@ from typing import Any
 
 from rattle.errors import InputError
 from rattle.jit.cache import KeptFile, code_folder
+from rattle.language.recorded import Operand
 from rattle.trace.graph import FLAGS, ROUND, Graph
 
 WIDTHS = (1, 2, 4, 8)
@@ -118,7 +119,7 @@ class _Width:
     def _type(self, kind: str) -> str:
         return kind if self.width == 1 else f"<{self.width} x {kind}>"
 
-    def _lanes(self, kind: str, value: Any) -> str:
+    def _lanes(self, kind: str, value: object) -> str:
         return str(value) if self.width == 1 else f"<{', '.join([f'{kind} {value}'] * self.width)}>"
 
 
@@ -148,7 +149,7 @@ class _Body:
         self._numbers: dict[int, str] = {}  # places as numbers, by what they are called
         self._flags: dict[int, str] = {}
 
-    def put(self, op: str, result: str, *operands: Any) -> str:
+    def put(self, op: str, result: str, *operands: object) -> str:
         """Add an operation; returns its result."""
         self.lines.append(self.width.forms[op].format(*operands, r=result))
         return result
@@ -190,7 +191,7 @@ def _used(graph: Graph, live: Iterable[int]) -> list[int]:
     return list(order)
 
 
-def _function(graph: Graph, name: str, outputs: Sequence[Any], width: _Width) -> str:
+def _function(graph: Graph, name: str, outputs: Sequence[Operand], width: _Width) -> str:
     body = _Body(graph, width)
     rows: dict[int, list[int]] = {}
     for n, x in enumerate(outputs):
@@ -205,7 +206,7 @@ def _function(graph: Graph, name: str, outputs: Sequence[Any], width: _Width) ->
     return "\n".join([head, *begin, *body.lines, *end, "done:", "ret void", "}\n"])
 
 
-def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: int) -> str:
+def functions_text(graph: Graph, functions: Mapping[str, Sequence[Operand]], width: int) -> str:
     """LLVM's intermediate form of functions of a graph of exact operations, for `compile`, by name.
 
     Each is `void name(ptr in, i64 a, ptr out, i64 b, i64 n)`: `in` holds the inputs of the graph as rows (n_in, n) of
@@ -217,7 +218,7 @@ def functions_text(graph: Graph, functions: Mapping[str, Sequence[Any]], width: 
     return "\n".join(_function(graph, name, outputs, written) for name, outputs in functions.items())
 
 
-def instructions(graph: Graph, outputs: Sequence[Any], arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+def instructions(graph: Graph, outputs: Sequence[Operand], arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     """Instructions for one sample whose inputs have these names, and what they call the outputs, as numbers.
 
     The graph must be of exact operations alone.
@@ -249,7 +250,7 @@ class MachineCode:
         types = kinds or (ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64)
         return functools.partial(self._call, ctypes.CFUNCTYPE(None, *types)(self.addresses[name]))
 
-    def _call(self, entry: Callable[..., None], *arguments: Any) -> None:
+    def _call(self, entry: Callable[..., None], *arguments: object) -> None:
         entry(*arguments)
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
 
+from rattle.language.recorded import Operand
 from rattle.trace.graph import select
 from rattle.trace.lane_methods import largest, least, weighted
 
@@ -17,11 +17,11 @@ NEWTON = 3  # iterations from the largest sample: the place is good to 1e-4 of a
 STEEPEST = 2.0  # rise above the largest sample that counts, as a multiple of that of the parabola
 
 
-def _polynomial(x: Sequence[Any]) -> list[Any]:
+def _polynomial(x: Sequence[Operand]) -> list[Operand]:
     """Coefficients of s, s^2, ... for s from -1 to 1 over the step, relative to the sample in the middle."""
     half = len(x) // 2
     nodes = [Fraction(j, half) for j in range(1, half + 1)]
-    coefficients: list[Any] = [None] * (2 * half)
+    coefficients: list[Operand] = [0.0] * (2 * half)
     for odd in (True, False):
         inverse = _inverse([[s ** (2 * k + (1 if odd else 2)) for k in range(half)] for s in nodes])
         parts = [
@@ -45,19 +45,20 @@ def _inverse(a: list[list[Fraction]]) -> list[list[Fraction]]:
     return [row[n:] for row in rows]
 
 
-def _horner(coefficients: Sequence[Any], s: Any) -> Any:
+def _horner(coefficients: Sequence[Operand], s: Operand) -> Operand:
     value = coefficients[-1]
     for c in reversed(coefficients[:-1]):
         value = value * s + c
     return value
 
 
-def peak(x: Sequence[Any]) -> Any:
+def peak(x: Sequence[Operand]) -> Operand:
     """The largest value of a curve in a step, from its samples."""
     parts = len(x) - 1
     if parts < 2:
         return largest(*x)
-    best, start = x[0], -1.0
+    start: Operand = -1.0
+    best = x[0]
     left, middle, right = x[:3]
     for i in range(1, parts + 1):
         above, c = x[i] > best, min(i, parts - 1)

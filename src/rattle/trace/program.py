@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rattle.language.recorded import Operand
 from rattle.trace.graph import Graph
 
 ROWS = 1000  # about so many rows are printed or returned of a run
@@ -28,12 +29,12 @@ class Begin(NamedTuple):
     what is left open may be `closed` [m or rad], the way `far` [rad, sizes], the miss of given rates `missed` [share].
     """
 
-    readable: Any  # flag of the parameters alone: the model has the parts and forms of this program
-    correction: Sequence[Any]  # (nq + 2,) positions after a step, what is left open [m or rad], a flag
+    readable: Operand  # flag of the parameters alone: the model has the parts and forms of this program
+    correction: Sequence[Operand]  # (nq + 2,) positions after a step, what is left open [m or rad], a flag
     rates: Sequence[
-        Any
+        Operand
     ]  # (nq + 2,) rates at closed positions, by how much given ones are missed [m/s or rad/s], a flag
-    gaps: Sequence[tuple[str, Any, str]]  # what must close: words before a number, this number at y, its unit
+    gaps: Sequence[tuple[str, Operand, str]]  # what must close: words before a number, this number at y, its unit
     sizes: Sequence[float]  # (nq,) what changes of positions are measured by [m or rad]
     closed: float
     missed: float
@@ -46,9 +47,9 @@ class Program(NamedTuple):
     """Functions of t [s], y [SI], the parameters p [SI] and the energy at the start E_0 [J], of exact operations."""
 
     graph: Graph  # its inputs, in this order
-    derivative: Sequence[Any]  # (ny + 1,) dy/dt [SI/s], then a flag: this was computed on sound assumptions
-    projection: Sequence[Any]  # (ny + 1,) y on the constraints [SI], then such a flag
-    outputs: Sequence[Any]  # (no + 1,) the result columns [SI], the energies last, then such a flag
+    derivative: Sequence[Operand]  # (ny + 1,) dy/dt [SI/s], then a flag: this was computed on sound assumptions
+    projection: Sequence[Operand]  # (ny + 1,) y on the constraints [SI], then such a flag
+    outputs: Sequence[Operand]  # (no + 1,) the result columns [SI], the energies last, then such a flag
     names: Sequence[str]  # of the result columns
     units: Sequence[str]
     parameters: Sequence[Input]
@@ -59,9 +60,9 @@ class Program(NamedTuple):
     bound: Sequence[str] = ()  # parameters that have no start where they are changed alone
 
     @property
-    def functions(self) -> dict[str, Sequence[Any]]:
+    def functions(self) -> dict[str, Sequence[Operand]]:
         """The recorded functions by name: those of a run and those of its start."""
-        functions: dict[str, Sequence[Any]] = {
+        functions: dict[str, Sequence[Operand]] = {
             "derivative": self.derivative, "project": self.projection, "outputs": self.outputs,
         }  # fmt: skip
         if self.begin is None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import builtins
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from types import CodeType, FunctionType, SimpleNamespace
 from typing import Any
 
@@ -18,18 +18,17 @@ from rattle.jit import choices
 from rattle.jit.functions import KernelFunction
 from rattle.language import arithmetic, jets
 from rattle.language import bytecode as code
-from rattle.language.recorded import Recorded, symbol_of
-from rattle.trace.graph import FUNCTIONS, Operand, Symbol, apply, select
+from rattle.language.recorded import Operand, Recorded, symbol_of
+from rattle.trace.graph import FUNCTIONS, Symbol, apply, select
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import Column
-
-Plain = Callable[..., Any]  # a function of the compiled layer, or one that stands for it
+from rattle.value_types import Plain
 
 
 class Copies:
     """Copies of plain Python functions in which other functions stand for some that they call."""
 
-    def __init__(self, own: Mapping[Plain, Plain] | None = None, arrays: Any = np) -> None:
+    def __init__(self, own: Mapping[Plain, Plain] | None = None, arrays: object = np) -> None:
         """own: what stands for functions besides those of expressions; arrays: for NumPy."""
         self._copies: dict[Plain, Plain] = {choices.select.python: select, **LANGUAGE, **(own or {})}
         self._arrays = arrays
@@ -43,7 +42,7 @@ class Copies:
         copy = self._copies.get(function)
         if copy is None:
             assert isinstance(function, FunctionType)
-            names: dict[str, Any] = {"__builtins__": BUILTINS, "__name__": function.__module__}
+            names: dict[str, object] = {"__builtins__": BUILTINS, "__name__": function.__module__}
             copy = self._copies[function] = FunctionType(
                 function.__code__, names, function.__name__, function.__defaults__, function.__closure__
             )
@@ -52,7 +51,7 @@ class Copies:
                     names[name] = self._stand_in(function.__globals__[name], function.__module__)
         return copy
 
-    def _stand_in(self, thing: Any, module: str) -> Any:
+    def _stand_in(self, thing: object, module: str) -> object:
         if thing is math:
             return MATH
         if thing is np:
@@ -77,14 +76,14 @@ def _names(function: CodeType) -> set[str]:
 def _or_plain(op: str, plain: Plain) -> Plain:
     """An operation of a graph if an operand is a symbol, of numbers the plain function."""
 
-    def call(*operands: Any) -> Any:
+    def call(*operands: Operand) -> Operand:
         recorded = any(isinstance(x, Symbol | Recorded) for x in operands)
         return apply(op, *operands) if recorded else plain(*operands)
 
     return call
 
 
-def _as_it_is(x: Operand) -> Any:
+def _as_it_is(x: Operand | Column) -> Operand | Column:
     if isinstance(x, Recorded):  # of a model, among columns of symbols
         return Column([symbol_of(x)])
     return x if isinstance(x, Symbol | Column) else float(x)
@@ -112,12 +111,12 @@ BUILTINS = {**vars(builtins), "float": _as_it_is, "min": _smaller, "max": _large
 
 
 # ---------------------------------------------------------------- the language of expressions
-def _chosen(condition: Operand, yes: Operand, no: Operand) -> Any:
+def _chosen(condition: Operand, yes: Operand, no: Operand) -> Operand:
     plain = not isinstance(condition, Symbol)
     return code.chosen.python(condition, yes, no) if plain else select(condition > 0.0, yes, no)
 
 
-def _choose_jet(stack: Any, top: int) -> None:
+def _choose_jet(stack: list[Operand], top: int) -> None:
     if not isinstance(stack[top], Symbol):
         jets.choose_jet.python(stack, top)
         return
@@ -126,7 +125,9 @@ def _choose_jet(stack: Any, top: int) -> None:
         stack[top + n] = select(holds, stack[top + 3 + n], stack[top + 6 + n])
 
 
-def _read_table(table: Any, k: int, side: int, x: Operand, dx: Operand, ddx: Operand) -> Any:
+def _read_table(
+    table: Sequence[Operand], k: int, side: int, x: Operand, dx: Operand, ddx: Operand
+) -> tuple[Operand, Operand, Operand]:
     return recorded_table(table, k, x)
 
 

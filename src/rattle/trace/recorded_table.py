@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from rattle.errors import TraceError
+from rattle.language.recorded import Flag, Operand
 from rattle.language.table_reading import EDGE, KNOTS, PER_SEGMENT, PERIOD
 from rattle.trace.graph import Symbol, apply, select
 
 MOST_SEGMENTS = 300  # each costs five choices wherever the table is used
 
 
-def recorded_table(table: Sequence[Any], k: int, x: Any) -> tuple[Any, Any, Any]:
+def recorded_table(table: Sequence[Operand], k: int, x: Operand) -> tuple[Operand, Operand, Operand]:
     """Value and first and second derivative at x of the table whose block begins at table[k], as operations.
 
     The same as `language.bytecode.read_table` without a side.  Raises TraceError for a table with too many points.
     """
-    n, period, first = int(table[k]), table[k + PERIOD], k + KNOTS
+    n, period, first = int(float(table[k])), table[k + PERIOD], k + KNOTS
     if n > MOST_SEGMENTS:
         raise TraceError(
             f"a table of {n + 1} points is too long for straight-line code, which takes {MOST_SEGMENTS + 1} at most"
@@ -41,5 +41,5 @@ def recorded_table(table: Sequence[Any], k: int, x: Any) -> tuple[Any, Any, Any]
     return c0 + u * (c1 + u * (c2 + u * c3)), c1 + u * (2.0 * c2 + u * (3.0 * c3)), 2.0 * c2 + 6.0 * (u * c3)
 
 
-def _at_most(a: Any, b: Any) -> Any:
+def _at_most(a: Operand, b: Operand) -> Flag:
     return apply("at_most", a, b)

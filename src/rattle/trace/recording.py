@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,12 +23,15 @@ from rattle.jit.functions import KernelFunction
 from rattle.jit.workspace import ARRAYS
 from rattle.language import bytecode as code
 from rattle.language.operations import CHOICES, CHOOSE, OPERATIONS
-from rattle.language.recorded import Recorded, symbol_of
-from rattle.trace.graph import Graph, Operand, Symbol, both, select
+from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
+from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
+from rattle.value_types import Plain
 
+T = TypeVar("T")
+Prepare = Callable[[SimpleNamespace], None]  # changes values of joints in a workspace
 CLOSED = 1e-9  # residual that a projection may leave [m or rad, times the size of the mechanism where that is larger]
 CONSTANT = frozenset(("mass", "weight", "gravity", "lever", "const"))  # float arrays that a run only reads
 
@@ -38,8 +41,8 @@ class Recorder:
 
     def __init__(self, graph: Graph, usual: bool = True) -> None:
         self.graph, self.usual = graph, usual  # usual: whether conditions that usually hold are taken for true
-        self.guards: list[Symbol] = []
-        self.assumed: dict[int, Symbol] = {}  # by place: what reading the model has found true of its parameters
+        self.guards: list[Flag] = []
+        self.assumed: dict[int, Flag] = {}  # by place: what reading the model has found true of its parameters
         own = {choices.assume.python: self._assume, choices.usually.python: self._usually}
         self._copies = Copies(own, arrays(graph))
 
@@ -47,41 +50,42 @@ class Recorder:
         """A number of a model that stands for a symbol and is `value` [SI] where the record is made."""
         return Recorded(value, symbol, self)
 
-    def table(self, block: Sequence[Operand], x: Operand) -> Any:
+    def table(self, block: Sequence[Operand], x: Operand) -> Operand:
         """Symbol of the value of a table at x, of which numbers may be recorded."""
         return recorded_table([symbol_of(number) for number in block], 0, symbol_of(x))[0]
 
-    def operation(self, op: int, *operands: Any) -> Any:
+    def operation(self, op: int, *operands: Operand) -> Operand:
         """Symbol of an operation of `language.bytecode` on constants of a model."""
-        return self._copies.of(code.RECORDS[op].value.python)(*operands)
+        result: Operand = self._copies.of(code.RECORDS[op].value.python)(*operands)
+        return result
 
-    def assume(self, condition: Operand, holds: bool) -> None:
+    def assume(self, condition: Flag, holds: bool) -> None:
         """Keep what reading the model has found to be true, or false, of its parameters."""
         if isinstance(condition, Symbol):
             assumption = condition if holds else ~condition
-            self.assumed[assumption.place] = assumption
+            self.assumed[self.graph.place(assumption)] = assumption
 
-    def largest(self, values: Sequence[Operand]) -> Any:
+    def largest(self, values: Sequence[Operand]) -> Operand:
         """The largest of some symbols and numbers; nan if one of them is."""
-        result: Any = 0.0
+        result: Operand = 0.0
         for value in values:
             result = select(value <= result, result, value)
         return result
 
-    def _assume(self, condition: Operand) -> Any:
+    def _assume(self, condition: Flag) -> Flag:
         if isinstance(condition, Symbol):
             self.guards.append(condition)
             return True
         return condition
 
-    def _usually(self, condition: Operand) -> Any:
+    def _usually(self, condition: Flag) -> Flag:
         return self._assume(condition) if self.usual or not isinstance(condition, Symbol) else False
 
-    def recorded(self, function: Callable[..., Any]) -> Callable[..., Any]:
+    def recorded(self, function: Plain) -> Plain:
         """A copy of a plain Python function of the compiled layer that takes symbols."""
         return self._copies.of(function)
 
-    def replace(self, function: KernelFunction | Callable[..., Any], own: Callable[..., Any]) -> None:
+    def replace(self, function: KernelFunction | Plain, own: Plain) -> None:
         """Record calls of a function by another one; before anything that calls it."""
         self._copies.replace(function.python if isinstance(function, KernelFunction) else function, own)
 
@@ -90,7 +94,7 @@ class Recorder:
         recorded = {name: array for name, array in system.arrays.items() if array.dtype == object}
         floats = {name: array.astype(float) for name, array in recorded.items()}
         plain = replace(system, arrays={**system.arrays, **floats}).plain_workspace()
-        held: dict[str, Any] = {}
+        held: dict[str, object] = {}
         for name in ARRAYS:
             array = getattr(plain, name)
             if isinstance(array, tuple):  # a table of kernels
@@ -110,13 +114,14 @@ def _symbols(array: np.ndarray) -> np.ndarray:
     return symbols
 
 
-def operation(name: str, *operands: Any) -> Any:
+def operation(name: str, *operands: Operand) -> Operand:
     """An operation or function of expressions, by its name in their trees, on symbols and numbers."""
     if name in CHOICES:
         a, b, yes, no = operands
         return select(CHOICES[name](a, b), yes, no)
     value = code.chosen if name == CHOOSE else OPERATIONS[name].value
-    return EXPRESSIONS.of(value.python)(*operands)
+    result: Operand = EXPRESSIONS.of(value.python)(*operands)
+    return result
 
 
 EXPRESSIONS = Copies()
@@ -140,30 +145,30 @@ class Recording:
         self.system, self.graph = system, recorder.graph
         self._recorder = recorder
 
-    def guarded(self, calculation: Callable[[], Any]) -> tuple[Any, Any]:
+    def guarded(self, calculation: Callable[[], T]) -> tuple[T, Flag]:
         """What a calculation on symbols returns, and a flag: everything that it assumes is true."""
         guards = self._recorder.guards
         guards.clear()
         outcome = calculation()
         return outcome, both(self.graph, guards)
 
-    def run(self, function: KernelFunction, *arguments: Any) -> SimpleNamespace:
+    def run(self, function: KernelFunction, *arguments: object) -> SimpleNamespace:
         """Run a kernel (m, *arguments) on symbols; returns the workspace that it leaves."""
         workspace = self._recorder.workspace(self.system)
         self._recorder.recorded(function.python)(workspace, *arguments)
         return workspace
 
-    def plain(self, function: Callable[..., Any]) -> Callable[..., Any]:
+    def plain(self, function: Plain) -> Plain:
         """A copy of a function over NumPy arrays that takes arrays of symbols."""
         return self._recorder.recorded(function)
 
-    def derivative(self, t: Operand, y: np.ndarray) -> list[Any]:
+    def derivative(self, t: Operand, y: np.ndarray) -> list[Operand]:
         """dy/dt [SI/s], (ny,)."""
         rate = np.zeros(len(y), dtype=object)
         self.run(motion.derivative, t, y, rate)
         return list(rate)
 
-    def projection(self, t: Operand, y: np.ndarray) -> list[Any]:
+    def projection(self, t: Operand, y: np.ndarray) -> list[Operand]:
         """y brought onto the constraints, (ny,): two corrections of positions and one of rates.
 
         The corrections are those of `solvers.projection` next to the constraints, where it takes at most two.  A guard
@@ -181,7 +186,7 @@ class Recording:
         closing.close_rates(v)
         return list(y)
 
-    def closing(self, t: Operand, prepare: Callable[[Any], None] = lambda workspace: None) -> Closing:
+    def closing(self, t: Operand, prepare: Prepare = lambda workspace: None) -> Closing:
         """What brings positions and rates onto the constraints at the time t."""
         return Closing(self.system, self._recorder, t, prepare)
 
@@ -193,12 +198,12 @@ class Closing:
     """
 
     def __init__(
-        self, system: System, recorder: Recorder, t: Operand, prepare: Callable[[Any], None] = lambda workspace: None
+        self, system: System, recorder: Recorder, t: Operand, prepare: Prepare = lambda workspace: None
     ) -> None:
         self.workspace, self._recorder = recorder.workspace(system), recorder
         self._t, self._prepare = t, prepare
 
-    def _run(self, function: KernelFunction, *arguments: Any) -> Any:
+    def _run(self, function: KernelFunction, *arguments: object) -> Any:
         return self._recorder.recorded(function.python)(self.workspace, *arguments)
 
     def place(self, q: np.ndarray, v: np.ndarray) -> None:
@@ -220,9 +225,10 @@ class Closing:
         q += self.workspace.change
         self.place(q, v)
 
-    def gap(self) -> Any:
+    def gap(self) -> Operand:
         """The largest residual [m or rad]."""
-        return self._run(motion.residual)
+        gap: Operand = self._run(motion.residual)
+        return gap
 
     def close_rates(self, v: np.ndarray) -> None:
         """Correct the rates in place, with a factor at the present positions."""

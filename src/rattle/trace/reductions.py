@@ -12,10 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rattle.errors import InputError
-from rattle.trace.graph import Graph, Operand, apply, select
+from rattle.language.recorded import Flag, Operand
+from rattle.trace.graph import Graph, apply, select
 from rattle.trace.lane_methods import Recorded, extremes, inputs, largest, least, root, weighted
 from rattle.trace.peak import peak
 
@@ -43,10 +44,12 @@ class Step(NamedTuple):
     h: Operand  # [s]
     t: Operand  # start [s]
     stop: Operand  # number of the instant that it ends at, if it does
-    lands: Operand  # a flag: it does
-    curves: list[list[Any]]  # (curves, samples)
-    crossings: dict[int, tuple[Any, Any]]  # by condition: sum of shares where it begins less where it ends; first begin
-    seen: dict[int, tuple[Any, Any]]  # by watched curve: its least and largest value in the stages that see it
+    lands: Flag  # a flag: it does
+    curves: list[list[Operand]]  # (curves, samples)
+    crossings: dict[
+        int, tuple[Operand, Operand]
+    ]  # by condition: sum of shares where it begins less where it ends; first begin
+    seen: dict[int, tuple[Operand, Operand]]  # by watched curve: its least and largest value in the stages that see it
 
 
 # ---------------------------------------------------------------- trackers: rows that a step changes
@@ -58,11 +61,11 @@ class Highest:
     sign: float
     rows = 1
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return [self.sign * curves[self.curve]]
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
         return [largest(held[0], peak([self.sign * x for x in step.curves[self.curve]]))]
 
@@ -78,16 +81,16 @@ class Screened:
     sign: float
     rows = 2
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return 2 * [self.sign * curves[self.curve]]
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
         end = self.sign * step.curves[self.curve][-1]
         return [largest(row, end) for row in held]
 
-    def asks(self, new: Sequence[Operand], step: Step) -> Any:
+    def asks(self, new: Sequence[Operand], step: Step) -> Flag:
         """A flag: inside of the step the curve may be above the largest value at the ends so far."""
         low, high = extremes([self.sign * x for x in (*step.curves[self.curve], *step.seen[self.curve])])
         return high + MARGIN * (high - low) > new[1]
@@ -99,11 +102,11 @@ class Aside:
 
     rows = 2
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return [0.0, 0.0]
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step, which does not ask."""
         return list(held)
 
@@ -117,11 +120,11 @@ class Moment:
     shifted: bool
     rows = 2
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return [0.0, curves[self.curve] if self.shifted else 0.0]
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
         samples = [(x - held[1] if self.shifted else x) ** self.power for x in step.curves[self.curve]]
         return [held[0] + step.h * weighted(COTES[len(samples) - 1], samples), held[1]]
@@ -135,11 +138,11 @@ class Reading:
     stop: int
     rows = 1
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return [curves[self.curve] if self.stop < 0 else math.nan]
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
         here = step.lands & apply("equal", step.stop, float(self.stop))
         return [select(here, step.curves[self.curve][-1], held[0])]
@@ -152,11 +155,11 @@ class Lasting:
     curve: int
     rows = 1
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return [0.0]
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
         on = select(step.curves[self.curve][-1] > 0.0, 1.0, 0.0)
         return [held[0] + step.h * (on - step.crossings[self.curve][0])]
@@ -169,11 +172,11 @@ class Beginning:
     curve: int
     rows = 1
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return [select(curves[self.curve] > 0.0, 0.0, math.nan)]
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
         share = step.crossings[self.curve][1]
         begun = select(share < NEVER, step.t + step.h * share, math.nan)
@@ -191,15 +194,15 @@ class Energies:
     limit: float
     rows = 5
 
-    def start(self, curves: Sequence[Operand]) -> list[Any]:
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
         """Rows at t = 0."""
         return self._held([0.0, math.inf, -math.inf, 0.0], curves)
 
-    def step(self, held: Sequence[Operand], step: Step) -> list[Any]:
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
         return self._held(held, [row[-1] for row in step.curves])
 
-    def _held(self, held: Sequence[Operand], curves: Sequence[Operand]) -> list[Any]:
+    def _held(self, held: Sequence[Operand], curves: Sequence[Operand]) -> list[Operand]:
         kinetic, potential, work, _, balance = (curves[n] for n in self.curves)
         kinetic, work = largest(kinetic, held[0]), largest(abs(work), held[3])
         low, high = least(potential, held[1]), largest(potential, held[2])
@@ -214,9 +217,9 @@ Tracker = Highest | Screened | Aside | Moment | Reading | Lasting | Beginning | 
 
 # ---------------------------------------------------------------- results from rows
 def _value(
-    kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequence[Any]], t_end: float,
+    kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequence[Operand]], t_end: float,
     highest: Callable[[int, float], Tracker],
-) -> Any:  # fmt: skip
+) -> Operand:  # fmt: skip
     if kind in ("at", "final"):
         return rows(Reading(curve, instant))[0]
     if kind == "share":
@@ -296,9 +299,10 @@ class Ledger:
         graph, curves = inputs(self.curves + 1)
         return graph, [x for tracker in self._places for x in tracker.start(curves)]
 
-    def advance(self, step: Step, held: Sequence[Operand]) -> tuple[list[Any], Any]:
+    def advance(self, step: Step, held: Sequence[Operand]) -> tuple[list[Operand], Flag]:
         """The rows at the end of a step, from those at its start; a flag: it asks for samples."""
-        rows, asks = list(held), False
+        rows = list(held)
+        asks: Flag = False
         for tracker, place in self._places.items():
             rows[place : place + tracker.rows] = new = tracker.step(held[place : place + tracker.rows], step)
             if isinstance(tracker, Screened):
@@ -321,9 +325,9 @@ class Ledger:
     def close(self) -> Recorded:
         """Rows: the reductions."""
         graph = Graph()
-        symbols: list[Any] = []
+        symbols: list[Operand] = []
 
-        def rows(tracker: Tracker) -> Sequence[Any]:
+        def rows(tracker: Tracker) -> Sequence[Operand]:
             place = self._place(tracker)
             while len(symbols) < self.rows:
                 symbols.append(graph.input())

@@ -6,21 +6,21 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
-from rattle.trace.graph import Graph, Operand, Symbol, fold, select
+from rattle.language.recorded import Operand
+from rattle.trace.graph import Graph, Symbol, fold, select
 
 
 class Column:
     """A few numbers or symbols side by side, for functions over arrays: NumPy asks comparisons for truth values."""
 
-    def __init__(self, values: Iterable[Any]) -> None:
+    def __init__(self, values: Iterable[Operand]) -> None:
         self.values = list(values)
 
     @staticmethod
-    def each(function: Callable[..., Any], *columns: Any) -> Column:
+    def each(function: Callable[..., Operand], *columns: Column | Operand) -> Column:
         """A function element by element; numbers stand for columns of them."""
         count = max((len(x.values) for x in columns if isinstance(x, Column)), default=1)
         spread = [x.values * (count // len(x.values)) if isinstance(x, Column) else [x] * count for x in columns]
@@ -34,7 +34,7 @@ class Column:
     def __len__(self) -> int:
         return len(self.values)
 
-    def __getitem__(self, part: int | slice) -> Any:
+    def __getitem__(self, part: int | slice) -> Column | Operand:
         return Column(self.values[part]) if isinstance(part, slice) else self.values[part]
 
     def __setitem__(self, place: int, value: Operand) -> None:
@@ -50,51 +50,51 @@ class Column:
     def __abs__(self) -> Column:
         return self.each(abs, self)
 
-    def __add__(self, other: Any) -> Column:
+    def __add__(self, other: Column | Operand) -> Column:
         return self.each(operator.add, self, other)
 
-    def __radd__(self, other: Any) -> Column:
+    def __radd__(self, other: Column | Operand) -> Column:
         return self.each(operator.add, other, self)
 
-    def __sub__(self, other: Any) -> Column:
+    def __sub__(self, other: Column | Operand) -> Column:
         return self.each(operator.sub, self, other)
 
-    def __mul__(self, other: Any) -> Column:
+    def __mul__(self, other: Column | Operand) -> Column:
         return self.each(operator.mul, self, other)
 
-    def __rmul__(self, other: Any) -> Column:
+    def __rmul__(self, other: Column | Operand) -> Column:
         return self.each(operator.mul, other, self)
 
-    def __rsub__(self, other: Any) -> Column:
+    def __rsub__(self, other: Column | Operand) -> Column:
         return self.each(operator.sub, other, self)
 
-    def __truediv__(self, other: Any) -> Column:
+    def __truediv__(self, other: Column | Operand) -> Column:
         return self.each(_quotient, self, other)
 
-    def __rtruediv__(self, other: Any) -> Column:
+    def __rtruediv__(self, other: Column | Operand) -> Column:
         return self.each(_quotient, other, self)
 
     def __pow__(self, other: int) -> Column:
         return self.each(lambda x: x**other, self)
 
-    def __lt__(self, other: Any) -> Column:
+    def __lt__(self, other: Column | Operand) -> Column:
         return self.each(operator.lt, self, other)
 
-    def __gt__(self, other: Any) -> Column:
+    def __gt__(self, other: Column | Operand) -> Column:
         return self.each(operator.gt, self, other)
 
 
-def _quotient(a: Operand, b: Operand) -> Any:
+def _quotient(a: Operand, b: Operand) -> Operand:
     return a / b if isinstance(a, Symbol) or isinstance(b, Symbol) else fold("div", a, b)
 
 
 class Table:
     """Rows of numbers or symbols, of which columns are taken as of an array."""
 
-    def __init__(self, rows: Sequence[Sequence[Any]]) -> None:
+    def __init__(self, rows: Sequence[Sequence[Operand]]) -> None:
         self.rows = rows
 
-    def __getitem__(self, part: tuple[slice, int | slice]) -> Any:
+    def __getitem__(self, part: tuple[slice, int | slice]) -> Column | SimpleNamespace:
         everything, columns = part
         assert everything == slice(None)
         if isinstance(columns, slice):
@@ -111,7 +111,7 @@ class Table:
 class Taken:
     """Columns of numbers or symbols, which can be replaced as in an array, and are gone through one by one."""
 
-    def __init__(self, columns: list[list[Any]]) -> None:
+    def __init__(self, columns: list[list[Operand]]) -> None:
         self.columns = columns
 
     def __setitem__(self, place: tuple[slice, int], values: Column) -> None:
@@ -119,7 +119,7 @@ class Taken:
         assert everything == slice(None)
         self.columns[column] = values.values
 
-    def __iter__(self) -> Iterator[list[Any]]:
+    def __iter__(self) -> Iterator[list[Operand]]:
         return iter(self.columns)
 
 
@@ -129,7 +129,7 @@ def arrays(graph: Graph) -> SimpleNamespace:
     def each(op: str) -> Callable[..., Column]:
         return lambda *columns: Column.each(lambda *row: graph.apply(op, *row), *columns)
 
-    def chosen(a: Operand, b: Operand, first: Operand) -> Any:  # as NumPy: nan if one of them is
+    def chosen(a: Operand, b: Operand, first: Operand) -> Operand:  # as NumPy: nan if one of them is
         return select(first | (a != a), a, b) if isinstance(first, Symbol) else a if first or a != a else b
 
     return SimpleNamespace(

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rattle.language.recorded import Operand
 from rattle.trace.graph import FLAGS, Graph
 
 
 def statements(
     graph: Graph,
-    outputs: Sequence[Any],
+    outputs: Sequence[Operand],
     forms: Mapping[str, str],
     number: Callable[[float], str],
     declare: Callable[[str, bool], str],
@@ -24,7 +25,7 @@ def statements(
 
 
 def pieces(
-    graph: Graph, outputs: Sequence[Any], forms: Mapping[str, str], number: Callable[[float], str],
+    graph: Graph, outputs: Sequence[Operand], forms: Mapping[str, str], number: Callable[[float], str],
     declare: Callable[[str, bool], str], source: str, size: int,
 ) -> list[list[str]]:  # fmt: skip
     """The lines of `statements` in pieces of at most `size` operations, to be done one after the other.

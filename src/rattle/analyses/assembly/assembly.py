@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from rattle.analyses.assembly.start_constants import (
     without_counting,
 )
 from rattle.analyses.assembly.start_notes import start_notes
-from rattle.analyses.assembly.start_values import change_of_given, given_values, keep_rates, places
+from rattle.analyses.assembly.start_values import Places, change_of_given, given_values, keep_rates, places
 from rattle.analyses.assembly.tied_bodies import GROUND, given_in_one_turn, groups_at
 from rattle.analyses.assembly.unclosed import without_value
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
@@ -100,7 +100,7 @@ def has_play(model: Model) -> bool:
     return any(is_link(joint) or holds_by_contacts(joint) for joint in model.joints.values())
 
 
-def near_places(system: System, start: Assembled) -> tuple[dict[str, Any], dict[str, Any]]:
+def near_places(system: System, start: Assembled) -> tuple[Places, Places]:
     """Where the bodies are at a start, for others that are looked for near it; the same without play."""
     near = places(system, start.q)
     if not has_play(system.model):

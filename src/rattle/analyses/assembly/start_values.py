@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -23,7 +24,10 @@ def given_values(system: System, turn: int) -> np.ndarray:
     return np.array(wanted)
 
 
-def places(system: System, q: np.ndarray) -> dict[str, tuple[float, float, float]]:
+Places: TypeAlias = dict[str, tuple[float, float, float]]  # of bodies by name: x, y [m], angle [rad]
+
+
+def places(system: System, q: np.ndarray) -> Places:
     """Positions (3 nb,) as x, y [m] and angle [rad] of every body, for starts that are looked for near them."""
     return {name: (x, y, angle) for name, (x, y, angle) in zip(system.bodies, q.reshape(-1, 3).tolist(), strict=True)}
 

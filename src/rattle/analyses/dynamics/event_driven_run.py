@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import final
+
+import numpy as np
 
 from rattle.analyses.dynamics.contact_trouble import (
     JAM,
@@ -48,7 +50,7 @@ class EventDrivenRun(Run):
 
     loop = at.RUNS_BY_EVENTS
 
-    def loop_arrays(self) -> dict[str, Any]:
+    def loop_arrays(self) -> dict[str, np.ndarray]:
         """Arrays of set-valued contacts; forces of closed contacts are part of the equations of motion."""
         return contact_arrays(self.system, stage_shares(self.tableau)) | self.break_arrays()
 

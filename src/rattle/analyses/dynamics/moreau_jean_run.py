@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class MoreauJeanRun(Run):
 
     loop = at.RUNS_EQUAL_STEPS
 
-    def loop_arrays(self) -> dict[str, Any]:
+    def loop_arrays(self) -> dict[str, np.ndarray]:
         """Arrays of set-valued contacts, and rows beside instants at which expressions of time switch."""
         row = {"port_row": np.zeros(width(self.system, True))} if self.ports else {}
         return contact_arrays(self.system) | row | self.break_arrays(steps=0)

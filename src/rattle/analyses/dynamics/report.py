@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -31,6 +30,7 @@ from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.nonsmooth.impacts import LOW
 from rattle.solvers.output_row import record
+from rattle.value_types import Json
 
 SENTENCES = {  # of notes, also in pages
     "many_breaks": "so many events that the values on both sides of each are not kept: integrals, means and extremes of"
@@ -188,7 +188,7 @@ def _trust(
     )
 
 
-def _stats(run: Run) -> dict[str, Any]:
+def _stats(run: Run) -> dict[str, Json]:
     """What the run took."""
     clock, tally = run.clock, run.tally
     return {

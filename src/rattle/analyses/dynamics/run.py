@@ -78,7 +78,7 @@ class Run(ABC):
 
     # ---------------------------------------------------------------- what each kind of run defines
     @abstractmethod
-    def loop_arrays(self) -> dict[str, Any]:
+    def loop_arrays(self) -> dict[str, np.ndarray]:
         """Workspace arrays of this step loop, besides those of every run."""
 
     @abstractmethod

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import final
+
+import numpy as np
 
 from rattle.analyses.dynamics.failure import explain
 from rattle.analyses.dynamics.run import Run
@@ -15,7 +17,7 @@ class SmoothRun(Run):
 
     loop = at.RUNS_SMOOTHLY
 
-    def loop_arrays(self) -> dict[str, Any]:
+    def loop_arrays(self) -> dict[str, np.ndarray]:
         """Rows beside events, if contacts, friction or switches may make any."""
         arrays = self.system.arrays
         bends = any(len(arrays[name]) for name in ("contact", "dry", "switch"))

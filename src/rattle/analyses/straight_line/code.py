@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -14,12 +13,14 @@ from rattle.analyses.straight_line.recorded_model import NUDGES, RecordedModel, 
 from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SMALL, Starts
 from rattle.errors import TraceError
 from rattle.language.expression import names, parse
+from rattle.language.recorded import Operand
 from rattle.language.units import parse_quantity
 from rattle.solvers.stepper import LONGEST
 from rattle.trace import c, javascript
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
 from rattle.trace.program import Begin, Input, Program
+from rattle.value_types import Tree
 from rattle.version import __version__
 
 ALONE = 1e-6  # change of a parameter by which `_bound` tries it, in shares of its value
@@ -55,7 +56,7 @@ def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]
     return recording or model, constants
 
 
-def _dependent(document: Mapping[str, Any], candidates: Sequence[str]) -> dict[str, str]:
+def _dependent(document: Tree, candidates: Sequence[str]) -> dict[str, str]:
     """Parameters that are written as expressions of others, and that they are."""
     reasons = {}
     for name in candidates:
@@ -102,7 +103,7 @@ def _structural(model: RecordedModel) -> dict[str, str]:
 def _bound(model: RecordedModel) -> list[str]:
     """Parameters that have no start where they are changed alone: given start values then contradict each other."""
 
-    def evaluated(graph: Graph, outputs: Sequence[Any]) -> Callable[[np.ndarray, np.ndarray], None]:
+    def evaluated(graph: Graph, outputs: Sequence[Operand]) -> Callable[[np.ndarray, np.ndarray], None]:
         return lambda inputs, results: np.copyto(results, graph.evaluate(outputs, inputs))
 
     values = np.array(list(model.parameters.values()))
@@ -121,7 +122,7 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
     constants: parameters of the model file that are none of the program, and why.
     """
     curves, first = all_curves(model), model.first
-    parts: list[list[Any]] = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
+    parts: list[list[Operand]] = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
     if first is not None:
         parts += [[model.readable], first.correction, first.rates, [gap.open for gap in first.gaps]]
     graph, every = lower(model.graph, [x for part in parts for x in part])
@@ -147,7 +148,7 @@ def straight_line(model: RecordedModel, constants: Mapping[str, str] | None = No
     )  # fmt: skip
 
 
-def all_curves(model: RecordedModel) -> dict[str, Any]:
+def all_curves(model: RecordedModel) -> dict[str, Operand]:
     """Result curves, points of bodies among them, and the energies last."""
     names = list(model.curves)
     ordered = [*names[:-ENERGIES], *model.points, *names[-ENERGIES:]]

@@ -7,13 +7,16 @@ from typing import Any
 
 from rattle.description.model import Model
 from rattle.equations.system import System
-from rattle.language.recorded import symbol_of
+from rattle.language.recorded import Operand, symbol_of
 from rattle.results.columns import geometry
 from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.trace.graph import Graph
+from rattle.value_types import Plain
 
 
-def derived_curve(graph: Graph, recorded: System, curves: Mapping[str, Any], name: str) -> tuple[Any, str] | None:
+def derived_curve(
+    graph: Graph, recorded: System, curves: Mapping[str, Operand], name: str
+) -> tuple[Operand, str] | None:
     """Symbol and SI unit of a derived curve (points, forces, coordinates), from result columns; None for other names.
 
     recorded: the system with its recorded numbers.  The same as `results.result` derives.
@@ -22,10 +25,10 @@ def derived_curve(graph: Graph, recorded: System, curves: Mapping[str, Any], nam
     if name not in by_name:
         return None
 
-    def curve(key: str) -> Any:
+    def curve(key: str) -> Operand:
         return curves[key] if key in curves else derived(key)
 
-    def function(op: str) -> Any:
+    def function(op: str) -> Plain:
         return lambda *operands: graph.apply(op, *operands)
 
     def derived(key: str) -> Any:

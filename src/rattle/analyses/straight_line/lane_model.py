@@ -13,6 +13,7 @@ from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
 from rattle.equations.state import state_layout
 from rattle.jit.choices import TINY
+from rattle.language.recorded import Operand
 from rattle.language.syntax import Apply, Name, Node, Number, walk
 from rattle.results.reductions import Output, argument
 from rattle.trace import reductions
@@ -34,7 +35,7 @@ class Asked:
 
     def __init__(self, model: RecordedModel, outputs: Sequence[Output]) -> None:
         self.model, self.outputs = model, outputs
-        self.curves: list[Any] = []
+        self.curves: list[Operand] = []
         self.reductions: list[Reduction] = []
         self._places: dict[tuple[str, int, float], int] = {}
         self.rows = [[self._row(reduction) for reduction in output.reductions] for output in outputs]
@@ -56,9 +57,9 @@ class Asked:
         return self._places[key]
 
 
-def expression(model: RecordedModel, node: Node) -> Any:
+def expression(model: RecordedModel, node: Node) -> Operand:
     """An expression over result curves, parameters and t as a symbol of the graph of the model, or a number [SI]."""
-    stack: list[Any] = []
+    stack: list[Operand] = []
     for part in walk(node):
         if isinstance(part, Number):
             stack.append(part.value)
@@ -72,7 +73,7 @@ def expression(model: RecordedModel, node: Node) -> Any:
     return stack[0]
 
 
-def why_not_lanes(output: Output, varied: Mapping[str, Any]) -> str:
+def why_not_lanes(output: Output, varied: Mapping[str, object]) -> str:
     """Why lanes cannot compute an output; "" if they can."""
     if output.ideal_names:
         return f"{output.text!r} compares with the mechanism without play"

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from rattle.errors import TraceError
+from rattle.language.recorded import Operand
 from rattle.trace.copying import bind
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
@@ -21,7 +21,7 @@ COMPARE = frozenset(("less", "at_most"))
 class Columns:
     """A function of a graph, called with any number of columns."""
 
-    def __init__(self, graph: Graph, outputs: Sequence[Any], compile_function: Compile) -> None:
+    def __init__(self, graph: Graph, outputs: Sequence[Operand], compile_function: Compile) -> None:
         self._call = compile_function(*lower(graph, outputs))
         self._count = len(outputs)
 
@@ -40,7 +40,7 @@ class Linearised:
     The directions are columns of one calculation, so that their number changes neither its size nor its compiling.
     """
 
-    def __init__(self, graph: Graph, outputs: Sequence[Any], compile_function: Compile) -> None:
+    def __init__(self, graph: Graph, outputs: Sequence[Operand], compile_function: Compile) -> None:
         both, copied = bind(graph, outputs, {})
         seeds = {place: both.input() for place in list(both.inputs)}
         self._columns = Columns(both, [*copied, *tangent(both, copied, seeds)], compile_function)
@@ -52,14 +52,14 @@ class Linearised:
         return outputs[: self._count, 0], outputs[self._count :]
 
 
-def switching_functions(graph: Graph, outputs: Sequence[Any]) -> list[Any]:
+def switching_functions(graph: Graph, outputs: Sequence[Operand]) -> list[Operand]:
     """What changes its sign where a branch of a calculation changes.  Raises TraceError for what jumps otherwise."""
-    margins: dict[int, Any] = {}
+    margins: dict[int, Operand] = {}
     for place in graph.live(outputs):
         op, operands = graph.ops[place], [Symbol(graph, k) for k in graph.operands[place]]
         if op == "floor":
             raise TraceError("an expression jumps (floor, mod): its sensitivities are not defined there")
-        margin: Any = None
+        margin: object = None
         if op in COMPARE:
             margin = operands[0] - operands[1]
         elif op == "abs":
@@ -71,7 +71,7 @@ def switching_functions(graph: Graph, outputs: Sequence[Any]) -> list[Any]:
     return list(margins.values())
 
 
-def by_numpy(graph: Graph, outputs: Sequence[Any]) -> Function:
+def by_numpy(graph: Graph, outputs: Sequence[Operand]) -> Function:
     """A function of a graph of exact operations that NumPy evaluates: for a few calls machine code takes longer."""
 
     def call(rows_in: np.ndarray, rows_out: np.ndarray) -> None:

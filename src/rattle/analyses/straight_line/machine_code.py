@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
+from rattle.language.recorded import Operand
 from rattle.trace import llvm, llvm_chain
 from rattle.trace.graph import Graph
 from rattle.trace.lane_chain import Aside, Calls, Function
@@ -22,12 +22,12 @@ class MachineFunctions:
 
     def __init__(self, width: int | None = None) -> None:
         self.width = llvm.width() if width is None else width
-        self._functions: dict[str, tuple[Graph, Sequence[Any]]] = {}
+        self._functions: dict[str, tuple[Graph, Sequence[Operand]]] = {}
         self._code: llvm.MachineCode | None = None
-        self._calls: dict[str, Any] = {}
+        self._calls: dict[str, Callable[..., None]] = {}
         self._names: dict[Function, str] = {}
 
-    def add(self, graph: Graph, outputs: Sequence[Any]) -> Function:
+    def add(self, graph: Graph, outputs: Sequence[Operand]) -> Function:
         """A function that will be compiled with the others.
 
         It takes one register of samples at a time.  With two a function alone is 15 % faster, but the functions of a
@@ -65,7 +65,7 @@ class MachineFunctions:
         size, lanes = memory[0].size, memory.shape[2]
         rest = size, len(memory), times, running * lanes, lanes, aside[0].ctypes.data if aside else None
 
-        def call(*_: Any, kept: Any = aside) -> None:
+        def call(*_: object, kept: object = aside) -> None:
             self._calls["chain"](table.ctypes.data, table.size, memory.ctypes.data, *rest)
 
         return call
@@ -97,7 +97,7 @@ class MachineFunctions:
         return [np.array(numbers, np.int64), table]
 
 
-def described(graph: Graph, outputs: Sequence[Any]) -> tuple[Any, ...]:
+def described(graph: Graph, outputs: Sequence[Operand]) -> tuple[object, ...]:
     """All that the text of a function depends on but its name."""
     live = graph.live(outputs)
     ops, operands, numbers = graph.ops, graph.operands, graph.numbers

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rattle.analyses.arguments import TIGHTEST
 from rattle.analyses.straight_line.code import all_curves, units_of, with_parameters
@@ -19,6 +19,7 @@ from rattle.analyses.straight_line.starts import CLOSED, FAR, MISSED, ROUNDS, SM
 from rattle.equations.state import state_layout
 from rattle.errors import TraceError
 from rattle.jit.layout import OUTPUT_ENERGY
+from rattle.language.recorded import Operand
 from rattle.language.units import TIME, dimension_of, unit_name
 from rattle.registry import kinds
 from rattle.solvers.stepper import ATOL, FREE, RTOL, usual_stepper
@@ -95,13 +96,13 @@ def mock_up(model: RecordedModel, name: str, stop: float) -> MockUp:
     return MockUp(fmu.archive(entries), notes)
 
 
-def _curves(model: RecordedModel) -> dict[str, Any]:
+def _curves(model: RecordedModel) -> dict[str, Operand]:
     """Result columns and points of bodies that are not states."""
     states = dict(state_layout(model.system).units())
     return {name: x for name, x in all_curves(model).items() if name not in states}
 
 
-def _equations(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]) -> fmu.Equations:
+def _equations(model: RecordedModel, curves: Mapping[str, Operand], inputs: set[str]) -> fmu.Equations:
     graph, ny, system = model.graph, model.state_size, model.system
     parts = [model.derivative, model.projection, [*curves.values(), model.sound_curves]]
     exact, every = lower(graph, [x for part in parts for x in part])
@@ -136,7 +137,7 @@ def _tableau(method: str | None) -> Tableau:
     return asked if asked is not None and asked.adaptive else usual
 
 
-def _inputs(model: RecordedModel, curves: Mapping[str, Any]) -> set[str]:
+def _inputs(model: RecordedModel, curves: Mapping[str, Operand]) -> set[str]:
     """Parameters on which rates depend, and neither the constraints, the start, stored energy nor other parameters."""
     graph, first = model.graph, model.first
     kept = [*model.projection, *model.dependent.values(), curves["energy.potential"]]
@@ -154,7 +155,7 @@ def _limits(model: RecordedModel, name: str) -> tuple[float, float]:
     )
 
 
-def _variables(model: RecordedModel, curves: Mapping[str, Any], inputs: set[str]) -> list[Variable]:
+def _variables(model: RecordedModel, curves: Mapping[str, Operand], inputs: set[str]) -> list[Variable]:
     """All variables, in the order of their value references, which `fmu_sources` knows."""
     parameters, nq = model.system.model.parameters, 3 * model.system.body_count
     size = model.system.size

@@ -21,11 +21,12 @@ from rattle.description.read_parameters import chosen_parameters
 from rattle.description.read_values import LARGEST
 from rattle.equations.system import System, compile_system, length_of
 from rattle.errors import TraceError
-from rattle.language.recorded import Recorded, symbol_of
+from rattle.language.recorded import Operand, Recorded, symbol_of
 from rattle.language.watched import Watch, Watched
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both
 from rattle.trace.recording import Recorder
+from rattle.value_types import Tree
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,8 @@ class RecordedArrays:
     graph: Graph  # of exact operations
     entries: dict[str, np.ndarray]  # by array of a workspace: flat indices of the entries that follow
     facts: tuple[str, ...]  # numbers beside the arrays that follow: size, extent [m], settings of a run
-    outputs: list[Any]  # entries, array after array, then facts
-    holds: Any  # flag: with these inputs the model has the same form
+    outputs: list[Operand]  # entries, array after array, then facts
+    holds: Operand  # flag: with these inputs the model has the same form
 
     @property
     def operations(self) -> int:
@@ -64,11 +65,11 @@ class RecordedArrays:
         return arrays, dict(zip(self.facts, numbers[first:].tolist(), strict=True))
 
 
-Values = Mapping[str, Mapping[int, Any]]  # of arrays by name: numbers by flat index, recorded ones among them
+Values = Mapping[str, Mapping[int, Operand]]  # of arrays by name: numbers by flat index, recorded ones among them
 
 
 def recorded_arrays(
-    document: Mapping[str, Any], system: System, names: Sequence[str] | None = None, *,
+    document: Tree, system: System, names: Sequence[str] | None = None, *,
     form: Callable[[Model], Model] | None = None, more: Callable[[System], Values] | None = None,
 ) -> RecordedArrays:  # fmt: skip
     """Record how the arrays of a system follow from parameters (default: all that do not follow from others).
@@ -80,7 +81,7 @@ def recorded_arrays(
     asked = tuple(chosen_parameters(document) if names is None else names)
     graph = Graph()
     recorder, watch = Recorder(graph), Watch()
-    numbers: list[Any] = []  # symbols of the numbers of the model that follow
+    numbers: list[Operand] = []  # symbols of the numbers of the model that follow
     try:
         read = read_watched(document, asked, recorder, watch)
         model = beside(read if form is None else form(read), system.model)
@@ -110,7 +111,7 @@ def _counting(model: Model, recorder: Recorder, watch: Watch) -> Iterator[tuple[
         yield name, tuple(Watched(value, recorder.graph.input(), recorder, watch) for value in values)
 
 
-def _facts(recorded: System) -> Iterator[tuple[str, Any]]:
+def _facts(recorded: System) -> Iterator[tuple[str, Operand]]:
     """Symbols of numbers beside the arrays that follow."""
     settings = recorded.model.settings
     held = {field.name: getattr(settings, field.name) for field in dataclasses.fields(settings)}
@@ -126,7 +127,7 @@ def _own_states(recorded: System) -> Values:
     return {"signals": dict(enumerate(starts)), "element_state": dict(enumerate(starts, first))}
 
 
-def _following(values: Values) -> Iterator[tuple[str, tuple[np.ndarray, list[Any]]]]:
+def _following(values: Values) -> Iterator[tuple[str, tuple[np.ndarray, list[Operand]]]]:
     """Flat indices and symbols of those that follow, by array."""
     for name, numbers in values.items():
         where = [k for k, value in numbers.items() if isinstance(value, Recorded)]

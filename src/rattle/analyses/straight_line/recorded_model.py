@@ -25,7 +25,7 @@ from rattle.equations.motion import derivative
 from rattle.equations.state import state_layout
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
-from rattle.language.recorded import Recorded, symbol_of
+from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.results.columns import columns, width
 from rattle.results.result import UnknownName
 from rattle.solvers.output_row import record
@@ -33,6 +33,7 @@ from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both
 from rattle.trace.recording import Recorder, Recording
 from rattle.trace.symbol_arrays import Table
+from rattle.value_types import Tree
 
 SAME = 1e-9  # share of the largest number by which a recording may differ from the kernels: rounding, well amplified
 LEAST = 1e-12  # number [SI] with which smaller ones are compared as if they were as large: rounding of zeros
@@ -44,20 +45,20 @@ NUDGES = (1e-4, -1e-4, 1e-7, -1e-7)  # changes of a parameter, in shares of it, 
 class RecordedModel:
     """Recorded functions of one model.  A flag is true where what was computed stands on sound assumptions."""
 
-    document: Mapping[str, Any]  # the tables of the model file
+    document: Tree  # the tables of the model file
     system: System
     start: Assembled
     parameters: dict[str, float]  # the chosen ones [SI], in the order of the inputs
     graph: Graph  # with functions; `elementary.lower` takes them apart
-    derivative: list[Any]  # (ny,) dy/dt [SI/s], then a flag
-    projection: list[Any]  # (ny,) y on the constraints [SI], then a flag
-    curves: dict[str, Any]  # result columns by name [SI]
-    sound_curves: Any  # their flag
+    derivative: list[Operand]  # (ny,) dy/dt [SI/s], then a flag
+    projection: list[Operand]  # (ny,) y on the constraints [SI], then a flag
+    curves: dict[str, Operand]  # result columns by name [SI]
+    sound_curves: Flag  # their flag
     units: dict[str, str]
-    readable: Any  # flag of the parameters alone: the model has the same parts and forms as the one recorded
-    time: Any  # t [s]
-    chosen: dict[str, Any]  # the parameters
-    dependent: dict[str, Any]  # parameters that follow from the chosen ones [SI]
+    readable: Flag  # flag of the parameters alone: the model has the same parts and forms as the one recorded
+    time: Operand  # t [s]
+    chosen: dict[str, Operand]  # the parameters
+    dependent: dict[str, Operand]  # parameters that follow from the chosen ones [SI]
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
     recorded: System  # the system with its recorded numbers
 
@@ -77,7 +78,7 @@ class RecordedModel:
         return np.concatenate([[t], y, values, self.constants, [0.0]])
 
     @property
-    def points(self) -> dict[str, Any]:
+    def points(self) -> dict[str, Operand]:
         """What follows from the result columns: points of bodies, coordinates, rates and powers of joints and loads."""
         names = [name for name in derived_names(self.recorded.model, self.curves) if not name.endswith(".force")]
         return {name: self.symbol(name) for name in names}
@@ -87,7 +88,7 @@ class RecordedModel:
         """Values of all parameters of the model [SI]."""
         return {name: parameter.value for name, parameter in self.system.model.parameters.items()}
 
-    def symbol(self, name: str) -> Any:
+    def symbol(self, name: str) -> Operand:
         """What a name in an expression over results stands for: a curve, a parameter or t."""
         if name == "t":
             return self.time
@@ -106,7 +107,7 @@ class RecordedModel:
 
 
 def record_model(
-    document: Mapping[str, Any], system: System, start: Assembled, names: Sequence[str] = (),
+    document: Tree, system: System, start: Assembled, names: Sequence[str] = (),
 ) -> RecordedModel:  # fmt: skip
     """Record a model.  names: parameters that become inputs.
 
@@ -142,7 +143,7 @@ def record_model(
     return model
 
 
-def record_curves(recording: Recording, t: Any, y: np.ndarray) -> tuple[dict[str, Any], dict[str, str], Any]:
+def record_curves(recording: Recording, t: Operand, y: np.ndarray) -> tuple[dict[str, Operand], dict[str, str], Flag]:
     """Result columns by name [SI], the balance of energy as the energy itself; their units, and a flag."""
     row = np.zeros(width(recording.system), dtype=object)
     _, sound = recording.guarded(lambda: recording.run(record, t, y, row))
@@ -159,7 +160,7 @@ def _counting(model: Model, system: System, recorder: Recorder) -> Model:
     return with_constants(model, constants)
 
 
-def _dependent(recorded: System, chosen: Sequence[str]) -> dict[str, Any]:
+def _dependent(recorded: System, chosen: Sequence[str]) -> dict[str, Operand]:
     """Symbols of parameters that follow from chosen ones."""
     values = {name: parameter.value for name, parameter in recorded.model.parameters.items() if name not in chosen}
     return {name: symbol_of(x) for name, x in values.items() if isinstance(x, Recorded)}
@@ -255,7 +256,7 @@ def read_at(model: RecordedModel, values: Mapping[str, float]) -> Model:
 
 
 def _at(
-    model: RecordedModel, functions: tuple[Graph, list[Any]], t: float, y: np.ndarray, values: Mapping[str, float]
+    model: RecordedModel, functions: tuple[Graph, list[Operand]], t: float, y: np.ndarray, values: Mapping[str, float]
 ) -> np.ndarray:
     graph, outputs = functions
     return graph.evaluate(outputs, model.inputs(t, y, list(values.values()))[:, None])[:, 0]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,20 +25,21 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.motion import constraints, drive, place
 from rattle.equations.system import System, compile_system, is_link
 from rattle.jit import layout as at
-from rattle.language.recorded import symbol_of
+from rattle.jit.workspace import Workspace
+from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.trace.recording import Recorder, Recording
 
 KEPT = 1e-9  # share of its size by which a given value may be missed and yet count as kept
 RANK = 1e-8  # share of its length that a row adds to others, at least, where it is independent of them
 START_OF = "start of "  # before the name of a coordinate that a driver keeps
-Shift = Callable[[Any], None]
+Shift = Callable[[SimpleNamespace | Workspace], None]
 
 
 class Gap(NamedTuple):
     """What must close at the start."""
 
     words: str  # before the number
-    open: Any  # at y [m or rad]
+    open: Operand  # at y [m or rad]
     unit: str
 
 
@@ -45,11 +47,11 @@ class Gap(NamedTuple):
 class RecordedStart:
     """Functions of the start, on the inputs of a recorded model; its y holds the positions to start from."""
 
-    correction: list[Any]  # (3 nb,) positions after a step of Newton's method, what is left open [m or rad], a flag
-    rates: list[Any]  # (3 nb,) rates at closed positions, by how much given ones are missed [m/s or rad/s], a flag
+    correction: list[Operand]  # (3 nb,) positions after a step of Newton's method, what is left open [m or rad], a flag
+    rates: list[Operand]  # (3 nb,) rates at closed positions, by how much given ones are missed [m/s or rad/s], a flag
     gaps: list[Gap]  # what is open at y
     constants: list[
-        Any
+        Operand
     ]  # (nc,) those that the start sets, at closed positions [m or rad]; then a flag if there are any
 
 
@@ -87,7 +89,7 @@ def _placing(system: System) -> System:
     return compile_system(without_counting(system.model)) if constants_of(system.model) else system
 
 
-def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Any]:
+def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Operand]:
     """The residuals at q of rows that count from the start, their constants being 0; a flag if there are such rows."""
     counting = constants_of(recorded.model)
     if not counting:
@@ -95,7 +97,7 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Any]
     zero = compile_system(with_constants(recorded.model, dict.fromkeys(counting, 0.0)))
     rows = [n for n, row in enumerate(zero.rows) if row.owner in counting]
 
-    def residuals() -> list[Any]:
+    def residuals() -> list[Operand]:
         closing = Recording(zero, recorder).closing(0.0)
         closing.place(q, np.zeros(len(q), dtype=object))
         return [closing.workspace.rows[n, at.RES] for n in rows]
@@ -300,7 +302,7 @@ def _held(model: Model, pins: Sequence[str], coordinates: Sequence[int]) -> Syst
 def _hinges(system: System, pins: Sequence[str], offsets: Mapping[str, Any] | None = None) -> Shift:
     """What moves the bush of a hinge to where its pin is, or to the pin's offset [m] in ground axes, if it is given."""
 
-    def move(workspace: Any) -> None:
+    def move(workspace: SimpleNamespace | Workspace) -> None:
         body, values = workspace.body, workspace.values
         for name in pins:
             a, b, k = (system.arrays["joint"][system.joints.index(name), c] for c in (at.END_A, at.END_B, at.FIRST_P))
@@ -321,13 +323,13 @@ def _hinges(system: System, pins: Sequence[str], offsets: Mapping[str, Any] | No
 # ---------------------------------------------------------------- recording
 def _positions(
     recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray
-) -> tuple[list[Any], Any, list[Gap]]:
+) -> tuple[list[Operand], Flag, list[Gap]]:
     """The correction of positions, its flag, and what is open; slack: (3 nb,) as `_missed` takes it."""
     held = Recording(_held(without_counting(recorded.model), kept.pins, kept.needed), recorder)
     offsets = recorded.model.initial.offsets
     open_at_q: list[Gap] = []
 
-    def correct() -> list[Any]:
+    def correct() -> list[Operand]:
         closing = held.closing(0.0, _hinges(held.system, kept.pins, offsets))
         corrected, still = q.copy(), np.zeros(len(q), dtype=object)
         closing.begin(corrected, still)
@@ -361,7 +363,7 @@ def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, sla
 
 def _open_rows(system: System, rows: np.ndarray, recorder: Recorder) -> list[Gap]:
     """The largest residual of every joint, driver and kept coordinate; of rows in m and in rad apart."""
-    residuals: dict[tuple[str, str], list[Any]] = {}
+    residuals: dict[tuple[str, str], list[Operand]] = {}
     for row, values in zip(system.rows, rows, strict=True):
         kept = row.owner.removeprefix(START_OF)
         name = f"{'driver' if row.driver else 'joint'} '{row.owner}' stays open by"
@@ -371,7 +373,7 @@ def _open_rows(system: System, rows: np.ndarray, recorder: Recorder) -> list[Gap
     return [Gap(name, recorder.largest(every), unit) for (name, unit), every in residuals.items()]
 
 
-def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Any], Any]:
+def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Operand], Flag]:
     """Rates from zero: two corrections, the second against rounding."""
     system = _held(recorded.model, kept.pins, kept.needed)
     values = system.arrays["values"].astype(object)
@@ -379,7 +381,7 @@ def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> t
         values[system.driver_slot(driver) + 1] = _given(recorded, k, 1)
     held = Recording(replace(system, arrays={**system.arrays, "values": values}), recorder)
 
-    def close() -> list[Any]:
+    def close() -> list[Operand]:
         closing, v = held.closing(0.0), np.zeros(len(q), dtype=object)
         for _ in range(2):
             closing.begin(q, v)
@@ -390,7 +392,7 @@ def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> t
     return held.guarded(close)
 
 
-def _given(recorded: System, k: int, turn: int) -> Any:
+def _given(recorded: System, k: int, turn: int) -> Operand:
     """The given value of a coordinate [SI]."""
     bodies = list(recorded.model.bodies)
     return recorded.model.initial.bodies[bodies[k // 3]][KEYS[turn][k % 3]]

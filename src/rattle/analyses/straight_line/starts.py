@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled, assemble, near_places, put_together
 from rattle.analyses.assembly.start_constants import constants_of, flat
+from rattle.analyses.assembly.start_values import Places
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.model_form import FORM_PAYS, ModelForm
 from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
@@ -19,6 +20,7 @@ from rattle.description.reader import read
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError, TraceError
 from rattle.jit import functions
+from rattle.language.recorded import Operand
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
 from rattle.trace.lane_program import Compile, filled
@@ -107,7 +109,7 @@ class Starts:
         return replace(model, initial=replace(model.initial, near=near, near_shut=shut))
 
     @cached_property
-    def _near(self) -> tuple[dict[str, Any], dict[str, Any]]:
+    def _near(self) -> tuple[Places, Places]:
         return near_places(self.model.system, self.model.start)
 
     @cached_property
@@ -165,8 +167,8 @@ class Starts:
         return good[:count]
 
 
-def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Any]]]:
-    parts = [[model.readable]]
+def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Operand]]]:
+    parts: list[Sequence[Operand]] = [[model.readable]]
     if model.first is not None:
         parts += [
             model.first.correction,

@@ -14,13 +14,13 @@ Meccanica 15 (1980) 9-20; Hairer, Norsett, Wanner, Solving Ordinary Differential
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from rattle.analyses.straight_line.lane_model import ENERGY
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.equations.state import state_layout
+from rattle.language.recorded import Operand
 from rattle.trace.copying import bind
 from rattle.trace.derivative import tangent
 from rattle.trace.elementary import lower
@@ -54,7 +54,7 @@ class VariationalModel:
         self.projection = [*closed[:-1], energy, *(x / length for x in moved), grown, closed[-1]]
         self.curves, self.graph = row, graph
 
-    def _along(self, graph: Graph, outputs: Sequence[Any], u: Sequence[Any]) -> list[Any]:
+    def _along(self, graph: Graph, outputs: Sequence[Operand], u: Sequence[Operand]) -> list[Operand]:
         """(n,) what these outputs change by along u, weighted as u is."""
         seeds = {graph.inputs[1 + k]: x / w for k, x, w in zip(self.places, u, self.weight, strict=True)}
         changed = tangent(graph, [outputs[k] for k in self.places], seeds)

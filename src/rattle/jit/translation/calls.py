@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rattle.jit import families, functions, machine
+from rattle.jit.families import Kind
 from rattle.jit.translation.expressions import SAID, Expressions
 from rattle.jit.translation.local_arrays import LocalArrays
 from rattle.jit.translation.values import (
@@ -15,23 +16,25 @@ from rattle.jit.translation.values import (
     TranslationError,
     Value,
     is_array,
+    is_number,
     members,
     parts_of,
     python_function,
     said,
 )
 
-LETTERS = {"f": "f", "i": "i", "h": "h", "v": "f1", "m": "f2", "w": "i1", "n": "i2", "b": "b"}  # kinds of arguments
+# kinds of arguments
+LETTERS: dict[str, Kind] = {"f": "f", "i": "i", "h": "h", "v": "f1", "m": "f2", "w": "i1", "n": "i2", "b": "b"}
 
 
-def kinds_of(letters: Sequence[Any]) -> tuple[Any, tuple[Any, ...]]:
+def kinds_of(letters: Sequence[Any]) -> tuple[Kind, tuple[Kind, ...]]:
     """The kinds of the result and of the arguments, from their letters, see `families.SIGNATURE`.
 
     A result may also be given by its kind: a tuple.
     """
     result, *arguments = letters
     if result == "void":
-        kind: Any = NOTHING
+        kind: Kind = NOTHING
     elif isinstance(result, tuple):
         kind = result
     else:
@@ -39,16 +42,16 @@ def kinds_of(letters: Sequence[Any]) -> tuple[Any, tuple[Any, ...]]:
     return kind, tuple(LETTERS[letter] for letter in arguments)
 
 
-def letters_of(result: Any, kinds: Sequence[Any]) -> tuple[str, ...]:
+def letters_of(result: Kind, kinds: Sequence[Kind]) -> tuple[str, ...]:
     """The letters of the result and of the arguments.  Raises TranslationError for a result that is an array."""
     letters = {kind: letter for letter, kind in LETTERS.items()}
     several = result if isinstance(result, tuple) else (result,) if result else ()
-    if any(letter not in ("f", "i", "b") for letter in several):
+    if not all(map(is_number, several)):
         raise TranslationError(f"it returns {said(result)}, which cannot be passed to Python")
-    return "".join(several) or "void", *(letters[kind] for kind in kinds)
+    return "".join(letters[kind] for kind in several) or "void", *(letters[kind] for kind in kinds)
 
 
-def structure(kind: Any) -> str:
+def structure(kind: Kind) -> str:
     """LLVM's type of a result that is left at a place for it."""
     return f"{{ {', '.join('i8' if part == 'i1' else part for part in parts_of(kind))} }}"
 
@@ -56,7 +59,7 @@ def structure(kind: Any) -> str:
 class Calls(LocalArrays, Expressions):
     """What turns calls of compiled functions into instructions."""
 
-    def kernel(self, called: Any, arguments: list[Value], node: ast.Call) -> Value:
+    def kernel(self, called: object, arguments: list[Value], node: ast.Call) -> Value:
         """The result of another compiled function, of a function of the user or of one from outside."""
         family = next((name for name, caller in families.CALLERS.items() if caller is called), "")
         if family and len(arguments) == 2 and isinstance(arguments[1].kind, tuple):
@@ -74,7 +77,7 @@ class Calls(LocalArrays, Expressions):
             raise TranslationError(f"'{ast.unparse(node)}': {called!r} is no compiled function; {SAID}")
         return self._inside(called, arguments)
 
-    def _inside(self, called: Any, values: list[Value]) -> Value:
+    def _inside(self, called: object, values: list[Value]) -> Value:
         """Call of a function of the same unit."""
         name, result, fails = self.unit.part(called, [value.kind for value in values])
         arguments = [
@@ -109,7 +112,7 @@ class Calls(LocalArrays, Expressions):
         self.begin(done)
         return self.kept((place, "address")).parts[0]
 
-    def _at(self, address: str, letters: Sequence[Any], values: list[Value]) -> Value:
+    def _at(self, address: str, letters: Sequence[Kind], values: list[Value]) -> Value:
         """Call of the function at an address; what it fails with is passed on."""
         result, wanted = kinds_of(letters)
         if len(wanted) != len(values):

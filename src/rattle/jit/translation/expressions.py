@@ -13,10 +13,10 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from types import FunctionType, ModuleType
-from typing import Any
 
 import numpy as np
 
+from rattle.jit.families import Kind
 from rattle.jit.machine import Entry
 from rattle.jit.translation.library import (
     ABSOLUTE,
@@ -115,7 +115,7 @@ class Expressions(Writing, ABC):
             return Value(NOTHING, (), getattr(builtins, node.id))
         raise TranslationError(f"'{node.id}' is used before it has a value")
 
-    def _outside(self, thing: Any, node: ast.expr) -> Value:
+    def _outside(self, thing: object, node: ast.expr) -> Value:
         """Something from outside of the function that does not change."""
         if (value := known(thing)) is not None:
             return value
@@ -351,7 +351,7 @@ class Expressions(Writing, ABC):
         if owner.parts[0].startswith("@") and not isinstance(node.ctx, ast.Load):
             raise TranslationError(f"'{ast.unparse(node)}': an array from outside does not change")
         places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        if len(places) != int(owner.kind[1]):
+        if len(places) != len(owner.parts) - 1:
             raise TranslationError(f"'{ast.unparse(node)}' is no element of {said(owner.kind)}")
         at = [self.index(index, size) for index, size in zip(places, owner.parts[1:], strict=True)]
         if len(at) == 1:
@@ -432,7 +432,7 @@ class Expressions(Writing, ABC):
             raise TranslationError(f"'{ast.unparse(node)}': its arguments are not those of {user.__name__}")
         return ordered
 
-    def _known(self, called: Any, arguments: list[Value], node: ast.Call) -> Value | None:
+    def _known(self, called: object, arguments: list[Value], node: ast.Call) -> Value | None:
         """The result of a function of Python, `math` or NumPy; None if it is none of these."""
         if called in ABSOLUTE or called in INTRINSIC:
             return self._intrinsic(called, [self._of_number(argument, node) for argument in arguments])
@@ -452,7 +452,7 @@ class Expressions(Writing, ABC):
             return Value("b", (self.put(f"xor i1 {self.true(arguments[0])}, true"),))
         return self._of_several(called, arguments)
 
-    def _extreme_of(self, called: Any, arguments: list[Value], node: ast.Call) -> Value:
+    def _extreme_of(self, called: object, arguments: list[Value], node: ast.Call) -> Value:
         """The smallest or largest number of an array, of a tuple, or of the arguments."""
         if len(arguments) == 1 and is_array(arguments[0].kind):
             return self.kernel(_smallest if EXTREMES[called] == "lt" else _largest, arguments, node)
@@ -461,7 +461,7 @@ class Expressions(Writing, ABC):
         several = members(arguments[0]) if len(arguments) == 1 and isinstance(arguments[0].kind, tuple) else arguments
         return self._extreme(EXTREMES[called], [self._of_number(value, node) for value in several])
 
-    def _of_several(self, called: Any, arguments: list[Value]) -> Value | None:
+    def _of_several(self, called: object, arguments: list[Value]) -> Value | None:
         """The result of `len`, `enumerate` or `zip`; None if it is none of these."""
         if called is len and isinstance(arguments[0].kind, tuple):
             return known(len(arguments[0].kind))
@@ -481,7 +481,7 @@ class Expressions(Writing, ABC):
             )
         return value
 
-    def _intrinsic(self, called: Any, arguments: list[Value]) -> Value:
+    def _intrinsic(self, called: object, arguments: list[Value]) -> Value:
         if arguments[0].kind != "f" and (called in ABSOLUTE or called in WHOLE):
             x = self.converted(arguments[0], "i").parts[0]
             if called in WHOLE:
@@ -497,7 +497,7 @@ class Expressions(Writing, ABC):
 
     def _extreme(self, word: str, values: list[Value]) -> Value:
         """The largest or smallest of several numbers, as Python finds it, also with nan."""
-        kind = "i"
+        kind: Kind = "i"
         for value in values:
             kind = joined(kind, value.kind)
         word = ("fcmp o" if kind == "f" else "icmp s") + word
@@ -515,9 +515,11 @@ class Expressions(Writing, ABC):
         return self.converted(value, kind)
 
     @abstractmethod
-    def kernel(self, called: Any, arguments: list[Value], node: ast.Call) -> Value:
+    def kernel(self, called: object, arguments: list[Value], node: ast.Call) -> Value:
         """The result of another compiled function."""
 
     @abstractmethod
-    def made_array(self, called: Any, arguments: list[Value], keywords: Sequence[ast.keyword], node: ast.Call) -> Value:
+    def made_array(
+        self, called: object, arguments: list[Value], keywords: Sequence[ast.keyword], node: ast.Call
+    ) -> Value:
         """The array that a call of NumPy makes."""

@@ -6,13 +6,13 @@ Those written here in Python are translated like functions of the user.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
+from rattle.value_types import Plain
+
 # functions of the C library, by name; those of NumPy round otherwise in the last digit now and then
-LIBRARY: dict[Callable[..., Any], str] = {
+LIBRARY: dict[object, str] = {
     getattr(math, name): name
     for name in (
         "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
@@ -27,7 +27,7 @@ LIBRARY: dict[Callable[..., Any], str] = {
     )
 }  # fmt: skip
 # LLVM's own, which every processor computes alike
-INTRINSIC: dict[Any, str] = {
+INTRINSIC: dict[object, str] = {
     math.sqrt: "sqrt", math.fabs: "fabs", math.copysign: "copysign", math.floor: "floor", math.ceil: "ceil",
     math.trunc: "trunc", np.sqrt: "sqrt", np.fabs: "fabs", np.copysign: "copysign", np.floor: "floor",
     np.ceil: "ceil", np.trunc: "trunc", np.rint: "rint", round: "rint",
@@ -36,89 +36,89 @@ WHOLE = (math.floor, math.ceil, math.trunc, round)  # of these the result is an 
 WITH_TWO = ("atan2", "pow", "hypot", "copysign", "fmod")
 CONVERSIONS = {int: "i", float: "f", bool: "b", np.float64: "f", np.int64: "i", np.bool_: "b"}
 ABSOLUTE = (abs, np.abs)
-EXTREMES = {min: "lt", max: "gt", np.min: "lt", np.max: "gt"}
+EXTREMES: dict[object, str] = {min: "lt", max: "gt", np.min: "lt", np.max: "gt"}
 
 
-def _sign(x: Any) -> Any:
+def _sign(x):
     if x > 0:
         return 1
     return -1 if x < 0 else x * 0
 
 
-def _minimum(a: Any, b: Any) -> Any:
+def _minimum(a, b):
     return a if a < b or a != a else b
 
 
-def _maximum(a: Any, b: Any) -> Any:
+def _maximum(a, b):
     return a if a > b or a != a else b
 
 
-def _clip(x: Any, low: Any, high: Any) -> Any:
+def _clip(x, low, high):
     return _minimum(_maximum(x, low), high)
 
 
-def _where(condition: Any, yes: Any, no: Any) -> Any:
+def _where(condition, yes, no):
     return yes if condition else no
 
 
-def _power(x: Any, y: Any) -> Any:
+def _power(x, y):
     return x**y
 
 
-def _remainder(x: Any, y: Any) -> Any:
+def _remainder(x, y):
     return x % y
 
 
-def _quotient(x: Any, y: Any) -> Any:
+def _quotient(x, y):
     return x // y
 
 
-def _square(x: Any) -> Any:
+def _square(x):
     return x * x
 
 
-def _radians(x: Any) -> Any:
+def _radians(x):
     return x * (math.pi / 180.0)
 
 
-def _degrees(x: Any) -> Any:
+def _degrees(x):
     return x * (180.0 / math.pi)
 
 
-def _isnan(x: Any) -> Any:
+def _isnan(x):
     return x != x
 
 
-def _isinf(x: Any) -> Any:
+def _isinf(x):
     return abs(x) == math.inf
 
 
-def _isfinite(x: Any) -> Any:
+def _isfinite(x):
     return abs(x) < math.inf
 
 
-def _both(x: Any, y: Any) -> Any:
+def _both(x, y):
     return bool(x) and bool(y)
 
 
-def _either(x: Any, y: Any) -> Any:
+def _either(x, y):
     return bool(x) or bool(y)
 
 
-def _heaviside(x: Any, middle: Any) -> Any:
+def _heaviside(x, middle):
     if x != x:
         return x
     return middle if x == 0.0 else float(x > 0.0)
 
 
-def _total(values: Any) -> Any:
+def _total(values):
     total = 0
     for value in values:
         total += value
     return total
 
 
-def _smallest(values: Any) -> Any:
+def _smallest(values):
     smallest = values[0]
     for value in values:
         if value < smallest:
@@ -126,7 +126,7 @@ def _smallest(values: Any) -> Any:
     return smallest
 
 
-def _largest(values: Any) -> Any:
+def _largest(values):
     largest = values[0]
     for value in values:
         if value > largest:
@@ -134,7 +134,7 @@ def _largest(values: Any) -> Any:
     return largest
 
 
-def _interp(x: Any, places: Any, values: Any) -> Any:
+def _interp(x, places, values):
     last = len(places) - 1
     if x != x:
         return x
@@ -154,11 +154,11 @@ def _interp(x: Any, places: Any, values: Any) -> Any:
     return (values[low + 1] - values[low]) / (places[low + 1] - places[low]) * (x - places[low]) + values[low]
 
 
-def _logarithm(x: Any, base: Any) -> Any:
+def _logarithm(x, base):
     return math.log(x) / math.log(base)
 
 
-WRITTEN: dict[Any, Callable[..., Any]] = {
+WRITTEN: dict[object, Plain] = {
     np.sign: _sign, np.minimum: _minimum, np.maximum: _maximum, np.clip: _clip, np.where: _where, np.power: _power,
     np.mod: _remainder, np.floor_divide: _quotient, np.square: _square, np.radians: _radians, np.deg2rad: _radians,
     np.degrees: _degrees, np.rad2deg: _degrees, math.radians: _radians, math.degrees: _degrees, np.isnan: _isnan,

@@ -9,22 +9,24 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from rattle.jit.families import Kind
 from rattle.jit.translation.values import TranslationError, Value, is_array, joined, known, members, parts_of, said
 from rattle.jit.translation.writing import Writing
 
-FILLED: dict[Any, float] = {np.zeros: 0.0, np.empty: 0.0, np.ones: 1.0}
-MAKING: tuple[Any, ...] = (*FILLED, np.full, np.array, np.asarray)
+FILLED: dict[object, float] = {np.zeros: 0.0, np.empty: 0.0, np.ones: 1.0}
+MAKING: tuple[object, ...] = (*FILLED, np.full, np.array, np.asarray)
 MOST = 1000  # numbers in an array
 
 
 class LocalArrays(Writing):
     """What makes arrays."""
 
-    def made_array(self, called: Any, arguments: list[Value], keywords: Sequence[ast.keyword], node: ast.Call) -> Value:
+    def made_array(
+        self, called: object, arguments: list[Value], keywords: Sequence[ast.keyword], node: ast.Call
+    ) -> Value:
         """The array that a call of NumPy makes."""
         wanted = _kind_wanted(keywords, node)
         if not self.careful or len(arguments) != (2 if called is np.full else 1):
@@ -52,12 +54,12 @@ class LocalArrays(Writing):
             raise TranslationError(f"'{ast.unparse(node)}': its rows differ in length")
         if wanted:
             return self._filled(shape, numbers, wanted)
-        kind = "i"
+        kind: Kind = "i"
         for entry in numbers:
             kind = joined(kind, entry.kind)
         return self._filled(shape, numbers, kind if numbers else "f")
 
-    def _filled(self, shape: Sequence[int], numbers: Sequence[Value], kind: str) -> Value:
+    def _filled(self, shape: Sequence[int], numbers: Sequence[Value], kind: Kind) -> Value:
         if len(numbers) > MOST:
             raise TranslationError(f"an array of {len(numbers)} numbers is too large here")
         room = self.room(f"[{max(1, len(numbers))} x {parts_of(kind)[0]}]")
@@ -83,6 +85,6 @@ def _kind_wanted(keywords: Sequence[ast.keyword], node: ast.Call) -> str:
     return wanted
 
 
-def has_array(kind: Any) -> bool:
+def has_array(kind: Kind) -> bool:
     """True for an array, and for a tuple with one."""
     return any(has_array(member) for member in kind) if isinstance(kind, tuple) else is_array(kind)

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import ast
 import builtins
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
+from rattle.jit.families import Kind
 from rattle.jit.translation.calls import Calls, structure
 from rattle.jit.translation.expressions import SAID
 from rattle.jit.translation.local_arrays import MAKING, has_array
@@ -27,6 +27,7 @@ from rattle.jit.translation.values import (
     said,
 )
 from rattle.jit.translation.writing import FAILED, ZEROS, Unit
+from rattle.value_types import Plain
 
 MOST = 20  # times that a function is written again
 
@@ -37,9 +38,9 @@ class Function(Calls):
     def __init__(
         self,
         unit: Unit,
-        function: Callable[..., Any],
+        function: Plain,
         tree: ast.FunctionDef,
-        kinds: Sequence[Any],
+        kinds: Sequence[Kind],
         careful: bool = False,
     ) -> None:
         super().__init__(unit, function, careful)
@@ -50,7 +51,7 @@ class Function(Calls):
         }
         self.outer = False  # whether it is called by its address
 
-    def written(self, name: str, outer: Any = None) -> str:
+    def written(self, name: str, outer: Kind | None = None) -> str:
         """The text of the function.  outer: kind of its result if it is called by its address."""
         if len(self.names) != len(self.given) or self.tree.args.vararg or self.tree.args.kwarg:
             raise TranslationError(f"{len(self.names)} arguments are expected, {len(self.given)} are given")
@@ -115,14 +116,14 @@ class Function(Calls):
         else:
             self._return_inside(kind, parts)
 
-    def _return_inside(self, kind: Any, parts: Sequence[str]) -> None:
+    def _return_inside(self, kind: Kind, parts: Sequence[str]) -> None:
         """Return within the unit: a structure of the status and the result."""
         returned = "{ i32 0" + "".join(f", {part} undef" for part in parts_of(kind)) + " }"
         for n, (type_, part) in enumerate(zip(parts_of(kind), parts, strict=True)):
             returned = self.put(f"insertvalue {self.whole()} {returned}, {type_} {part}, {n + 1}")
         self.end(f"ret {self.whole()} {returned}")
 
-    def _return_to_caller(self, kind: Any, parts: Sequence[str]) -> None:
+    def _return_to_caller(self, kind: Kind, parts: Sequence[str]) -> None:
         """Return from a function that is called by its address: the result goes to its place."""
         for n, (type_, part) in enumerate(zip(parts_of(kind), parts, strict=True)):
             at = self.put(f"getelementptr {structure(kind)}, ptr %result, i32 0, i32 {n}")

@@ -22,10 +22,12 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from rattle.jit import machine
+from rattle.jit.families import Kind
 from rattle.jit.translation.calls import kinds_of, letters_of
 from rattle.jit.translation.statements import Function
 from rattle.jit.translation.values import TranslationError, Value, number
 from rattle.jit.workspace import ARRAYS
+from rattle.value_types import Plain
 
 PLACES = {name: (place, array.kind) for place, (name, array) in enumerate(ARRAYS.items())}
 FLOATS, WHOLE = ("double", number), ("i64", str)  # LLVM's type, and how a number is written
@@ -79,7 +81,7 @@ class Unit:
         """Something from outside that functions use."""
         self.declared[name] = line
 
-    def part(self, called: Any, kinds: Sequence[Any]) -> tuple[str, Any, bool]:
+    def part(self, called: Any, kinds: Sequence[Kind]) -> tuple[str, Kind, bool]:
         """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
         key, parts = (called, tuple(kinds), self.checks), _users_parts if isfunction(called) else _parts
         if key not in parts:
@@ -131,19 +133,19 @@ class Part(NamedTuple):
     """A function for arguments of some kinds, as others contain it."""
 
     name: str
-    result: Any  # kind
+    result: Kind  # kind
     fails: bool
     text: str
     unit: Any
 
 
-_parts: dict[Any, Part] = {}  # by function and kinds: written once in a process
-_users_parts: dict[Any, Part] = {}  # those of functions of users, for one translation: what they use may change
-_under_way: list[Any] = []
+_parts: dict[object, Part] = {}  # by function and kinds: written once in a process
+_users_parts: dict[object, Part] = {}  # those of functions of users, for one translation: what they use may change
+_under_way: list[object] = []
 _numbers = itertools.count()  # parts of one name are told apart, also where one contains another
 
 
-def function(unit: Unit, python: Callable[..., Any], kinds: Sequence[Any], careful: bool = False) -> Function:
+def function(unit: Unit, python: Plain, kinds: Sequence[Kind], careful: bool = False) -> Function:
     """A function that is to be translated, with its source; careful: it is not a kernel but written by a user."""
     tree = source(python)
     if careful and not hasattr(python, "source"):
@@ -162,7 +164,7 @@ def told_where(translation: Function, write: Callable[[], str]) -> str:
         raise TranslationError(f"{python.__module__}.{python.__name__}, line {translation.place}: {error}") from None
 
 
-def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> str:
+def translated(python: Plain, symbol: str, letters: Sequence[str]) -> str:
     """The text in LLVM's language of a function with fixed types, and of all that it contains.
 
     Raises TranslationError for what kernels cannot use, with the place.
@@ -174,7 +176,7 @@ def translated(python: Callable[..., Any], symbol: str, letters: Sequence[str]) 
     return unit.whole(told_where(translation, lambda: translation.written(symbol, outer=result)))
 
 
-def with_result(python: Callable[..., Any], kinds: Sequence[Any] | None) -> tuple[str, ...]:
+def with_result(python: Plain, kinds: Sequence[Kind] | None) -> tuple[str, ...]:
     """The letters of a function for arguments of these kinds; its result follows from its text."""
     if kinds is None:
         raise TranslationError(f"{python.__name__} takes numbers and contiguous arrays of float64 or int64")
@@ -184,12 +186,12 @@ def with_result(python: Callable[..., Any], kinds: Sequence[Any] | None) -> tupl
     return letters_of(translation.result or "", kinds)
 
 
-def native(python: Callable[..., Any], symbol: str, letters: Sequence[str]) -> machine.Code:
+def native(python: Plain, symbol: str, letters: Sequence[str]) -> machine.Code:
     """Machine code of a function with fixed types, to be called by its address."""
     return _compiled(translated(python, symbol, letters), symbol)
 
 
-def for_kinds(python: Callable[..., Any], symbol: str, kinds: Sequence[Any] | None) -> tuple[Any, machine.Code]:
+def for_kinds(python: Plain, symbol: str, kinds: Sequence[Kind] | None) -> tuple[tuple[str, ...], machine.Code]:
     """Letters and machine code of a function for arguments of these kinds, to be called by its address."""
     letters = with_result(python, kinds)
     return letters, native(python, symbol, letters)
@@ -239,7 +241,7 @@ def check() -> None:
 
 
 # ---------------------------------------------------------------- sources
-def source(python: Callable[..., Any]) -> ast.FunctionDef:
+def source(python: Plain) -> ast.FunctionDef:
     """The syntax tree of a function.  Raises TranslationError if its source is not there."""
     code: Any = getattr(python, "__code__", None)
     if code is not None:
@@ -267,12 +269,12 @@ def source(python: Callable[..., Any]) -> ast.FunctionDef:
     return tree
 
 
-def _require_loaded(python: Callable[..., Any], tree: ast.FunctionDef) -> None:
+def _require_loaded(python: Plain, tree: ast.FunctionDef) -> None:
     """Refuse a function whose source is no longer the one that Python has loaded.
 
     Functions with `assert` are let pass: tools that run tests load something else than their source.
     """
-    code: Any = python.__code__
+    code: CodeType = python.__code__
     if any(isinstance(node, ast.Assert) for node in ast.walk(tree)):
         return
     text = "".join(linecache.getlines(code.co_filename, getattr(python, "__globals__", None)))
@@ -295,7 +297,7 @@ def _alike(first: CodeType, other: CodeType) -> bool:
     return first.co_code == other.co_code and first.co_names == other.co_names and parts[0] == parts[1]
 
 
-def _source_of_lambda(python: Callable[..., Any], text: str, line: int) -> ast.FunctionDef:
+def _source_of_lambda(python: Plain, text: str, line: int) -> ast.FunctionDef:
     """The same for a lambda that is the only one of its line with these arguments."""
     names = python.__code__.co_varnames[: python.__code__.co_argcount]
     lambdas = [

@@ -12,9 +12,11 @@ import re
 import struct
 from collections.abc import Sequence
 from types import FunctionType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
+
+from rattle.jit.families import Kind
 
 NOTHING = ""
 PARTS: dict[str, tuple[str, ...]] = {
@@ -28,12 +30,12 @@ WORDS = {
 }  # fmt: skip
 
 
-class Record(tuple[Any, ...]):
+class Record(tuple["Kind", ...]):
     """The kind of a named tuple: those of its members, and their names."""
 
     names: tuple[str, ...]
 
-    def __new__(cls, kinds: Sequence[Any], names: Sequence[str]) -> Record:
+    def __new__(cls, kinds: Sequence[Kind], names: Sequence[str]) -> Record:
         """Kinds and names in the same order."""
         if len(kinds) != len(names):
             raise TranslationError(f"{len(names)} fields are expected ({', '.join(names)}), {len(kinds)} are given")
@@ -58,34 +60,34 @@ class Value(NamedTuple):
     thing: what it is if that is known while translating: a number, a function, a module.
     """
 
-    kind: Any
+    kind: Kind
     parts: tuple[str, ...] = ()
     thing: Any = None
 
 
-def parts_of(kind: Any) -> list[str]:
+def parts_of(kind: Kind) -> list[str]:
     """LLVM's types of the parts of a kind."""
     if isinstance(kind, tuple):
         return [part for member in kind for part in parts_of(member)]
     return list(PARTS[kind])
 
 
-def said(kind: Any) -> str:
+def said(kind: Kind) -> str:
     """A kind in words."""
     return f"({', '.join(said(one) for one in kind)})" if isinstance(kind, tuple) else WORDS[kind]
 
 
-def is_number(kind: Any) -> bool:
+def is_number(kind: Kind) -> TypeGuard[str]:
     """True for a float, an integer or a truth value."""
     return kind in ("b", "i", "f")
 
 
-def is_array(kind: Any) -> bool:
+def is_array(kind: Kind) -> TypeGuard[str]:
     """True for an array."""
     return isinstance(kind, str) and len(kind) == 2
 
 
-def joined(kind: Any, other: Any) -> Any:
+def joined(kind: Kind, other: Kind) -> Kind:
     """The kind to which both can be converted.  Raises TranslationError if there is none."""
     if kind == other:
         return kind
@@ -111,7 +113,7 @@ def number(x: float) -> str:
     return f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016X}"
 
 
-def known(thing: Any) -> Value | None:
+def known(thing: object) -> Value | None:
     """The value of a number that is known while translating; None for anything else."""
     if isinstance(thing, bool | np.bool_):
         return Value("b", ("true" if thing else "false",), bool(thing))
@@ -122,7 +124,7 @@ def known(thing: Any) -> Value | None:
     return None
 
 
-def kinds_given(args: Sequence[Any]) -> tuple[Any, ...] | None:
+def kinds_given(args: Sequence[object]) -> tuple[Kind, ...] | None:
     """The kinds of arguments from Python; None if one is of no kind."""
     kinds = []
     for argument in args:

@@ -6,11 +6,12 @@ float later is a float.  Every variable has a place on the stack, which LLVM tur
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
+from rattle.jit.families import Kind
 from rattle.jit.machine import FAULT
 from rattle.jit.translation.values import (
     NUMBERS,
@@ -23,10 +24,11 @@ from rattle.jit.translation.values import (
     parts_of,
     said,
 )
+from rattle.value_types import Plain
 
 FAILED = "failed"  # label of the place where a function returns without a result
 ZEROS = {"double": number(0.0), "i64": "0", "i1": "false", "ptr": "null"}
-ALIAS = {"f": "!2", "i": "!3"}  # floats and integers never share memory
+ALIAS: dict[Kind, str] = {"f": "!2", "i": "!3"}  # floats and integers never share memory
 
 
 class Unit(Protocol):
@@ -44,14 +46,14 @@ class Unit(Protocol):
     def declare(self, name: str, line: str) -> None:
         """Something from outside that functions use."""
 
-    def part(self, called: Any, kinds: Sequence[Any]) -> tuple[str, Any, bool]:
+    def part(self, called: object, kinds: Sequence[Kind]) -> tuple[str, Kind, bool]:
         """Another function for arguments of these kinds: its name, the kind of its result, whether it may fail."""
 
 
 class Writing:
     """The text of one function while it is written."""
 
-    def __init__(self, unit: Unit, function: Callable[..., Any], careful: bool = False) -> None:
+    def __init__(self, unit: Unit, function: Plain, careful: bool = False) -> None:
         self.unit, self.function = unit, function
         self.careful = careful  # whether it was written by a user: indices count from the end too, and are checked
         self.loops: list[tuple[str, str]] = []  # where `continue` and `break` go
@@ -61,8 +63,8 @@ class Writing:
         self.variables = {*code.co_varnames, *code.co_cellvars}  # arguments too
         self.outside = {**function.__globals__, **around}  # what does not change
         self.fixed: dict[str, Value] = {}  # arguments that stay as they are
-        self.kinds: dict[Any, Any] = {}  # of variables, and of values that several ways lead to
-        self.result: Any = None  # kind of the result; None until the first return
+        self.kinds: dict[object, Kind] = {}  # of variables, and of values that several ways lead to
+        self.result: Kind | None = None  # kind of the result; None until the first return
         self.fails = False  # whether it may return without a result
         self.changed = False  # whether one of these has changed since the text was begun
         self.line = 1  # from the first of the function
@@ -80,7 +82,7 @@ class Writing:
     def restart(self) -> None:
         """Begin the text."""
         self.lines: list[str] = []
-        self.places: dict[Any, list[str]] = {}  # of variables on the stack
+        self.places: dict[object, list[str]] = {}  # of variables on the stack
         self.rooms: list[str] = []  # types of other places on the stack
         self.count, self.changed, self.open = 0, False, True
 
@@ -151,12 +153,12 @@ class Writing:
         self.jump(self.handlers[len(self.handlers) - 1] if self.handlers else FAILED)
 
     # ---------------------------------------------------------------- variables
-    def _places(self, key: Any) -> list[str]:
+    def _places(self, key: object) -> list[str]:
         if key not in self.places:
             self.places[key] = [f"%v{len(self.places)}.{n}" for n, _ in enumerate(parts_of(self.kinds[key]))]
         return self.places[key]
 
-    def keep(self, key: Any, value: Value) -> None:
+    def keep(self, key: object, value: Value) -> None:
         """Give a variable, or a value that several ways lead to, its value here."""
         kind = joined(self.kinds.get(key, value.kind), value.kind)
         if self.kinds.get(key) != kind:
@@ -167,7 +169,7 @@ class Writing:
         for place, type_, part in zip(self._places(key), parts_of(kind), value.parts, strict=True):
             self.do(f"store {type_} {part}, ptr {place}")
 
-    def kept(self, key: Any) -> Value:
+    def kept(self, key: object) -> Value:
         """The present value of a variable."""
         kind = self.kinds[key]
         loads = (f"load {type_}, ptr {place}" for type_, place in zip(parts_of(kind), self._places(key), strict=True))
@@ -194,7 +196,7 @@ class Writing:
         """A tuple of values."""
         return Value(tuple(value.kind for value in values), tuple(part for value in values for part in value.parts))
 
-    def converted(self, value: Value, kind: Any) -> Value:
+    def converted(self, value: Value, kind: Kind) -> Value:
         """A value as another kind: numbers from truth to integer to float, and tuples of them."""
         if value.kind == kind:
             return value
@@ -242,11 +244,11 @@ class Writing:
             return array.parts[0]
         return self.put(f"getelementptr {parts_of(array.kind[0])[0]}, ptr {array.parts[0]}, i64 {place}")
 
-    def read(self, kind: str, address: str) -> Value:
+    def read(self, kind: Kind, address: str) -> Value:
         """A number in memory."""
         return Value(kind, (self.put(f"load {parts_of(kind)[0]}, ptr {address}, align 8, !tbaa {ALIAS[kind]}"),))
 
-    def write(self, kind: str, address: str, value: Value) -> None:
+    def write(self, kind: Kind, address: str, value: Value) -> None:
         """Store a number in memory."""
         if kind == "i" and value.kind == "f":
             value = self.whole_number(value)

@@ -11,7 +11,6 @@ import importlib
 import json
 import re
 from collections.abc import Mapping
-from typing import Any
 
 import llvmlite.binding as llvm
 
@@ -21,6 +20,7 @@ from rattle.jit.linking import Linked
 from rattle.jit.translation.unit import ABOUT
 from rattle.jit.wasm import binary
 from rattle.jit.workspace import ARRAYS
+from rattle.value_types import Json
 
 SECTION = "rattle"  # of the module: what it offers, as JSON
 TRIPLE = "wasm32-unknown-unknown"
@@ -88,7 +88,7 @@ def _slot(name: str, function: str) -> str:
 
 
 # ---------------------------------------------------------------- compiling
-def _optimised(text: str, target: Any) -> Any:
+def _optimised(text: str, target: llvm.TargetMachine) -> llvm.ModuleRef:
     """A module of a text, for WebAssembly.
 
     Without `optsize` it is a sixth larger and 4 % faster, with level 3 and loops unrolled a fifth larger and as fast.
@@ -106,7 +106,7 @@ def _optimised(text: str, target: Any) -> Any:
     return module
 
 
-def engine(linked: Linked, library: str, more: Mapping[str, Any]) -> bytes:
+def engine(linked: Linked, library: str, more: Mapping[str, Json]) -> bytes:
     """The WebAssembly module of linked functions; the same text gives the same bytes.
 
     library: see `whole_text`.  more: what it says of itself besides.
@@ -140,10 +140,10 @@ def _number(linked_module: binary.Linked, name: str, family: str) -> int:
     return slot if family in families.BY_PLACE else linked_module.word(slot)
 
 
-def about(module: bytes) -> dict[str, Any]:
+def about(module: bytes) -> dict[str, Json]:
     """What an engine says of itself.  Raises BrokenModule for another module."""
     custom = binary.custom_sections(module)
     if SECTION not in custom:
         raise binary.BrokenModule("this WebAssembly module is no engine of rattle")
-    told: dict[str, Any] = json.loads(custom[SECTION])
+    told: dict[str, Json] = json.loads(custom[SECTION])
     return told

@@ -16,6 +16,7 @@ from rattle.errors import AssemblyError, InputError, ModelError, Problem, sugges
 from rattle.results.contact_summary import contact_lines, readable
 from rattle.results.display import in_columns, quantity, table
 from rattle.results.handy_units import handy_unit
+from rattle.value_types import Tree
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -294,7 +295,7 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
     return compliant, [f"assumed for the compliant {', '.join(names)}: {words}" for words, names in assumed.items()]
 
 
-def _stiffness(joint: Joint, written: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+def _stiffness(joint: Joint, written: Tree) -> tuple[dict[str, Any], list[str]]:
     """Keys that a compliant contact needs for its stiffness and friction, and what is said of them."""
     more: dict[str, Any] = {}
     assumptions = []
@@ -313,7 +314,7 @@ def _stiffness(joint: Joint, written: Mapping[str, Any]) -> tuple[dict[str, Any]
     return more, assumptions
 
 
-def _restitution(joint: Joint, written: Mapping[str, Any]) -> tuple[float, str] | None:
+def _restitution(joint: Joint, written: Tree) -> tuple[float, str] | None:
     """The restitution that a compliant contact gets, and what is said of it; None if it needs none but its own."""
     fields = registry.kinds("normal")[written["model"]].fields
     if "restitution" not in written:
@@ -327,7 +328,7 @@ def _restitution(joint: Joint, written: Mapping[str, Any]) -> tuple[float, str] 
     return LEAST_RESTITUTION, f"restitution {LEAST_RESTITUTION:g} in place of {own:g}"
 
 
-def _bedded(written: Mapping[str, Any]) -> bool:
+def _bedded(written: Tree) -> bool:
     """True of a contact with a geometry whose stiffness needs no materials."""
     kind = registry.kinds("stiffness").get(str(written.get("geometry")))
     return kind is not None and "bush_material" not in kind.fields

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from rattle.questions.compare.compute import COMPLIANT, HEAD, IDEAL, IMPACT, LIN
 from rattle.results.contact_summary import pressing_spans
 from rattle.results.handy_units import QUANTITY, handy_unit
 from rattle.results.within_steps import CUT, bursts, cut, largest, shown_curve
+from rattle.value_types import Tree
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -269,7 +269,7 @@ def _orbit(ax: Axes, comparison: Comparison, model: str) -> None:
     ax.set_title(f"{joint}: {what}\n{below}{deep}", fontsize=8.0, color=GREY, pad=3, parse_math=False)
 
 
-def _walls(ax: Axes, form: Mapping[str, Any], c: float, limit: float) -> None:
+def _walls(ax: Axes, form: Tree, c: float, limit: float) -> None:
     """The two walls of a guide that is fixed to the ground, with the free width between them."""
     if form["bodies"][0] != "ground":
         return

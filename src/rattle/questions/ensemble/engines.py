@@ -142,7 +142,7 @@ def engine(
         yield None
 
 
-def _require_executor(executor: Any) -> None:
+def _require_executor(executor: object) -> None:
     if isinstance(executor, Executor):
         return
     hint = (
@@ -151,7 +151,7 @@ def _require_executor(executor: Any) -> None:
     raise WrongType(f"executor: expected a concurrent.futures.Executor, got {executor!r:.60}{hint}")
 
 
-def _require_address(scheduler: Any) -> None:
+def _require_address(scheduler: object) -> None:
     if not isinstance(scheduler, str) or "://" not in scheduler:
         raise InputError(f"scheduler: expected an address such as tcp://10.0.0.1:8786, got {scheduler!r:.60}")
 

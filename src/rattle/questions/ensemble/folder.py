@@ -35,6 +35,7 @@ from rattle.questions.ensemble.store import Memory, Store, add_counts
 from rattle.results.archive import package
 from rattle.studies.runs.task import Task
 from rattle.user_paths import expanded
+from rattle.value_types import Tree
 
 log = logging.getLogger("rattle")
 
@@ -93,7 +94,7 @@ class Folder:
         self._find()
 
     # ---------------------------------------------------------------- opening
-    def _open(self, now: dict[str, Any], resume: bool) -> None:
+    def _open(self, now: Tree, resume: bool) -> None:
         """Compare with the manifest, or write one.  Raises as `__init__`."""
         if self.path.exists() and not self.path.is_dir():
             raise NotADirectoryError(f"{self.path} is a file; give the name of a folder")
@@ -122,7 +123,7 @@ class Folder:
         if before["n"] < self._count:
             self._write_manifest(manifest, {**before, **now})
 
-    def _write_manifest(self, manifest: Path, now: Mapping[str, Any]) -> None:
+    def _write_manifest(self, manifest: Path, now: Tree) -> None:
         self._made_with = now.get("made with", identity.versions())
         text = json.dumps({**now, "n": self._count, "made with": self._made_with}, indent=1)
         with atomic(manifest) as file:

@@ -7,7 +7,6 @@ import inspect
 import json
 from collections.abc import Iterator, Mapping
 from importlib import metadata
-from typing import Any
 
 from rattle import registry
 from rattle.description.file import parse
@@ -16,6 +15,7 @@ from rattle.elements.custom.law_kernel import UsersKernel
 from rattle.errors import ModelError
 from rattle.questions.ensemble.plans import Plan
 from rattle.studies.runs.task import Task
+from rattle.value_types import Json, Tree
 from rattle.version import __version__
 
 FORMAT = 1
@@ -33,7 +33,7 @@ LABELS = {  # entries that are compared as they are, in the order in which a dif
 LONGEST = 60  # characters of a value that a message quotes
 
 
-def identity(task: Task, plan: Plan) -> dict[str, Any]:
+def identity(task: Task, plan: Plan) -> dict[str, Json]:
     """All that the numbers of samples follow from, as plain data."""
     record = {
         "format": FORMAT, "rattle": __version__, **plan.description, "analysis": task.analysis,
@@ -54,7 +54,7 @@ def versions() -> dict[str, str]:
     return installed
 
 
-def difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+def difference(before: Tree, now: Tree) -> str:
     """How one identity differs from another, in words; "" if it does not."""
     for key, label in LABELS.items():
         if before.get(key) != now.get(key):
@@ -78,7 +78,9 @@ def _of_models(before: str, now: str) -> str:
     return f"its model has {_dotted(path)}: {_short(first)}, now {_short(second)}" if path else ""
 
 
-def _differing(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any, Any]]:
+def _differing(
+    old: object, new: object, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], object, object]]:
     """Paths in nested tables with the values that differ; None where there is none."""
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         for key in dict.fromkeys([*old, *new]):
@@ -91,7 +93,7 @@ def _dotted(path: tuple[str, ...]) -> str:
     return ".".join(path)
 
 
-def _short(value: Any) -> str:
+def _short(value: object) -> str:
     if value is None:
         return "none"
     text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)

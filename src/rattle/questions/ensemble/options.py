@@ -14,6 +14,7 @@ from rattle.cli.output import STOPPED
 from rattle.cli.question_command import Asked, Shown, Written, json_option, picture_option
 from rattle.cli.requirements import Condition, Verdict, said_required
 from rattle.question import analysis_names
+from rattle.value_types import Plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 def question_options(needed: bool = True) -> Options:
     """Add to a command what is asked of every mechanism: --of (needed: at least one), --analysis, --t-end."""
 
-    def add(function: Callable[..., Any]) -> Callable[..., Any]:
+    def add(function: Plain) -> Plain:
         function = click.option(
             "--t-end", type=time,
             help="End of the runs, in s or as '20 ms'.  [default: as in the model; t = 0 for equilibrium and modes]",
@@ -51,7 +52,7 @@ vary_option = click.option(
 )  # fmt: skip
 
 
-def engine_options(function: Callable[..., Any]) -> Callable[..., Any]:
+def engine_options(function: Plain) -> Plain:
     """Add to a command where runs take place, and where they are kept."""
     for option in (
         json_option("The answer as JSON, in SI units."),

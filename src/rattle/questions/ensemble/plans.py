@@ -6,9 +6,11 @@ import hashlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
+
+from rattle.value_types import Json
 
 KEPT_WHOLE = 1000  # values of an axis that a description lists; of more it has a checksum
 
@@ -44,7 +46,7 @@ class Fields(Protocol):
         """(k,) names of the parameters."""
 
     @property
-    def description(self) -> dict[str, Any]:
+    def description(self) -> dict[str, Json]:
         """All that the values follow from, as plain data."""
 
     def values(self, points: np.ndarray) -> np.ndarray:
@@ -67,7 +69,7 @@ class Plan(Protocol):
         """Whether the first samples stay as they are when n is larger."""
 
     @property
-    def description(self) -> dict[str, Any]:
+    def description(self) -> dict[str, Json]:
         """All that the values follow from but n, as plain data, by which a plan is known again."""
 
     def values(self, first: int, last: int) -> np.ndarray:
@@ -97,7 +99,7 @@ class Drawn:
         return self.points.grows
 
     @property
-    def description(self) -> dict[str, Any]:
+    def description(self) -> dict[str, Json]:
         """Design, seed and fields."""
         return {
             "kind": "ensemble", "design": self.points.design, "seed": self.points.seed, **self.fields.description
@@ -135,7 +137,7 @@ class Grid:
         return False
 
     @property
-    def description(self) -> dict[str, Any]:
+    def description(self) -> dict[str, Json]:
         """The values of all parameters."""
         return {"kind": "sweep", "axes": {name: _kept(axis) for name, axis in self.axes.items()}}
 
@@ -163,7 +165,7 @@ class Given:
         return False
 
     @property
-    def description(self) -> dict[str, Any]:
+    def description(self) -> dict[str, Json]:
         """The values of all parameters."""
         return {"kind": "given samples", "axes": {n: _kept(row) for n, row in zip(self.names, self.table, strict=True)}}
 

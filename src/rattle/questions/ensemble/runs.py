@@ -22,6 +22,7 @@ from rattle.results.result import UnknownName, require_table
 from rattle.studies.runs.columns import in_one_unit
 from rattle.studies.runs.reasons import counted
 from rattle.studies.runs.task import Task
+from rattle.value_types import Json
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -154,7 +155,7 @@ class Samples(ABC):
             for n in np.flatnonzero(self.store.status() != WAITING).tolist():
                 writer.writerow([n, *(column[n] for column in columns), status[n], messages.get(n, "")])
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, Json]:
         """What was found as plain data, in SI units."""
         return {
             "samples": len(self), "parameters": list(self.parameters), "counts": self.counts(), "failures": self.why(),

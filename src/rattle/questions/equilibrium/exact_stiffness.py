@@ -7,8 +7,6 @@ Source: docs/theory.md, section 7; Griewank and Walther, Evaluating Derivatives,
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from rattle.analyses.straight_line.linearised import Linearised, by_numpy, switching_functions
@@ -17,6 +15,7 @@ from rattle.equations.motion import drive, loads, place
 from rattle.equations.rest_force import force_at
 from rattle.errors import TraceError
 from rattle.jit.functions import KernelFunction
+from rattle.language.recorded import Operand
 from rattle.questions.equilibrium.balance import StaticProblem
 from rattle.trace.graph import Graph
 from rattle.trace.recording import Recorder, Recording
@@ -43,10 +42,10 @@ class RestForces:
         workspace = recorder.workspace(problem.system)
         workspace.multiplier[:] = problem.workspace.multiplier
 
-        def run(function: KernelFunction, *operands: Any) -> None:
+        def run(function: KernelFunction, *operands: object) -> None:
             recorder.recorded(function.python)(workspace, *operands)
 
-        def forces() -> list[Any]:
+        def forces() -> list[Operand]:
             run(drive, problem.t)
             run(force_at, problem.t, q, balance)
             run(place, q, v)

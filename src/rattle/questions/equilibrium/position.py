@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from rattle.results.display import card, quantity, table
 from rattle.results.film_columns import DRY
 from rattle.results.result import Result
 from rattle.results.trust import Trust
+from rattle.value_types import Tree
 
 PULLS = 1e-9  # [of the largest normal force] negative force above which a bush has to pull: below is rounding
 MORE = 10.0  # factor on the effort that is advised after a search was cut short
@@ -32,8 +33,8 @@ class Table(NamedTuple):
     column: Mapping[str, int]  # column of every name
     units: Mapping[str, str]
     pins: tuple[tuple[str, int], ...]  # joints with clearance, and the columns of their normal forces
-    geometry: Mapping[str, Any]
-    provenance: Mapping[str, Any]
+    geometry: Tree
+    provenance: Tree
 
 
 @dataclass(repr=False)

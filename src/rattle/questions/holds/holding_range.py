@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from rattle.results.display import lines
+from rattle.value_types import Json
 
 ROUNDING = 1e-9  # share of the largest value below which a value is zero
 ALIKE = 1e-6  # [-] relative difference of factors on friction that are told as one
@@ -64,7 +64,7 @@ class HoldingRange:
     def _repr_html_(self) -> str:
         return lines(str(self))
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, Json]:
         """What JSON holds: values in `unit` (SI), no number where there is no bound, and what they mean."""
         numbers = {"low": self.low, "high": self.high, "free": self.free, "value": self.value}
         facts = {"rests": self.rests, "self_locking": self.self_locking, "jams": self.jams}

@@ -7,8 +7,8 @@ is smooth.  Rows of time stepping hold mean values of whole steps; one of each i
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from rattle.jit import layout as at
 from rattle.mechanism import Mechanism
 from rattle.registry import kinds
 from rattle.solvers.stepper import TIME_STEPPING
+from rattle.value_types import Tree
 
 Array = NDArray[np.float64]
 GAUSS = 8  # points in a step in which all is smooth
@@ -50,7 +51,7 @@ class Settings(NamedTuple):
     weights: Array
 
 
-def settings_of(ran: Mapping[str, Any]) -> Settings:
+def settings_of(ran: Tree) -> Settings:
     """Settings of a run from the provenance of its result."""
     method, steppers = ran["method"], kinds("stepper")
     if method not in steppers:

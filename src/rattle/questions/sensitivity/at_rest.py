@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,8 @@ from rattle.analyses.straight_line.linearised import Linearised
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.equations import motion, schur
 from rattle.jit import layout as at
+from rattle.jit.functions import KernelFunction
+from rattle.language.recorded import Operand
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.results.columns import columns, width
 from rattle.solvers.output_row import write
@@ -35,10 +36,10 @@ RANK = 1e-9  # share of the largest singular value below which constraints are d
 class Rest:
     """What the kernels do at rest, on the inputs of a recorded model; its y holds the positions."""
 
-    acceleration: list[Any]  # (3 nb,) [m/s^2, rad/s^2]
-    residual: list[Any]  # (nr,) of the constraint rows [m or rad]
-    curves: dict[str, Any]  # result columns by name [SI]
-    sound: Any  # flag
+    acceleration: list[Operand]  # (3 nb,) [m/s^2, rad/s^2]
+    residual: list[Operand]  # (nr,) of the constraint rows [m or rad]
+    curves: dict[str, Operand]  # result columns by name [SI]
+    sound: Operand  # flag
 
 
 def record_rest(model: RecordedModel) -> Rest:
@@ -51,7 +52,7 @@ def record_rest(model: RecordedModel) -> Rest:
     row = np.zeros(width(system), dtype=object)
 
     def rest() -> None:
-        def run(function: Any, *arguments: Any) -> None:
+        def run(function: KernelFunction, *arguments: object) -> None:
             recorder.recorded(function.python)(workspace, *arguments)
 
         run(motion.drive, t)
@@ -76,7 +77,7 @@ class AtRest:
     """Curves of a model at rest and their derivatives."""
 
     def __init__(
-        self, model: RecordedModel, parameters: Parameters, rest: Rest, curves: Mapping[str, Any],
+        self, model: RecordedModel, parameters: Parameters, rest: Rest, curves: Mapping[str, Operand],
         compile_function: Compile,
     ) -> None:  # fmt: skip
         self.model, self.parameters = model, parameters

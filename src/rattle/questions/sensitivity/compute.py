@@ -21,6 +21,7 @@ from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel, record_model, require_parameters
 from rattle.equations.system import System
 from rattle.errors import InputError, SolverError, TraceError, suggest
+from rattle.language.recorded import Operand
 from rattle.questions.equilibrium.compute import equilibria
 from rattle.questions.equilibrium.quasistatic import quasistatic
 from rattle.questions.kinematics.compute import analyse, instants
@@ -37,6 +38,7 @@ from rattle.results.result import Result, UnknownName
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
 from rattle.trace.elementary import lower
+from rattle.value_types import Tree
 
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 RTOL = 1e-10  # default relative tolerance of a motion with its derivatives
@@ -68,7 +70,7 @@ class Asked:
     rtol: float
     atol: float  # [m, rad, m/s, rad/s]
 
-    def curves(self, columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    def curves(self, columns: Mapping[str, Operand]) -> tuple[dict[str, Operand], dict[str, str]]:
         """Symbols and SI units of the outputs.  columns: result columns by name."""
         model, symbols, units = self.model, {}, {}
         for name in self.outputs:
@@ -84,7 +86,7 @@ class Asked:
 
 
 def sensitivity(
-    document: Mapping[str, Any], system: System, begin: Assembled, outputs: Sequence[str], parameters: Sequence[str],
+    document: Tree, system: System, begin: Assembled, outputs: Sequence[str], parameters: Sequence[str],
     t_eval: Any = None, analysis: str = "simulate", *, rtol: float | None = None, atol: float | None = None,
     strict: bool = False,
 ) -> Result:  # fmt: skip
@@ -130,9 +132,7 @@ def _times(system: System, t_eval: Any, analysis: str) -> np.ndarray:
     return output_times(system.model.settings, None, times)[1] if analysis == "simulate" else times
 
 
-def _recorded(
-    document: Mapping[str, Any], system: System, begin: Assembled, parameters: Sequence[str]
-) -> RecordedModel:
+def _recorded(document: Tree, system: System, begin: Assembled, parameters: Sequence[str]) -> RecordedModel:
     """The recorded model.  Raises TraceError with what can be done, also where a parameter changes its parts."""
     try:
         model = record_model(document, system, begin, parameters)

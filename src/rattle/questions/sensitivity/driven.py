@@ -10,12 +10,12 @@ differentiation of constraints).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from rattle.analyses.straight_line.linearised import Linearised
 from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.language.recorded import Operand
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.results.result import Result
 from rattle.trace.lane_program import Compile
@@ -25,7 +25,7 @@ class Driven:
     """Curves of a fully driven model and their derivatives."""
 
     def __init__(
-        self, model: RecordedModel, parameters: Parameters, curves: Mapping[str, Any], compile_function: Compile
+        self, model: RecordedModel, parameters: Parameters, curves: Mapping[str, Operand], compile_function: Compile
     ) -> None:  # fmt: skip
         self.model, self.parameters = model, parameters
         self.motion = 6 * model.system.body_count

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rattle.analyses.straight_line.linearised import Columns, Linearised, switching_functions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.language.recorded import Operand
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.trace.lane_program import Compile
 
@@ -30,7 +31,7 @@ class Functions:
     """
 
     def __init__(
-        self, model: RecordedModel, parameters: Parameters, curves: Mapping[str, Any], compile_function: Compile
+        self, model: RecordedModel, parameters: Parameters, curves: Mapping[str, Operand], compile_function: Compile
     ) -> None:  # fmt: skip
         self.model, self.size, self.parameters = model, model.state_size, parameters
         self.energy = 0.0  # at the start [J]

@@ -38,6 +38,7 @@ from rattle.questions.tolerance.required_accuracy import Limits
 from rattle.questions.tolerance.trials import Trials
 from rattle.results.display import in_columns, table
 from rattle.studies.runs.columns import in_one_unit, number, scale_of
+from rattle.value_types import Tree
 
 ORDERS = {"worst-case": 1, "rss": 2}  # q by method
 SMALLEST, GREATEST = 1e-4, 1e3  # factors by which the tolerances may be scaled
@@ -71,7 +72,7 @@ class Allocation:
     tolerances: Mapping[str, float]  # by parameter [SI]
     by_slopes: Mapping[str, float]  # the closed form, before samples were looked at [SI]
     before: Mapping[str, float]  # those that the mechanism had [SI]
-    vary: Mapping[str, Mapping[str, Any]]  # all fields as entries of the model file
+    vary: Mapping[str, Tree]  # all fields as entries of the model file
     cost: float  # sum c/tol**exponent [tol in SI]; nan without costs
     cost_by_slopes: float
     share: float  # of the samples that are within the limits

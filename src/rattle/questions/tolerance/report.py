@@ -33,6 +33,7 @@ from rattle.questions.tolerance.trials import Trials
 from rattle.results.archive import package
 from rattle.results.display import in_columns, table
 from rattle.studies.runs.columns import number, scale_of
+from rattle.value_types import Json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -171,7 +172,7 @@ class Tolerance:
 
         return plot_tolerance(self)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, Json]:
         """What was found as plain data, in SI units."""
         names = [name for name in Indices._fields if name != "rows"]
         indices = {name: getattr(self.indices, name) for name in names}

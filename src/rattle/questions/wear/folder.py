@@ -26,6 +26,7 @@ from rattle.questions.wear.cycle import Sliding, State
 from rattle.questions.wear.pins import Depths, Pin, as_documents
 from rattle.questions.wear.worn import Reached
 from rattle.user_paths import expanded
+from rattle.value_types import Tree
 from rattle.version import __version__
 
 FORMAT = 1
@@ -61,7 +62,7 @@ class Folder:
         with atomic(manifest) as file:
             file.write_text(json.dumps(now, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
-    def _compare(self, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
+    def _compare(self, before: Tree, now: Tree) -> None:
         if before.get("kind") != "wear" or before.get("format") != FORMAT:
             raise InputError(f"{self.path} holds another kind of study; give another folder")
         for key, value in now.items():
@@ -128,7 +129,7 @@ class Folder:
             with atomic(self.path / f"{joint}.wear.csv") as file:
                 file.write_text(profile_text(joint, depths), encoding="utf-8")
 
-    def finish(self, mechanism: Mechanism, columns: Mapping[str, Any]) -> None:
+    def finish(self, mechanism: Mechanism, columns: Tree) -> None:
         """Write what others read: the history and the worn mechanism."""
         lines = [
             ",".join(columns),

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from rattle.pages.report import page_of
 from rattle.pages.report_study import study
 from rattle.studio.shelf import Shelf, Source
+from rattle.value_types import Json
 
 
-def report(shelf: Shelf, source: Source) -> dict[str, Any]:
+def report(shelf: Shelf, source: Source) -> dict[str, Json]:
     """The whole report as one HTML page."""
     gathered = study(shelf.mechanism(source), progress=True)
     if gathered.run is not None and gathered.run.interrupted:
