@@ -6,18 +6,21 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from rattle import registry
 from rattle.description.model import Vector
 from rattle.description.polygon import MOST_CORNERS, fault
-from rattle.description.read_values import Path, Values, quoted
+from rattle.description.read_values import Values, quoted
+from rattle.description.reading import Path, Table
 from rattle.description.tables import Form
 from rattle.errors import suggest
 from rattle.language.expression import ExpressionError, Name, Node, Number
 from rattle.language.local_function import LocalFunction, local_function
 from rattle.language.units import QuantityError, dimension_of, parse_quantity
 from rattle.registry import REQUIRED, Field
+
+Leaf = TypeVar("Leaf")
 
 
 class FieldReader:
@@ -26,19 +29,21 @@ class FieldReader:
     def __init__(self, values: Values) -> None:
         self.values = values
 
-    def choose(self, table: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
-        """The kind that an entry names under `key`; None after a problem."""
-        kinds = registry.kinds(family)
+    def choose(
+        self, table: Table, kinds: Mapping[str, registry.Kind[Leaf]], path: Path, key: str = "type"
+    ) -> registry.Kind[Leaf] | None:
+        """The kind of those of a family that an entry names under `key`; None after a problem."""
         if key not in table:
             self.values.wrong(path, f"needs a {key}: " + ", ".join(kinds))
             return None
         name = table[key]
         if isinstance(name, str) and name in kinds:
             return kinds[name]
+        family = next(iter(kinds.values())).family
         self.values.wrong((*path, key), f"unknown {family} {quoted(name)}{suggest(str(name), kinds)}")
         return None
 
-    def field(self, field: Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
+    def field(self, field: Field, key: str, table: Table, read: Mapping[str, Any], path: Path) -> Any:
         """One field of a kind or table [SI], as the user wrote it or its default; nan or None after a problem."""
         here = (*path, key)
         if key not in table and field.default is REQUIRED:
@@ -59,7 +64,7 @@ class FieldReader:
         return self.values.value(table[key], field.unit, here, field.least, field.live)
 
     def fields(
-        self, kind: registry.Kind, table: Mapping[str, Any], path: Path, unit: Callable[[str], str] = str
+        self, kind: registry.Kind[object], table: Table, path: Path, unit: Callable[[str], str] = str
     ) -> dict[str, float]:
         """All fields of a kind [SI], in the order of its declaration; unit: what a unit of a field is here."""
         read: dict[str, float] = {}
@@ -69,7 +74,7 @@ class FieldReader:
                 read[key] = self.field(replace(field, unit=unit(field.unit)), key, table, read, path)
         return read
 
-    def form(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    def form(self, form: Form, table: Table, path: Path) -> dict[str, Any]:
         """All fields of a table [SI], in the order of its keys; unknown keys are refused.
 
         Those of its ways are read where they are written; what is a table, or of a shape in OWN, is left to its own
@@ -78,7 +83,7 @@ class FieldReader:
         self.values.keys(table, form.keys, path)
         return self.read(form, table, path)
 
-    def read(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    def read(self, form: Form, table: Table, path: Path) -> dict[str, Any]:
         """As `form`, of a table whose keys were looked at before."""
         read: dict[str, Any] = {}
         for key, field in form.keys.items():
@@ -88,7 +93,7 @@ class FieldReader:
 
 
 # ---------------------------------------------------------------- shapes of fields
-def _choice(values: Values, field: Field, written: Any, path: Path) -> float:
+def _choice(values: Values, field: Field, written: object, path: Path) -> float:
     """The number of a word among the choices; nan after a problem."""
     word = field.flags[written] if field.flags and isinstance(written, bool) else written
     if word in field.choices:
@@ -98,13 +103,13 @@ def _choice(values: Values, field: Field, written: Any, path: Path) -> float:
     return math.nan
 
 
-def _flag(values: Values, field: Field, written: Any, path: Path) -> float:
+def _flag(values: Values, field: Field, written: object, path: Path) -> float:
     if not isinstance(written, bool):
         values.wrong(path, f"expected true or false, got {quoted(written)}")
     return float(written is True)
 
 
-def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
+def _names(values: Values, field: Field, written: object, path: Path) -> tuple[str, str] | None:
     """Two names of points; None after a problem."""
     two = _texts(values, field, written, path)
     if two is not None and not all(text.isidentifier() for text in two):
@@ -113,7 +118,7 @@ def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str,
     return two
 
 
-def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
+def _texts(values: Values, field: Field, written: object, path: Path) -> tuple[str, str] | None:
     """Two texts; None after a problem."""
     if not isinstance(written, list | tuple) or len(written) != 2 or not all(isinstance(text, str) for text in written):
         values.wrong(path, f"expected {field.like}, got {quoted(written)}")
@@ -121,7 +126,7 @@ def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str,
     return written[0], written[1]
 
 
-def _text(values: Values, field: Field, written: Any, path: Path) -> str:
+def _text(values: Values, field: Field, written: object, path: Path) -> str:
     """A text for people, on one line; "" after a problem."""
     if not isinstance(written, str):
         values.wrong(path, f"{quoted(written)} is no text; write words in quotes")
@@ -133,7 +138,7 @@ def _text(values: Values, field: Field, written: Any, path: Path) -> str:
     return text
 
 
-def _ring(values: Values, field: Field, written: Any, path: Path) -> list[Vector]:
+def _ring(values: Values, field: Field, written: object, path: Path) -> list[Vector]:
     """Corners [m] in order around; none after a problem."""
     if not isinstance(written, list | tuple):
         values.wrong(path, f"expected corners in order around, [[x, y], [x, y], [x, y]], got {quoted(written)}")
@@ -145,7 +150,7 @@ def _ring(values: Values, field: Field, written: Any, path: Path) -> list[Vector
     return corners if len(values.problems) == before else []
 
 
-def _rings(values: Values, field: Field, written: Any, path: Path) -> list[list[Vector]] | None:
+def _rings(values: Values, field: Field, written: object, path: Path) -> list[list[Vector]] | None:
     """The corners of every hole [m]; None after a problem."""
     if not isinstance(written, list | tuple) or not all(isinstance(ring, list | tuple) for ring in written):
         values.wrong(path, f"expected a list of holes, each a list of corners [x, y], got {quoted(written)}")
@@ -154,7 +159,7 @@ def _rings(values: Values, field: Field, written: Any, path: Path) -> list[list[
     return rings if all(rings) else None
 
 
-def _stepper(values: Values, field: Field, written: Any, path: Path) -> Any:
+def _stepper(values: Values, field: Field, written: object, path: Path) -> Any:
     steppers = registry.names("stepper")
     if written not in steppers:
         values.wrong(path, f"unknown method {quoted(written)}{suggest(str(written), steppers)}")
@@ -178,7 +183,7 @@ SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all sh
 }
 
 
-def read_function(values: Values, written: Any, field: Field, path: Path) -> LocalFunction | float:
+def read_function(values: Values, written: object, field: Field, path: Path) -> LocalFunction | float:
     """A field that is a function of a variable of its kind; nan after a problem."""
     node: Node | None = None
     quantity = None

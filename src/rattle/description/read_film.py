@@ -10,9 +10,12 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Choice, Contact, OilFilm
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, quoted
+from rattle.description.read_values import quoted
+from rattle.description.reading import Path, Table
 from rattle.description.tables import OIL
 from rattle.errors import suggest
+from rattle.interfaces.contacts import ContactKind
+from rattle.interfaces.laws import FilmLaw
 
 KEYS = (*OIL.fields, "bush_radius")  # of its table, besides fields of the model and of the film
 STEEL = {"model": "hertz", "geometry": "johnson", "bush_material": "steel", "friction": 0.1}  # if `dry` is left out
@@ -30,7 +33,7 @@ def film_keys() -> dict[str, registry.Field | None]:
 
 
 def read_lubricated(
-    reader: FieldReader, table: Mapping[str, Any], kind: registry.Kind, clearance: float, path: Path, dry: ReadDry,
+    reader: FieldReader, table: Table, kind: registry.Kind[ContactKind], clearance: float, path: Path, dry: ReadDry,
     unused: Unused,
 ) -> Contact | None:  # fmt: skip
     """A contact with oil; None after a problem.
@@ -39,7 +42,7 @@ def read_lubricated(
     and returns those that there are, given the keys that are used.
     """
     values, before = reader.values, len(reader.values.problems)
-    law = reader.choose({"film": "finite", **table}, "film", path, "film")
+    law = reader.choose({"film": "finite", **table}, registry.kinds("film"), path, "film")
     if law is None:
         return None
     left = unused(["model", *KEYS, *law.fields, *kind.fields])
@@ -72,8 +75,8 @@ def _word(field: registry.Field, number: float) -> str:
 
 
 def _fits(
-    reader: FieldReader, law: registry.Kind, chosen: Mapping[str, Any], read: Mapping[str, float],
-    table: Mapping[str, Any], path: Path,
+    reader: FieldReader, law: registry.Kind[FilmLaw], chosen: Mapping[str, Any], read: Mapping[str, float],
+    table: Table, path: Path,
 ) -> bool:  # fmt: skip
     """True if clearance, boundary film and film belong together; problems are reported otherwise."""
     values, clearance, least = reader.values, read["clearance"], read["boundary_film"]
@@ -91,7 +94,7 @@ def _fits(
     return len(values.problems) == before
 
 
-def _roughness(reader: FieldReader, table: Mapping[str, Any], path: Path) -> float:
+def _roughness(reader: FieldReader, table: Table, path: Path) -> float:
     """Roughness of both surfaces together [m]: root of the sum of squares of one number each, or of one for both."""
     if "roughness" not in table:
         return 0.0
@@ -110,7 +113,7 @@ def _roughness(reader: FieldReader, table: Mapping[str, Any], path: Path) -> flo
 
 
 def _dry(
-    reader: FieldReader, table: Mapping[str, Any], chosen: Mapping[str, Any], path: Path, read: ReadDry
+    reader: FieldReader, table: Table, chosen: Mapping[str, Any], path: Path, read: ReadDry
 ) -> tuple[Contact | None, str]:
     """The dry contact, and in words what was assumed; None after a problem."""
     radius = chosen["bush_radius"]

@@ -8,8 +8,10 @@ from typing import Any
 from rattle import registry
 from rattle.description.model import Choice, JointFriction
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, quoted
+from rattle.description.read_values import quoted
+from rattle.description.reading import Path, Table
 from rattle.errors import suggest
+from rattle.interfaces.joints import JointKind
 from rattle.registry import Field
 
 SET_VALUED = "coulomb"  # the model that a number means
@@ -26,8 +28,8 @@ def friction_models() -> dict[str, Mapping[str, Field]]:
 
 def joint_friction(
     reader: FieldReader,
-    written: Any,
-    joint: registry.Kind,
+    written: object,
+    joint: registry.Kind[JointKind],
     of_joint: Mapping[str, Any] | None,
     block: Sequence[float],
     loose: bool,
@@ -43,10 +45,10 @@ def joint_friction(
         values.wrong(path, fault, at_key=True)
         return None
     before, whole = len(values.problems), isinstance(written, Mapping)
-    table = dict(written) if whole else {"model": SET_VALUED, "mu": written}
-    model, models = table.get("model", SET_VALUED), friction_models()
-    if str(model) not in models:
-        values.wrong((*path, "model"), f"unknown friction {quoted(model)}{suggest(str(model), models)}")
+    table: Table = written if isinstance(written, Mapping) else {"model": SET_VALUED, "mu": written}
+    models, model = friction_models(), str(table.get("model", SET_VALUED))
+    if model not in models:
+        values.wrong((*path, "model"), f"unknown friction {quoted(table['model'])}{suggest(model, models)}")
         return None
     sizes, fields = joint.leaf.rubs_with, models[model]
     values.keys(table, ["model", *fields, *sizes], path)
@@ -78,7 +80,7 @@ def _law(reader: FieldReader, model: str, read: Mapping[str, Any], path: Path) -
     return Choice(model, read)
 
 
-def _without_friction(joint: registry.Kind, loose: bool) -> str:
+def _without_friction(joint: registry.Kind[JointKind], loose: bool) -> str:
     """Why a joint has no friction of its own, in words; "" if it may have."""
     if not joint.leaf.rubs:
         where = " or ".join(name for name, kind in registry.kinds("joint").items() if kind.leaf.rubs)

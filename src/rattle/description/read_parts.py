@@ -31,10 +31,13 @@ from rattle.description.read_contact import (
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
 from rattle.description.read_plates import read_plate
-from rattle.description.read_values import Path, Values, is_computable, quoted
+from rattle.description.read_values import Values, is_computable, quoted
 from rattle.description.read_wear import read_wear
+from rattle.description.reading import Path, Table
 from rattle.description.tables import BAR, BODY, JOINT
 from rattle.errors import suggest
+from rattle.interfaces.contacts import ClearanceKind
+from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
@@ -97,7 +100,7 @@ class Parts(FieldReader):
         self.driven: dict[str, str] = {}  # joint: its driver
 
     # ------------------------------------------------------------ bodies and points
-    def add_body(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_body(self, name: str, table: Table) -> None:
         """Read a body in its general form, a bar, or a plate."""
         values, path = self.values, ("bodies", name)
         if "polygon" in table:
@@ -132,7 +135,7 @@ class Parts(FieldReader):
                 self.vague.add(str(path[-1]))
         return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
 
-    def point(self, written: Any, path: Path, alone: bool = False) -> Point:
+    def point(self, written: object, path: Path, alone: bool = False) -> Point:
         """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
         if not isinstance(written, str):
             self.values.wrong(path, f'expected "body.point", got {quoted(written)}')
@@ -154,9 +157,7 @@ class Parts(FieldReader):
             return NOWHERE
         return Point(body, point, points[point])
 
-    def connect(
-        self, table: Mapping[str, Any], path: Path, alone: bool = False, bodies: bool = False
-    ) -> tuple[Point, Point]:
+    def connect(self, table: Table, path: Path, alone: bool = False, bodies: bool = False) -> tuple[Point, Point]:
         """The two ends of a joint or load; alone: also bodies without a point, bodies: whose points mean nothing."""
         form = '["body", "body"]' if bodies else '["body.point", "body.point"]'
         if "connect" not in table:
@@ -175,11 +176,11 @@ class Parts(FieldReader):
         return a, b
 
     # ------------------------------------------------------------ joints
-    def add_joint(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_joint(self, name: str, table: Table) -> None:
         """Read a joint with its clearance and contact."""
         values, path = self.values, ("joints", name)
         before = len(values.problems)
-        kind = self.choose(table, "joint", path)
+        kind = self.choose(table, registry.kinds("joint"), path)
         if kind is None:
             self.broken_joints.add(name)
             return
@@ -213,7 +214,7 @@ class Parts(FieldReader):
             self.broken_joints.add(name)
 
     def _require_consistent(
-        self, kind: registry.Kind, table: Mapping[str, Any], fields: Mapping[str, Any], path: Path
+        self, kind: registry.Kind[JointKind], table: Table, fields: Mapping[str, Any], path: Path
     ) -> None:
         """Refuse fields of a joint that are sound one by one, but not together."""
         before = len(self.values.problems)
@@ -223,7 +224,7 @@ class Parts(FieldReader):
             self.values.wrong(path, fault)
 
     def _contact(
-        self, table: Mapping[str, Any], kind: registry.Kind, fields: Mapping[str, Any], clearance: float | None,
+        self, table: Table, kind: registry.Kind[JointKind], fields: Mapping[str, Any], clearance: float | None,
         path: Path,
     ) -> Contact | None:  # fmt: skip
         """The contact of a joint: of its clearance, its strands or its one side; None without, or after a problem."""
@@ -242,7 +243,12 @@ class Parts(FieldReader):
         return None
 
     def _passing(
-        self, kind: registry.Kind, fields: Mapping[str, Any], clearance: float, contact: Contact | None, path: Path
+        self,
+        kind: registry.Kind[JointKind],
+        fields: Mapping[str, Any],
+        clearance: float,
+        contact: Contact | None,
+        path: Path,
     ) -> Contact | None:
         """The contact of a joint that bodies come to and leave: it must act, and has a bush if it needs one."""
         if not (what := kind.leaf.passing(fields)):
@@ -262,7 +268,7 @@ class Parts(FieldReader):
         return replace(contact, bush_radius=radius)
 
     def _dimensions(
-        self, sizes: Mapping[str, Mapping[str, Field]], table: Mapping[str, Any], play: registry.Kind | None,
+        self, sizes: Mapping[str, Mapping[str, Field]], table: Table, play: registry.Kind[ClearanceKind] | None,
         contact: Contact | None, path: Path,
     ) -> dict[str, tuple[float, ...]]:  # fmt: skip
         """The lengths [m] in the tables of dimensions of a joint with clearance."""
@@ -278,7 +284,7 @@ class Parts(FieldReader):
                 self.values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
         return dimensions
 
-    def _contact_of_play(self, table: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
+    def _contact_of_play(self, table: Table, joint: str, clearance: float, path: Path) -> Contact | None:
         if "contact" in table:
             return read_contact(self, table["contact"], site_of_clearance(joint, clearance), (*path, "contact"))
         suited = contact_models(joint) if registry.play_of(joint) is not None else []
@@ -290,7 +296,7 @@ class Parts(FieldReader):
             self.values.wrong((*path, "clearance"), f"a {joint} joint cannot have clearance; leave it out", at_key=True)
         return None
 
-    def _stop(self, written: Any, joint: str, path: Path) -> Stop | None:
+    def _stop(self, written: object, joint: str, path: Path) -> Stop | None:
         """The ends of the coordinate of a joint, with their contact model; None after a problem."""
         values, kind = self.values, registry.stop_of(joint)
         if kind is None:
@@ -312,7 +318,7 @@ class Parts(FieldReader):
         return Stop(least, largest, contact) if contact is not None else None
 
     # ------------------------------------------------------------ drivers and loads
-    def add_driver(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_driver(self, name: str, table: Table) -> None:
         """Read a driver: a joint's degree of freedom or a coordinate of a body as a function of time."""
         values, path = self.values, ("drivers", name)
         functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
@@ -337,7 +343,7 @@ class Parts(FieldReader):
         if key in table or not wrong:
             self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, table, path)[key], point)
 
-    def _driven_joint(self, table: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, None, str] | None:
+    def _driven_joint(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, None, str] | None:
         """Kind of driver, joint, and what is driven, in words; None after a problem."""
         if "coordinate" in table:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
@@ -356,7 +362,7 @@ class Parts(FieldReader):
         self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; expected {drivable}")
         return None
 
-    def _driven_body(self, table: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:
+    def _driven_body(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, Point, str] | None:
         """Kind of driver, no joint, the point, and what is driven, in words; None after a problem."""
         kinds = registry.kinds("driver")
         coordinates = [name.removeprefix("body-") for name in kinds if name.startswith("body-")]
@@ -373,10 +379,10 @@ class Parts(FieldReader):
             return None
         return kinds[f"body-{coordinate}"], "", point, f"{coordinate} of '{table['body']}'"
 
-    def add_load(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_load(self, name: str, table: Table) -> None:
         """Read a load of any kind."""
         path = ("loads", name)
-        kind = self.choose(table, "load", path)
+        kind = self.choose(table, registry.kinds("load"), path)
         if kind is None:
             return
         self.values.keys(table, ["type", *kind.fields], path)
@@ -418,7 +424,7 @@ class Parts(FieldReader):
                 " against each other: a moment between them moves nothing; connect bodies that turn",
             )
 
-    def _place(self, field: Field, key: str, table: Mapping[str, Any], path: Path) -> Point:
+    def _place(self, field: Field, key: str, table: Table, path: Path) -> Point:
         """The point at which a load on one body acts."""
         if key not in table:
             self.values.wrong(path, f"needs {key}: {field.meaning}")

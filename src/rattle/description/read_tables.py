@@ -11,7 +11,8 @@ from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import LARGEST, Path, Values, quoted
+from rattle.description.read_values import LARGEST, Values, quoted
+from rattle.description.reading import Path, Table
 from rattle.description.tables import CURVES, TABLE
 from rattle.errors import InputError, ModelError, Problem
 from rattle.language.expression import argument_of
@@ -28,7 +29,7 @@ PLAIN_FILE = 'a file beside the model file, such as "lift.csv"'
 
 
 # ---------------------------------------------------------------- tables of a model
-def read_tables(values: Values, document: Mapping[str, Any], early: bool) -> None:
+def read_tables(values: Values, document: Table, early: bool) -> None:
     """Read the tables whose numbers are known before the parameters are (early), or the others.
 
     They are entered in `values`, with the dimensions of their argument and of their value.
@@ -53,7 +54,7 @@ def read_tables(values: Values, document: Mapping[str, Any], early: bool) -> Non
         values.later_tables.clear()
 
 
-def _is_plain(entry: Mapping[str, Any]) -> bool:
+def _is_plain(entry: Table) -> bool:
     """True if no number of a table is an expression."""
     numbers = [entry.get("period"), *(number for key in ("x", "y") for number in _listed(entry.get(key)))]
     try:
@@ -62,13 +63,11 @@ def _is_plain(entry: Mapping[str, Any]) -> bool:
         return True
 
 
-def _listed(written: Any) -> Sequence[Any]:
+def _listed(written: object) -> Sequence[Any]:
     return written if isinstance(written, list | tuple) else ()
 
 
-def _read(
-    values: Values, name: str, written: Mapping[str, Any]
-) -> tuple[Curve, Dimension | None, Dimension | None] | None:
+def _read(values: Values, name: str, written: Table) -> tuple[Curve, Dimension | None, Dimension | None] | None:
     """A table with the dimensions of x and y; None after a problem."""
     path: Path = ("tables", name)
     if name in CALLABLE:
@@ -94,7 +93,7 @@ def _read(
     return (through, of_x, of_y) if through is not None else None
 
 
-def _numbers(values: Values, written: Any, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
+def _numbers(values: Values, written: object, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
     """Numbers of a list [SI] and their common dimension; unit: of those that have none, "" for SI."""
     if not isinstance(written, list | tuple):
         values.wrong(path, f"expected a list of numbers, got {quoted(written)}")
@@ -131,7 +130,7 @@ def _scale(unit: str) -> tuple[float, Dimension | None]:
     return quantity[0], dimension_of(unit)
 
 
-def _period(values: Values, written: Mapping[str, Any], unit: str, of_x: Dimension | None, path: Path) -> float:
+def _period(values: Values, written: Table, unit: str, of_x: Dimension | None, path: Path) -> float:
     """The period [SI], 0 if there is none, nan after a problem."""
     if "period" not in written:
         return 0.0
@@ -201,7 +200,7 @@ def _through(values: Values, x: list[float], y: list[float], kind: str, period: 
 
 # ---------------------------------------------------------------- files
 def with_files(
-    document: Mapping[str, Any], folder: FilePath | None, file: str = "", read: Mapping[str, Any] | None = None
+    document: Table, folder: FilePath | None, file: str = "", read: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """A document in which the tables that name a file hold its numbers too, under x, y and units.
 
@@ -230,7 +229,7 @@ def with_files(
     return whole
 
 
-def _of_file(written: Any, folder: FilePath | None) -> dict[str, Any]:
+def _of_file(written: object, folder: FilePath | None) -> dict[str, Any]:
     """x, y and units of a file.  Raises InputError that says what is wrong with the file."""
     if not isinstance(written, str) or not written.strip():
         raise InputError(f"expected {PLAIN_FILE}, got {quoted(written)}")

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import Contact, Wear
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, quoted
+from rattle.description.read_values import quoted
+from rattle.description.reading import Path, Table
 from rattle.description.tables import COEFFICIENT, DEPTHS, LAYER, SIDES, WEAR
+from rattle.interfaces.joints import JointKind
 from rattle.language.recorded import as_number
 
 RATE = "m^2/N"  # of k: 1 mm^3/(N*m) = 1e-9 m^2/N
@@ -20,7 +21,7 @@ SUNK = 0.01  # penetration over clearance at which the foundation is fitted to t
 
 
 def read_wear(
-    reader: FieldReader, table: Mapping[str, Any], joint: registry.Kind, clearance: float, contact: Contact | None,
+    reader: FieldReader, table: Table, joint: registry.Kind[JointKind], clearance: float, contact: Contact | None,
     path: Path,
 ) -> tuple[Wear | None, Contact | None]:  # fmt: skip
     """The wear of one joint, None if it has none or after a problem; and its contact, of which it uses the length.
@@ -35,8 +36,8 @@ def read_wear(
 
 
 def _wear(
-    reader: FieldReader, written: Any, joint: registry.Kind, clearance: float, contact: Contact | None,
-    of_contact: Any, path: Path,
+    reader: FieldReader, written: object, joint: registry.Kind[JointKind], clearance: float, contact: Contact | None,
+    of_contact: object, path: Path,
 ) -> Wear | None:  # fmt: skip
     """The wear as it is written; of_contact: the contact as it is written."""
     values = reader.values
@@ -70,7 +71,7 @@ def _wear(
     )  # fmt: skip
 
 
-def _may_wear(reader: FieldReader, joint: registry.Kind, clearance: float, path: Path) -> bool:
+def _may_wear(reader: FieldReader, joint: registry.Kind[JointKind], clearance: float, path: Path) -> bool:
     """True of a joint that wears; a problem is reported otherwise."""
     if not kind_wears(joint):
         fault = f"a {joint.name} joint does not wear here; only pins in bushes do: leave it out"
@@ -91,7 +92,7 @@ def _remark_round(reader: FieldReader, contact: Contact, path: Path) -> None:
         reader.values.remarks.append(f"{'.'.join(map(str, path))}: {takes}")
 
 
-def _require_possible(reader: FieldReader, table: Mapping[str, Any], read: Mapping[str, float], path: Path) -> float:
+def _require_possible(reader: FieldReader, table: Table, read: Mapping[str, float], path: Path) -> float:
     """Refuse numbers that cannot be worked with; returns K_w [Pa/m] of the layer, nan if there is none."""
     values, bins = reader.values, read["bins"]
     if bins == bins and not (FEWEST <= bins <= MOST and bins == round(bins)):
@@ -104,7 +105,7 @@ def _require_possible(reader: FieldReader, table: Mapping[str, Any], read: Mappi
     return layer
 
 
-def _rate(reader: FieldReader, written: Any, path: Path) -> float:
+def _rate(reader: FieldReader, written: object, path: Path) -> float:
     """k [m^2/N], from a number or from Archard's coefficient and the hardness; nan after a problem."""
     if not isinstance(written, Mapping):
         return as_number(reader.values.value(written, RATE, path, "not negative"))
@@ -112,7 +113,7 @@ def _rate(reader: FieldReader, written: Any, path: Path) -> float:
     return as_number(read["coefficient"] / read["hardness"])
 
 
-def _layer(reader: FieldReader, written: Any, path: Path) -> float:
+def _layer(reader: FieldReader, written: object, path: Path) -> float:
     """K_w [Pa/m] of a thin layer bonded to a rigid body; nan after a problem.
 
     Source: Johnson, Contact Mechanics (1985), section 5.8.
@@ -125,7 +126,7 @@ def _layer(reader: FieldReader, written: Any, path: Path) -> float:
     return as_number((1.0 - nu) * read["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * read["thickness"]))
 
 
-def _sizes(reader: FieldReader, contact: Contact, written: Any, path: Path) -> tuple[float, float] | None:
+def _sizes(reader: FieldReader, contact: Contact, written: object, path: Path) -> tuple[float, float] | None:
     """Radius of the bush and length of the contact [m]; None after a problem.
 
     Contacts without a law, in which nothing can wear as they are, need neither.
@@ -161,7 +162,7 @@ def _fitted(contact: Contact, clearance: float, radius: float, length: float) ->
 
 
 def _profile(
-    reader: FieldReader, table: Mapping[str, Any], bins: int, path: Path
+    reader: FieldReader, table: Table, bins: int, path: Path
 ) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Depths of bush and pin [m]; None if the surfaces are round, or after a problem."""
     if "profile" in table and DEPTHS not in table:
@@ -185,7 +186,7 @@ def _profile(
     return sides[0], sides[1]
 
 
-def kind_wears(joint: registry.Kind) -> bool:
+def kind_wears(joint: registry.Kind[JointKind]) -> bool:
     """True of a kind of joint whose clearance wears."""
     play = registry.play_of(joint.name)
     return play is not None and play.name in registry.kinds("worn")

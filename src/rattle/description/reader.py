@@ -15,7 +15,8 @@ from rattle.description.read_parameters import read_groups, read_parameters, rea
 from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
 from rattle.description.read_tables import read_tables
-from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, quoted
+from rattle.description.read_values import Chosen, TooManyProblems, Values, quoted
+from rattle.description.reading import Path, Table
 from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
 from rattle.errors import ModelError, shown, suggest
 from rattle.language.expression import Node, names
@@ -25,7 +26,7 @@ DEEPEST = 10  # nested tables and lists
 SCALARS = (str, float, int, bool)
 
 
-def read(document: Mapping[str, Any], file: str = "", chosen: Mapping[str, Chosen] | None = None) -> Model:
+def read(document: Table, file: str = "", chosen: Mapping[str, Chosen] | None = None) -> Model:
     """Check a document and turn it into a `Model`.
 
     chosen: what stands for the values of some parameters, such as numbers that record what is computed with them.
@@ -44,9 +45,9 @@ def read(document: Mapping[str, Any], file: str = "", chosen: Mapping[str, Chose
     return model
 
 
-def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
+def _is_plain(document: Table, values: Values) -> bool:
     """True if every key is a text and the nesting is not too deep."""
-    waiting: list[tuple[Path, Any]] = [((), document)]
+    waiting: list[tuple[Path, object]] = [((), document)]
     while waiting:
         path, written = waiting.pop()
         if len(path) > DEEPEST:
@@ -63,12 +64,12 @@ def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
     return True
 
 
-def _holds(written: Any) -> bool:
+def _holds(written: object) -> bool:
     """True if something may be inside; the usual numbers and texts are told apart first, which is far quicker."""
     return type(written) not in SCALARS and isinstance(written, Mapping | list | tuple)
 
 
-def _read(document: Mapping[str, Any], values: Values) -> Model:
+def _read(document: Table, values: Values) -> Model:
     """The whole model; it is valid only if no problem was found."""
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
@@ -131,7 +132,7 @@ def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Mapping[str, Any
             values.wrong(("bodies",), "a mechanism needs at least one body")
 
 
-def _header(document: Mapping[str, Any], values: Values) -> str:
+def _header(document: Table, values: Values) -> str:
     """Check the keys and the format of the document; return its name."""
     values.keys(document, MODEL.fields, ())
     form = document.get("format")
@@ -144,7 +145,7 @@ def _header(document: Mapping[str, Any], values: Values) -> str:
     return shown(str(title)).replace("\n", " ").replace("\t", " ")  # shown in terminals and pictures
 
 
-def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, Mapping[str, Any]]:
+def _named(values: Values, document: Table, key: str) -> dict[str, Mapping[str, Any]]:
     """The table `key`, whose entries are tables with names chosen by the user."""
     entries = {}
     for name, entry in values.table(document.get(key, {}), (key,)).items():
@@ -167,7 +168,7 @@ def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
             seen.setdefault(name, table)
 
 
-def _tables_are_no_names(values: Values, parameters: Iterable[str], document: Mapping[str, Any]) -> None:
+def _tables_are_no_names(values: Values, parameters: Iterable[str], document: Table) -> None:
     """Refuse a table that has the name of a parameter or signal."""
     others = {key: values.table(document.get(key, {}), (key,)) for key in ("signals", "states")}
     for name in values.curves:
@@ -176,7 +177,7 @@ def _tables_are_no_names(values: Values, parameters: Iterable[str], document: Ma
             values.wrong(("tables", name), message, at_key=True)
 
 
-def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initial:
+def _initial(values: Values, document: Table, parts: Parts) -> Initial:
     """The table [initial]: bodies and clearance joints."""
     bodies: dict[str, dict[str, float]] = {}
     offsets: dict[str, Vector] = {}
@@ -199,7 +200,7 @@ def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initi
     return Initial(bodies, offsets)
 
 
-def _settings(parts: Parts, document: Mapping[str, Any]) -> Settings:
+def _settings(parts: Parts, document: Table) -> Settings:
     """The table [simulate]."""
     table = parts.values.table(document.get("simulate", {}), ("simulate",))
     read = parts.form(SIMULATE, table, ("simulate",))

@@ -8,7 +8,7 @@ Source: JSON Schema, draft 2020-12.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from rattle import registry
@@ -19,6 +19,7 @@ from rattle.description.read_parts import moved_joints
 from rattle.description.read_wear import kind_wears
 from rattle.description.schema_pieces import Schema
 from rattle.description.tables import CONTACT, JOINT, MODEL, OIL, WEAR, Either, Form, Named, OfKinds, Part
+from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.registry import REQUIRED, Field, Kind
 
 
@@ -43,8 +44,7 @@ def part(entry: Part) -> Schema:
     if isinstance(entry, Named):
         return of.named(part(entry.entry), entry.meaning)
     if isinstance(entry, OfKinds):
-        kinds, own = registry.kinds(entry.family).values(), ENTRIES.get(entry.family)
-        return {"anyOf": [own(kind) if own else _kind(kind, entry.key) for kind in kinds]}
+        return {"anyOf": _entries(entry)}
     if isinstance(entry, Either):
         forms = [*map(part, entry.forms)]
         if isinstance(entry.forms[-1], OfKinds):
@@ -67,7 +67,16 @@ def steppers(adaptive: bool) -> str:
 
 
 # ---------------------------------------------------------------- kinds
-def _joint(kind: Kind) -> Schema:
+def _entries(entry: OfKinds) -> list[Schema]:
+    """What may be written as an entry of each kind of a family."""
+    if entry.family == "joint":
+        return [_joint(kind) for kind in registry.kinds("joint").values()]
+    if entry.family == "driver":
+        return [_driver(kind) for kind in registry.kinds("driver").values()]
+    return [_kind(kind, entry.key) for kind in registry.kinds(entry.family).values()]
+
+
+def _joint(kind: Kind[JointKind]) -> Schema:
     end = of.point("bush or guide side first")
     ends = {"connect": of.connect(end), **_of(JOINT), "contact": _contact()}
     if kind.leaf.bodies:
@@ -94,7 +103,7 @@ def _of(form: Form) -> dict[str, Schema]:
     return {key: part(entry) for key, entry in form.fields.items()}
 
 
-def _one_sided(joint: Kind) -> dict[str, Schema]:
+def _one_sided(joint: Kind[JointKind]) -> dict[str, Schema]:
     """The contact of a joint that is one-sided with it."""
     sided = registry.one_sided_of(joint.name)
     if sided is None:
@@ -103,7 +112,7 @@ def _one_sided(joint: Kind) -> dict[str, Schema]:
     return {"contact": _contact(contact_models(joint.name), without, "contact model: the joint is then one-sided")}
 
 
-def _stop(joint: Kind) -> dict[str, Schema]:
+def _stop(joint: Kind[JointKind]) -> dict[str, Schema]:
     """The ends of the coordinate of a joint, if it has one."""
     kind = registry.stop_of(joint.name)
     if kind is None:
@@ -112,7 +121,7 @@ def _stop(joint: Kind) -> dict[str, Schema]:
     return {"stop": of.table({**of.fields(kind), "contact": contact}, (), kind.summary)}
 
 
-def _own_friction(joint: Kind) -> dict[str, Schema]:
+def _own_friction(joint: Kind[JointKind]) -> dict[str, Schema]:
     """Friction of a joint without play, if it may have any."""
     if not joint.leaf.rubs:
         return {}
@@ -141,13 +150,13 @@ def _contact(
     for kind in oiled:
         needed = ["model", "bush_radius", *_needed_by_all(registry.kinds("film").values())]
         tables.append(of.table({"model": of.choice(kind), **every, **of.fields(kind)}, dict.fromkeys(needed)))
-    for kind in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
-        own_fields = {key: field for key, field in of.fields(kind).items() if key != "friction" and key not in without}
-        tables.append(of.table({"model": of.choice(kind), **every, **own_fields}, ("model", *of.needed(kind))))
+    for law in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
+        own_fields = {key: field for key, field in of.fields(law).items() if key != "friction" and key not in without}
+        tables.append(of.table({"model": of.choice(law), **every, **own_fields}, ("model", *of.needed(law))))
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
 
 
-def _keys_of_contacts(kinds: Collection[Kind], oiled: bool) -> dict[str, Schema]:
+def _keys_of_contacts(kinds: Collection[Kind[object]], oiled: bool) -> dict[str, Schema]:
     """Keys that the table of any of these models has."""
     own = _of(CONTACT)
     every: dict[str, Schema] = {"geometry": own["geometry"]}
@@ -164,12 +173,12 @@ def _oil() -> dict[str, Schema]:
     return keys | _of(OIL)
 
 
-def _needed_by_all(kinds: Collection[Kind]) -> list[str]:
+def _needed_by_all(kinds: Collection[Kind[object]]) -> list[str]:
     every = [of.needed(kind) for kind in kinds]
     return [key for key in every[0] if all(key in needed for needed in every)]
 
 
-def _driver(kind: Kind) -> Schema:
+def _driver(kind: Kind[DriverKind]) -> Schema:
     where: dict[str, Schema] = {
         "joint": {
             "type": "string",
@@ -185,10 +194,7 @@ def _driver(kind: Kind) -> Schema:
     return of.table({**where, **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary)
 
 
-def _kind(kind: Kind, key: str) -> Schema:
+def _kind(kind: Kind[object], key: str) -> Schema:
     """A table with the fields of a kind, which is named under `key`."""
     meaning = kind.summary if key == "type" else ""  # laws tell theirs with their name
     return of.table({key: of.choice(kind), **of.fields(kind)}, (key, *of.needed(kind)), meaning)
-
-
-ENTRIES: Mapping[str, Callable[[Kind], Schema]] = {"joint": _joint, "driver": _driver}

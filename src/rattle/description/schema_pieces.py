@@ -133,13 +133,13 @@ def fields_of(keys: Mapping[str, Part], meaning: str = "") -> Schema:
     return table({key: field(entry) for key, entry in declared.items()}, needed, meaning)
 
 
-def fields(kind: Kind) -> dict[str, Schema]:
+def fields(kind: Kind[object]) -> dict[str, Schema]:
     return {key: field(declared) for key, declared in kind.fields.items()}
 
 
-def needed(kind: Kind) -> list[str]:
+def needed(kind: Kind[object]) -> list[str]:
     return [key for key, declared in kind.fields.items() if declared.default is REQUIRED]
 
 
-def choice(kind: Kind) -> Schema:
+def choice(kind: Kind[object]) -> Schema:
     return {"const": kind.name, "description": kind.summary}

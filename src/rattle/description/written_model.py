@@ -205,11 +205,11 @@ class WrittenModel(Building):
         """
         return self.set(dict.fromkeys(names))
 
-    def _put(self, path: tuple[str, ...], value: Any) -> None:
+    def _put(self, path: tuple[str, ...], value: object) -> None:
         put(self._document, path, value)
         self._changes.append((path, value))
 
-    def _load_with(self, path: tuple[str, ...], value: Any) -> Any:
+    def _load_with(self, path: tuple[str, ...], value: object) -> Any:
         """The new value of a load, or of a field of it; instants and values at them have become tables."""
         if len(path) == 2 and isinstance(value, Mapping):
             return {key: self._load_with((*path, key), part) for key, part in value.items()}
@@ -244,7 +244,7 @@ class WrittenModel(Building):
         those = f"{', '.join(named[:-1])} and {named[-1]}: remove them" if named[1:] else f"{named[0]}: remove that"
         return [Problem(gone[0], f"still needed by {those} too, or change what needs it in the same call")]
 
-    def _table_with(self, path: tuple[str, ...], value: Any) -> tuple[tuple[str, ...], Any]:
+    def _table_with(self, path: tuple[str, ...], value: object) -> tuple[tuple[str, ...], Any]:
         """Path and new value that change a table as a whole, if its numbers come from a file or shall do so."""
         entry = self._document.get("tables", {}).get(path[1] if len(path) > 1 else "")
         if len(path) < 3 or not isinstance(entry, Mapping) or ("file" not in entry and path[2] != "file"):

@@ -16,12 +16,13 @@ from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations import schur
 from rattle.equations.contact_table import CONTACT_TABLES, contact_table
 from rattle.equations.friction_table import friction_table
+from rattle.interfaces.joints import JointKind
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
 from rattle.language import bytecode
 from rattle.language.expression import Node, compile_program, concatenate, replaced
-from rattle.language.local_function import packed
+from rattle.language.local_function import LocalFunction, packed
 from rattle.language.recorded import array_of, bare, largest, least, operate
 from rattle.language.switching import Signals, Switch, find_switches
 
@@ -275,7 +276,7 @@ def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
     return _table(massless, 2), array_of(weight)
 
 
-def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
+def joint_rows(joint: Joint) -> tuple[registry.Kind[JointKind] | None, tuple[float | LocalFunction, ...]]:
     """The kind whose constraint rows this joint has, and the values of its fields; None if only contacts act on it."""
     if joint.is_loose:
         return None, ()

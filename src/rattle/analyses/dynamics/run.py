@@ -22,6 +22,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, PAUSED
 from rattle.equations.state import state_layout
 from rattle.equations.system import System
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -34,6 +35,7 @@ from rattle.solvers.contacts.wear_sum import wear_arrays
 from rattle.solvers.output_row import record
 from rattle.solvers.singular_passage import passage_arrays
 from rattle.solvers.step_audit import UNSOUND
+from rattle.solvers.stepper import tableau_of
 
 stop = threading.Event()  # when set, all runs of the process end where they are, as after Ctrl-C
 MOST_NUMBERS = 8_000_000  # of output rows beside events that a run keeps: 64 MB
@@ -44,7 +46,7 @@ CHUNK = 2000  # steps between two checks of progress and of Ctrl-C
 class How(NamedTuple):
     """Settings of a run's steps."""
 
-    stepper: Kind
+    stepper: Kind[StepperKind]
     rtol: float
     atol: float  # [m, rad, m/s, rad/s]
     step: float | None  # [s]; the largest of an adaptive stepper, None for any
@@ -110,7 +112,7 @@ class Run(ABC):
         of_elements = states.stop - states.start
         films = bool((self.system.arrays["contact"][:, at.FILM_LAW] >= 0).any())
         integrator = step_state.integrator(self.stepper, films)
-        self.tableau = integrator.leaf.tableau  # of an explicit method, otherwise None
+        self.tableau = tableau_of(integrator)  # of an explicit method, otherwise None
         arrays |= step_state.stepper_arrays(integrator, self.system.body_count, of_elements, len(y))
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
         if self.wear:

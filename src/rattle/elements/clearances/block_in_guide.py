@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from rattle.elements.clearances import ClearanceKind, FreePlay
+from rattle.interfaces.contacts import ClearanceKind, FreePlay
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, turn_x, turn_y

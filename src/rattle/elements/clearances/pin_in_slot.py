@@ -24,9 +24,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from rattle.elements.clearances import ClearanceKind, FreePlay
 from rattle.elements.disc_contact import write_disc
 from rattle.elements.geneva import AT_END, AT_START, BOTH, open_at
+from rattle.interfaces.contacts import ClearanceKind, FreePlay
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, direction, ends

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.elements.contact_laws import ContactKind
+from rattle.interfaces.contacts import ContactKind
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 

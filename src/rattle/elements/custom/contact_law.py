@@ -29,6 +29,7 @@ from rattle import registry
 from rattle.elements.custom import load_law
 from rattle.elements.custom.law_kernel import Law, UsersKernel, place_of, taking
 from rattle.errors import InputError
+from rattle.interfaces.laws import FrictionLaw, NormalLaw
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction
 from rattle.language.units import dimension_of
@@ -92,9 +93,9 @@ def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Calla
         own = {key: Field(unit, key.replace("_", " ")) for key, unit in fields.items()}
         keys = tuple(fields)
         pack = staticmethod(lambda values: tuple(float(values[key]) for key in keys))
-        notes: Any = staticmethod(lambda values: [])
-        common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "notes": notes, "states": states}
-        leaf = type(law.__name__, (), {**common, **own})
+        common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "states": states}
+        base = NormalLaw if family == "normal" else FrictionLaw
+        leaf = type(law.__name__, (base,), {**common, **own})
         registry.kind(family, name, ContactLaw(family, name, law, keys, states))(leaf)
         return law
 

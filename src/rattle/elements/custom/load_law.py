@@ -31,6 +31,7 @@ from rattle import registry
 from rattle.elements.custom.law_forms import FORMS, Form
 from rattle.elements.custom.law_kernel import Law, UsersKernel, place_of
 from rattle.errors import InputError
+from rattle.interfaces.loads import LoadKind
 from rattle.jit import layout as at
 from rattle.language.units import dimension_of
 from rattle.registry import Field
@@ -68,7 +69,7 @@ def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: s
             text += "\n\nSource: " + place_of(law, f"load law '{name}'")
         form = FORMS[between]
         own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
-        leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, **form.place, **own})
+        leaf = type(law.__name__, (LoadKind,), {"__doc__": text, "__module__": law.__module__, **form.place, **own})
         registry.kind("load", name, LawKernel(name, law, tuple(fields), compiled, form))(leaf)
         return law
 

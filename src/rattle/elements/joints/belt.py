@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle.elements.joints import Fit, Grip, JointKind, Strand
 from rattle.elements.wrapped import SMALL, turned_by, write_turning
+from rattle.interfaces.joints import Fit, Grip, JointKind, Strand
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends

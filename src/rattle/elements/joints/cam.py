@@ -31,10 +31,11 @@ from typing import Any
 
 import numpy as np
 
-from rattle.elements.joints import JointKind
 from rattle.elements.profile import Array, around, degrees, gap
 from rattle.elements.roller_path import RollerPath
 from rattle.elements.rolling import ROLLER, roller_at
+from rattle.interfaces.joints import JointKind
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import compiled, kernel
@@ -127,7 +128,7 @@ def along_curve(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "along-curve", along_curve)
-class AlongCurve:
+class AlongCurve(TangentKind):
     """Slip of a point along its curve, on which friction acts.
 
     Source: do Carmo, Differential Geometry of Curves and Surfaces (1976), section 1-5 (tangents of plane curves).

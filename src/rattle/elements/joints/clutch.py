@@ -20,8 +20,8 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rattle.elements.contact_geometry import OwnContact
-from rattle.elements.joints import JointKind
+from rattle.interfaces.contacts import OwnContact
+from rattle.interfaces.joints import JointKind
 from rattle.jit.functions import kernel
 from rattle.language.recorded import bare, is_whole
 from rattle.registry import Field, kind

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rattle.elements.joints import JointKind
 from rattle.elements.joints.revolute import revolute
+from rattle.interfaces.joints import JointKind
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row
 from rattle.registry import Field, kind

@@ -24,8 +24,9 @@ from typing import Any
 
 import numpy as np
 
-from rattle.elements.joints import JointKind
 from rattle.elements.profile import Array, around, degrees, gap
+from rattle.interfaces.joints import JointKind
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, ends
@@ -87,7 +88,7 @@ def along_face(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "along-face", along_face)
-class AlongFace:
+class AlongFace(TangentKind):
     """Slip of a flat follower over its cam, on which friction acts.
 
     Source: Norton, Cam Design and Manufacturing Handbook (2009), chapter 7.

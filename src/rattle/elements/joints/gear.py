@@ -18,9 +18,10 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rattle.elements.joints import Fit, JointKind, mesh
+from rattle.elements.joints import mesh
 from rattle.elements.profile import degrees
 from rattle.elements.wrapped import write_turning
+from rattle.interfaces.joints import Fit, JointKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends

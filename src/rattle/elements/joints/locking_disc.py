@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from rattle.elements.geneva import half_angle
-from rattle.elements.joints import Fit, JointKind
 from rattle.elements.profile import Array
+from rattle.interfaces.joints import Fit, JointKind
 from rattle.jit.functions import kernel
 from rattle.language.recorded import bare, cos, is_whole
 from rattle.registry import Field, kind

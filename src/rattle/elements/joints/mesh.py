@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 from rattle.elements.profile import degrees
 from rattle.errors import InputError
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row
@@ -98,7 +99,7 @@ def turning(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "turning", turning)
-class Turning:
+class Turning(TangentKind):
     """Turning of two toothed wheels, or of a pinion and its rack, against each other, by which their teeth slide.
 
     Source: Ohlendorf, Verlustleistung und Erwaermung von Stirnraedern (1958); ISO/TR 14179-2 (2001), mesh losses.

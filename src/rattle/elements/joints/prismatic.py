@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rattle.elements.joints import JointKind, Motor
+from rattle.interfaces.joints import JointKind, Motor
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import angle_row, direction, ends

@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.elements.joints import Fit, JointKind, mesh
+from rattle.elements.joints import mesh
+from rattle.interfaces.joints import Fit, JointKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import position_row

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.elements.joints import JointKind, Motor
+from rattle.interfaces.joints import JointKind, Motor
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends

@@ -21,8 +21,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rattle.elements.joints import JointKind
 from rattle.elements.wrapped import write_turning
+from rattle.interfaces.joints import JointKind
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -67,7 +68,7 @@ def turning_under_b(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "pin-on-a", turning_on_a)
-class PinOnA:
+class PinOnA(TangentKind):
     """Turning of a rod about its pin on A.
 
     Source: Meriam, Kraige, Engineering Mechanics: Statics, section 6/6 (journal bearings).
@@ -77,7 +78,7 @@ class PinOnA:
 
 
 @kind("tangent", "pin-on-b", turning_under_b)
-class PinOnB:
+class PinOnB(TangentKind):
     """Turning of B on the pin of a rod.
 
     Source: Meriam, Kraige, Engineering Mechanics: Statics, section 6/6 (journal bearings).

@@ -16,8 +16,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle.elements.geneva import OPEN
-from rattle.elements.joints import JointKind, Motor
 from rattle.elements.joints.prismatic import on_line
+from rattle.interfaces.joints import JointKind, Motor
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind
 

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.profile import around
+from rattle.interfaces.contacts import OneSidedKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, ends

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 from rattle.elements.disc_contact import write_disc
 from rattle.elements.geneva import half_angle
-from rattle.elements.one_sided import OneSidedKind
+from rattle.interfaces.contacts import OneSidedKind
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, ends

@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.profile import around
 from rattle.elements.roller_path import RollerPath
 from rattle.elements.rolling import ROLLER, roller_at
+from rattle.interfaces.contacts import OneSidedKind
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, ends

@@ -12,8 +12,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.wrapped import SMALL, Wrapped, bow_of, length_of, write_line
+from rattle.interfaces.contacts import OneSidedKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.language.recorded import largest
