@@ -12,12 +12,13 @@ so the gap is a length [m], N a force [N]; or, with n = 0 and m = +-1, an angle 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
 from rattle.interfaces.fields import Field, Fields
 from rattle.jit import layout as at
+from rattle.language.local_function import LocalFunction
 from rattle.language.recorded import hypot
 
 Dimensions = Mapping[str, tuple[float, ...]]
@@ -50,7 +51,7 @@ class ContactGeometry:
         raise NotImplementedError
 
     @staticmethod
-    def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """What bends the gap besides arms and turning walls: SLOPE [m], CURVE [m] and BOW [1/m], see `layout`.
 
         constants: that the start of a joint has set; of a kind of clearance the clearance and radius of the bush [m].
@@ -193,7 +194,7 @@ class OneSidedKind(ContactGeometry):
     column = at.JOINT_NORMAL
 
     @staticmethod
-    def parameters(fields: Mapping[str, Any], constants: Sequence[float]) -> Sequence[Any]:
+    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
         """What the kernel takes after the points: numbers [SI] and functions; constants: that the start has set."""
         return tuple(fields.values())
 

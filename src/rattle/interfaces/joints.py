@@ -6,12 +6,12 @@ No code tests for the name of a joint or of its fields: what it needs to know is
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from rattle.interfaces.contacts import OwnContact
-from rattle.interfaces.fields import Field
+from rattle.interfaces.fields import Field, Fields
 
 
 class Motor(NamedTuple):
@@ -32,7 +32,7 @@ class Fit(NamedTuple):
     slack: float = 0.0  # [m] by which it may be missed
     least: bool = False  # True: only a shorter distance is wrong
 
-    def missed(self, distance: Any) -> Any:
+    def missed(self, distance: np.ndarray) -> np.ndarray:
         """How far distances [m] are from the one that is needed [m], 0 where they are within the slack."""
         if self.least:
             return np.maximum(self.distance - distance, 0.0)
@@ -51,8 +51,8 @@ class Grip(NamedTuple):
 
     mu: float  # coefficient of friction
     source: str  # ", assumed" if it is
-    wrap: Any  # (n,) smallest angle of wrap [rad]
-    ratio: Any  # (n,) largest ratio of the tensions
+    wrap: np.ndarray  # (n,) smallest angle of wrap [rad]
+    ratio: np.ndarray  # (n,) largest ratio of the tensions
 
 
 class JointKind:
@@ -74,7 +74,7 @@ class JointKind:
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
 
     @staticmethod
-    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+    def faults(written: Mapping[str, object], fields: Fields) -> Iterable[tuple[str, str]]:
         """What is wrong with keys that were `written`, or missing (key ""), besides what each field says by itself."""
         return ()
 
@@ -89,62 +89,62 @@ class JointKind:
         return constants
 
     @staticmethod
-    def strand(fields: Mapping[str, Any]) -> Strand | None:
+    def strand(fields: Fields) -> Strand | None:
         """The law of its one-sided contacts, if these are strands; None otherwise."""
         return None
 
     @staticmethod
-    def grip(fields: Mapping[str, Any], distance: Any) -> Grip | None:
+    def grip(fields: Fields, distance: np.ndarray) -> Grip | None:
         """By what its two strands hold without slip, at distances (n,) of its points [m]; None if they always do."""
         return None
 
     @staticmethod
-    def own_contact(fields: Mapping[str, float]) -> OwnContact | None:
+    def own_contact(fields: Fields) -> OwnContact | None:
         """The contact that it consists of; None if it has none."""
         return None
 
     @staticmethod
-    def kept_angle(fields: Mapping[str, float]) -> float | None:
+    def kept_angle(fields: Fields) -> float | None:
         """Angle of B relative to A [rad] that the joint enforces; None if B can turn."""
         return None
 
     @staticmethod
-    def line(fields: Mapping[str, float]) -> float | None:
+    def line(fields: Fields) -> float | None:
         """Direction in A's frame [rad] of the line through A's point on which B's point moves; None if no such line."""
         return None
 
     @staticmethod
-    def travel(fields: Mapping[str, float]) -> float:
+    def travel(fields: Fields) -> float:
         """Largest distance [m] of B's point along the line from A's point, in either direction."""
         return float("inf")
 
     @staticmethod
-    def ends(fields: Mapping[str, float]) -> str:
+    def ends(fields: Fields) -> str:
         """What a check says about how far B's point may go, in words; "" if nothing."""
         return ""
 
     @staticmethod
-    def distance(fields: Mapping[str, float]) -> float:
+    def distance(fields: Fields) -> float:
         """Distance of the two points [m] that the joint enforces."""
         return 0.0
 
     @staticmethod
-    def fit(fields: Mapping[str, Any]) -> Fit | None:
+    def fit(fields: Fields) -> Fit | None:
         """The distance at which its points have to be, which its rows do not hold; None if there is none."""
         return None
 
     @staticmethod
-    def fault(fields: Mapping[str, Any]) -> str:
+    def fault(fields: Fields) -> str:
         """What is wrong with values of the fields that are possible one by one, in words; "" if nothing."""
         return ""
 
     @staticmethod
-    def friction_fault(fields: Mapping[str, Any]) -> str:
+    def friction_fault(fields: Fields) -> str:
         """Why it has no friction with these values of the fields, in words; "" if it may have."""
         return ""
 
     @staticmethod
-    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+    def friction_arm(fields: Fields, own: Fields) -> float:
         """Moment of its friction by mu and its reaction [m], 1 where it slides; own: what `rubs_with` names.
 
         Raises ValueError, in words, for values that do not fit the fields.
@@ -152,7 +152,7 @@ class JointKind:
         return 1.0
 
     @staticmethod
-    def passing(fields: Mapping[str, Any]) -> str:
+    def passing(fields: Fields) -> str:
         """What it is, with an article, if it consists of contacts that bodies come to and leave; "" if it holds them.
 
         Then it has no part in putting the mechanism together, and without contacts there is no such joint.
@@ -160,22 +160,22 @@ class JointKind:
         return ""
 
     @staticmethod
-    def assumed_radius(fields: Mapping[str, Any]) -> float:
+    def assumed_radius(fields: Fields) -> float:
         """Radius of its bush [m] where contacts need it and it is not given; 0: they do not."""
         return 0.0
 
     @staticmethod
-    def doubt(fields: Mapping[str, Any]) -> str:
+    def doubt(fields: Fields) -> str:
         """What is noted with every run about values of the fields that are possible, in words; "" if nothing."""
         return ""
 
     @staticmethod
-    def outline(fields: Mapping[str, Any]) -> Any:
+    def outline(fields: Fields) -> np.ndarray | None:
         """Points (n, 2) [m] of the outline of A that the fields give, in A's frame about A's point; None if none."""
         return None
 
     @staticmethod
-    def borne_outline(fields: Mapping[str, Any]) -> Any:
+    def borne_outline(fields: Fields) -> np.ndarray | None:
         """The same of B."""
         return None
 

@@ -21,11 +21,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
 from rattle.elements.profile import degrees
 from rattle.errors import InputError
+from rattle.interfaces.fields import Fields
 from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
@@ -65,7 +65,7 @@ def straight(module: float, alpha: float) -> Reach:
     return Reach(module / math.sin(alpha), math.inf)
 
 
-def arm(a: Reach, b: Reach, own: Mapping[str, float]) -> float:
+def arm(a: Reach, b: Reach, own: Fields) -> float:
     """e/cos(alpha) [m].  Raises InputError if teeth of this size would lose contact."""
     alpha = own["pressure_angle"]
     if alpha > STEEPEST:

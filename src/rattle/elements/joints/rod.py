@@ -18,10 +18,9 @@ These are the equations of a body without mass between two revolute joints.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 from rattle.elements.wrapped import write_turning
+from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import JointKind
 from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
@@ -104,11 +103,11 @@ class Rod(JointKind):
     length = Field("m", "length of the rod", least="positive")
 
     @staticmethod
-    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+    def friction_arm(fields: Fields, own: Fields) -> float:
         """The radius of the pins [m]."""
         return own["pin_radius"]
 
     @staticmethod
-    def distance(fields: Mapping[str, float]) -> float:
+    def distance(fields: Fields) -> float:
         """The given length [m]."""
         return fields["length"]
