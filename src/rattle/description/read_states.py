@@ -34,7 +34,7 @@ def declare_states(values: Values, document: Table) -> dict[str, float]:
             continue
         FieldReader(values).form(STATE, entry, path)
         starts[name], values.dimensions[name] = values.any_number(entry.get("start", 0.0), (*path, "start"))
-    rates = {name: _tree(table[name].get("rate")) for name in starts}
+    rates = {name: _tree(section(table, name).get("rate")) for name in starts}
     signals = document.get("signals", {})
     trees = {name: _tree(written) for name, written in signals.items()} if isinstance(signals, Mapping) else {}
     _infer(values, {name: node for name, node in rates.items() if node is not None}, trees)

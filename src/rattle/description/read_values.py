@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import Any
+from typing import overload
 
-from rattle.description.model import Vector
+from rattle.description.model import Value, Vector
 from rattle.description.reading import Path, Place, Table, unforeseen_words
 from rattle.errors import MOST, Problem, suggest
 from rattle.language.expression import (
@@ -139,7 +139,7 @@ class Values:
             self.tables = tables_of(self.curves)
 
     # ------------------------------------------------------------ tables and names
-    def table(self, written: object, path: Path) -> Mapping[str, Any]:
+    def table(self, written: object, path: Path) -> Table:
         """A table; an empty one after a problem."""
         if isinstance(written, Mapping):
             return written
@@ -334,7 +334,11 @@ class Values:
         return DIMENSIONLESS if name == PLAIN else self.dimensions.get(name)
 
     # ------------------------------------------------------------ numbers
-    def value(self, written: object, unit: str, path: Path, least: str = "", live: bool = False) -> Any:
+    @overload
+    def value(self, written: object, unit: str, path: Path, least: str = "") -> float: ...
+    @overload
+    def value(self, written: object, unit: str, path: Path, least: str, live: bool) -> float | Node: ...
+    def value(self, written: object, unit: str, path: Path, least: str = "", live: bool = False) -> float | Node:
         """A float [SI], or a Node if `live` and the value changes during the run; nan after a problem."""
         number = self._number(written, unit, path, live)
         if number is None or isinstance(number, Node):
@@ -413,12 +417,19 @@ class Values:
             return (math.nan, None) if node is None or number is None else (number, self.dimension(node))
         return self.value(written, "", path), None
 
-    def vector(self, written: object, unit: str, path: Path, live: bool = False, least: str = "") -> Any:
+    @overload
+    def vector(self, written: object, unit: str, path: Path) -> Vector: ...
+    @overload
+    def vector(self, written: object, unit: str, path: Path, live: bool, least: str) -> tuple[Value, Value]: ...
+    def vector(
+        self, written: object, unit: str, path: Path, live: bool = False, least: str = ""
+    ) -> tuple[Value, Value]:
         """Two values [SI]; if `live`, each may be a Node."""
         if not isinstance(written, list | tuple) or len(written) != 2:
             self.wrong(path, f"expected [x, y] in {unit}, got {quoted(written)}")
             return (math.nan, math.nan)
-        return tuple(self.value(part, unit, (*path, k), least, live) for k, part in enumerate(written))
+        x, y = (self.value(part, unit, (*path, k), least, live) for k, part in enumerate(written))
+        return x, y
 
     def points(self, written: object, path: Path) -> dict[str, Vector]:
         """A table of named points [m]."""
