@@ -6,7 +6,7 @@ import rattle as rt
 from rattle.description import read_fields, schema_pieces, tables
 from rattle.description.file import dump, parse
 from rattle.description.reference import common, topics
-from rattle.description.schema import schema
+from rattle.description.schema import OF_DRIVER, OF_JOINT, schema
 from rattle.registry import Field
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
@@ -127,7 +127,8 @@ def test_every_shape_is_read_and_in_the_schema():
     parts = [part for part in vars(tables).values() if isinstance(part, tables.Form)]
     shapes = {field.shape for part in parts for field in declared_fields(part)}
     assert shapes <= read
-    assert shapes <= {*schema_pieces.SHAPES, "number", "quantity"}
+    of_kinds = {*OF_JOINT, *OF_DRIVER}
+    assert shapes <= {*schema_pieces.SHAPES, *of_kinds, "number", "quantity", "expression"}
 
 
 @pytest.mark.parametrize("glowing", PLACES, indirect=True)

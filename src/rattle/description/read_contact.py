@@ -14,7 +14,7 @@ from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
-from rattle.description.tables import MATERIAL
+from rattle.description.tables import BUSH_RADIUS, FILM, FORMULA, MATERIAL
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactGeometry, OneSidedKind, StopKind
 
@@ -128,7 +128,7 @@ def _radius(reader: FieldReader, table: Table, site: Site, needed: str, path: Pa
                 path, f"needs bush_radius in m: {needed} depends on it (pin radius = bush_radius - clearance)"
             )
         return 0.0
-    radius: float = reader.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive")
+    radius: float = reader.field(BUSH_RADIUS, "bush_radius", table, {}, path)
     if radius <= clearance:  # either may be nan, which was reported where it was read
         reader.values.wrong((*path, "bush_radius"), f"must be larger than the clearance of {clearance:g} m")
     return radius
@@ -162,11 +162,11 @@ def _check(reader: FieldReader, key: str, field: registry.Field | None, table: T
     if key == "friction":
         _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
     elif key == "film":
-        reader.choose(table, registry.kinds("film"), path, "film")
+        reader.field(FILM, key, table, {}, path)
     elif key == "bush_radius":
         _radius(reader, table, site, "", path)
     elif key == "geometry":
-        _geometry(reader, table[key], path)
+        reader.field(FORMULA, key, table, {}, path)
     elif field is not None and field.shape == "material":  # any formula does to check the material
         material = _elastic(reader, field, key, table, {}, path, site)
         values = {"bush_material": material, "pin_material": material, "bush_radius": 1.0, "clearance": 0.1}
@@ -236,19 +236,12 @@ def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) ->
         return "power"
     elif not by_geometry:
         values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
-    elif _geometry(reader, name := table.get("geometry", "sphere"), path):
+    elif name := reader.field(FORMULA, "geometry", {"geometry": "sphere", **table}, {}, path):
         if site.leaf.from_materials:
             return str(name)
         needs = "needs stiffness and exponent: these formulas are for pins in bushes"
         values.wrong((*path, "geometry"), f"{site.leaf.wall} {needs}")
     return ""
-
-
-def _geometry(reader: FieldReader, name: object, path: Path) -> bool:
-    choices = [geometry for geometry in registry.kinds("stiffness") if geometry != "power"]
-    if name not in choices:
-        reader.values.wrong((*path, "geometry"), f"unknown geometry {quoted(name)}{suggest(str(name), choices)}")
-    return name in choices
 
 
 def _elastic(

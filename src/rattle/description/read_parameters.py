@@ -12,7 +12,7 @@ from rattle.description.model import Parameter, ValueTable, within_limits
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import TooManyProblems, Values, expected, quoted
 from rattle.description.reading import Path, Table, section
-from rattle.description.tables import DISTRIBUTION, PARAMETER, TOLERANCES, VALUE
+from rattle.description.tables import DISTRIBUTION, LIKELY, PARAMETER, TOLERANCES, VALUE
 from rattle.description.tables import DISTRIBUTIONS as DISTRIBUTIONS  # ensembles take them from here
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
@@ -183,24 +183,23 @@ def _distribution(values: Values, written: object, unit: str, seen: Dimension | 
         return ""
     values.keys(written, DISTRIBUTION.fields, path)
     if "values" not in written:
-        values.wrong(path, "expected { values = [...] }, the values that the parameter takes")
+        values.wrong(path, LIKELY.missing)
         return ""
+    read = FieldReader(values).read(DISTRIBUTION, written, path)
     numbers = [
-        _limit(values, number, unit, seen, (*path, "values", n))
-        for n, number in enumerate(_list(values, written["values"], "values", (*path, "values")))
+        _limit(values, number, unit, seen, (*path, "values", n)) for n, number in enumerate(read["values"] or ())
     ]
     weights = [1.0] * len(numbers)
-    if numbers and "weights" in written:
-        weights = _weights(values, written["weights"], len(numbers), (*path, "weights"))
+    if numbers and read["weights"] is not None:
+        weights = _weights(values, read["weights"], len(numbers), (*path, "weights"))
     sound = tuple(number for number in numbers if number is not None)
     return ValueTable(sound, tuple(weights)) if len(sound) == len(weights) > 0 else ""
 
 
-def _weights(values: Values, written: object, count: int, path: Path) -> list[float]:
+def _weights(values: Values, written: Sequence[object], count: int, path: Path) -> list[float]:
     """Weights [-] of `count` values; an empty list after a problem."""
     before = len(values.problems)
-    listed = _list(values, written, "weights", path)
-    weights: list[float] = [values.value(weight, "", (*path, n), "not negative") for n, weight in enumerate(listed)]
+    weights = [values.value(weight, "", (*path, n), "not negative") for n, weight in enumerate(written)]
     if len(values.problems) > before:
         return []
     if len(weights) != count:
@@ -210,16 +209,6 @@ def _weights(values: Values, written: object, count: int, path: Path) -> list[fl
         values.wrong(path, "all weights are zero; at least one must be positive")
         return []
     return weights
-
-
-def _list(values: Values, written: object, what: str, path: Path) -> list[Any]:
-    """The items of a list; an empty one after a problem."""
-    if not isinstance(written, list | tuple):
-        values.wrong(path, f"expected a list of {what}, got {quoted(written)}")
-        return []
-    if not written:
-        values.wrong(path, f"expected a list of {what}, got an empty one")
-    return list(written)
 
 
 def _unlike_its_limits(entry: Table, seen: Dimension | None) -> Dimension | None:
@@ -276,20 +265,11 @@ def read_groups(values: Values, document: Table) -> tuple[tuple[str, ...], ...]:
     """Read the table [tolerances]: groups of parameters that are made together."""
     path: Path = ("tolerances",)
     table = values.table(document.get("tolerances", {}), path)
-    values.keys(table, TOLERANCES.fields, path)
-    groups = table.get("groups", [])
-    if not isinstance(groups, list | tuple):
-        values.wrong((*path, "groups"), f'expected groups of parameters such as [["l2", "l3"]], got {quoted(groups)}')
-        return ()
-    for n, group in enumerate(groups):
-        if not isinstance(group, list | tuple) or not all(isinstance(name, str) for name in group):
-            like = 'expected a group of parameters such as ["l2", "l3"]'
-            values.wrong((*path, "groups", n), f"{like}, got {quoted(group)}")
-            return ()
+    groups: tuple[tuple[str, ...], ...] = FieldReader(values).form(TOLERANCES, table, path)["groups"] or ()
     grouped: dict[str, int] = {}
     for n, group in enumerate(groups):
         _check_group(values, group, n, grouped)
-    return tuple(tuple(group) for group in groups)
+    return groups
 
 
 def _check_group(values: Values, group: Sequence[str], n: int, grouped: dict[str, int]) -> None:

@@ -34,7 +34,7 @@ from rattle.description.read_plates import read_plate
 from rattle.description.read_values import Values, is_computable, quoted
 from rattle.description.read_wear import read_wear
 from rattle.description.reading import Path, Table
-from rattle.description.tables import BAR, BODY, JOINT
+from rattle.description.tables import BAR, BODY, DRIVER, ENDS, JOINT, JOINT_TO_DRIVE, WHOLE_BODIES
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ClearanceKind
 from rattle.interfaces.joints import DriverKind, JointKind
@@ -42,7 +42,6 @@ from rattle.language.expression import Name, Node, Number, names, parse, replace
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
-TABLES_OF_JOINT = ("contact", "stop", "friction", "wear")  # or what stands for them
 NOWHERE = Point("", "", (math.nan, math.nan))
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
 
@@ -159,7 +158,7 @@ class Parts(FieldReader):
 
     def connect(self, table: Table, path: Path, alone: bool = False, bodies: bool = False) -> tuple[Point, Point]:
         """The two ends of a joint or load; alone: also bodies without a point, bodies: whose points mean nothing."""
-        form = '["body", "body"]' if bodies else '["body.point", "body.point"]'
+        form = (WHOLE_BODIES if bodies else ENDS).like
         if "connect" not in table:
             self.values.wrong(path, f"needs connect = {form}")
             return NOWHERE, NOWHERE
@@ -187,7 +186,7 @@ class Parts(FieldReader):
         a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
         play = registry.play_of(kind.name)
         sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-        values.keys(table, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *sizes, *kind.fields], path)
+        values.keys(table, ["type", *JOINT.fields, *sizes, *kind.fields], path)
         fields = self.fields(kind, table, path)
         if len(values.problems) == before:  # of fields that are sound
             self._require_consistent(kind, table, fields, path)
@@ -322,7 +321,7 @@ class Parts(FieldReader):
         """Read a driver: a joint's degree of freedom or a coordinate of a body as a function of time."""
         values, path = self.values, ("drivers", name)
         functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
-        values.keys(table, ["joint", "body", "coordinate", *functions], path)
+        values.keys(table, [*DRIVER.keys, *functions], path)
         if "body" in table and "joint" in table:
             values.wrong(path, "give a joint or a body to drive, not both")
             return
@@ -348,7 +347,7 @@ class Parts(FieldReader):
         if "coordinate" in table:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
         if "joint" not in table:
-            self.values.wrong(path, f"needs joint: the joint to drive{suggest('', self.joints)}")
+            self.values.wrong(path, f"{JOINT_TO_DRIVE.missing}{suggest('', self.joints)}")
             return None
         joint, here = table["joint"], (*path, "joint")
         if not isinstance(joint, str) or joint not in self.joints:

@@ -32,8 +32,8 @@ def declare_states(values: Values, document: Table) -> dict[str, float]:
         if not isinstance(entry, Mapping):
             values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {quoted(entry)}')
             continue
-        FieldReader(values).form(STATE, entry, path)
-        starts[name], values.dimensions[name] = values.any_number(entry.get("start", 0.0), (*path, "start"))
+        start = FieldReader(values).form(STATE, entry, path)["start"]
+        starts[name], values.dimensions[name] = start or (0.0, None)
     rates = {name: _tree(section(table, name).get("rate")) for name in starts}
     signals = document.get("signals", {})
     trees = {name: _tree(written) for name, written in signals.items()} if isinstance(signals, Mapping) else {}

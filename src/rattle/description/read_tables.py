@@ -82,8 +82,10 @@ def _read(values: Values, name: str, written: Table) -> tuple[Curve, Dimension |
     if missing or units is None or math.isnan(kind):
         return None
     kind, before = CURVES[int(kind)], len(values.problems)
-    x, of_x = _numbers(values, written["x"], units[0], (*path, "x"))
-    y, of_y = _numbers(values, written["y"], units[1], (*path, "y"))
+    if read["x"] is None or read["y"] is None:
+        return None
+    x, of_x = _numbers(values, read["x"], units[0], (*path, "x"))
+    y, of_y = _numbers(values, read["y"], units[1], (*path, "y"))
     if len(values.problems) > before:
         return None
     period = _period(values, written, units[0], of_x, path)
@@ -93,11 +95,8 @@ def _read(values: Values, name: str, written: Table) -> tuple[Curve, Dimension |
     return (through, of_x, of_y) if through is not None else None
 
 
-def _numbers(values: Values, written: object, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
+def _numbers(values: Values, written: Sequence[object], unit: str, path: Path) -> tuple[list[float], Dimension | None]:
     """Numbers of a list [SI] and their common dimension; unit: of those that have none, "" for SI."""
-    if not isinstance(written, list | tuple):
-        values.wrong(path, f"expected a list of numbers, got {quoted(written)}")
-        return [], None
     if len(written) > MOST_POINTS:
         values.wrong(path, f"{len(written)} numbers; a table has at most {MOST_POINTS} points")
         return [], None

@@ -11,11 +11,10 @@ from rattle.description.model import Contact, Wear
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
-from rattle.description.tables import COEFFICIENT, DEPTHS, LAYER, SIDES, WEAR
+from rattle.description.tables import DEPTHS, LAYER, SIDES, WEAR
 from rattle.interfaces.joints import JointKind
 from rattle.language.recorded import as_number
 
-RATE = "m^2/N"  # of k: 1 mm^3/(N*m) = 1e-9 m^2/N
 FEWEST, MOST = 12, 20_000  # bins
 SUNK = 0.01  # penetration over clearance at which the foundation is fitted to the law of the contact
 
@@ -45,10 +44,8 @@ def _wear(
         return None
     before, table = len(values.problems), values.table(written, path)
     read = reader.form(WEAR, table, path)
-    rates = [_rate(reader, table.get(side, 0.0), (*path, side)) for side in SIDES]
-    jump = math.nan
-    if table.get("jump", "auto") != "auto":
-        jump = values.value(table["jump"], "", (*path, "jump"), "positive")
+    bush, pin = (_rate(reader.part(WEAR.fields[side], side, table, path)) for side in SIDES)
+    jump = reader.part(WEAR.fields["jump"], "jump", table, path)
     layer = _require_possible(reader, table, read, path)
     if len(values.problems) > before or contact is None:
         return None
@@ -66,7 +63,8 @@ def _wear(
     if profile is not None:
         _remark_round(reader, contact, path)
     return Wear(
-        rates[0], rates[1], bed, radius, length, bins, read["smooth"], read["cycle"], read["cycles"], jump,
+        bush, pin, bed, radius, length, bins, read["smooth"], read["cycle"], read["cycles"],
+        math.nan if jump is None else jump,
         read["wall"], profile, assumed,
     )  # fmt: skip
 
@@ -99,29 +97,28 @@ def _require_possible(reader: FieldReader, table: Table, read: Mapping[str, floa
         values.wrong((*path, "bins"), f"expected a whole number from {FEWEST} to {MOST}, got {bins:g}")
     if read["smooth"] > 0.25:
         values.wrong((*path, "smooth"), f"{read['smooth']:g} is outside [0, 0.25], where smoothing would be unstable")
-    layer = _layer(reader, table["layer"], (*path, "layer")) if "layer" in table else math.nan
+    layer = _layer(reader, table, path) if "layer" in table else math.nan
     if "layer" in table and "foundation" in table:
         values.wrong((*path, "layer"), "give a foundation or the layer from which it follows, not both", at_key=True)
     return layer
 
 
-def _rate(reader: FieldReader, written: object, path: Path) -> float:
-    """k [m^2/N], from a number or from Archard's coefficient and the hardness; nan after a problem."""
-    if not isinstance(written, Mapping):
-        return as_number(reader.values.value(written, RATE, path, "not negative"))
-    read = reader.form(COEFFICIENT, written, path)
-    return as_number(read["coefficient"] / read["hardness"])
+def _rate(read: float | Mapping[str, float] | None) -> float:
+    """k [m^2/N], as a number or from Archard's coefficient and the hardness; 0 if it is not given."""
+    if isinstance(read, Mapping):
+        return as_number(read["coefficient"] / read["hardness"])
+    return 0.0 if read is None else as_number(read)
 
 
-def _layer(reader: FieldReader, written: object, path: Path) -> float:
+def _layer(reader: FieldReader, table: Table, path: Path) -> float:
     """K_w [Pa/m] of a thin layer bonded to a rigid body; nan after a problem.
 
     Source: Johnson, Contact Mechanics (1985), section 5.8.
     """
-    read = reader.form(LAYER, reader.values.table(written, path), path)
+    read = reader.part(LAYER, "layer", table, path)
     nu = read["nu"]
     if nu >= 0.5:
-        reader.values.wrong((*path, "nu"), f"{nu:g} is not below 0.5: such a layer cannot be compressed")
+        reader.values.wrong((*path, "layer", "nu"), f"{nu:g} is not below 0.5: such a layer cannot be compressed")
         return math.nan
     return as_number((1.0 - nu) * read["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * read["thickness"]))
 

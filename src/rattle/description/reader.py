@@ -11,6 +11,7 @@ from rattle.description.changes import NAMED
 from rattle.description.coordinates import declare, definitions, forces, ordered, record_of, used_names
 from rattle.description.massless import require_mass_at_contacts
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
+from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
@@ -18,9 +19,10 @@ from rattle.description.read_tables import read_tables
 from rattle.description.read_values import Chosen, TooManyProblems, Values, quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
-from rattle.errors import ModelError, shown, suggest
+from rattle.errors import ModelError, suggest
 from rattle.language.expression import Node, names
 from rattle.language.units import dimension_of
+from rattle.registry import REQUIRED
 
 DEEPEST = 10  # nested tables and lists
 SCALARS = (str, float, int, bool)
@@ -87,7 +89,7 @@ def _read(document: Table, values: Values) -> Model:
     signals, units = read_signals(values, document)
     states = read_states(values, document, starts)
     parts = Parts(values)
-    gravity = parts.read(MODEL, document, ())["gravity"] or (0.0, 0.0)
+    gravity = parts.part(MODEL.fields["gravity"], "gravity", document, ()) or (0.0, 0.0)
     ground = values.table(document.get("ground", {}), ("ground",))
     parts.ground = parts.form(GROUND, ground, ("ground",))["points"] or {}
     _read_parts(parts, tables)
@@ -135,14 +137,9 @@ def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Mapping[str, Any
 def _header(document: Table, values: Values) -> str:
     """Check the keys and the format of the document; return its name."""
     values.keys(document, MODEL.fields, ())
-    form = document.get("format")
-    if form != 1 or isinstance(form, bool):
-        got = f"got {quoted(form)}" if "format" in document else "it is missing"
-        values.wrong(("format",), f"expected format = 1, {got}")
-    title = document.get("name", "")
-    if not isinstance(title, str):
-        values.wrong(("name",), f"expected a text, got {quoted(title)}")
-    return shown(str(title)).replace("\n", " ").replace("\t", " ")  # shown in terminals and pictures
+    reader, table = FieldReader(values), {"format": REQUIRED, "name": "", **document}
+    _, title = (reader.part(MODEL.fields[key], key, table, ()) for key in ("format", "name"))
+    return str(title)
 
 
 def _named(values: Values, document: Table, key: str) -> dict[str, Mapping[str, Any]]:

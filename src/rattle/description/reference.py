@@ -12,7 +12,7 @@ from rattle import registry
 from rattle.description.coordinates import POINT
 from rattle.description.schema import schema
 from rattle.description.schema_pieces import Schema
-from rattle.description.tables import JOINT, MODEL, STATE_UNITS
+from rattle.description.tables import BODY_TO_DRIVE, JOINT, JOINT_TO_DRIVE, MODEL, STATE_UNITS
 from rattle.language.composed import COMPOSED
 from rattle.language.materials import MATERIALS
 from rattle.language.operations import FUNCTIONS, record_of
@@ -41,15 +41,18 @@ def common(family: str, kind: str) -> list[str]:
     properties: Schema = schema()["properties"]
     if family == "joint":
         entry = _variant(properties["joints"], "type", kind)
-        return [_line(key, entry[key]) for key in ("connect", *JOINT.fields, "contact", "wear") if key in entry] + (
+        return [_line(key, entry[key]) for key in JOINT.fields if key in entry and key not in OWN_LINES] + (
             _dimensions(kind) + _stop(kind)
         )
     if family == "driver":
-        if kind.startswith("body-"):
-            where = f'coordinate = "{kind.removeprefix("body-")}"'
-            return [f'body (name, or "body.point"): what is driven, with {where}']
-        return ["joint (name): the joint that is driven"]
+        if registry.kinds("driver")[kind].leaf.drives == "joint":
+            return [f"joint (name): {JOINT_TO_DRIVE.meaning}"]
+        where = f'coordinate = "{kind.removeprefix("body-")}"'
+        return [f'body (name, or "body.point"): {BODY_TO_DRIVE.meaning}, with {where}']
     return []
+
+
+OWN_LINES = ("stop", "friction")  # keys of joints: told below, and with the laws of friction
 
 
 def _dimensions(joint: str) -> list[str]:
