@@ -94,9 +94,8 @@ def _joint(kind: Kind[JointKind], keys: Form) -> Schema:
         for key, entry in keys.fields.items()
         if _may_have(kind, key)
     }
-    after: dict[str, Schema] = {
-        key: common.pop(key) for key in ("stop", "friction") if key in common
-    }  # tables of the play come before
+    # tables of the play come before
+    after: dict[str, Schema] = {key: common.pop(key) for key in ("stop", "friction") if key in common}
     play = registry.play_of(kind.name)
     sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
     dimensions = {
