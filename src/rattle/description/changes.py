@@ -42,7 +42,7 @@ def plain(value: object) -> Any:
     return to_python() if callable(to_python) else value
 
 
-def through_points(name: str, value: object) -> tuple[Any, dict[str, Any]]:
+def through_points(name: str, value: object) -> tuple[object, dict[str, dict[str, object]]]:
     """A value of a load in which instants and values at them, `(t, values)`, have become a table of this name.
 
     Returns the value, and the tables by name; two values, `[(t, fx), fy]`, may each be given so.
@@ -52,7 +52,7 @@ def through_points(name: str, value: object) -> tuple[Any, dict[str, Any]]:
     t, y = (plain(entry) for entry in value)
     if isinstance(t, list) and isinstance(y, list) and not any(isinstance(x, list) for x in (*t, *y)):
         return f"{name}(t)", {name: {"x": t, "y": y, "kind": "linear"}}
-    pair, tables = [], dict[str, Any]()
+    pair, tables = list[object](), dict[str, dict[str, object]]()
     for key, half in zip("xy", value, strict=True):
         part, more = through_points(f"{name}_{key}", half)
         pair.append(part)
@@ -161,7 +161,7 @@ def _bare(value: object) -> Any:
     return unwrap() if callable(unwrap) else value
 
 
-def _index(table: list[Any], path: Sequence[str], n: int) -> int:
+def _index(table: list[object], path: Sequence[str], n: int) -> int:
     if not path[n].isdigit() or int(path[n]) >= len(table):
         fault = f"expected an index from 0 to {len(table) - 1}, got '{path[n]}'"
         raise ModelError([Problem(tuple(path), fault)])

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cache
-from typing import Any
 
 from rattle import registry
 from rattle.description.dependence import describe_cycle, in_order
@@ -87,7 +86,7 @@ def _units_of_points(document: Table) -> dict[str, str]:
     return units
 
 
-def _entries(document: Table, table: str) -> list[tuple[str, Mapping[str, Any]]]:
+def _entries(document: Table, table: str) -> list[tuple[str, Table]]:
     entries = document.get(table, {})
     listed = entries.items() if isinstance(entries, Mapping) else ()
     return [(name, entry) for name, entry in listed if isinstance(entry, Mapping)]
@@ -197,7 +196,7 @@ def _between(owner: str, coordinate: str, a: Point, b: Point, axis: float, key: 
     return {f"{owner}.{name}": replaced(_tree(text), parts) for name, _, text in wanted}
 
 
-def used_names(*trees: Iterable[Any]) -> set[str]:
+def used_names(*trees: Iterable[object]) -> set[str]:
     """Names in the expressions among some values."""
     return {name for group in trees for value in group if not isinstance(value, float | int) for name in _names(value)}
 

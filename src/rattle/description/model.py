@@ -14,10 +14,11 @@ import numpy as np
 
 from rattle import registry
 from rattle.interfaces.contacts import ClearanceKind, OneSidedKind
-from rattle.interfaces.fields import pair
+from rattle.interfaces.fields import LawValues, pair
 from rattle.interfaces.joints import DriverKind, JointKind, Motor
 from rattle.language.expression import Node
 from rattle.language.local_function import LocalFunction
+from rattle.language.recorded import as_number
 from rattle.language.tables import NO_TABLES, Tables
 
 DEFAULT_CONTACT = "massless-link"  # of a joint that says its clearance only
@@ -52,7 +53,11 @@ class Choice:
     """A kind of a family and the values of its fields [SI]."""
 
     kind: str
-    values: Mapping[str, Any]
+    values: LawValues
+
+    def number(self, key: str, default: float | None = None) -> float:
+        """The value of a field that is a number [SI], with its record; default: where the kind has no such field."""
+        return as_number(self.values[key] if default is None else self.values.get(key, default))
 
 
 @dataclass(frozen=True)

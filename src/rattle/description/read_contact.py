@@ -17,6 +17,7 @@ from rattle.description.reading import Path, Table
 from rattle.description.tables import BUSH_RADIUS, FILM, FORMULA, MATERIAL
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactGeometry, OneSidedKind, StopKind
+from rattle.interfaces.fields import Fields, LawValues
 
 ALONG = ("friction", "tangential_restitution")  # keys of what happens along a wall
 GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
@@ -104,7 +105,7 @@ def read_contact(reader: FieldReader, written: object, site: Site, path: Path) -
         kind = registry.kinds("contact")[model]
         if kind.leaf.oiled:
 
-            def dry(dry_table: Mapping[str, Any], where: Path) -> Contact | None:
+            def dry(dry_table: Table, where: Path) -> Contact | None:
                 return _compliant(reader, dry_table, str(dry_table["model"]), site, where)
 
             def unused(used: Collection[str]) -> tuple[str, ...]:
@@ -198,7 +199,7 @@ def _plain(reader: FieldReader, table: Table, model: str, site: Site, path: Path
     return Contact(model, fields, radius, unused=unused)
 
 
-def _unit_interval(reader: FieldReader, fields: Mapping[str, Any], path: Path) -> None:
+def _unit_interval(reader: FieldReader, fields: Fields, path: Path) -> None:
     for key in ("restitution", "tangential_restitution"):
         if key in fields and fields[key] > 1.0:
             reader.values.wrong((*path, key), f"{fields[key]:g} is outside [0, 1]")
@@ -214,7 +215,7 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     unused = _unused(reader, table, used, site, path)
     needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""
     radius = _radius(reader, table, site, needed, path)
-    elastic: dict[str, Any] = {"clearance": site.clearance, "bush_radius": radius}
+    elastic: dict[str, float | str | Mapping[str, float]] = {"clearance": site.clearance, "bush_radius": radius}
     for key in own:
         elastic[key] = _elastic(reader, static.fields[key], key, table, elastic, path, site)
     normal = reader.fields(law, table, path, site.unit)
@@ -245,7 +246,7 @@ def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) ->
 
 
 def _elastic(
-    reader: FieldReader, field: registry.Field, key: str, table: Table, read: Mapping[str, Any], path: Path,
+    reader: FieldReader, field: registry.Field, key: str, table: Table, read: LawValues, path: Path,
     site: Site,
 ) -> Any:  # fmt: skip
     if field.shape == "material":

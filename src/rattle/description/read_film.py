@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import Choice, Contact, OilFilm
@@ -15,11 +14,13 @@ from rattle.description.reading import Path, Table
 from rattle.description.tables import BUSH_RADIUS, FILM, OIL
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactKind
+from rattle.interfaces.fields import LawValues
 from rattle.interfaces.laws import FilmLaw
+from rattle.language.recorded import as_number
 
 KEYS = (*OIL.fields, "bush_radius")  # of its table, besides fields of the model and of the film
 STEEL = {"model": "hertz", "geometry": "johnson", "bush_material": "steel", "friction": 0.1}  # if `dry` is left out
-ReadDry = Callable[[Mapping[str, Any], Path], Contact | None]
+ReadDry = Callable[[Table, Path], Contact | None]
 Unused = Callable[[Collection[str]], tuple[str, ...]]
 
 
@@ -75,7 +76,7 @@ def _word(field: registry.Field, number: float) -> str:
 
 
 def _fits(
-    reader: FieldReader, law: registry.Kind[FilmLaw], chosen: Mapping[str, Any], read: Mapping[str, float],
+    reader: FieldReader, law: registry.Kind[FilmLaw], chosen: LawValues, read: Mapping[str, float],
     table: Table, path: Path,
 ) -> bool:  # fmt: skip
     """True if clearance, boundary film and film belong together; problems are reported otherwise."""
@@ -105,11 +106,9 @@ def _roughness(reader: FieldReader, table: Table, path: Path) -> float:
     return total
 
 
-def _dry(
-    reader: FieldReader, table: Table, chosen: Mapping[str, Any], path: Path, read: ReadDry
-) -> tuple[Contact | None, str]:
+def _dry(reader: FieldReader, table: Table, chosen: LawValues, path: Path, read: ReadDry) -> tuple[Contact | None, str]:
     """The dry contact, and in words what was assumed; None after a problem."""
-    radius = chosen["bush_radius"]
+    radius = as_number(chosen["bush_radius"])
     bush = {"bush_radius": radius}
     if "dry" not in table:
         return read({**STEEL, **bush, "length": chosen["length"]}, path), "steel on steel, friction 0.1"

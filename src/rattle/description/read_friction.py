@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import Choice, JointFriction
@@ -11,6 +10,7 @@ from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
 from rattle.errors import suggest
+from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import JointKind
 from rattle.registry import Field
 
@@ -30,7 +30,7 @@ def joint_friction(
     reader: FieldReader,
     written: object,
     joint: registry.Kind[JointKind],
-    of_joint: Mapping[str, Any] | None,
+    of_joint: Fields | None,
     block: Sequence[float],
     loose: bool,
     path: Path,
@@ -53,7 +53,7 @@ def joint_friction(
     sizes, fields = joint.leaf.rubs_with, models[model]
     values.keys(table, ["model", *fields, *sizes], path)
     own = {key: reader.field(field, key, table, {}, path) for key, field in sizes.items()}
-    read: dict[str, Any] = {}
+    read: dict[str, float] = {}
     for key, field in fields.items():
         read[key] = reader.field(field, key, table, read, path if whole or key in table else path[:-1])
     if len(values.problems) > before or of_joint is None:
@@ -71,7 +71,7 @@ def joint_friction(
     return JointFriction(arm, reach, law=_law(reader, model, read, path))
 
 
-def _law(reader: FieldReader, model: str, read: Mapping[str, Any], path: Path) -> Choice:
+def _law(reader: FieldReader, model: str, read: Fields, path: Path) -> Choice:
     """A friction law with its numbers, which must go together."""
     try:
         registry.kinds("friction")[model].leaf.pack(read)

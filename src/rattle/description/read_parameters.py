@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
 
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable, within_limits
@@ -128,7 +127,7 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
             values.set_constant(name, number, values.dimension(node))
 
 
-def _parameter(values: Values, name: str, entry: Any) -> Parameter:
+def _parameter(values: Values, name: str, entry: object) -> Parameter:
     """A parameter with its limits; its value is known by now."""
     seen = values.dimensions.get(name)
     unit = unit_name(seen) if seen is not None else ""

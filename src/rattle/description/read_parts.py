@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import (
@@ -19,6 +18,7 @@ from rattle.description.model import (
     Load,
     Point,
     Stop,
+    Value,
     Vector,
 )
 from rattle.description.read_contact import (
@@ -37,6 +37,7 @@ from rattle.description.reading import Path, Table
 from rattle.description.tables import BAR, BODY, DRIVER, ENDS, JOINT, JOINT_TO_DRIVE, WHOLE_BODIES
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ClearanceKind
+from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
 from rattle.language.units import Dimension, dimension_of
@@ -212,9 +213,7 @@ class Parts(FieldReader):
         if len(values.problems) > before:
             self.broken_joints.add(name)
 
-    def _require_consistent(
-        self, kind: registry.Kind[JointKind], table: Table, fields: Mapping[str, Any], path: Path
-    ) -> None:
+    def _require_consistent(self, kind: registry.Kind[JointKind], table: Table, fields: Fields, path: Path) -> None:
         """Refuse fields of a joint that are sound one by one, but not together."""
         before = len(self.values.problems)
         for key, fault in kind.leaf.faults(table, fields):
@@ -223,7 +222,7 @@ class Parts(FieldReader):
             self.values.wrong(path, fault)
 
     def _contact(
-        self, table: Table, kind: registry.Kind[JointKind], fields: Mapping[str, Any], clearance: float | None,
+        self, table: Table, kind: registry.Kind[JointKind], fields: Fields, clearance: float | None,
         path: Path,
     ) -> Contact | None:  # fmt: skip
         """The contact of a joint: of its clearance, its strands or its one side; None without, or after a problem."""
@@ -244,7 +243,7 @@ class Parts(FieldReader):
     def _passing(
         self,
         kind: registry.Kind[JointKind],
-        fields: Mapping[str, Any],
+        fields: Fields,
         clearance: float,
         contact: Contact | None,
         path: Path,
@@ -387,7 +386,7 @@ class Parts(FieldReader):
         self.values.keys(table, ["type", *kind.fields], path)
         a = b = Point("ground", "", (0.0, 0.0))
         before = len(self.values.problems)
-        written: list[Any] = []
+        written: list[Value] = []
         points = False
         for key, field in kind.fields.items():
             if field.shape == "connect":

@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath, PureWindowsPath
-from typing import Any
 
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import LARGEST, Values, quoted
@@ -63,7 +62,7 @@ def _is_plain(entry: Table) -> bool:
         return True
 
 
-def _listed(written: object) -> Sequence[Any]:
+def _listed(written: object) -> Sequence[object]:
     return written if isinstance(written, list | tuple) else ()
 
 
@@ -199,8 +198,8 @@ def _through(values: Values, x: list[float], y: list[float], kind: str, period: 
 
 # ---------------------------------------------------------------- files
 def with_files(
-    document: Table, folder: FilePath | None, file: str = "", read: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
+    document: Table, folder: FilePath | None, file: str = "", read: Table | None = None
+) -> dict[str, object]:
     """A document in which the tables that name a file hold its numbers too, under x, y and units.
 
     folder: that of the model file, None for a model that was not read from a file.  read: tables read before, which
@@ -211,7 +210,7 @@ def with_files(
     if not isinstance(tables, Mapping):
         return whole
     problems: list[Problem] = []
-    filled: dict[str, Any] = {}
+    filled: dict[str, object] = {}
     for name, table in tables.items():
         filled[name] = table
         if isinstance(table, Mapping) and "file" in table and table != (read or {}).get(name):
@@ -228,7 +227,7 @@ def with_files(
     return whole
 
 
-def _of_file(written: object, folder: FilePath | None) -> dict[str, Any]:
+def _of_file(written: object, folder: FilePath | None) -> dict[str, object]:
     """x, y and units of a file.  Raises InputError that says what is wrong with the file."""
     if not isinstance(written, str) or not written.strip():
         raise InputError(f"expected {PLAIN_FILE}, got {quoted(written)}")
@@ -274,7 +273,7 @@ def rows_of(text: str, name: str, delimiter: str = ",") -> list[list[str]]:
         raise InputError(f"{quoted(name)} is not a table of numbers: {error}") from None
 
 
-def read_points(place: FilePath, name: str) -> dict[str, Any]:
+def read_points(place: FilePath, name: str) -> dict[str, object]:
     """x, y and their units from a file of two columns; name: as messages call it.
 
     Its first line may be a header such as `angle [deg], lift [mm]`.  Raises InputError with the line.

@@ -128,10 +128,11 @@ def _sizes(reader: FieldReader, contact: Contact, written: object, path: Path) -
 
     Contacts without a law, in which nothing can wear as they are, need neither.
     """
-    radius, length = contact.bush_radius, contact.static.values.get("length") if contact.static else None
+    radius, static = contact.bush_radius, contact.static
+    length = static.number("length") if static is not None and "length" in static.values else None
     table = written if isinstance(written, Mapping) else {}
     if contact.film is not None:
-        length = contact.film.law.values["length"]
+        length = contact.film.law.number("length")
     elif length is None and "length" in table:
         length = reader.values.value(table["length"], "m", (*path, "length"), "positive")
     if contact.normal is None:
@@ -147,7 +148,7 @@ def _fitted(contact: Contact, clearance: float, radius: float, length: float) ->
     static = contact.static
     assert static is not None, "called for a contact with a law"
     if static.kind == "foundation":
-        return float(static.values["foundation"]), ""
+        return float(static.number("foundation")), ""
     laws, depth = registry.kinds("stiffness"), SUNK * clearance
     law, bed = laws[static.kind], laws["foundation"].kernel
     assert law.kernel is not None, "every law of a stiffness has a kernel"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import fields
-from typing import Any
 
 from rattle import registry
 from rattle.description.changes import NAMED
@@ -17,7 +16,7 @@ from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
 from rattle.description.read_tables import read_tables
 from rattle.description.read_values import Chosen, TooManyProblems, Values, quoted
-from rattle.description.reading import Path, Table
+from rattle.description.reading import Path, Table, section
 from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
 from rattle.errors import ModelError, suggest
 from rattle.language.expression import Node, names
@@ -120,7 +119,7 @@ def _enter_motion(values: Values, bodies: Iterable[str]) -> None:
             values.numbers.add(f"{name}.{key}")
 
 
-def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> None:
+def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Table]]) -> None:
     """Read bodies, then joints, drivers and loads, which refer to them."""
     values = parts.values
     add = {"bodies": parts.add_body, "joints": parts.add_joint, "drivers": parts.add_driver, "loads": parts.add_load}
@@ -142,7 +141,7 @@ def _header(document: Table, values: Values) -> str:
     return str(title)
 
 
-def _named(values: Values, document: Table, key: str) -> dict[str, Mapping[str, Any]]:
+def _named(values: Values, document: Table, key: str) -> dict[str, Table]:
     """The table `key`, whose entries are tables with names chosen by the user."""
     entries = {}
     for name, entry in values.table(document.get(key, {}), (key,)).items():
@@ -154,11 +153,11 @@ def _named(values: Values, document: Table, key: str) -> dict[str, Mapping[str, 
     return entries
 
 
-def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
+def _one_namespace(values: Values, tables: Table) -> None:
     """Bodies, joints, drivers, signals, states and the loads that results know by name share one namespace."""
     seen: dict[str, str] = {}
     for table in ("bodies", "joints", "drivers", "signals", "states", "loads"):
-        for name in tables[table] if isinstance(tables[table], Mapping) else ():
+        for name in section(tables, table):
             if name in seen:
                 message = f"the name '{name}' is already used in [{seen[name]}]; choose another"
                 values.wrong((table, name), message, at_key=True)

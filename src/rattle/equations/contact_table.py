@@ -232,6 +232,6 @@ def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
 
 def _with_mass(choice: Choice, model: Model, joint: Joint, angular: bool) -> Choice:
     """Fill in the effective mass [kg or kg m^2] if a law needs one."""
-    if choice.values.get("effective_mass", 1.0) > 0.0:
+    if choice.number("effective_mass", 1.0) > 0.0:
         return choice
     return Choice(choice.kind, {**choice.values, "effective_mass": effective_mass(model, joint, angular)})

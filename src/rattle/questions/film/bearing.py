@@ -93,9 +93,10 @@ class Film:
         if film is None:
             needs = 'a clearance, and contact = { model = "lubricated", viscosity, length, bush_radius }'
             raise ModelError([Problem(("joints", joint.name, "contact"), f"a film needs oil in the joint: {needs}")])
-        values = dict(film.law.values)
-        sizes = (values.pop("viscosity"), values.pop("length"), values.pop("bush_radius"))
-        return cls(*sizes, joint.clearance, film.law.kind, **values)
+        law = film.law
+        words = {key: word for key, word in law.values.items() if isinstance(word, str)}
+        sizes = (law.number("viscosity"), law.number("length"), law.number("bush_radius"))
+        return cls(*sizes, joint.clearance, law.kind, **words)
 
     def _packed(self, least: float) -> Array:
         """Parameters of the kernel; least: thickness [m] below which a film acts as one that thick."""
