@@ -321,6 +321,7 @@ class Parts(FieldReader):
         values, path = self.values, ("drivers", name)
         functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
         values.keys(table, [*DRIVER.keys, *functions], path)
+        self.read(DRIVER, table, path)
         if "body" in table and "joint" in table:
             values.wrong(path, "give a joint or a body to drive, not both")
             return

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from rattle import registry
 from rattle.description.coordinates import POINT
-from rattle.description.schema import schema
+from rattle.description.schema import part, schema
 from rattle.description.schema_pieces import Schema
-from rattle.description.tables import BODY_TO_DRIVE, JOINT, JOINT_TO_DRIVE, MODEL, STATE_UNITS
+from rattle.description.tables import BODY_TO_DRIVE, DRIVER, JOINT, JOINT_TO_DRIVE, MODEL, STATE_UNITS
 from rattle.language.composed import COMPOSED
 from rattle.language.materials import MATERIALS
 from rattle.language.operations import FUNCTIONS, record_of
@@ -45,10 +45,11 @@ def common(family: str, kind: str) -> list[str]:
             _dimensions(kind) + _stop(kind)
         )
     if family == "driver":
-        if registry.kinds("driver")[kind].leaf.drives == "joint":
-            return [f"joint (name): {JOINT_TO_DRIVE.meaning}"]
-        where = f'coordinate = "{kind.removeprefix("body-")}"'
-        return [f'body (name, or "body.point"): {BODY_TO_DRIVE.meaning}, with {where}']
+        words = f"joint (name): {JOINT_TO_DRIVE.meaning}"
+        if registry.kinds("driver")[kind].leaf.drives == "body":
+            where = f'coordinate = "{kind.removeprefix("body-")}"'
+            words = f'body (name, or "body.point"): {BODY_TO_DRIVE.meaning}, with {where}'
+        return [words, *(_line(key, part(entry)) for key, entry in DRIVER.fields.items())]
     return []
 
 

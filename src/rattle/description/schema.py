@@ -94,7 +94,7 @@ def _joint(kind: Kind[JointKind], keys: Form) -> Schema:
         for key, entry in keys.fields.items()
         if _may_have(kind, key)
     }
-    # tables of the play come before
+    # behind the tables of its play
     after: dict[str, Schema] = {key: common.pop(key) for key in ("stop", "friction") if key in common}
     play = registry.play_of(kind.name)
     sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
@@ -199,7 +199,7 @@ def _driver(kind: Kind[DriverKind], keys: Form) -> Schema:
     """A driver, with the way of those to say where it acts that names what this kind drives."""
     way = next(way for way in keys.ways if kind.leaf.drives in way)
     where = {key: OF_DRIVER[key](kind) if key in OF_DRIVER else part(entry) for key, entry in way.items()}
-    return of.table({**where, **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary)
+    return of.table({**where, **_of(keys), **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary)
 
 
 def _kind(kind: Kind[object], key: str) -> Schema:
