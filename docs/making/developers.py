@@ -53,7 +53,7 @@ def drag(t, body, a, b, p, k, force, energy):
 
 
 @kind("load", "drag", drag)
-class Drag:
+class Drag(LoadKind):
     """Drag that grows with the square of the speed of the mass centre.
 
     Source: definition.
@@ -67,8 +67,9 @@ class Drag:
 def leaf() -> str:
     """A complete leaf file, with its imports from where the package keeps them."""
     homes: dict[str, list[str]] = {}
-    for name, beside in (("Field", "Kind"), ("kernel", "compiled"), ("kind", "Kind")):
+    for name, beside in (("LoadKind", "LoadRecord"), ("kernel", "compiled"), ("kind", "Kind")):
         homes.setdefault(source_of(name, beside).name, []).append(name)  # two names tell modules apart that share one
+    homes[source_of("kind", "Kind").name].insert(0, "Field")  # it hands on what leaves declare
     columns = source_of("DISSIPATED", "POTENTIAL").name
     homes[f"{columns.rpartition('.')[0]}"] = [f"{columns.rpartition('.')[2]} as at"]
     lines = (f"from {home} import {', '.join(names)}" for home, names in sorted(homes.items()))

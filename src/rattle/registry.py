@@ -5,9 +5,8 @@ fields say what the user writes, its kernel says what it does.  Kernels are reac
 addresses, so one compile serves every mechanism and a new kind recompiles nothing else.
 
 What other modules need to know about a kind are attributes and methods of its class; no code tests for the name of a
-kind or of its fields.  The interfaces, with their defaults, are the classes `JointKind`, `DriverKind`, `ClearanceKind`,
-`OneSidedKind`,
-`StopKind` and `ContactKind` in the folders of `rattle.elements`.
+kind or of its fields.  The interfaces, with their defaults, are the classes in `rattle.interfaces`, one for each
+family: `kinds("joint")` are kinds of `JointKind`.
 """
 
 from __future__ import annotations
@@ -17,92 +16,45 @@ import pkgutil
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, Literal, TypeVar, overload
 
 import numpy as np
 
 from rattle.errors import InputError
+from rattle.interfaces.contacts import ClearanceKind, ClutchKind, ContactKind, OneSidedKind, StopKind, WornKind
+from rattle.interfaces.fields import REQUIRED as REQUIRED
+from rattle.interfaces.fields import Field as Field
+from rattle.interfaces.fields import LocalName as LocalName
+from rattle.interfaces.fields import fields_of
+from rattle.interfaces.joints import DriverKind, JointKind
+from rattle.interfaces.laws import FilmLaw, FrictionLaw, NormalLaw, StiffnessLaw, TangentKind
+from rattle.interfaces.loads import LoadKind
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit.functions import KernelFunction, jit_runs
 
-REQUIRED: Any = object()
 ELEMENTS = tuple(
     f"rattle.elements.{folder}"
     for folder in ("joints", "clearances", "one_sided", "stops", "clutches", "contact_laws", "film", "loads")
 )
 PACKAGES = {"stepper": ("rattle.solvers.steppers",)}  # packages of the families that are elsewhere
+Leaf = TypeVar("Leaf")
+Interface = TypeVar("Interface", covariant=True)
 _lock = threading.RLock()
-_families: dict[str, dict[str, Kind]] = {}
-_complete: dict[str, dict[str, Kind]] = {}  # those of them whose packages were searched
+_families: dict[str, dict[str, Kind[object]]] = {}
+_complete: dict[str, dict[str, Kind[object]]] = {}  # those of them whose packages were searched
 _searched: set[str] = set()  # packages
 _searching: set[str] = set()
 
 
 @dataclass(frozen=True)
-class LocalName:
-    """A name that the expression of one field may use besides those of the whole model.
-
-    unit: its SI unit.  formula: an expression whose names begin with `A.` or `B.`, the bodies of the two ends; those of
-    the ground are zero.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    formula: str
-
-
-@dataclass(frozen=True)
-class Field:
-    """One key that the user writes for a kind, or in a table of the model file.
-
-    unit: SI unit of the number, "" for a plain number or angle.  meaning: a few words for help and documentation.
-    shape: number | pair | point ("body.point") | body | joint | connect | choice | flag (true, false) | material; in
-    tables also those of `rattle.description.read_fields.SHAPES`.
-    live: the value may be an expression in t, state and signals, evaluated at every instant.
-    least: "positive" or "not negative" if the number is limited.
-    default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given, None if
-    nothing stands for it.  missing: what is told where a key that must be given is not, if not its meaning.
-    like: what is expected, in words, where the shape does not say it.  fewest: entries of a list; longest: characters.
-    choices: the words allowed for shape "choice"; flags: those that false and true stand for, if these are allowed.
-    local: names that only its expression may use, if it is live.
-    turns: of shape "connect": the two bodies must be able to turn against each other.
-    function_of: name of a variable [`of_unit`]: the value is an expression of it and of parameters, which the kernel
-    evaluates with its derivatives, see `rattle.language.local_function`.
-    """
-
-    unit: str
-    meaning: str
-    default: Any = REQUIRED
-    shape: str = "number"
-    least: str = ""
-    live: bool = False
-    choices: tuple[str, ...] = ()
-    flags: tuple[str, str] | tuple[()] = ()
-    local: tuple[LocalName, ...] = ()
-    turns: bool = False
-    function_of: str = ""
-    of_unit: str = "rad"
-    missing: str = ""
-    like: str = ""
-    fewest: int = 0
-    longest: int = 0
-
-    @property
-    def may_use(self) -> str:
-        """What an expression of it may use besides parameters, in words; "" if it is not live."""
-        own = "".join(f"{variable.name} ({variable.meaning} [{variable.unit}]), " for variable in self.local)
-        return f"{own}t, state and signals" if self.live else ""
-
-
-@dataclass(frozen=True)
-class Kind:
+class Kind(Generic[Interface]):
     """An entry of the registry: the class that a leaf file defines, its kernel, its index (`tag`) in the table."""
 
     family: str
     name: str
     tag: int
     kernel: KernelFunction | None
-    leaf: Any  # the class; what it holds depends on the family
+    leaf: type[Interface]  # the class; what it holds depends on the family
     fields: Mapping[str, Field]
 
     @property
@@ -118,21 +70,13 @@ class Kind:
         return sources[0] if sources else ""
 
 
-def fields_of(leaf: type) -> dict[str, Field]:
-    """The fields of a leaf, inherited ones first; a field declared again keeps its position."""
-    declared: dict[str, Any] = {}
-    for ancestor in reversed(leaf.__mro__):
-        declared.update(vars(ancestor))
-    return {key: value for key, value in declared.items() if isinstance(value, Field)}
-
-
-def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callable[[type], type]:
+def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callable[[type[Leaf]], type[Leaf]]:
     """Class decorator: register the class as a kind of `family`.
 
     Raises InputError if another module has registered a kind of that name.
     """
 
-    def enter(leaf: type) -> type:
+    def enter(leaf: type[Leaf]) -> type[Leaf]:
         entries = _families.setdefault(family, {})
         old = entries.get(name)
         if old is not None and old.leaf.__module__ != leaf.__module__:
@@ -144,7 +88,39 @@ def kind(family: str, name: str, kernel: KernelFunction | None = None) -> Callab
     return enter
 
 
-def kinds(family: str) -> Mapping[str, Kind]:
+@overload
+def kinds(family: Literal["joint"]) -> Mapping[str, Kind[JointKind]]: ...
+@overload
+def kinds(family: Literal["driver"]) -> Mapping[str, Kind[DriverKind]]: ...
+@overload
+def kinds(family: Literal["clearance"]) -> Mapping[str, Kind[ClearanceKind]]: ...
+@overload
+def kinds(family: Literal["worn"]) -> Mapping[str, Kind[WornKind]]: ...
+@overload
+def kinds(family: Literal["one-sided"]) -> Mapping[str, Kind[OneSidedKind]]: ...
+@overload
+def kinds(family: Literal["stop"]) -> Mapping[str, Kind[StopKind]]: ...
+@overload
+def kinds(family: Literal["clutch"]) -> Mapping[str, Kind[ClutchKind]]: ...
+@overload
+def kinds(family: Literal["contact"]) -> Mapping[str, Kind[ContactKind]]: ...
+@overload
+def kinds(family: Literal["stiffness"]) -> Mapping[str, Kind[StiffnessLaw]]: ...
+@overload
+def kinds(family: Literal["friction"]) -> Mapping[str, Kind[FrictionLaw]]: ...
+@overload
+def kinds(family: Literal["film"]) -> Mapping[str, Kind[FilmLaw]]: ...
+@overload
+def kinds(family: Literal["load"]) -> Mapping[str, Kind[LoadKind]]: ...
+@overload
+def kinds(family: Literal["tangent"]) -> Mapping[str, Kind[TangentKind]]: ...
+@overload
+def kinds(family: Literal["stepper"]) -> Mapping[str, Kind[StepperKind]]: ...
+@overload
+def kinds(family: Literal["normal", "tension"]) -> Mapping[str, Kind[NormalLaw]]: ...
+@overload
+def kinds(family: str) -> Mapping[str, Kind[object]]: ...
+def kinds(family: str) -> Mapping[str, Kind[object]]:
     """All kinds of one family by name; its packages are searched on first use."""
     entries = _complete.get(family)
     if entries is None:
@@ -156,23 +132,23 @@ def kinds(family: str) -> Mapping[str, Kind]:
     return entries
 
 
-def play_of(joint: str) -> Kind | None:
+def play_of(joint: str) -> Kind[ClearanceKind] | None:
     """The kind of clearance of a kind of joint; None if it cannot have clearance."""
     return next((entry for entry in kinds("clearance").values() if entry.leaf.joint == joint), None)
 
 
-def one_sided_of(joint: str) -> Kind | None:
+def one_sided_of(joint: str) -> Kind[OneSidedKind] | None:
     """The contacts that stand for the rows of a kind of joint without clearance; None if it has no such."""
     return next((entry for entry in kinds("one-sided").values() if entry.leaf.joint == joint), None)
 
 
-def stop_of(joint: str) -> Kind | None:
+def stop_of(joint: str) -> Kind[StopKind] | None:
     """The kind of stop of a kind of joint: that of the coordinate that a motor moves; None if it has no coordinate."""
     motor = kinds("joint")[joint].leaf.motor
     return kinds("stop").get(motor.driver) if motor else None
 
 
-def normal_law(name: str) -> Kind:
+def normal_law(name: str) -> Kind[NormalLaw]:
     """A law of the normal force: of contacts that the user chooses, or of strands."""
     return kinds("normal").get(name) or kinds("tension")[name]
 

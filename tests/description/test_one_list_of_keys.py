@@ -6,7 +6,7 @@ import rattle as rt
 from rattle.description import read_fields, schema_pieces, tables
 from rattle.description.file import dump, parse
 from rattle.description.reference import common, topics
-from rattle.description.schema import schema
+from rattle.description.schema import OF_DRIVER, OF_JOINT, schema
 from rattle.registry import Field
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
@@ -38,6 +38,9 @@ mass = 1
 [joints.hinge]
 type = "revolute"
 connect = ["ground.O", "a.O"]
+[drivers.motor]
+joint = "hinge"
+angle = "t"
 [joints.loose]
 type = "revolute"
 connect = ["a.P", "b.O"]
@@ -67,6 +70,7 @@ PLACES = {  # of the lists: a table that is written so, and the topic that tells
     "TABLE": ("tables.f", "tables"),
     "STATE": ("states.i", "states"),
     "JOINT": ("joints.loose", ""),
+    "DRIVER": ("drivers.motor", ""),
     "WEAR": ("joints.loose.wear", "wear"),
     "START": ("initial.a", "initial"),
     "OFFSET": ("initial.loose", "initial"),
@@ -77,6 +81,7 @@ BUILT = {
     "BODY": lambda m, glow: m.body("d", mass=1, inertia=1, points={"A": [0, 0]}, **glow),
     "PLATE": lambda m, glow: m.plate("d", [[0, 0], [1, 0], [0, 1]], mass=1, **glow),
     "JOINT": lambda m, glow: m.revolute("d", "ground.O", "b.O", **glow),
+    "DRIVER": lambda m, glow: m.driver("d", body="b", coordinate="x", position="t", **glow),
     "PARAMETER": lambda m, glow: m.parameter("d", 1, **glow),
     "TABLE": lambda m, glow: m.table("d", [0, 1], [0, 1], **glow),
     "STATE": lambda m, glow: m.state("d", 1, **glow),
@@ -127,7 +132,8 @@ def test_every_shape_is_read_and_in_the_schema():
     parts = [part for part in vars(tables).values() if isinstance(part, tables.Form)]
     shapes = {field.shape for part in parts for field in declared_fields(part)}
     assert shapes <= read
-    assert shapes <= {*schema_pieces.SHAPES, "number", "quantity"}
+    of_kinds = {*OF_JOINT, *OF_DRIVER}
+    assert shapes <= {*schema_pieces.SHAPES, *of_kinds, "number", "quantity", "expression"}
 
 
 @pytest.mark.parametrize("glowing", PLACES, indirect=True)
@@ -152,7 +158,8 @@ def test_the_schema_and_what_kinds_tells_have_it(glowing):
     validator = jsonschema.Draft202012Validator(schema())
     assert validator.is_valid(parse(glow(place, "2 mm")))
     assert not validator.is_valid(parse(glow(place, -1)))
-    assert f"{KEY}: how far it shines [m]" in (topics()[topic].lines if topic else common("joint", "revolute"))
+    of_kinds = [*common("joint", "revolute"), *common("driver", "angle")]
+    assert f"{KEY}: how far it shines [m]" in (topics()[topic].lines if topic else of_kinds)
 
 
 @pytest.mark.parametrize("glowing", BUILT, indirect=True)

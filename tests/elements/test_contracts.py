@@ -6,6 +6,7 @@ action and reaction.  All in plain Python and in machine code.
 """
 
 import math
+from typing import get_args, get_overloads, get_type_hints
 
 import numpy as np
 import pytest
@@ -295,3 +296,20 @@ def test_a_second_kind_of_the_same_name_is_refused_and_the_first_stays():
     with pytest.raises(ValueError, match=r"load 'spring' is already .*\(rattle\.elements\.loads\.spring\)"):
         registry.kind("load", "spring", first.kernel)(Spring)
     assert registry.kinds("load")["spring"] is first
+
+
+def interfaces():
+    """The interface of every family, as the overloads of `kinds` tell them to who checks types."""
+    for overload in get_overloads(registry.kinds):
+        hints = get_type_hints(overload)
+        (interface,) = get_args(get_args(hints["return"])[1])
+        yield from ((family, interface) for family in get_args(hints["family"]))
+
+
+@pytest.mark.parametrize(("family", "interface"), [*interfaces()])
+def test_kinds_derive_from_the_interface_of_their_family(family, interface):
+    assert [name for name, kind in registry.kinds(family).items() if not issubclass(kind.leaf, interface)] == []
+
+
+def test_every_family_has_an_interface():
+    assert {*registry.families()} == {family for family, _ in interfaces()}

@@ -9,7 +9,7 @@ import pytest
 
 import rattle as rt
 from rattle import registry
-from rattle.elements.joints import JointKind
+from rattle.interfaces.joints import JointKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row

@@ -79,7 +79,7 @@ def _stiff(m: Loosened) -> tuple[Loosened, dict[str, str]]:
             continue
         old = m.contact_of(name)
         table = recontact(old, LAW)
-        written: dict[str, Json] = {"model": table} if isinstance(table, str) else dict(table)
+        written: dict[str, object] = {"model": table} if isinstance(table, str) else dict(table)
         own = rigid_restitution(joint.contact.fields)
         written["restitution"] = max(own, LEAST_RESTITUTION)
         stated = any(key == "stiffness" or key.endswith("material") for key in written)

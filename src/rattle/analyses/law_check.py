@@ -17,6 +17,7 @@ import numpy as np
 from rattle import registry
 from rattle.description.model import Choice, Contact, Model
 from rattle.elements.custom.contact_law import ContactLaw
+from rattle.interfaces.laws import FrictionLaw, NormalLaw
 
 PATHS = 40
 POINTS = 400  # of a path
@@ -41,19 +42,19 @@ def law_faults(model: Model) -> list[str]:
     return faults
 
 
-def _kind(family: str, name: str) -> registry.Kind:
-    return registry.normal_law(name) if family == "normal" else registry.kinds(family)[name]
+def _kind(family: str, name: str) -> registry.Kind[NormalLaw] | registry.Kind[FrictionLaw]:
+    return registry.normal_law(name) if family == "normal" else registry.kinds("friction")[name]
 
 
 def _fault(family: str, choice: Choice, contact: Contact) -> str:
-    kind = registry.kinds(family)[choice.kind]
+    kind = _kind(family, choice.kind)
     key = (kind.kernel, tuple(choice.values.items()), repr(contact.static) if family == "normal" else "")
     if key not in _known:
-        p = np.array([*kind.leaf.pack(choice.values), 0.0])
-        if family == "normal":
-            _known[key] = normal_fault(kind.kernel, p, contact)
+        p, leaf = np.array([*kind.leaf.pack(choice.values), 0.0]), kind.leaf
+        if issubclass(leaf, FrictionLaw):
+            _known[key] = friction_fault(kind.kernel, p, leaf.states)
         else:
-            _known[key] = friction_fault(kind.kernel, p, kind.leaf.states)
+            _known[key] = normal_fault(kind.kernel, p, contact)
     return _known[key]
 
 

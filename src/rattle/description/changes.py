@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rattle import registry
+from rattle.description.reading import Table, section
 from rattle.description.tables import MODEL
 from rattle.errors import ModelError, Problem, suggest
 
@@ -19,10 +20,10 @@ VECTORS = ("gravity", "center")  # [0, 0] unless given
 IN_ONE_LINE = ("points", "contact", "stop", "dist")  # and the tables of a joint's kind of play
 PLAIN = {str, float, int, bool, type(None)}
 Path = tuple[str, ...]
-Change = tuple[Path, Any]  # path and new value, None to remove it
+Change = tuple[Path, object]  # path and new value, None to remove it
 
 
-def copied(value: Any) -> Any:
+def copied(value: object) -> Any:
     """A copy of a document, or of a part of it: as by `copy.deepcopy`, which takes six times as long."""
     if type(value) in PLAIN:
         return value
@@ -31,7 +32,7 @@ def copied(value: Any) -> Any:
     return [copied(part) for part in value] if type(value) is list else copy.deepcopy(value)
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> Any:
     """A value in the types of TOML: 5.0 for a NumPy scalar, a list for an array or tuple."""
     if isinstance(value, Mapping):
         return {key: plain(part) for key, part in value.items()}
@@ -41,7 +42,7 @@ def plain(value: Any) -> Any:
     return to_python() if callable(to_python) else value
 
 
-def through_points(name: str, value: Any) -> tuple[Any, dict[str, Any]]:
+def through_points(name: str, value: object) -> tuple[object, dict[str, dict[str, object]]]:
     """A value of a load in which instants and values at them, `(t, values)`, have become a table of this name.
 
     Returns the value, and the tables by name; two values, `[(t, fx), fy]`, may each be given so.
@@ -51,7 +52,7 @@ def through_points(name: str, value: Any) -> tuple[Any, dict[str, Any]]:
     t, y = (plain(entry) for entry in value)
     if isinstance(t, list) and isinstance(y, list) and not any(isinstance(x, list) for x in (*t, *y)):
         return f"{name}(t)", {name: {"x": t, "y": y, "kind": "linear"}}
-    pair, tables = [], dict[str, Any]()
+    pair, tables = list[object](), dict[str, dict[str, object]]()
     for key, half in zip("xy", value, strict=True):
         part, more = through_points(f"{name}_{key}", half)
         pair.append(part)
@@ -60,29 +61,29 @@ def through_points(name: str, value: Any) -> tuple[Any, dict[str, Any]]:
 
 
 # ---------------------------------------------------------------- where a name leads
-def path_of(name: str, document: Mapping[str, Any], remove: bool) -> Path:
+def path_of(name: str, document: Table, remove: bool) -> Path:
     """The path of a parameter's value or of an entry; remove: of what goes, where the name of an entry is enough.
 
     Raises ModelError for a name that leads nowhere.
     """
-    table = document.get("parameters", {})
+    table = section(document, "parameters")
     first, dot, _ = name.partition(".")
     if name in table:
         whole = remove or not isinstance(table[name], Mapping)
         return ("parameters", name) if whole else ("parameters", name, "value")
     if first in TABLES and (dot or first in document or first in SINGLE):
         return tuple(name.split("."))
-    where = [section for section in ENTRIES if first in document.get(section, {})]
+    where = [key for key in ENTRIES if first in section(document, key)]
     if remove and not dot and len(where) == 1:
         return where[0], name
     raise ModelError([_astray(name, table, where, remove)])
 
 
-def _astray(name: str, parameters: Mapping[str, Any], where: Sequence[str], remove: bool) -> Problem:
+def _astray(name: str, parameters: Table, where: Sequence[str], remove: bool) -> Problem:
     """The problem of a name that leads nowhere; where: tables that have an entry with its first part."""
     first, dot, _ = name.partition(".")
     if where:
-        paths = " or ".join(f"'{section}.{name}'" for section in where)
+        paths = " or ".join(f"'{key}.{name}'" for key in where)
         advice = f"; or name what is to change in it: {where[0]}.{name}.KEY" if not (dot or remove) else ""
         return Problem((name,), f"expected the whole path, {paths}{advice}")
     if dot:
@@ -93,7 +94,7 @@ def _astray(name: str, parameters: Mapping[str, Any], where: Sequence[str], remo
 
 
 # ---------------------------------------------------------------- putting a value there
-def put(document: Any, path: Sequence[str], value: Any) -> None:
+def put(document: Any, path: Sequence[str], value: object) -> None:
     """Replace one value in nested tables (plain or tomlkit), in place; None removes it.
 
     Tables inside of an entry, such as the stop of a joint, are made if they are missing.  Raises ModelError if the path
@@ -154,13 +155,13 @@ def _widen(table: Any, path: Sequence[str], n: int) -> None:
         _enter(table, key, {"value": _bare(present)}, short=True)
 
 
-def _bare(value: Any) -> Any:
+def _bare(value: object) -> Any:
     """A value without the comment that tomlkit keeps with it."""
     unwrap = getattr(value, "unwrap", None)
     return unwrap() if callable(unwrap) else value
 
 
-def _index(table: list[Any], path: Sequence[str], n: int) -> int:
+def _index(table: list[object], path: Sequence[str], n: int) -> int:
     if not path[n].isdigit() or int(path[n]) >= len(table):
         fault = f"expected an index from 0 to {len(table) - 1}, got '{path[n]}'"
         raise ModelError([Problem(tuple(path), fault)])
@@ -168,7 +169,7 @@ def _index(table: list[Any], path: Sequence[str], n: int) -> int:
 
 
 # ---------------------------------------------------------------- plain or tomlkit
-def _enter(table: Any, key: str, value: Any, short: bool) -> None:
+def _enter(table: Any, key: str, value: object, short: bool) -> None:
     """table[key] = value; in tomlkit, tables are written in one line if `short`."""
     table[key] = plain(value) if type(table) is dict else item(value, short)
 
@@ -183,7 +184,7 @@ def _section(table: Any, key: str) -> None:
         table[key] = tomlkit.table(is_super_table=key in NAMED)  # their entries have headings of their own
 
 
-def item(value: Any, short: bool = False) -> Any:
+def item(value: object, short: bool = False) -> Any:
     """Plain data as tomlkit items; if `short`, tables are written in one line."""
     import tomlkit
 

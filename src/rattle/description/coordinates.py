@@ -3,7 +3,7 @@
     <body>.<point>.x .y .vx .vy        a point in the ground frame and its velocity
     <joint>.angle .rate                where `coordinate` of the joint's kind is "angle": B relative to A
     <joint>.position .rate             where it is "position": of B's point along the line of A
-    <load>.length .rate .force .power  of a load with a `record`, see `elements.loads.LoadRecord`
+    <load>.length .rate .force .power  of a load with a `record`, see `interfaces.loads.LoadRecord`
 
 Each stands for an expression over the state, but `<load>.force`, which a run evaluates and records as a signal.
 """
@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cache
-from typing import Any
 
 from rattle import registry
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Body, Joint, Load, Point, Vector
 from rattle.description.read_values import Values
+from rattle.description.reading import Table
+from rattle.interfaces.loads import LoadRecord
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
 from rattle.language.units import dimension_of
 
@@ -49,7 +50,7 @@ STATE = ("x", "y", "angle", "vx", "vy", "omega")
 
 
 # ---------------------------------------------------------------- before anything is read: names and their units
-def declare(values: Values, document: Mapping[str, Any]) -> None:
+def declare(values: Values, document: Table) -> None:
     """Enter the names that a document with these bodies, joints and loads has, with their dimensions."""
     units = _units_of_points(document)
     for name, entry in _entries(document, "joints"):
@@ -70,7 +71,7 @@ def declare(values: Values, document: Mapping[str, Any]) -> None:
         values.dimensions[name] = dimension_of(unit)
 
 
-def _units_of_points(document: Mapping[str, Any]) -> dict[str, str]:
+def _units_of_points(document: Table) -> dict[str, str]:
     """Units of what stands for the points of bodies and of the ground, by name."""
     units: dict[str, str] = {}
     for body, entry in _entries(document, "bodies"):
@@ -85,16 +86,16 @@ def _units_of_points(document: Mapping[str, Any]) -> dict[str, str]:
     return units
 
 
-def _entries(document: Mapping[str, Any], table: str) -> list[tuple[str, Mapping[str, Any]]]:
+def _entries(document: Table, table: str) -> list[tuple[str, Table]]:
     entries = document.get(table, {})
     listed = entries.items() if isinstance(entries, Mapping) else ()
     return [(name, entry) for name, entry in listed if isinstance(entry, Mapping)]
 
 
-def record_of(kind: str) -> Any:
-    """What a kind of load records, a `LoadRecord`; None if it has none or is not known."""
+def record_of(kind: str) -> LoadRecord | None:
+    """What a kind of load records; None if it has none or is not known."""
     registered = registry.kinds("load").get(kind)
-    return getattr(registered.leaf, "record", None) if registered is not None else None
+    return registered.leaf.record if registered is not None else None
 
 
 # ---------------------------------------------------------------- what the names stand for
@@ -120,7 +121,7 @@ def definitions(
     return nodes
 
 
-def _of_load(owner: str, load: Load, record: Any, key: str) -> dict[str, Node]:
+def _of_load(owner: str, load: Load, record: LoadRecord, key: str) -> dict[str, Node]:
     """One name of a load."""
     if key == "power":
         rate = _between(owner, record.coordinate, load.a, load.b, 0.0, "rate")[f"{owner}.rate"]
@@ -195,10 +196,10 @@ def _between(owner: str, coordinate: str, a: Point, b: Point, axis: float, key: 
     return {f"{owner}.{name}": replaced(_tree(text), parts) for name, _, text in wanted}
 
 
-def used_names(*trees: Iterable[Any]) -> set[str]:
+def used_names(*trees: Iterable[object]) -> set[str]:
     """Names in the expressions among some values."""
     return {name for group in trees for value in group if not isinstance(value, float | int) for name in _names(value)}
 
 
-def _names(value: Any) -> set[str]:
+def _names(value: object) -> set[str]:
     return names(value) if isinstance(value, Node) else set()

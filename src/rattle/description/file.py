@@ -6,12 +6,13 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rattle.atomic_file import atomic, is_special
 from rattle.description.changes import Change, item, plain, put
+from rattle.description.reading import Table
 from rattle.errors import InputError, ModelError, Problem, WrongType
 
 SUFFIXES = (".toml", ".json")
@@ -176,7 +177,7 @@ def _inside(source: str, column: int, spot: int) -> int:
 
 
 # ---------------------------------------------------------------- writing
-def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change]) -> str:
+def dump(document: Table, text: str | None, changes: Sequence[Change]) -> str:
     """TOML text of a model: the original text with the changes made and comments kept, or written from the document."""
     import tomlkit
 
@@ -191,7 +192,7 @@ def dump(document: Mapping[str, Any], text: str | None, changes: Sequence[Change
     return tomlkit.dumps(kept)
 
 
-def dump_json(document: Mapping[str, Any]) -> str:
+def dump_json(document: Table) -> str:
     """JSON text of a model."""
     return json.dumps(plain(document), indent=2, ensure_ascii=False) + "\n"
 

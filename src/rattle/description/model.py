@@ -8,10 +8,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, TypeVar, overload
+
+import numpy as np
 
 from rattle import registry
+from rattle.interfaces.contacts import ClearanceKind, OneSidedKind
+from rattle.interfaces.fields import LawValues, pair
+from rattle.interfaces.joints import DriverKind, JointKind, Motor
 from rattle.language.expression import Node
+from rattle.language.local_function import LocalFunction
+from rattle.language.recorded import as_number
 from rattle.language.tables import NO_TABLES, Tables
 
 DEFAULT_CONTACT = "massless-link"  # of a joint that says its clearance only
@@ -46,7 +53,11 @@ class Choice:
     """A kind of a family and the values of its fields [SI]."""
 
     kind: str
-    values: Mapping[str, Any]
+    values: LawValues
+
+    def number(self, key: str, default: float | None = None) -> float:
+        """The value of a field that is a number [SI], with its record; default: where the kind has no such field."""
+        return as_number(self.values[key] if default is None else self.values.get(key, default))
 
 
 @dataclass(frozen=True)
@@ -83,7 +94,7 @@ class Contact:
     def acts(self) -> bool:
         """True if contacts act; otherwise constraints hold the joint."""
         kinds = registry.kinds("contact")
-        return self.model not in kinds or bool(kinds[self.model].leaf.contacts)
+        return self.model not in kinds or kinds[self.model].leaf.contacts
 
     @property
     def rigid(self) -> bool:
@@ -172,44 +183,47 @@ class Joint:
         return self.wear
 
     @property
-    def numbers(self) -> tuple[Any, ...]:
+    def numbers(self) -> tuple[float | LocalFunction, ...]:
         """What its kernel takes after the points: the values of its fields, then its constants; nan if not yet set."""
-        numbers: list[Any] = []
+        numbers: list[float | LocalFunction] = []
         for key, declared in registry.kinds("joint")[self.kind].fields.items():
-            value: Any = self.fields[key]
-            numbers += value if declared.shape == "pair" else (value,)
+            numbers += pair(self.fields, key) if declared.shape == "pair" else (self.fields[key],)
         if self.leaf.from_start:
             numbers += self.constants or (math.nan,) * self.leaf.from_start
         return tuple(numbers)
 
     @property
-    def leaf(self) -> Any:
-        """The class of its kind, a `JointKind`."""
+    def leaf(self) -> type[JointKind]:
+        """The class of its kind."""
         return registry.kinds("joint")[self.kind].leaf
 
     @property
-    def play(self) -> Any:
-        """The class of its kind of clearance, a `ClearanceKind`; None if the joint cannot have clearance."""
+    def play(self) -> type[ClearanceKind]:
+        """The class of its kind of clearance; only of a kind of joint that can have clearance."""
         kind = registry.play_of(self.kind)
-        return kind.leaf if kind else None
+        assert kind is not None, f"a {self.kind} joint cannot have clearance"
+        return kind.leaf
+
+    @property
+    def motor(self) -> Motor:
+        """The motor of its coordinate; only of a kind of joint that has one."""
+        assert self.leaf.motor is not None, f"a {self.kind} joint has nothing to drive"
+        return self.leaf.motor
 
     @property
     def kept_angle(self) -> float | None:
         """Angle of B relative to A [rad] that the joint enforces; None if B can turn."""
-        angle: float | None = self.leaf.kept_angle(self.fields)
-        return angle
+        return self.leaf.kept_angle(self.fields)
 
     @property
     def line(self) -> float | None:
         """Direction in A's frame [rad] of the line on which the point of B moves; None if there is none."""
-        direction: float | None = self.leaf.line(self.fields)
-        return direction
+        return self.leaf.line(self.fields)
 
     @property
     def distance(self) -> float:
         """Distance of the two points [m] that the joint enforces."""
-        distance: float = self.leaf.distance(self.fields)
-        return distance
+        return self.leaf.distance(self.fields)
 
     @property
     def is_loose(self) -> bool:
@@ -222,8 +236,8 @@ class Joint:
         return bool(self.leaf.passing(self.fields))
 
     @property
-    def one_sided(self) -> Any:
-        """The class of its one-sided contacts, a `OneSidedKind`; None if it has no such."""
+    def one_sided(self) -> type[OneSidedKind] | None:
+        """The class of its one-sided contacts; None if it has no such."""
         kind = registry.one_sided_of(self.kind)
         return kind.leaf if kind else None
 
@@ -237,14 +251,13 @@ class Joint:
     def stops_angle(self) -> bool:
         """True if the joint has a stop of its angle, which exerts a moment."""
         kind = registry.stop_of(self.kind)
-        return self.stop is not None and kind is not None and bool(kind.leaf.angular)
+        return self.stop is not None and kind is not None and kind.leaf.angular
 
     @property
     def friction_unit(self) -> str:
         """Unit of its own friction: of the row along which it acts, or of the effort of a motor."""
-        leaf = self.leaf
-        unit: str = registry.kinds("tangent")[leaf.tangents[0]].leaf.unit if leaf.tangents else leaf.motor.unit
-        return unit
+        tangents = self.leaf.tangents
+        return registry.kinds("tangent")[tangents[0]].leaf.unit if tangents else self.motor.unit
 
     @property
     def is_hinge(self) -> bool:
@@ -265,7 +278,7 @@ class Driver:
     @property
     def sets_angle(self) -> bool:
         """True if its function is the angle of B relative to A."""
-        return bool(registry.kinds("driver")[self.kind].leaf.sets_angle)
+        return registry.kinds("driver")[self.kind].leaf.sets_angle
 
     @property
     def on(self) -> str:
@@ -307,7 +320,11 @@ class ValueTable:
 LIMIT_ROUNDING = 1e-12  # share of a limit by which a value may pass it: 0.8*0.175 is not below 0.14
 
 
-def within_limits(value: Any, minimum: float | None, maximum: float | None) -> Any:
+@overload
+def within_limits(value: float, minimum: float | None, maximum: float | None) -> bool: ...
+@overload
+def within_limits(value: np.ndarray, minimum: float | None, maximum: float | None) -> np.ndarray: ...
+def within_limits(value: float | np.ndarray, minimum: float | None, maximum: float | None) -> bool | np.ndarray:
     """Whether a value, or each of an array, is between two limits, either of which may be missing, but for rounding."""
     least = -math.inf if minimum is None else minimum - LIMIT_ROUNDING * abs(minimum)
     most = math.inf if maximum is None else maximum + LIMIT_ROUNDING * abs(maximum)
@@ -410,6 +427,6 @@ def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float
     return joint.a, joint.b, before_function(joint, registry.kinds("driver")[driver.kind])
 
 
-def before_function(joint: Joint, driver: registry.Kind) -> tuple[float, ...]:
+def before_function(joint: Joint, driver: registry.Kind[DriverKind]) -> tuple[float, ...]:
     """Numbers of a joint that the kernel of its driver takes before the function: the direction of its line [rad]."""
     return (0.0 if joint.line is None else joint.line,) if driver.leaf.along_line else ()

@@ -12,9 +12,12 @@ from rattle import registry
 from rattle.description.model import Choice, Contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
-from rattle.description.read_values import Path, quoted
-from rattle.description.tables import MATERIAL
+from rattle.description.read_values import quoted
+from rattle.description.reading import Path, Table
+from rattle.description.tables import BUSH_RADIUS, FILM, FORMULA, MATERIAL
 from rattle.errors import suggest
+from rattle.interfaces.contacts import ContactGeometry, OneSidedKind, StopKind
+from rattle.interfaces.fields import Fields, LawValues
 
 ALONG = ("friction", "tangential_restitution")  # keys of what happens along a wall
 GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
@@ -27,7 +30,7 @@ class Site(NamedTuple):
     """Where a contact is: in the clearance of a joint, or at its stop."""
 
     title: str  # in messages
-    leaf: Any  # class of its geometry, a `ContactGeometry`; None where no contact can be
+    leaf: type[ContactGeometry]  # class of its geometry
     models: list[str]  # names that `contact` may have there
     clearance: float = 0.0  # [m]
 
@@ -59,20 +62,22 @@ def stop_models() -> list[str]:
 def site_of_clearance(joint: str, clearance: float) -> Site:
     """The contact of a kind of joint with a given clearance [m]."""
     play = registry.play_of(joint)
-    return Site(f"a {joint} joint", play.leaf if play else None, contact_models(joint) if play else [], clearance)
+    return Site(
+        f"a {joint} joint", play.leaf if play else ContactGeometry, contact_models(joint) if play else [], clearance
+    )
 
 
-def site_of_one_sided(kind: registry.Kind) -> Site:
+def site_of_one_sided(kind: registry.Kind[OneSidedKind]) -> Site:
     """The contact of a joint without clearance that is one-sided."""
     return Site(f"a {kind.leaf.joint} joint", kind.leaf, contact_models(kind.leaf.joint))
 
 
-def site_of_stop(stop: registry.Kind) -> Site:
+def site_of_stop(stop: registry.Kind[StopKind]) -> Site:
     """The contact of a kind of stop."""
     return Site("a stop", stop.leaf, stop_models())
 
 
-def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> Contact | None:
+def read_contact(reader: FieldReader, written: object, site: Site, path: Path) -> Contact | None:
     """One contact model; None after a problem."""
     values = reader.values
     table = {"model": written} if isinstance(written, str) else values.table(written, path)
@@ -100,7 +105,7 @@ def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> C
         kind = registry.kinds("contact")[model]
         if kind.leaf.oiled:
 
-            def dry(dry_table: Mapping[str, Any], where: Path) -> Contact | None:
+            def dry(dry_table: Table, where: Path) -> Contact | None:
                 return _compliant(reader, dry_table, str(dry_table["model"]), site, where)
 
             def unused(used: Collection[str]) -> tuple[str, ...]:
@@ -111,7 +116,7 @@ def read_contact(reader: FieldReader, written: Any, site: Site, path: Path) -> C
     return _compliant(reader, table, str(model), site, path)
 
 
-def _radius(reader: FieldReader, table: Mapping[str, Any], site: Site, needed: str, path: Path) -> float:
+def _radius(reader: FieldReader, table: Table, site: Site, needed: str, path: Path) -> float:
     """Radius of the bush [m]; required if something depends on it."""
     clearance = site.clearance
     if not site.leaf.has_radius:
@@ -124,7 +129,7 @@ def _radius(reader: FieldReader, table: Mapping[str, Any], site: Site, needed: s
                 path, f"needs bush_radius in m: {needed} depends on it (pin radius = bush_radius - clearance)"
             )
         return 0.0
-    radius: float = reader.values.value(table["bush_radius"], "m", (*path, "bush_radius"), "positive")
+    radius: float = reader.field(BUSH_RADIUS, "bush_radius", table, {}, path)
     if radius <= clearance:  # either may be nan, which was reported where it was read
         reader.values.wrong((*path, "bush_radius"), f"must be larger than the clearance of {clearance:g} m")
     return radius
@@ -143,9 +148,7 @@ def _fields_of_all() -> dict[str, registry.Field | None]:
     return fields
 
 
-def _unused(
-    reader: FieldReader, table: Mapping[str, Any], used: Collection[str], site: Site, path: Path
-) -> tuple[str, ...]:
+def _unused(reader: FieldReader, table: Table, used: Collection[str], site: Site, path: Path) -> tuple[str, ...]:
     """Keys of a table that only other contact models use; they are checked too.  Unknown keys are refused."""
     fields = _fields_of_all()
     reader.values.keys(table, dict.fromkeys(["model", *used, *fields]), path)
@@ -155,18 +158,16 @@ def _unused(
     return unused
 
 
-def _check(
-    reader: FieldReader, key: str, field: registry.Field | None, table: Mapping[str, Any], site: Site, path: Path
-) -> None:
+def _check(reader: FieldReader, key: str, field: registry.Field | None, table: Table, site: Site, path: Path) -> None:
     """Check the value of a key that is not used."""
     if key == "friction":
         _pack(reader, "friction", _friction(reader, table[key], (*path, key)), path)
     elif key == "film":
-        reader.choose(table, "film", path, "film")
+        reader.field(FILM, key, table, {}, path)
     elif key == "bush_radius":
         _radius(reader, table, site, "", path)
     elif key == "geometry":
-        _geometry(reader, table[key], path)
+        reader.field(FORMULA, key, table, {}, path)
     elif field is not None and field.shape == "material":  # any formula does to check the material
         material = _elastic(reader, field, key, table, {}, path, site)
         values = {"bush_material": material, "pin_material": material, "bush_radius": 1.0, "clearance": 0.1}
@@ -175,17 +176,17 @@ def _check(
         _unit_interval(reader, {key: _elastic(reader, field, key, table, {}, path, site)}, path)
 
 
-def _plain(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact:
+def _plain(reader: FieldReader, table: Table, model: str, site: Site, path: Path) -> Contact:
     kind = registry.kinds("contact")[model]
     contacts = kind.leaf.contacts
     used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
     unused = _unused(reader, table, used, site, path)
     own = dict(table)
-    if "friction" in kind.fields and isinstance(own.get("friction"), Mapping):
-        law = _friction(reader, own["friction"], (*path, "friction"))
+    if "friction" in kind.fields and isinstance(written := own.get("friction"), Mapping):
+        law = _friction(reader, written, (*path, "friction"))
         _pack(reader, "friction", law, path)
         own["friction"] = law.values.get("mu", 0.0) if law else 0.0  # set-valued Coulomb takes the mu of any law
-        left = [f"friction.{key}" for key in table["friction"] if key not in ("model", "mu")]
+        left = [f"friction.{key}" for key in written if key not in ("model", "mu")]
         unused += tuple(left) if law is None or "mu" in law.values else ("friction",)
     fields = reader.fields(kind, own, path)
     _unit_interval(reader, fields, path)
@@ -198,13 +199,13 @@ def _plain(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site
     return Contact(model, fields, radius, unused=unused)
 
 
-def _unit_interval(reader: FieldReader, fields: Mapping[str, Any], path: Path) -> None:
+def _unit_interval(reader: FieldReader, fields: Fields, path: Path) -> None:
     for key in ("restitution", "tangential_restitution"):
         if key in fields and fields[key] > 1.0:
             reader.values.wrong((*path, key), f"{fields[key]:g} is outside [0, 1]")
 
 
-def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: Site, path: Path) -> Contact | None:
+def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: Path) -> Contact | None:
     name = _stiffness_law(reader, table, site, path)
     if not name:
         return None
@@ -214,7 +215,7 @@ def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: 
     unused = _unused(reader, table, used, site, path)
     needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""
     radius = _radius(reader, table, site, needed, path)
-    elastic: dict[str, Any] = {"clearance": site.clearance, "bush_radius": radius}
+    elastic: dict[str, float | str | Mapping[str, float]] = {"clearance": site.clearance, "bush_radius": radius}
     for key in own:
         elastic[key] = _elastic(reader, static.fields[key], key, table, elastic, path, site)
     normal = reader.fields(law, table, path, site.unit)
@@ -226,7 +227,7 @@ def _compliant(reader: FieldReader, table: Mapping[str, Any], model: str, site: 
     return contact
 
 
-def _stiffness_law(reader: FieldReader, table: Mapping[str, Any], site: Site, path: Path) -> str:
+def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) -> str:
     """The law of the static force: "power" for a stiffness, otherwise the geometry; "" after a problem."""
     values, by_stiffness = reader.values, "stiffness" in table
     by_geometry = any(key in table for key in GEOMETRY if key != "length" or not by_stiffness)
@@ -236,7 +237,7 @@ def _stiffness_law(reader: FieldReader, table: Mapping[str, Any], site: Site, pa
         return "power"
     elif not by_geometry:
         values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
-    elif _geometry(reader, name := table.get("geometry", "sphere"), path):
+    elif name := reader.field(FORMULA, "geometry", {"geometry": "sphere", **table}, {}, path):
         if site.leaf.from_materials:
             return str(name)
         needs = "needs stiffness and exponent: these formulas are for pins in bushes"
@@ -244,15 +245,8 @@ def _stiffness_law(reader: FieldReader, table: Mapping[str, Any], site: Site, pa
     return ""
 
 
-def _geometry(reader: FieldReader, name: Any, path: Path) -> bool:
-    choices = [geometry for geometry in registry.kinds("stiffness") if geometry != "power"]
-    if name not in choices:
-        reader.values.wrong((*path, "geometry"), f"unknown geometry {quoted(name)}{suggest(str(name), choices)}")
-    return name in choices
-
-
 def _elastic(
-    reader: FieldReader, field: registry.Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path,
+    reader: FieldReader, field: registry.Field, key: str, table: Table, read: LawValues, path: Path,
     site: Site,
 ) -> Any:  # fmt: skip
     if field.shape == "material":
@@ -274,7 +268,7 @@ def _elastic(
     return reader.field(field, key, table, read, path)
 
 
-def _friction(reader: FieldReader, written: Any, path: Path) -> Choice | None:
+def _friction(reader: FieldReader, written: object, path: Path) -> Choice | None:
     laws = registry.kinds("friction")
     if isinstance(written, Mapping) and written.get("model") == "coulomb":  # the nearest law of a compliant contact
         reader.values.keys(written, ["model", "mu"], path)
@@ -296,7 +290,8 @@ def _pack(reader: FieldReader, family: str, choice: Choice | None, path: Path) -
     """Let the law itself refuse values that contradict each other."""
     if choice is None or reader.values.problems:
         return
+    laws = registry.kinds("stiffness") if family == "stiffness" else registry.kinds("friction")
     try:
-        registry.kinds(family)[choice.kind].leaf.pack(choice.values)
+        laws[choice.kind].leaf.pack(choice.values)
     except ValueError as error:
         reader.values.wrong(path, str(error))

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from rattle import registry
 from rattle.description.model import Vector
 from rattle.description.polygon import MOST_CORNERS, fault
-from rattle.description.read_values import Path, Values, quoted
-from rattle.description.tables import Form
-from rattle.errors import suggest
+from rattle.description.read_values import Values, quoted
+from rattle.description.reading import Path, Table
+from rattle.description.tables import Either, Form, Part
+from rattle.errors import shown, suggest
 from rattle.language.expression import ExpressionError, Name, Node, Number
 from rattle.language.local_function import LocalFunction, local_function
 from rattle.language.units import QuantityError, dimension_of, parse_quantity
 from rattle.registry import REQUIRED, Field
+
+Leaf = TypeVar("Leaf")
 
 
 class FieldReader:
@@ -26,19 +29,21 @@ class FieldReader:
     def __init__(self, values: Values) -> None:
         self.values = values
 
-    def choose(self, table: Mapping[str, Any], family: str, path: Path, key: str = "type") -> registry.Kind | None:
-        """The kind that an entry names under `key`; None after a problem."""
-        kinds = registry.kinds(family)
+    def choose(
+        self, table: Table, kinds: Mapping[str, registry.Kind[Leaf]], path: Path, key: str = "type"
+    ) -> registry.Kind[Leaf] | None:
+        """The kind of those of a family that an entry names under `key`; None after a problem."""
         if key not in table:
             self.values.wrong(path, f"needs a {key}: " + ", ".join(kinds))
             return None
         name = table[key]
         if isinstance(name, str) and name in kinds:
             return kinds[name]
+        family = next(iter(kinds.values())).family
         self.values.wrong((*path, key), f"unknown {family} {quoted(name)}{suggest(str(name), kinds)}")
         return None
 
-    def field(self, field: Field, key: str, table: Mapping[str, Any], read: Mapping[str, Any], path: Path) -> Any:
+    def field(self, field: Field, key: str, table: Table, read: Mapping[str, Any], path: Path) -> Any:
         """One field of a kind or table [SI], as the user wrote it or its default; nan or None after a problem."""
         here = (*path, key)
         if key not in table and field.default is REQUIRED:
@@ -59,7 +64,7 @@ class FieldReader:
         return self.values.value(table[key], field.unit, here, field.least, field.live)
 
     def fields(
-        self, kind: registry.Kind, table: Mapping[str, Any], path: Path, unit: Callable[[str], str] = str
+        self, kind: registry.Kind[object], table: Table, path: Path, unit: Callable[[str], str] = str
     ) -> dict[str, float]:
         """All fields of a kind [SI], in the order of its declaration; unit: what a unit of a field is here."""
         read: dict[str, float] = {}
@@ -69,16 +74,16 @@ class FieldReader:
                 read[key] = self.field(replace(field, unit=unit(field.unit)), key, table, read, path)
         return read
 
-    def form(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    def form(self, form: Form, table: Table, path: Path) -> dict[str, Any]:
         """All fields of a table [SI], in the order of its keys; unknown keys are refused.
 
-        Those of its ways are read where they are written; what is a table, or of a shape in OWN, is left to its own
-        reader.
+        Those of its ways are read where they are written; what is no field, or of a shape in OWN, is left to its own
+        reader, see `part`.
         """
         self.values.keys(table, form.keys, path)
         return self.read(form, table, path)
 
-    def read(self, form: Form, table: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    def read(self, form: Form, table: Table, path: Path) -> dict[str, Any]:
         """As `form`, of a table whose keys were looked at before."""
         read: dict[str, Any] = {}
         for key, field in form.keys.items():
@@ -86,9 +91,32 @@ class FieldReader:
                 read[key] = self.field(field, key, table, read, path)
         return read
 
+    def part(self, part: Part, key: str, table: Table, path: Path) -> Any:
+        """A key [SI] that may be written in one of several forms, or is a table; None if it is not there."""
+        if key not in table:
+            return None
+        if isinstance(part, Form):
+            return self.form(part, self.values.table(table[key], (*path, key)), (*path, key))
+        if isinstance(part, Either):
+            form = next((form for form in part.forms if _is_of(form, table[key])), part.forms[0])
+            return self.part(form, key, table, path)
+        assert isinstance(part, Field), "names and kinds have readers of their own"
+        return self.field(part, key, table, {}, path)
+
+
+def _is_of(form: Part, written: object) -> bool:
+    """True if something is written as is usual in this form; numbers, which look in any way, are not asked."""
+    if isinstance(form, Form):
+        return isinstance(written, Mapping)
+    if isinstance(form, Field) and form.shape == "each":
+        return isinstance(written, list | tuple)
+    if isinstance(form, Field) and form.shape == "constant":
+        return isinstance(written, str) and written in form.choices
+    return False
+
 
 # ---------------------------------------------------------------- shapes of fields
-def _choice(values: Values, field: Field, written: Any, path: Path) -> float:
+def _choice(values: Values, field: Field, written: object, path: Path) -> float:
     """The number of a word among the choices; nan after a problem."""
     word = field.flags[written] if field.flags and isinstance(written, bool) else written
     if word in field.choices:
@@ -98,13 +126,13 @@ def _choice(values: Values, field: Field, written: Any, path: Path) -> float:
     return math.nan
 
 
-def _flag(values: Values, field: Field, written: Any, path: Path) -> float:
+def _flag(values: Values, field: Field, written: object, path: Path) -> float:
     if not isinstance(written, bool):
         values.wrong(path, f"expected true or false, got {quoted(written)}")
     return float(written is True)
 
 
-def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
+def _names(values: Values, field: Field, written: object, path: Path) -> tuple[str, str] | None:
     """Two names of points; None after a problem."""
     two = _texts(values, field, written, path)
     if two is not None and not all(text.isidentifier() for text in two):
@@ -113,7 +141,7 @@ def _names(values: Values, field: Field, written: Any, path: Path) -> tuple[str,
     return two
 
 
-def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str, str] | None:
+def _texts(values: Values, field: Field, written: object, path: Path) -> tuple[str, str] | None:
     """Two texts; None after a problem."""
     if not isinstance(written, list | tuple) or len(written) != 2 or not all(isinstance(text, str) for text in written):
         values.wrong(path, f"expected {field.like}, got {quoted(written)}")
@@ -121,7 +149,7 @@ def _texts(values: Values, field: Field, written: Any, path: Path) -> tuple[str,
     return written[0], written[1]
 
 
-def _text(values: Values, field: Field, written: Any, path: Path) -> str:
+def _text(values: Values, field: Field, written: object, path: Path) -> str:
     """A text for people, on one line; "" after a problem."""
     if not isinstance(written, str):
         values.wrong(path, f"{quoted(written)} is no text; write words in quotes")
@@ -133,7 +161,7 @@ def _text(values: Values, field: Field, written: Any, path: Path) -> str:
     return text
 
 
-def _ring(values: Values, field: Field, written: Any, path: Path) -> list[Vector]:
+def _ring(values: Values, field: Field, written: object, path: Path) -> list[Vector]:
     """Corners [m] in order around; none after a problem."""
     if not isinstance(written, list | tuple):
         values.wrong(path, f"expected corners in order around, [[x, y], [x, y], [x, y]], got {quoted(written)}")
@@ -145,7 +173,7 @@ def _ring(values: Values, field: Field, written: Any, path: Path) -> list[Vector
     return corners if len(values.problems) == before else []
 
 
-def _rings(values: Values, field: Field, written: Any, path: Path) -> list[list[Vector]] | None:
+def _rings(values: Values, field: Field, written: object, path: Path) -> list[list[Vector]] | None:
     """The corners of every hole [m]; None after a problem."""
     if not isinstance(written, list | tuple) or not all(isinstance(ring, list | tuple) for ring in written):
         values.wrong(path, f"expected a list of holes, each a list of corners [x, y], got {quoted(written)}")
@@ -154,31 +182,116 @@ def _rings(values: Values, field: Field, written: Any, path: Path) -> list[list[
     return rings if all(rings) else None
 
 
-def _stepper(values: Values, field: Field, written: Any, path: Path) -> Any:
-    steppers = registry.names("stepper")
-    if written not in steppers:
-        values.wrong(path, f"unknown method {quoted(written)}{suggest(str(written), steppers)}")
+def _word(words: str, names: Callable[[], Iterable[str]]) -> Callable[[Values, Field, object, Path], str]:
+    """A reader of one of some names, "" after a problem; words: what they are names of."""
+
+    def read(values: Values, field: Field, written: object, path: Path) -> str:
+        known = list(names())
+        if isinstance(written, str) and written in known:
+            return written
+        values.wrong(path, f"unknown {words} {quoted(written)}{suggest(str(written), known)}")
+        return ""
+
+    return read
+
+
+def geometries() -> list[str]:
+    """Names of the formulas for the stiffness from materials: all laws but that of a given stiffness."""
+    return [name for name in registry.kinds("stiffness") if name != "power"]
+
+
+def _constant(values: Values, field: Field, written: object, path: Path) -> float:
+    """A word in place of a number: nan."""
+    return math.nan
+
+
+def _each(values: Values, field: Field, written: object, path: Path) -> list[float]:
+    """Two numbers [SI], one of each part; nan after a problem."""
+    if not isinstance(written, list | tuple) or len(written) != 2:
+        values.wrong(path, f"expected {field.like}, got {quoted(written)}")
+        return [math.nan]
+    return [values.value(part, field.unit, path, field.least) for part in written]
+
+
+def _file(values: Values, field: Field, written: object, path: Path) -> object:
+    """The name of a file, which was looked at before: see `with_files` and `with_profiles`."""
     return written
 
 
-OWN = (  # shapes with readers of their own
-    "constant", "each", "file", "film", "geometry", "groups", "numbers", "quantity", "table", "title", "version",
+def _groups(values: Values, field: Field, written: object, path: Path) -> tuple[tuple[str, ...], ...]:
+    """Groups of names; none after a problem."""
+    if not isinstance(written, list | tuple):
+        values.wrong(path, f'expected groups of parameters such as [["l2", "l3"]], got {quoted(written)}')
+        return ()
+    for n, group in enumerate(written):
+        if not isinstance(group, list | tuple) or not all(isinstance(name, str) for name in group):
+            like = 'expected a group of parameters such as ["l2", "l3"]'
+            values.wrong((*path, n), f"{like}, got {quoted(group)}")
+            return ()
+    return tuple(tuple(group) for group in written)
+
+
+def _numbers(values: Values, field: Field, written: object, path: Path) -> Sequence[object] | None:
+    """What stands for numbers in a list; None after a problem."""
+    if not isinstance(written, list | tuple):
+        values.wrong(path, f"expected a list of {field.like}, got {quoted(written)}")
+        return None
+    if not written and field.fewest == 1:
+        values.wrong(path, f"expected a list of {field.like}, got an empty one")
+    return written
+
+
+def _table(values: Values, field: Field, written: object, path: Path) -> Table | None:
+    """A table; None after a problem."""
+    if isinstance(written, Mapping):
+        return written
+    values.wrong(path, f"expected {field.like}, got {quoted(written)}")
+    return None
+
+
+def _title(values: Values, field: Field, written: object, path: Path) -> str:
+    """A text that is shown in terminals and pictures."""
+    if not isinstance(written, str):
+        values.wrong(path, f"expected a text, got {quoted(written)}")
+    return shown(str(written)).replace("\n", " ").replace("\t", " ")
+
+
+def _version(values: Values, field: Field, written: object, path: Path) -> None:
+    """The version of the format, of which there is one; REQUIRED stands for none that is given."""
+    if written != 1 or isinstance(written, bool):
+        got = "it is missing" if written is REQUIRED else f"got {quoted(written)}"
+        values.wrong(path, f"expected format = 1, {got}")
+
+
+OWN = (  # shapes that depend on other parts of the model: of expressions on names, of joints on their kind
+    "contact", "coordinate", "ends", "expression", "joint", "own friction", "place", "stop",
 )  # fmt: skip
 SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers
     "choice": _choice,
+    "constant": _constant,
+    "each": _each,
+    "file": _file,
+    "film": _word("film", lambda: registry.kinds("film")),
     "flag": _flag,
+    "geometry": _word("geometry", geometries),
+    "groups": _groups,
     "names": _names,
+    "numbers": _numbers,
     "pair": lambda values, field, written, path: values.vector(written, field.unit, path, field.live, field.least),
+    "quantity": lambda values, field, written, path: values.any_number(written, path),
     "points": lambda values, field, written, path: values.points(written, path),
     "ring": _ring,
     "rings": _rings,
-    "stepper": _stepper,
+    "stepper": _word("method", lambda: registry.names("stepper")),
+    "table": _table,
     "text": _text,
     "texts": _texts,
+    "title": _title,
+    "version": _version,
 }
 
 
-def read_function(values: Values, written: Any, field: Field, path: Path) -> LocalFunction | float:
+def read_function(values: Values, written: object, field: Field, path: Path) -> LocalFunction | float:
     """A field that is a function of a variable of its kind; nan after a problem."""
     node: Node | None = None
     quantity = None

@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import Choice, Contact, OilFilm
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, quoted
-from rattle.description.tables import OIL
+from rattle.description.read_values import quoted
+from rattle.description.reading import Path, Table
+from rattle.description.tables import BUSH_RADIUS, FILM, OIL
 from rattle.errors import suggest
+from rattle.interfaces.contacts import ContactKind
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import FilmLaw
+from rattle.language.recorded import as_number
 
 KEYS = (*OIL.fields, "bush_radius")  # of its table, besides fields of the model and of the film
 STEEL = {"model": "hertz", "geometry": "johnson", "bush_material": "steel", "friction": 0.1}  # if `dry` is left out
-ReadDry = Callable[[Mapping[str, Any], Path], Contact | None]
+ReadDry = Callable[[Table, Path], Contact | None]
 Unused = Callable[[Collection[str]], tuple[str, ...]]
 
 
@@ -30,7 +34,7 @@ def film_keys() -> dict[str, registry.Field | None]:
 
 
 def read_lubricated(
-    reader: FieldReader, table: Mapping[str, Any], kind: registry.Kind, clearance: float, path: Path, dry: ReadDry,
+    reader: FieldReader, table: Table, kind: registry.Kind[ContactKind], clearance: float, path: Path, dry: ReadDry,
     unused: Unused,
 ) -> Contact | None:  # fmt: skip
     """A contact with oil; None after a problem.
@@ -39,7 +43,7 @@ def read_lubricated(
     and returns those that there are, given the keys that are used.
     """
     values, before = reader.values, len(reader.values.problems)
-    law = reader.choose({"film": "finite", **table}, "film", path, "film")
+    law = registry.kinds("film").get(reader.field(FILM, "film", table, {}, path))
     if law is None:
         return None
     left = unused(["model", *KEYS, *law.fields, *kind.fields])
@@ -72,8 +76,8 @@ def _word(field: registry.Field, number: float) -> str:
 
 
 def _fits(
-    reader: FieldReader, law: registry.Kind, chosen: Mapping[str, Any], read: Mapping[str, float],
-    table: Mapping[str, Any], path: Path,
+    reader: FieldReader, law: registry.Kind[FilmLaw], chosen: LawValues, read: Mapping[str, float],
+    table: Table, path: Path,
 ) -> bool:  # fmt: skip
     """True if clearance, boundary film and film belong together; problems are reported otherwise."""
     values, clearance, least = reader.values, read["clearance"], read["boundary_film"]
@@ -91,37 +95,26 @@ def _fits(
     return len(values.problems) == before
 
 
-def _roughness(reader: FieldReader, table: Mapping[str, Any], path: Path) -> float:
+def _roughness(reader: FieldReader, table: Table, path: Path) -> float:
     """Roughness of both surfaces together [m]: root of the sum of squares of one number each, or of one for both."""
     if "roughness" not in table:
         return 0.0
-    written, here = table["roughness"], (*path, "roughness")
-    if isinstance(written, list | tuple):
-        if len(written) != 2:
-            reader.values.wrong(here, f"expected a number in m, or [bush, pin], got {quoted(written)}")
-            return math.nan
-        each = [reader.values.value(side, "m", here, "not negative") for side in written]
-    else:
-        each = [reader.values.value(written, "m", here, "not negative")]
-    total = math.hypot(*each)
+    rough = reader.part(OIL.fields["roughness"], "roughness", table, path)
+    total = math.hypot(*(rough if isinstance(rough, list) else [rough]))
     if total == 0.0:
-        reader.values.wrong(here, "must be positive; leave it out if it is not known")
+        reader.values.wrong((*path, "roughness"), "must be positive; leave it out if it is not known")
     return total
 
 
-def _dry(
-    reader: FieldReader, table: Mapping[str, Any], chosen: Mapping[str, Any], path: Path, read: ReadDry
-) -> tuple[Contact | None, str]:
+def _dry(reader: FieldReader, table: Table, chosen: LawValues, path: Path, read: ReadDry) -> tuple[Contact | None, str]:
     """The dry contact, and in words what was assumed; None after a problem."""
-    radius = chosen["bush_radius"]
+    radius = as_number(chosen["bush_radius"])
     bush = {"bush_radius": radius}
     if "dry" not in table:
         return read({**STEEL, **bush, "length": chosen["length"]}, path), "steel on steel, friction 0.1"
-    here = (*path, "dry")
-    if not isinstance(table["dry"], Mapping):
-        reader.values.wrong(here, f"expected the table of a compliant contact, got {quoted(table['dry'])}")
+    here, dry = (*path, "dry"), reader.part(OIL.fields["dry"], "dry", table, path)
+    if dry is None:
         return None, ""
-    dry = table["dry"]
     laws = registry.kinds("normal")
     if dry.get("model") not in laws:
         words = f"dry needs the model of a compliant contact: {', '.join(laws)}"
@@ -129,7 +122,7 @@ def _dry(
         reader.values.wrong(here, words + got)
         return None, ""
     if "bush_radius" in dry:
-        again = reader.values.value(dry["bush_radius"], "m", (*here, "bush_radius"), "positive")
+        again = reader.field(BUSH_RADIUS, "bush_radius", dry, {}, here)
         if abs(again - radius) > 1e-9 * radius:
             differs = f"is {again:g} m here and {radius:g} m for the film: leave it out here"
             reader.values.wrong((*here, "bush_radius"), differs, at_key=True)

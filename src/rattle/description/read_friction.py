@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import Choice, JointFriction
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, quoted
+from rattle.description.read_values import quoted
+from rattle.description.reading import Path, Table
 from rattle.errors import suggest
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind
 from rattle.registry import Field
 
 SET_VALUED = "coulomb"  # the model that a number means
@@ -26,9 +28,9 @@ def friction_models() -> dict[str, Mapping[str, Field]]:
 
 def joint_friction(
     reader: FieldReader,
-    written: Any,
-    joint: registry.Kind,
-    of_joint: Mapping[str, Any] | None,
+    written: object,
+    joint: registry.Kind[JointKind],
+    of_joint: Fields | None,
     block: Sequence[float],
     loose: bool,
     path: Path,
@@ -43,15 +45,15 @@ def joint_friction(
         values.wrong(path, fault, at_key=True)
         return None
     before, whole = len(values.problems), isinstance(written, Mapping)
-    table = dict(written) if whole else {"model": SET_VALUED, "mu": written}
-    model, models = table.get("model", SET_VALUED), friction_models()
-    if str(model) not in models:
-        values.wrong((*path, "model"), f"unknown friction {quoted(model)}{suggest(str(model), models)}")
+    table: Table = written if isinstance(written, Mapping) else {"model": SET_VALUED, "mu": written}
+    models, model = friction_models(), str(table.get("model", SET_VALUED))
+    if model not in models:
+        values.wrong((*path, "model"), f"unknown friction {quoted(table['model'])}{suggest(model, models)}")
         return None
     sizes, fields = joint.leaf.rubs_with, models[model]
     values.keys(table, ["model", *fields, *sizes], path)
     own = {key: reader.field(field, key, table, {}, path) for key, field in sizes.items()}
-    read: dict[str, Any] = {}
+    read: dict[str, float] = {}
     for key, field in fields.items():
         read[key] = reader.field(field, key, table, read, path if whole or key in table else path[:-1])
     if len(values.problems) > before or of_joint is None:
@@ -69,7 +71,7 @@ def joint_friction(
     return JointFriction(arm, reach, law=_law(reader, model, read, path))
 
 
-def _law(reader: FieldReader, model: str, read: Mapping[str, Any], path: Path) -> Choice:
+def _law(reader: FieldReader, model: str, read: Fields, path: Path) -> Choice:
     """A friction law with its numbers, which must go together."""
     try:
         registry.kinds("friction")[model].leaf.pack(read)
@@ -78,7 +80,7 @@ def _law(reader: FieldReader, model: str, read: Mapping[str, Any], path: Path) -
     return Choice(model, read)
 
 
-def _without_friction(joint: registry.Kind, loose: bool) -> str:
+def _without_friction(joint: registry.Kind[JointKind], loose: bool) -> str:
     """Why a joint has no friction of its own, in words; "" if it may have."""
     if not joint.leaf.rubs:
         where = " or ".join(name for name, kind in registry.kinds("joint").items() if kind.leaf.rubs)

@@ -5,23 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
 
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable, within_limits
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, TooManyProblems, Values, expected, quoted
-from rattle.description.tables import DISTRIBUTION, PARAMETER, TOLERANCES, VALUE
+from rattle.description.read_values import TooManyProblems, Values, expected, quoted
+from rattle.description.reading import Path, Table, section
+from rattle.description.tables import DISTRIBUTION, LIKELY, PARAMETER, TOLERANCES, VALUE
 from rattle.description.tables import DISTRIBUTIONS as DISTRIBUTIONS  # ensembles take them from here
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
 from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
 
 
-def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Parameter]:
+def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
     """Read the table [parameters], written in any order; values [SI] and dimensions are stored in `values`."""
     table = values.table(document.get("parameters", {}), ("parameters",))
-    written: dict[str, tuple[Any, Path]] = {}
+    written: dict[str, tuple[object, Path]] = {}
     for name, entry in table.items():
         path: Path = ("parameters", name)
         values.name(name, path)
@@ -51,17 +51,17 @@ def read_parameters(values: Values, document: Mapping[str, Any]) -> dict[str, Pa
     return parameters
 
 
-def chosen_parameters(document: Mapping[str, Any]) -> list[str]:
+def chosen_parameters(document: Table) -> list[str]:
     """Names of the parameters of a readable document that do not follow from others."""
     values, chosen = Values(), []
-    for name, entry in document.get("parameters", {}).items():
+    for name, entry in section(document, "parameters").items():
         value = entry["value"] if isinstance(entry, Mapping) else entry
         if isinstance(read_quantity(values, value, ("parameters", name)), tuple):
             chosen.append(name)
     return chosen
 
 
-def values_where(document: Mapping[str, Any], numbers: Mapping[str, float]) -> dict[str, float]:
+def values_where(document: Table, numbers: Mapping[str, float]) -> dict[str, float]:
     """Values [SI] of the parameters of a readable document where some have these instead: expressions follow them.
 
     Limits are not checked.
@@ -75,14 +75,12 @@ def values_where(document: Mapping[str, Any], numbers: Mapping[str, float]) -> d
     return values.constants
 
 
-def parameters_with(
-    document: Mapping[str, Any], changes: Mapping[str, Mapping[str, Any]], place: str
-) -> dict[str, Parameter]:
+def parameters_with(document: Table, changes: Mapping[str, Table], place: str) -> dict[str, Parameter]:
     """Parameters of a readable document where some have these entries (tol, dist) instead.
 
     Raises ModelError with all that is wrong in the changes, at `place`.
     """
-    table = dict(document["parameters"])
+    table = dict(section(document, "parameters"))
     for name, entries in changes.items():
         entry = table[name]
         table[name] = {**(entry if isinstance(entry, Mapping) else {"value": entry}), **entries}
@@ -99,7 +97,7 @@ def parameters_with(
     return parameters
 
 
-def read_quantity(values: Values, written: Any, path: Path) -> tuple[float, Dimension | None] | Node | None:
+def read_quantity(values: Values, written: object, path: Path) -> tuple[float, Dimension | None] | Node | None:
     """Value [SI] and dimension of a number or quantity, the tree of an expression, or None after a problem."""
     if not isinstance(written, str):
         number = values.value(written, "", path)
@@ -112,7 +110,7 @@ def read_quantity(values: Values, written: Any, path: Path) -> tuple[float, Dime
     return values.parse(written, path) if quantity is None else quantity
 
 
-def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, tuple[Any, Path]]) -> None:
+def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, tuple[object, Path]]) -> None:
     """Evaluate parameters that are given by other parameters, in order of dependence."""
     order, cycles = in_order(nodes)
     values.broken.update(nodes.keys() - set(order))
@@ -129,7 +127,7 @@ def _dependent(values: Values, nodes: Mapping[str, Node], written: Mapping[str, 
             values.set_constant(name, number, values.dimension(node))
 
 
-def _parameter(values: Values, name: str, entry: Any) -> Parameter:
+def _parameter(values: Values, name: str, entry: object) -> Parameter:
     """A parameter with its limits; its value is known by now."""
     seen = values.dimensions.get(name)
     unit = unit_name(seen) if seen is not None else ""
@@ -158,12 +156,12 @@ def _parameter(values: Values, name: str, entry: Any) -> Parameter:
     return Parameter(name, values.constants[name], unit, low, high, tol, dist, label, description)
 
 
-def _unit_of_limits(entry: Mapping[str, Any]) -> str:
+def _unit_of_limits(entry: Table) -> str:
     """SI unit of the limits of a value that says none, as 2*a does not; "" if they say none either."""
     return next((unit_name(seen) for seen in _dimensions_of_limits(entry)), "")
 
 
-def _dimensions_of_limits(entry: Mapping[str, Any]) -> list[Dimension]:
+def _dimensions_of_limits(entry: Table) -> list[Dimension]:
     """The dimensions that limits say, each of which may be wrong."""
     dimensions: list[Dimension] = []
     for key in ("min", "max", "tol"):
@@ -174,7 +172,7 @@ def _dimensions_of_limits(entry: Mapping[str, Any]) -> list[Dimension]:
     return dimensions
 
 
-def _distribution(values: Values, written: Any, unit: str, seen: Dimension | None, path: Path) -> str | ValueTable:
+def _distribution(values: Values, written: object, unit: str, seen: Dimension | None, path: Path) -> str | ValueTable:
     """The name of a distribution, or a table of values [SI] of the parameter's dimension; "" after a problem."""
     if not isinstance(written, Mapping):
         if written in ("", *DISTRIBUTIONS):
@@ -184,24 +182,23 @@ def _distribution(values: Values, written: Any, unit: str, seen: Dimension | Non
         return ""
     values.keys(written, DISTRIBUTION.fields, path)
     if "values" not in written:
-        values.wrong(path, "expected { values = [...] }, the values that the parameter takes")
+        values.wrong(path, LIKELY.missing)
         return ""
+    read = FieldReader(values).read(DISTRIBUTION, written, path)
     numbers = [
-        _limit(values, number, unit, seen, (*path, "values", n))
-        for n, number in enumerate(_list(values, written["values"], "values", (*path, "values")))
+        _limit(values, number, unit, seen, (*path, "values", n)) for n, number in enumerate(read["values"] or ())
     ]
     weights = [1.0] * len(numbers)
-    if numbers and "weights" in written:
-        weights = _weights(values, written["weights"], len(numbers), (*path, "weights"))
+    if numbers and read["weights"] is not None:
+        weights = _weights(values, read["weights"], len(numbers), (*path, "weights"))
     sound = tuple(number for number in numbers if number is not None)
     return ValueTable(sound, tuple(weights)) if len(sound) == len(weights) > 0 else ""
 
 
-def _weights(values: Values, written: Any, count: int, path: Path) -> list[float]:
+def _weights(values: Values, written: Sequence[object], count: int, path: Path) -> list[float]:
     """Weights [-] of `count` values; an empty list after a problem."""
     before = len(values.problems)
-    listed = _list(values, written, "weights", path)
-    weights: list[float] = [values.value(weight, "", (*path, n), "not negative") for n, weight in enumerate(listed)]
+    weights = [values.value(weight, "", (*path, n), "not negative") for n, weight in enumerate(written)]
     if len(values.problems) > before:
         return []
     if len(weights) != count:
@@ -213,17 +210,7 @@ def _weights(values: Values, written: Any, count: int, path: Path) -> list[float
     return weights
 
 
-def _list(values: Values, written: Any, what: str, path: Path) -> list[Any]:
-    """The items of a list; an empty one after a problem."""
-    if not isinstance(written, list | tuple):
-        values.wrong(path, f"expected a list of {what}, got {quoted(written)}")
-        return []
-    if not written:
-        values.wrong(path, f"expected a list of {what}, got an empty one")
-    return list(written)
-
-
-def _unlike_its_limits(entry: Mapping[str, Any], seen: Dimension | None) -> Dimension | None:
+def _unlike_its_limits(entry: Table, seen: Dimension | None) -> Dimension | None:
     """The common dimension of two or more limits if the value has another one, else None."""
     dimensions = _dimensions_of_limits(entry)
     if seen is None or len(dimensions) < 2 or len(set(dimensions)) > 1 or dimensions[0] == seen:
@@ -231,11 +218,11 @@ def _unlike_its_limits(entry: Mapping[str, Any], seen: Dimension | None) -> Dime
     return dimensions[0]
 
 
-def _beyond(value: float, low: float | None, high: float | None, entry: Mapping[str, Any]) -> str:
+def _beyond(value: float, low: float | None, high: float | None, entry: Table) -> str:
     """What is said of a value [SI] that is not between its limits, "" if it is."""
     if within_limits(value, low, high):
         return ""
-    bare = f" (a number without a unit is SI: {_unit_of(entry['min'])} here)" if _unit_missing(entry) else ""
+    bare = f" (a number without a unit is SI: {_unit_of(str(entry['min']))} here)" if _unit_missing(entry) else ""
     if high is None:
         return f"below min = {quoted(entry['min'])}"
     if low is None:
@@ -243,7 +230,7 @@ def _beyond(value: float, low: float | None, high: float | None, entry: Mapping[
     return f"not between min = {quoted(entry['min'])} and max = {quoted(entry['max'])}{bare}"
 
 
-def _unit_missing(entry: Mapping[str, Any]) -> bool:
+def _unit_missing(entry: Table) -> bool:
     """True if the limits have units and the value is a number without one."""
     limits = entry.get("min"), entry.get("max")
     return not isinstance(entry["value"], str) and all(isinstance(limit, str) for limit in limits)
@@ -258,13 +245,13 @@ def _unit_of(limit: str) -> str:
     return (unit_name(quantity[1]) if quantity is not None and quantity[1] is not None else "") or "rad"
 
 
-def _limit(values: Values, written: Any, unit: str, seen: Dimension | None, path: Path) -> float | None:
+def _limit(values: Values, written: object, unit: str, seen: Dimension | None, path: Path) -> float | None:
     """One of min, max, tol in SI units: a quantity of the parameter's dimension, or an expression."""
     quantity = read_quantity(values, written, path)
     if quantity is None:
         return None
     if not isinstance(quantity, tuple):
-        node = values.expression(written, path, unit if seen is not None else None, live=False)
+        node = values.expression(str(written), path, unit if seen is not None else None, live=False)
         return None if node is None else values.constant(node, path)
     number, dimension = quantity
     if seen is not None and dimension is not None and dimension != seen:
@@ -273,24 +260,15 @@ def _limit(values: Values, written: Any, unit: str, seen: Dimension | None, path
     return number
 
 
-def read_groups(values: Values, document: Mapping[str, Any]) -> tuple[tuple[str, ...], ...]:
+def read_groups(values: Values, document: Table) -> tuple[tuple[str, ...], ...]:
     """Read the table [tolerances]: groups of parameters that are made together."""
     path: Path = ("tolerances",)
     table = values.table(document.get("tolerances", {}), path)
-    values.keys(table, TOLERANCES.fields, path)
-    groups = table.get("groups", [])
-    if not isinstance(groups, list | tuple):
-        values.wrong((*path, "groups"), f'expected groups of parameters such as [["l2", "l3"]], got {quoted(groups)}')
-        return ()
-    for n, group in enumerate(groups):
-        if not isinstance(group, list | tuple) or not all(isinstance(name, str) for name in group):
-            like = 'expected a group of parameters such as ["l2", "l3"]'
-            values.wrong((*path, "groups", n), f"{like}, got {quoted(group)}")
-            return ()
+    groups: tuple[tuple[str, ...], ...] = FieldReader(values).form(TOLERANCES, table, path)["groups"] or ()
     grouped: dict[str, int] = {}
     for n, group in enumerate(groups):
         _check_group(values, group, n, grouped)
-    return tuple(tuple(group) for group in groups)
+    return groups
 
 
 def _check_group(values: Values, group: Sequence[str], n: int, grouped: dict[str, int]) -> None:
@@ -307,7 +285,7 @@ def _check_group(values: Values, group: Sequence[str], n: int, grouped: dict[str
         values.wrong(path, f"a group of {len(group)}; expected two or more parameters that are made together")
 
 
-def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str, Node], dict[str, str]]:
+def read_signals(values: Values, document: Table) -> tuple[dict[str, Node], dict[str, str]]:
     """Read the table [signals]: expressions in order of evaluation, and their SI units."""
     table = values.table(document.get("signals", {}), ("signals",))
     values.live.update(dict.fromkeys(table))
@@ -337,7 +315,7 @@ def read_signals(values: Values, document: Mapping[str, Any]) -> tuple[dict[str,
     return {name: nodes[name] for name in order}, units
 
 
-def _signal(values: Values, name: str, written: Any) -> tuple[float, Dimension | None] | Node | None:
+def _signal(values: Values, name: str, written: object) -> tuple[float, Dimension | None] | Node | None:
     """What a signal is, as by `read_quantity`; None after a problem."""
     path: Path = ("signals", name)
     values.name(name, path)

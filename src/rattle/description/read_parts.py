@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import (
@@ -19,6 +18,7 @@ from rattle.description.model import (
     Load,
     Point,
     Stop,
+    Value,
     Vector,
 )
 from rattle.description.read_contact import (
@@ -31,15 +31,18 @@ from rattle.description.read_contact import (
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_friction import joint_friction
 from rattle.description.read_plates import read_plate
-from rattle.description.read_values import Path, Values, is_computable, quoted
+from rattle.description.read_values import Values, is_computable, quoted
 from rattle.description.read_wear import read_wear
-from rattle.description.tables import BAR, BODY, JOINT
+from rattle.description.reading import Path, Table
+from rattle.description.tables import BAR, BODY, DRIVER, ENDS, JOINT, JOINT_TO_DRIVE, WHOLE_BODIES
 from rattle.errors import suggest
+from rattle.interfaces.contacts import ClearanceKind
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
-TABLES_OF_JOINT = ("contact", "stop", "friction", "wear")  # or what stands for them
 NOWHERE = Point("", "", (math.nan, math.nan))
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
 
@@ -97,7 +100,7 @@ class Parts(FieldReader):
         self.driven: dict[str, str] = {}  # joint: its driver
 
     # ------------------------------------------------------------ bodies and points
-    def add_body(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_body(self, name: str, table: Table) -> None:
         """Read a body in its general form, a bar, or a plate."""
         values, path = self.values, ("bodies", name)
         if "polygon" in table:
@@ -132,7 +135,7 @@ class Parts(FieldReader):
                 self.vague.add(str(path[-1]))
         return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
 
-    def point(self, written: Any, path: Path, alone: bool = False) -> Point:
+    def point(self, written: object, path: Path, alone: bool = False) -> Point:
         """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
         if not isinstance(written, str):
             self.values.wrong(path, f'expected "body.point", got {quoted(written)}')
@@ -154,11 +157,9 @@ class Parts(FieldReader):
             return NOWHERE
         return Point(body, point, points[point])
 
-    def connect(
-        self, table: Mapping[str, Any], path: Path, alone: bool = False, bodies: bool = False
-    ) -> tuple[Point, Point]:
+    def connect(self, table: Table, path: Path, alone: bool = False, bodies: bool = False) -> tuple[Point, Point]:
         """The two ends of a joint or load; alone: also bodies without a point, bodies: whose points mean nothing."""
-        form = '["body", "body"]' if bodies else '["body.point", "body.point"]'
+        form = (WHOLE_BODIES if bodies else ENDS).like
         if "connect" not in table:
             self.values.wrong(path, f"needs connect = {form}")
             return NOWHERE, NOWHERE
@@ -175,18 +176,18 @@ class Parts(FieldReader):
         return a, b
 
     # ------------------------------------------------------------ joints
-    def add_joint(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_joint(self, name: str, table: Table) -> None:
         """Read a joint with its clearance and contact."""
         values, path = self.values, ("joints", name)
         before = len(values.problems)
-        kind = self.choose(table, "joint", path)
+        kind = self.choose(table, registry.kinds("joint"), path)
         if kind is None:
             self.broken_joints.add(name)
             return
         a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
         play = registry.play_of(kind.name)
         sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-        values.keys(table, ["type", "connect", *JOINT.fields, *TABLES_OF_JOINT, *sizes, *kind.fields], path)
+        values.keys(table, ["type", *JOINT.fields, *sizes, *kind.fields], path)
         fields = self.fields(kind, table, path)
         if len(values.problems) == before:  # of fields that are sound
             self._require_consistent(kind, table, fields, path)
@@ -212,9 +213,7 @@ class Parts(FieldReader):
         if len(values.problems) > before:
             self.broken_joints.add(name)
 
-    def _require_consistent(
-        self, kind: registry.Kind, table: Mapping[str, Any], fields: Mapping[str, Any], path: Path
-    ) -> None:
+    def _require_consistent(self, kind: registry.Kind[JointKind], table: Table, fields: Fields, path: Path) -> None:
         """Refuse fields of a joint that are sound one by one, but not together."""
         before = len(self.values.problems)
         for key, fault in kind.leaf.faults(table, fields):
@@ -223,7 +222,7 @@ class Parts(FieldReader):
             self.values.wrong(path, fault)
 
     def _contact(
-        self, table: Mapping[str, Any], kind: registry.Kind, fields: Mapping[str, Any], clearance: float | None,
+        self, table: Table, kind: registry.Kind[JointKind], fields: Fields, clearance: float | None,
         path: Path,
     ) -> Contact | None:  # fmt: skip
         """The contact of a joint: of its clearance, its strands or its one side; None without, or after a problem."""
@@ -242,7 +241,12 @@ class Parts(FieldReader):
         return None
 
     def _passing(
-        self, kind: registry.Kind, fields: Mapping[str, Any], clearance: float, contact: Contact | None, path: Path
+        self,
+        kind: registry.Kind[JointKind],
+        fields: Fields,
+        clearance: float,
+        contact: Contact | None,
+        path: Path,
     ) -> Contact | None:
         """The contact of a joint that bodies come to and leave: it must act, and has a bush if it needs one."""
         if not (what := kind.leaf.passing(fields)):
@@ -262,7 +266,7 @@ class Parts(FieldReader):
         return replace(contact, bush_radius=radius)
 
     def _dimensions(
-        self, sizes: Mapping[str, Mapping[str, Field]], table: Mapping[str, Any], play: registry.Kind | None,
+        self, sizes: Mapping[str, Mapping[str, Field]], table: Table, play: registry.Kind[ClearanceKind] | None,
         contact: Contact | None, path: Path,
     ) -> dict[str, tuple[float, ...]]:  # fmt: skip
         """The lengths [m] in the tables of dimensions of a joint with clearance."""
@@ -278,7 +282,7 @@ class Parts(FieldReader):
                 self.values.wrong(path, f"a {play.leaf.bearer} with clearance needs {key} = {{ {inside} }} in m")
         return dimensions
 
-    def _contact_of_play(self, table: Mapping[str, Any], joint: str, clearance: float, path: Path) -> Contact | None:
+    def _contact_of_play(self, table: Table, joint: str, clearance: float, path: Path) -> Contact | None:
         if "contact" in table:
             return read_contact(self, table["contact"], site_of_clearance(joint, clearance), (*path, "contact"))
         suited = contact_models(joint) if registry.play_of(joint) is not None else []
@@ -290,7 +294,7 @@ class Parts(FieldReader):
             self.values.wrong((*path, "clearance"), f"a {joint} joint cannot have clearance; leave it out", at_key=True)
         return None
 
-    def _stop(self, written: Any, joint: str, path: Path) -> Stop | None:
+    def _stop(self, written: object, joint: str, path: Path) -> Stop | None:
         """The ends of the coordinate of a joint, with their contact model; None after a problem."""
         values, kind = self.values, registry.stop_of(joint)
         if kind is None:
@@ -312,11 +316,12 @@ class Parts(FieldReader):
         return Stop(least, largest, contact) if contact is not None else None
 
     # ------------------------------------------------------------ drivers and loads
-    def add_driver(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_driver(self, name: str, table: Table) -> None:
         """Read a driver: a joint's degree of freedom or a coordinate of a body as a function of time."""
         values, path = self.values, ("drivers", name)
         functions = dict.fromkeys(key for kind in registry.kinds("driver").values() for key in kind.fields)
-        values.keys(table, ["joint", "body", "coordinate", *functions], path)
+        values.keys(table, [*DRIVER.keys, *functions], path)
+        self.read(DRIVER, table, path)
         if "body" in table and "joint" in table:
             values.wrong(path, "give a joint or a body to drive, not both")
             return
@@ -337,12 +342,12 @@ class Parts(FieldReader):
         if key in table or not wrong:
             self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, table, path)[key], point)
 
-    def _driven_joint(self, table: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, None, str] | None:
+    def _driven_joint(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, None, str] | None:
         """Kind of driver, joint, and what is driven, in words; None after a problem."""
         if "coordinate" in table:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
         if "joint" not in table:
-            self.values.wrong(path, f"needs joint: the joint to drive{suggest('', self.joints)}")
+            self.values.wrong(path, f"{JOINT_TO_DRIVE.missing}{suggest('', self.joints)}")
             return None
         joint, here = table["joint"], (*path, "joint")
         if not isinstance(joint, str) or joint not in self.joints:
@@ -356,7 +361,7 @@ class Parts(FieldReader):
         self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; expected {drivable}")
         return None
 
-    def _driven_body(self, table: Mapping[str, Any], path: Path) -> tuple[registry.Kind, str, Point, str] | None:
+    def _driven_body(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, Point, str] | None:
         """Kind of driver, no joint, the point, and what is driven, in words; None after a problem."""
         kinds = registry.kinds("driver")
         coordinates = [name.removeprefix("body-") for name in kinds if name.startswith("body-")]
@@ -373,16 +378,16 @@ class Parts(FieldReader):
             return None
         return kinds[f"body-{coordinate}"], "", point, f"{coordinate} of '{table['body']}'"
 
-    def add_load(self, name: str, table: Mapping[str, Any]) -> None:
+    def add_load(self, name: str, table: Table) -> None:
         """Read a load of any kind."""
         path = ("loads", name)
-        kind = self.choose(table, "load", path)
+        kind = self.choose(table, registry.kinds("load"), path)
         if kind is None:
             return
         self.values.keys(table, ["type", *kind.fields], path)
         a = b = Point("ground", "", (0.0, 0.0))
         before = len(self.values.problems)
-        written: list[Any] = []
+        written: list[Value] = []
         points = False
         for key, field in kind.fields.items():
             if field.shape == "connect":
@@ -418,7 +423,7 @@ class Parts(FieldReader):
                 " against each other: a moment between them moves nothing; connect bodies that turn",
             )
 
-    def _place(self, field: Field, key: str, table: Mapping[str, Any], path: Path) -> Point:
+    def _place(self, field: Field, key: str, table: Table, path: Path) -> Point:
         """The point at which a load on one body acts."""
         if key not in table:
             self.values.wrong(path, f"needs {key}: {field.meaning}")

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rattle.description.model import Body, Vector
 from rattle.description.polygon import MOST_CORNERS, fault_of_holes, figure_of, watch
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, Values, is_computable
+from rattle.description.read_values import Values, is_computable
+from rattle.description.reading import Path, Table
 from rattle.description.tables import PLATE
 
 FOLLOW = {"center": "the mass centre", "inertia": "the inertia"}  # what the polygon says
 
 
-def read_plate(reader: FieldReader, name: str, table: Mapping[str, Any]) -> Body:
+def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
     """A plate of one thickness and density; its mass is their product with its area, or given.
 
     Its inertia about the mass centre is the second moment of its area times its mass per area.
@@ -58,7 +58,7 @@ def _rings_fit(values: Values, outline: Sequence[Vector], holes: Sequence[Sequen
     return not wrong
 
 
-def _weight(values: Values, table: Mapping[str, Any], read: Mapping[str, float], path: Path) -> tuple[float, float]:
+def _weight(values: Values, table: Table, read: Mapping[str, float], path: Path) -> tuple[float, float]:
     """Mass per area [kg/m^2] and mass [kg] of a plate, nan for the one that is not given, and after a problem."""
     both = [key for key in ("thickness", "density") if key in table]
     if "mass" in table and both:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any
 
 from rattle.description.model import State
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_quantity
-from rattle.description.read_values import Path, Values, quoted
+from rattle.description.read_values import Values, quoted
+from rattle.description.reading import Path, Table, section
 from rattle.description.tables import RATE, STATE
 from rattle.language.expression import ExpressionError, Node, Number, parse
 from rattle.language.units import TIME, Dimension, QuantityError, describe, parse_quantity, unit_name
 
 
-def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, float]:
+def declare_states(values: Values, document: Table) -> dict[str, float]:
     """Enter the names of all states, with their dimensions, and return their values at the start [SI].
 
     The dimension is that of `start`, if it says one, else that of the rate times a time; it is unknown if neither says
@@ -32,16 +32,16 @@ def declare_states(values: Values, document: Mapping[str, Any]) -> dict[str, flo
         if not isinstance(entry, Mapping):
             values.wrong(path, f'expected {{ rate = "expression", start = 0 }}, got {quoted(entry)}')
             continue
-        FieldReader(values).form(STATE, entry, path)
-        starts[name], values.dimensions[name] = values.any_number(entry.get("start", 0.0), (*path, "start"))
-    rates = {name: _tree(table[name].get("rate")) for name in starts}
+        start = FieldReader(values).form(STATE, entry, path)["start"]
+        starts[name], values.dimensions[name] = start or (0.0, None)
+    rates = {name: _tree(section(table, name).get("rate")) for name in starts}
     signals = document.get("signals", {})
     trees = {name: _tree(written) for name, written in signals.items()} if isinstance(signals, Mapping) else {}
     _infer(values, {name: node for name, node in rates.items() if node is not None}, trees)
     return starts
 
 
-def _tree(written: Any) -> Node | None:
+def _tree(written: object) -> Node | None:
     """The tree of an expression that may have faults; None if there is none."""
     with suppress(ExpressionError, QuantityError):
         if isinstance(written, str) and parse_quantity(written) is None:
@@ -88,12 +88,12 @@ def _fits(values: Values, node: Node, of_state: Dimension) -> bool:
     return seen is None or seen.times(TIME) == of_state
 
 
-def read_states(values: Values, document: Mapping[str, Any], starts: Mapping[str, float]) -> dict[str, State]:
+def read_states(values: Values, document: Table, starts: Mapping[str, float]) -> dict[str, State]:
     """Read the rates of all states, which may use every live name."""
     states = {}
     for name, start in starts.items():
         path: Path = ("states", name, "rate")
-        entry = document["states"][name]
+        entry = section(section(document, "states"), name)
         if "rate" not in entry:
             values.wrong(path[:2], RATE.missing)
             continue
@@ -111,7 +111,7 @@ def read_states(values: Values, document: Mapping[str, Any], starts: Mapping[str
     return states
 
 
-def _rate(values: Values, written: Any, path: Path) -> tuple[Node | None, Dimension | None]:
+def _rate(values: Values, written: object, path: Path) -> tuple[Node | None, Dimension | None]:
     """The tree of a rate and its dimension, None if unknown; no tree after a problem."""
     quantity = read_quantity(values, written, path)
     if isinstance(quantity, tuple):

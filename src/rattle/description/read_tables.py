@@ -8,10 +8,10 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath, PureWindowsPath
-from typing import Any
 
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import LARGEST, Path, Values, quoted
+from rattle.description.read_values import LARGEST, Values, quoted
+from rattle.description.reading import Path, Table
 from rattle.description.tables import CURVES, TABLE
 from rattle.errors import InputError, ModelError, Problem
 from rattle.language.expression import argument_of
@@ -28,7 +28,7 @@ PLAIN_FILE = 'a file beside the model file, such as "lift.csv"'
 
 
 # ---------------------------------------------------------------- tables of a model
-def read_tables(values: Values, document: Mapping[str, Any], early: bool) -> None:
+def read_tables(values: Values, document: Table, early: bool) -> None:
     """Read the tables whose numbers are known before the parameters are (early), or the others.
 
     They are entered in `values`, with the dimensions of their argument and of their value.
@@ -53,7 +53,7 @@ def read_tables(values: Values, document: Mapping[str, Any], early: bool) -> Non
         values.later_tables.clear()
 
 
-def _is_plain(entry: Mapping[str, Any]) -> bool:
+def _is_plain(entry: Table) -> bool:
     """True if no number of a table is an expression."""
     numbers = [entry.get("period"), *(number for key in ("x", "y") for number in _listed(entry.get(key)))]
     try:
@@ -62,13 +62,11 @@ def _is_plain(entry: Mapping[str, Any]) -> bool:
         return True
 
 
-def _listed(written: Any) -> Sequence[Any]:
+def _listed(written: object) -> Sequence[object]:
     return written if isinstance(written, list | tuple) else ()
 
 
-def _read(
-    values: Values, name: str, written: Mapping[str, Any]
-) -> tuple[Curve, Dimension | None, Dimension | None] | None:
+def _read(values: Values, name: str, written: Table) -> tuple[Curve, Dimension | None, Dimension | None] | None:
     """A table with the dimensions of x and y; None after a problem."""
     path: Path = ("tables", name)
     if name in CALLABLE:
@@ -83,8 +81,10 @@ def _read(
     if missing or units is None or math.isnan(kind):
         return None
     kind, before = CURVES[int(kind)], len(values.problems)
-    x, of_x = _numbers(values, written["x"], units[0], (*path, "x"))
-    y, of_y = _numbers(values, written["y"], units[1], (*path, "y"))
+    if read["x"] is None or read["y"] is None:
+        return None
+    x, of_x = _numbers(values, read["x"], units[0], (*path, "x"))
+    y, of_y = _numbers(values, read["y"], units[1], (*path, "y"))
     if len(values.problems) > before:
         return None
     period = _period(values, written, units[0], of_x, path)
@@ -94,11 +94,8 @@ def _read(
     return (through, of_x, of_y) if through is not None else None
 
 
-def _numbers(values: Values, written: Any, unit: str, path: Path) -> tuple[list[float], Dimension | None]:
+def _numbers(values: Values, written: Sequence[object], unit: str, path: Path) -> tuple[list[float], Dimension | None]:
     """Numbers of a list [SI] and their common dimension; unit: of those that have none, "" for SI."""
-    if not isinstance(written, list | tuple):
-        values.wrong(path, f"expected a list of numbers, got {quoted(written)}")
-        return [], None
     if len(written) > MOST_POINTS:
         values.wrong(path, f"{len(written)} numbers; a table has at most {MOST_POINTS} points")
         return [], None
@@ -131,7 +128,7 @@ def _scale(unit: str) -> tuple[float, Dimension | None]:
     return quantity[0], dimension_of(unit)
 
 
-def _period(values: Values, written: Mapping[str, Any], unit: str, of_x: Dimension | None, path: Path) -> float:
+def _period(values: Values, written: Table, unit: str, of_x: Dimension | None, path: Path) -> float:
     """The period [SI], 0 if there is none, nan after a problem."""
     if "period" not in written:
         return 0.0
@@ -201,8 +198,8 @@ def _through(values: Values, x: list[float], y: list[float], kind: str, period: 
 
 # ---------------------------------------------------------------- files
 def with_files(
-    document: Mapping[str, Any], folder: FilePath | None, file: str = "", read: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
+    document: Table, folder: FilePath | None, file: str = "", read: Table | None = None
+) -> dict[str, object]:
     """A document in which the tables that name a file hold its numbers too, under x, y and units.
 
     folder: that of the model file, None for a model that was not read from a file.  read: tables read before, which
@@ -213,7 +210,7 @@ def with_files(
     if not isinstance(tables, Mapping):
         return whole
     problems: list[Problem] = []
-    filled: dict[str, Any] = {}
+    filled: dict[str, object] = {}
     for name, table in tables.items():
         filled[name] = table
         if isinstance(table, Mapping) and "file" in table and table != (read or {}).get(name):
@@ -230,7 +227,7 @@ def with_files(
     return whole
 
 
-def _of_file(written: Any, folder: FilePath | None) -> dict[str, Any]:
+def _of_file(written: object, folder: FilePath | None) -> dict[str, object]:
     """x, y and units of a file.  Raises InputError that says what is wrong with the file."""
     if not isinstance(written, str) or not written.strip():
         raise InputError(f"expected {PLAIN_FILE}, got {quoted(written)}")
@@ -276,7 +273,7 @@ def rows_of(text: str, name: str, delimiter: str = ",") -> list[list[str]]:
         raise InputError(f"{quoted(name)} is not a table of numbers: {error}") from None
 
 
-def read_points(place: FilePath, name: str) -> dict[str, Any]:
+def read_points(place: FilePath, name: str) -> dict[str, object]:
     """x, y and their units from a file of two columns; name: as messages call it.
 
     Its first line may be a header such as `angle [deg], lift [mm]`.  Raises InputError with the line.

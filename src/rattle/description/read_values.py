@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import Any
+from typing import overload
 
-from rattle.description.model import Vector
-from rattle.description.reading import Place, unforeseen_words
+from rattle.description.model import Value, Vector
+from rattle.description.reading import Path, Place, Table, unforeseen_words
 from rattle.errors import MOST, Problem, suggest
 from rattle.language.expression import (
     RESERVED,
@@ -44,7 +44,6 @@ from rattle.language.units import (
     unit_name,
 )
 
-Path = tuple[str | int, ...]
 Chosen = Callable[[float], float]  # makes of the value of a parameter [SI] the number that stands for it
 
 MOST_CHARACTERS = 600_000  # of all expressions of a model, at most: two seconds of reading
@@ -140,14 +139,14 @@ class Values:
             self.tables = tables_of(self.curves)
 
     # ------------------------------------------------------------ tables and names
-    def table(self, written: Any, path: Path) -> Mapping[str, Any]:
+    def table(self, written: object, path: Path) -> Table:
         """A table; an empty one after a problem."""
         if isinstance(written, Mapping):
             return written
         self.wrong(path, f"expected a table, got {quoted(written)}")
         return {}
 
-    def keys(self, table: Mapping[str, Any], allowed: Iterable[str], path: Path) -> None:
+    def keys(self, table: Table, allowed: Iterable[str], path: Path) -> None:
         """Refuse unknown keys."""
         keys = list(allowed)
         for key in table:
@@ -335,7 +334,11 @@ class Values:
         return DIMENSIONLESS if name == PLAIN else self.dimensions.get(name)
 
     # ------------------------------------------------------------ numbers
-    def value(self, written: Any, unit: str, path: Path, least: str = "", live: bool = False) -> Any:
+    @overload
+    def value(self, written: object, unit: str, path: Path, least: str = "") -> float: ...
+    @overload
+    def value(self, written: object, unit: str, path: Path, least: str, live: bool) -> float | Node: ...
+    def value(self, written: object, unit: str, path: Path, least: str = "", live: bool = False) -> float | Node:
         """A float [SI], or a Node if `live` and the value changes during the run; nan after a problem."""
         number = self._number(written, unit, path, live)
         if number is None or isinstance(number, Node):
@@ -348,7 +351,7 @@ class Values:
             self.remarks.append(f'{key} = {number:g} is {number:g} rad; write "{number:g} deg" if degrees are meant')
         return number
 
-    def _number(self, written: Any, unit: str, path: Path, live: bool) -> float | Node | None:
+    def _number(self, written: object, unit: str, path: Path, live: bool) -> float | Node | None:
         """Value [SI] of what stands for a number, before its limits are checked; None after a problem."""
         if isinstance(written, str):
             return self._text(written, unit, path, live)
@@ -399,7 +402,7 @@ class Values:
             self.in_expression(error, path)
             return None
 
-    def any_number(self, written: Any, path: Path) -> tuple[float, Dimension | None]:
+    def any_number(self, written: object, path: Path) -> tuple[float, Dimension | None]:
         """A number of any unit [SI] and its dimension, None if it has none; nan after a problem."""
         if isinstance(written, str):
             try:
@@ -414,14 +417,21 @@ class Values:
             return (math.nan, None) if node is None or number is None else (number, self.dimension(node))
         return self.value(written, "", path), None
 
-    def vector(self, written: Any, unit: str, path: Path, live: bool = False, least: str = "") -> Any:
+    @overload
+    def vector(self, written: object, unit: str, path: Path) -> Vector: ...
+    @overload
+    def vector(self, written: object, unit: str, path: Path, live: bool, least: str) -> tuple[Value, Value]: ...
+    def vector(
+        self, written: object, unit: str, path: Path, live: bool = False, least: str = ""
+    ) -> tuple[Value, Value]:
         """Two values [SI]; if `live`, each may be a Node."""
         if not isinstance(written, list | tuple) or len(written) != 2:
             self.wrong(path, f"expected [x, y] in {unit}, got {quoted(written)}")
             return (math.nan, math.nan)
-        return tuple(self.value(part, unit, (*path, k), least, live) for k, part in enumerate(written))
+        x, y = (self.value(part, unit, (*path, k), least, live) for k, part in enumerate(written))
+        return x, y
 
-    def points(self, written: Any, path: Path) -> dict[str, Vector]:
+    def points(self, written: object, path: Path) -> dict[str, Vector]:
         """A table of named points [m]."""
         points = {}
         for name, at in self.table(written, path).items():
@@ -458,7 +468,7 @@ def _fault(number: float, unit: str, least: str) -> str:
     return ""
 
 
-def _is_bare(written: Any) -> bool:
+def _is_bare(written: object) -> bool:
     """True for a number that was written without a unit."""
     if not isinstance(written, str):
         return True
@@ -466,13 +476,13 @@ def _is_bare(written: Any) -> bool:
     return quantity is not None and quantity[1] is None
 
 
-def quoted(value: Any) -> str:
+def quoted(value: object) -> str:
     """A value as a message quotes it."""
     text = f"'{value}'" if isinstance(value, str) else ("a table" if isinstance(value, Mapping) else _plain(value))
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _plain(value: Any) -> str:
+def _plain(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int) and value.bit_length() > 200:

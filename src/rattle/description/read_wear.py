@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import Contact, Wear
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_values import Path, quoted
-from rattle.description.tables import COEFFICIENT, DEPTHS, LAYER, SIDES, WEAR
+from rattle.description.read_values import quoted
+from rattle.description.reading import Path, Table
+from rattle.description.tables import DEPTHS, LAYER, SIDES, WEAR
+from rattle.interfaces.joints import JointKind
 from rattle.language.recorded import as_number
 
-RATE = "m^2/N"  # of k: 1 mm^3/(N*m) = 1e-9 m^2/N
 FEWEST, MOST = 12, 20_000  # bins
 SUNK = 0.01  # penetration over clearance at which the foundation is fitted to the law of the contact
 
 
 def read_wear(
-    reader: FieldReader, table: Mapping[str, Any], joint: registry.Kind, clearance: float, contact: Contact | None,
+    reader: FieldReader, table: Table, joint: registry.Kind[JointKind], clearance: float, contact: Contact | None,
     path: Path,
 ) -> tuple[Wear | None, Contact | None]:  # fmt: skip
     """The wear of one joint, None if it has none or after a problem; and its contact, of which it uses the length.
@@ -35,8 +35,8 @@ def read_wear(
 
 
 def _wear(
-    reader: FieldReader, written: Any, joint: registry.Kind, clearance: float, contact: Contact | None,
-    of_contact: Any, path: Path,
+    reader: FieldReader, written: object, joint: registry.Kind[JointKind], clearance: float, contact: Contact | None,
+    of_contact: object, path: Path,
 ) -> Wear | None:  # fmt: skip
     """The wear as it is written; of_contact: the contact as it is written."""
     values = reader.values
@@ -44,10 +44,8 @@ def _wear(
         return None
     before, table = len(values.problems), values.table(written, path)
     read = reader.form(WEAR, table, path)
-    rates = [_rate(reader, table.get(side, 0.0), (*path, side)) for side in SIDES]
-    jump = math.nan
-    if table.get("jump", "auto") != "auto":
-        jump = values.value(table["jump"], "", (*path, "jump"), "positive")
+    bush, pin = (_rate(reader.part(WEAR.fields[side], side, table, path)) for side in SIDES)
+    jump = reader.part(WEAR.fields["jump"], "jump", table, path)
     layer = _require_possible(reader, table, read, path)
     if len(values.problems) > before or contact is None:
         return None
@@ -65,12 +63,13 @@ def _wear(
     if profile is not None:
         _remark_round(reader, contact, path)
     return Wear(
-        rates[0], rates[1], bed, radius, length, bins, read["smooth"], read["cycle"], read["cycles"], jump,
+        bush, pin, bed, radius, length, bins, read["smooth"], read["cycle"], read["cycles"],
+        math.nan if jump is None else jump,
         read["wall"], profile, assumed,
     )  # fmt: skip
 
 
-def _may_wear(reader: FieldReader, joint: registry.Kind, clearance: float, path: Path) -> bool:
+def _may_wear(reader: FieldReader, joint: registry.Kind[JointKind], clearance: float, path: Path) -> bool:
     """True of a joint that wears; a problem is reported otherwise."""
     if not kind_wears(joint):
         fault = f"a {joint.name} joint does not wear here; only pins in bushes do: leave it out"
@@ -91,49 +90,49 @@ def _remark_round(reader: FieldReader, contact: Contact, path: Path) -> None:
         reader.values.remarks.append(f"{'.'.join(map(str, path))}: {takes}")
 
 
-def _require_possible(reader: FieldReader, table: Mapping[str, Any], read: Mapping[str, float], path: Path) -> float:
+def _require_possible(reader: FieldReader, table: Table, read: Mapping[str, float], path: Path) -> float:
     """Refuse numbers that cannot be worked with; returns K_w [Pa/m] of the layer, nan if there is none."""
     values, bins = reader.values, read["bins"]
     if bins == bins and not (FEWEST <= bins <= MOST and bins == round(bins)):
         values.wrong((*path, "bins"), f"expected a whole number from {FEWEST} to {MOST}, got {bins:g}")
     if read["smooth"] > 0.25:
         values.wrong((*path, "smooth"), f"{read['smooth']:g} is outside [0, 0.25], where smoothing would be unstable")
-    layer = _layer(reader, table["layer"], (*path, "layer")) if "layer" in table else math.nan
+    layer = _layer(reader, table, path) if "layer" in table else math.nan
     if "layer" in table and "foundation" in table:
         values.wrong((*path, "layer"), "give a foundation or the layer from which it follows, not both", at_key=True)
     return layer
 
 
-def _rate(reader: FieldReader, written: Any, path: Path) -> float:
-    """k [m^2/N], from a number or from Archard's coefficient and the hardness; nan after a problem."""
-    if not isinstance(written, Mapping):
-        return as_number(reader.values.value(written, RATE, path, "not negative"))
-    read = reader.form(COEFFICIENT, written, path)
-    return as_number(read["coefficient"] / read["hardness"])
+def _rate(read: float | Mapping[str, float] | None) -> float:
+    """k [m^2/N], as a number or from Archard's coefficient and the hardness; 0 if it is not given."""
+    if isinstance(read, Mapping):
+        return as_number(read["coefficient"] / read["hardness"])
+    return 0.0 if read is None else as_number(read)
 
 
-def _layer(reader: FieldReader, written: Any, path: Path) -> float:
+def _layer(reader: FieldReader, table: Table, path: Path) -> float:
     """K_w [Pa/m] of a thin layer bonded to a rigid body; nan after a problem.
 
     Source: Johnson, Contact Mechanics (1985), section 5.8.
     """
-    read = reader.form(LAYER, reader.values.table(written, path), path)
+    read = reader.part(LAYER, "layer", table, path)
     nu = read["nu"]
     if nu >= 0.5:
-        reader.values.wrong((*path, "nu"), f"{nu:g} is not below 0.5: such a layer cannot be compressed")
+        reader.values.wrong((*path, "layer", "nu"), f"{nu:g} is not below 0.5: such a layer cannot be compressed")
         return math.nan
     return as_number((1.0 - nu) * read["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * read["thickness"]))
 
 
-def _sizes(reader: FieldReader, contact: Contact, written: Any, path: Path) -> tuple[float, float] | None:
+def _sizes(reader: FieldReader, contact: Contact, written: object, path: Path) -> tuple[float, float] | None:
     """Radius of the bush and length of the contact [m]; None after a problem.
 
     Contacts without a law, in which nothing can wear as they are, need neither.
     """
-    radius, length = contact.bush_radius, contact.static.values.get("length") if contact.static else None
+    radius, static = contact.bush_radius, contact.static
+    length = static.number("length") if static is not None and "length" in static.values else None
     table = written if isinstance(written, Mapping) else {}
     if contact.film is not None:
-        length = contact.film.law.values["length"]
+        length = contact.film.law.number("length")
     elif length is None and "length" in table:
         length = reader.values.value(table["length"], "m", (*path, "length"), "positive")
     if contact.normal is None:
@@ -149,7 +148,7 @@ def _fitted(contact: Contact, clearance: float, radius: float, length: float) ->
     static = contact.static
     assert static is not None, "called for a contact with a law"
     if static.kind == "foundation":
-        return float(static.values["foundation"]), ""
+        return float(static.number("foundation")), ""
     laws, depth = registry.kinds("stiffness"), SUNK * clearance
     law, bed = laws[static.kind], laws["foundation"].kernel
     assert law.kernel is not None, "every law of a stiffness has a kernel"
@@ -161,7 +160,7 @@ def _fitted(contact: Contact, clearance: float, radius: float, length: float) ->
 
 
 def _profile(
-    reader: FieldReader, table: Mapping[str, Any], bins: int, path: Path
+    reader: FieldReader, table: Table, bins: int, path: Path
 ) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Depths of bush and pin [m]; None if the surfaces are round, or after a problem."""
     if "profile" in table and DEPTHS not in table:
@@ -185,7 +184,7 @@ def _profile(
     return sides[0], sides[1]
 
 
-def kind_wears(joint: registry.Kind) -> bool:
+def kind_wears(joint: registry.Kind[JointKind]) -> bool:
     """True of a kind of joint whose clearance wears."""
     play = registry.play_of(joint.name)
     return play is not None and play.name in registry.kinds("worn")

@@ -4,28 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import fields
-from typing import Any
 
 from rattle import registry
 from rattle.description.changes import NAMED
 from rattle.description.coordinates import declare, definitions, forces, ordered, record_of, used_names
 from rattle.description.massless import require_mass_at_contacts
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
+from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
 from rattle.description.read_tables import read_tables
-from rattle.description.read_values import Chosen, Path, TooManyProblems, Values, quoted
+from rattle.description.read_values import Chosen, TooManyProblems, Values, quoted
+from rattle.description.reading import Path, Table, section
 from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
-from rattle.errors import ModelError, shown, suggest
+from rattle.errors import ModelError, suggest
 from rattle.language.expression import Node, names
 from rattle.language.units import dimension_of
+from rattle.registry import REQUIRED
 
 DEEPEST = 10  # nested tables and lists
 SCALARS = (str, float, int, bool)
 
 
-def read(document: Mapping[str, Any], file: str = "", chosen: Mapping[str, Chosen] | None = None) -> Model:
+def read(document: Table, file: str = "", chosen: Mapping[str, Chosen] | None = None) -> Model:
     """Check a document and turn it into a `Model`.
 
     chosen: what stands for the values of some parameters, such as numbers that record what is computed with them.
@@ -44,9 +46,9 @@ def read(document: Mapping[str, Any], file: str = "", chosen: Mapping[str, Chose
     return model
 
 
-def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
+def _is_plain(document: Table, values: Values) -> bool:
     """True if every key is a text and the nesting is not too deep."""
-    waiting: list[tuple[Path, Any]] = [((), document)]
+    waiting: list[tuple[Path, object]] = [((), document)]
     while waiting:
         path, written = waiting.pop()
         if len(path) > DEEPEST:
@@ -63,12 +65,12 @@ def _is_plain(document: Mapping[str, Any], values: Values) -> bool:
     return True
 
 
-def _holds(written: Any) -> bool:
+def _holds(written: object) -> bool:
     """True if something may be inside; the usual numbers and texts are told apart first, which is far quicker."""
     return type(written) not in SCALARS and isinstance(written, Mapping | list | tuple)
 
 
-def _read(document: Mapping[str, Any], values: Values) -> Model:
+def _read(document: Table, values: Values) -> Model:
     """The whole model; it is valid only if no problem was found."""
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
@@ -86,7 +88,7 @@ def _read(document: Mapping[str, Any], values: Values) -> Model:
     signals, units = read_signals(values, document)
     states = read_states(values, document, starts)
     parts = Parts(values)
-    gravity = parts.read(MODEL, document, ())["gravity"] or (0.0, 0.0)
+    gravity = parts.part(MODEL.fields["gravity"], "gravity", document, ()) or (0.0, 0.0)
     ground = values.table(document.get("ground", {}), ("ground",))
     parts.ground = parts.form(GROUND, ground, ("ground",))["points"] or {}
     _read_parts(parts, tables)
@@ -117,7 +119,7 @@ def _enter_motion(values: Values, bodies: Iterable[str]) -> None:
             values.numbers.add(f"{name}.{key}")
 
 
-def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> None:
+def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Table]]) -> None:
     """Read bodies, then joints, drivers and loads, which refer to them."""
     values = parts.values
     add = {"bodies": parts.add_body, "joints": parts.add_joint, "drivers": parts.add_driver, "loads": parts.add_load}
@@ -131,20 +133,15 @@ def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Mapping[str, Any
             values.wrong(("bodies",), "a mechanism needs at least one body")
 
 
-def _header(document: Mapping[str, Any], values: Values) -> str:
+def _header(document: Table, values: Values) -> str:
     """Check the keys and the format of the document; return its name."""
     values.keys(document, MODEL.fields, ())
-    form = document.get("format")
-    if form != 1 or isinstance(form, bool):
-        got = f"got {quoted(form)}" if "format" in document else "it is missing"
-        values.wrong(("format",), f"expected format = 1, {got}")
-    title = document.get("name", "")
-    if not isinstance(title, str):
-        values.wrong(("name",), f"expected a text, got {quoted(title)}")
-    return shown(str(title)).replace("\n", " ").replace("\t", " ")  # shown in terminals and pictures
+    reader, table = FieldReader(values), {"format": REQUIRED, "name": "", **document}
+    _, title = (reader.part(MODEL.fields[key], key, table, ()) for key in ("format", "name"))
+    return str(title)
 
 
-def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, Mapping[str, Any]]:
+def _named(values: Values, document: Table, key: str) -> dict[str, Table]:
     """The table `key`, whose entries are tables with names chosen by the user."""
     entries = {}
     for name, entry in values.table(document.get(key, {}), (key,)).items():
@@ -156,18 +153,18 @@ def _named(values: Values, document: Mapping[str, Any], key: str) -> dict[str, M
     return entries
 
 
-def _one_namespace(values: Values, tables: Mapping[str, Any]) -> None:
+def _one_namespace(values: Values, tables: Table) -> None:
     """Bodies, joints, drivers, signals, states and the loads that results know by name share one namespace."""
     seen: dict[str, str] = {}
     for table in ("bodies", "joints", "drivers", "signals", "states", "loads"):
-        for name in tables[table] if isinstance(tables[table], Mapping) else ():
+        for name in section(tables, table):
             if name in seen:
                 message = f"the name '{name}' is already used in [{seen[name]}]; choose another"
                 values.wrong((table, name), message, at_key=True)
             seen.setdefault(name, table)
 
 
-def _tables_are_no_names(values: Values, parameters: Iterable[str], document: Mapping[str, Any]) -> None:
+def _tables_are_no_names(values: Values, parameters: Iterable[str], document: Table) -> None:
     """Refuse a table that has the name of a parameter or signal."""
     others = {key: values.table(document.get(key, {}), (key,)) for key in ("signals", "states")}
     for name in values.curves:
@@ -176,7 +173,7 @@ def _tables_are_no_names(values: Values, parameters: Iterable[str], document: Ma
             values.wrong(("tables", name), message, at_key=True)
 
 
-def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initial:
+def _initial(values: Values, document: Table, parts: Parts) -> Initial:
     """The table [initial]: bodies and clearance joints."""
     bodies: dict[str, dict[str, float]] = {}
     offsets: dict[str, Vector] = {}
@@ -199,7 +196,7 @@ def _initial(values: Values, document: Mapping[str, Any], parts: Parts) -> Initi
     return Initial(bodies, offsets)
 
 
-def _settings(parts: Parts, document: Mapping[str, Any]) -> Settings:
+def _settings(parts: Parts, document: Table) -> Settings:
     """The table [simulate]."""
     table = parts.values.table(document.get("simulate", {}), ("simulate",))
     read = parts.form(SIMULATE, table, ("simulate",))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import TracebackType
 
 from rattle.errors import InputError
@@ -11,6 +11,13 @@ from rattle.errors import InputError
 FAULTS = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 
 Path = tuple[str | int, ...]
+Table = Mapping[str, object]  # of a document, as it is written
+
+
+def section(table: Table, key: str) -> Table:
+    """A table inside of another one; an empty one where there is none."""
+    inner = table.get(key)
+    return inner if isinstance(inner, Mapping) else {}
 
 
 class Place:

@@ -5,17 +5,18 @@ Descriptions come from the JSON Schema, numbers from the tables that the reader 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 from rattle import registry
 from rattle.description.coordinates import POINT
-from rattle.description.schema import schema
-from rattle.description.tables import JOINT, MODEL, STATE_UNITS
+from rattle.description.schema import part, schema
+from rattle.description.schema_pieces import Schema
+from rattle.description.tables import BODY_TO_DRIVE, DRIVER, JOINT, JOINT_TO_DRIVE, MODEL, STATE_UNITS
 from rattle.language.composed import COMPOSED
 from rattle.language.materials import MATERIALS
 from rattle.language.operations import FUNCTIONS, record_of
-from rattle.language.units import DIMENSIONLESS, UNITS, describe
+from rattle.language.units import DIMENSIONLESS, UNITS, Dimension, describe
 
 
 class Topic(NamedTuple):
@@ -37,18 +38,22 @@ TABLES = tuple(key for key in MODEL.fields if key not in ("format", "name", "joi
 
 def common(family: str, kind: str) -> list[str]:
     """The keys that every entry of a family may have besides the fields of its kind, with their units."""
-    properties: Mapping[str, Any] = schema()["properties"]
+    properties: Schema = schema()["properties"]
     if family == "joint":
         entry = _variant(properties["joints"], "type", kind)
-        return [_line(key, entry[key]) for key in ("connect", *JOINT.fields, "contact", "wear") if key in entry] + (
+        return [_line(key, entry[key]) for key in JOINT.fields if key in entry and key not in OWN_LINES] + (
             _dimensions(kind) + _stop(kind)
         )
     if family == "driver":
-        if kind.startswith("body-"):
+        words = f"joint (name): {JOINT_TO_DRIVE.meaning}"
+        if registry.kinds("driver")[kind].leaf.drives == "body":
             where = f'coordinate = "{kind.removeprefix("body-")}"'
-            return [f'body (name, or "body.point"): what is driven, with {where}']
-        return ["joint (name): the joint that is driven"]
+            words = f'body (name, or "body.point"): {BODY_TO_DRIVE.meaning}, with {where}'
+        return [words, *(_line(key, part(entry)) for key, entry in DRIVER.fields.items())]
     return []
+
+
+OWN_LINES = ("stop", "friction")  # keys of joints: told below, and with the laws of friction
 
 
 def _dimensions(joint: str) -> list[str]:
@@ -72,7 +77,7 @@ def _stop(joint: str) -> list[str]:
     return [f"stop {{ {ends}, contact }}: one-sided ends of its coordinate ({kind.name})"]
 
 
-def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any]:
+def _variant(table: Schema, key: str, value: str) -> Schema:
     """Properties of the variant of a table whose `key` is `value`."""
     variants = [variant["properties"] for variant in table["additionalProperties"]["anyOf"]]
     return next(properties for properties in variants if properties.get(key, {}).get("const") == value)
@@ -80,7 +85,7 @@ def _variant(table: Mapping[str, Any], key: str, value: str) -> Mapping[str, Any
 
 def _table(name: str) -> Callable[[], Topic]:
     def make() -> Topic:
-        table: Mapping[str, Any] = schema()["properties"][name]
+        table: Schema = schema()["properties"][name]
         entry = table.get("additionalProperties") or table
         lines = [_line(key, value) for key, value in _keys(entry)] or [_line(name, entry)]
         return Topic(name, table.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
@@ -88,7 +93,7 @@ def _table(name: str) -> Callable[[], Topic]:
     return make
 
 
-def _keys(entry: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def _keys(entry: Schema) -> Iterator[tuple[str, Schema]]:
     """The keys of a table, in all ways to write it."""
     yield from entry.get("properties", {}).items()
     for variant in entry.get("anyOf", ()):
@@ -97,14 +102,14 @@ def _keys(entry: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
 
 def _wear() -> Topic:
     """The table `wear` of a joint."""
-    joints: Mapping[str, Any] = schema()["properties"]["joints"]
+    joints: Schema = schema()["properties"]["joints"]
     variants = (variant["properties"] for variant in joints["additionalProperties"]["anyOf"])
     entry = next(properties["wear"] for properties in variants if "wear" in properties)
     lines = [_line(key, value) for key, value in entry["properties"].items()]
     return Topic("wear", f"wear = {{ ... }} of a joint: {entry['description']}", tuple(lines))
 
 
-def _line(key: str, piece: Mapping[str, Any]) -> str:
+def _line(key: str, piece: Schema) -> str:
     words = [str(word).lower() if isinstance(word, bool) else word for word in piece.get("enum", ())]
     choices = f" ({' | '.join(words)})" if words else ""
     return f"{key}: {piece.get('description', 'a number or a text')}{choices}"
@@ -147,7 +152,7 @@ def _functions() -> Topic:
 
 
 def _units() -> Topic:
-    by_dimension: dict[Any, list[str]] = {}
+    by_dimension: dict[Dimension, list[str]] = {}
     for unit, (_, dimension) in UNITS.items():
         by_dimension.setdefault(dimension, []).append(unit)
     lines = [

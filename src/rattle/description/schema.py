@@ -18,7 +18,20 @@ from rattle.description.read_friction import friction_models
 from rattle.description.read_parts import moved_joints
 from rattle.description.read_wear import kind_wears
 from rattle.description.schema_pieces import Schema
-from rattle.description.tables import CONTACT, JOINT, MODEL, OIL, WEAR, Either, Form, Named, OfKinds, Part
+from rattle.description.tables import (
+    CONTACT,
+    ENDS,
+    JOINT_FRICTION,
+    MODEL,
+    OIL,
+    WHOLE_BODIES,
+    Either,
+    Form,
+    Named,
+    OfKinds,
+    Part,
+)
+from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.registry import REQUIRED, Field, Kind
 
 
@@ -43,8 +56,7 @@ def part(entry: Part) -> Schema:
     if isinstance(entry, Named):
         return of.named(part(entry.entry), entry.meaning)
     if isinstance(entry, OfKinds):
-        kinds, own = registry.kinds(entry.family).values(), ENTRIES.get(entry.family)
-        return {"anyOf": [own(kind) if own else _kind(kind, entry.key) for kind in kinds]}
+        return {"anyOf": _entries(entry)}
     if isinstance(entry, Either):
         forms = [*map(part, entry.forms)]
         if isinstance(entry.forms[-1], OfKinds):
@@ -67,55 +79,69 @@ def steppers(adaptive: bool) -> str:
 
 
 # ---------------------------------------------------------------- kinds
-def _joint(kind: Kind) -> Schema:
-    end = of.point("bush or guide side first")
-    ends = {"connect": of.connect(end), **_of(JOINT), "contact": _contact()}
-    if kind.leaf.bodies:
-        body = {"type": "string", "description": "a body", of.NAMES: "bodies"}
-        ends = {"connect": of.connect(body, "bodies A and B, or ground")}
-    elif kind_wears(kind):
-        ends["wear"] = part(WEAR)
+def _entries(entry: OfKinds) -> list[Schema]:
+    """What may be written as an entry of each kind of a family."""
+    if entry.family == "joint":
+        return [_joint(kind, entry.common) for kind in registry.kinds("joint").values()]
+    if entry.family == "driver":
+        return [_driver(kind, entry.common) for kind in registry.kinds("driver").values()]
+    return [_kind(kind, entry.key) for kind in registry.kinds(entry.family).values()]
+
+
+def _joint(kind: Kind[JointKind], keys: Form) -> Schema:
+    common = {
+        key: OF_JOINT[entry.shape](kind) if isinstance(entry, Field) and entry.shape in OF_JOINT else part(entry)
+        for key, entry in keys.fields.items()
+        if _may_have(kind, key)
+    }
+    # behind the tables of its play
+    after: dict[str, Schema] = {key: common.pop(key) for key in ("stop", "friction") if key in common}
     play = registry.play_of(kind.name)
-    dimensions: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-    properties = {
-        "type": of.choice(kind),
-        **ends,
-        **{key: of.table({name: of.field(size) for name, size in wanted.items()}, wanted)
-           for key, wanted in dimensions.items()},
-        **_stop(kind),
-        **_own_friction(kind),
-        **_one_sided(kind),
-        **of.fields(kind),
-    }  # fmt: skip
+    sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
+    dimensions = {
+        key: of.table({name: of.field(size) for name, size in each.items()}, each) for key, each in sizes.items()
+    }
+    properties: dict[str, Schema] = {"type": of.choice(kind), **common, **dimensions, **after, **of.fields(kind)}
     return of.table(properties, ("type", "connect", *of.needed(kind)), kind.summary)
+
+
+def _may_have(joint: Kind[JointKind], key: str) -> bool:
+    """True if a kind of joint may have one of the keys that joints have in common."""
+    able = {
+        "clearance": not joint.leaf.bodies, "contact": not joint.leaf.bodies, "wear": kind_wears(joint),
+        "stop": registry.stop_of(joint.name) is not None, "friction": joint.leaf.rubs,
+    }  # fmt: skip
+    return able.get(key, True)
 
 
 def _of(form: Form) -> dict[str, Schema]:
     return {key: part(entry) for key, entry in form.fields.items()}
 
 
-def _one_sided(joint: Kind) -> dict[str, Schema]:
-    """The contact of a joint that is one-sided with it."""
+def _ends(joint: Kind[JointKind]) -> Schema:
+    """The two ends of a joint."""
+    return of.field(WHOLE_BODIES if joint.leaf.bodies else ENDS)
+
+
+def _contact_of(joint: Kind[JointKind]) -> Schema:
+    """The contact of a joint: of its clearance, or of a joint that is one-sided with it."""
     sided = registry.one_sided_of(joint.name)
     if sided is None:
-        return {}
+        return _contact()
     without = () if sided.leaf.slides else ALONG
-    return {"contact": _contact(contact_models(joint.name), without, "contact model: the joint is then one-sided")}
+    return _contact(contact_models(joint.name), without, "contact model: the joint is then one-sided")
 
 
-def _stop(joint: Kind) -> dict[str, Schema]:
-    """The ends of the coordinate of a joint, if it has one."""
+def _stop(joint: Kind[JointKind]) -> Schema:
+    """The ends of the coordinate of a joint."""
     kind = registry.stop_of(joint.name)
-    if kind is None:
-        return {}
+    assert kind is not None, "asked of joints with a coordinate"
     contact = _contact(stop_models(), ALONG, "contact model of the stop")
-    return {"stop": of.table({**of.fields(kind), "contact": contact}, (), kind.summary)}
+    return of.table({**of.fields(kind), "contact": contact}, (), kind.summary)
 
 
-def _own_friction(joint: Kind) -> dict[str, Schema]:
-    """Friction of a joint without play, if it may have any."""
-    if not joint.leaf.rubs:
-        return {}
+def _own_friction(joint: Kind[JointKind]) -> Schema:
+    """Friction of a joint without play."""
     more: Mapping[str, Field] = joint.leaf.rubs_with
     needed = [key for key, field in more.items() if field.default is REQUIRED]
     tables = []
@@ -123,7 +149,7 @@ def _own_friction(joint: Kind) -> dict[str, Schema]:
         keys = {key: of.field(field) for key, field in {**fields, **more}.items()}
         tables.append(of.table({"model": {"const": name}, **keys}, ("model", *needed)))
     number = [] if needed else [of.number("", "coefficient of friction", "not negative")]
-    return {"friction": {"anyOf": [*number, *tables], "description": "friction without play, by its own reaction"}}
+    return {"anyOf": [*number, *tables], "description": JOINT_FRICTION.meaning}
 
 
 def _contact(
@@ -141,13 +167,13 @@ def _contact(
     for kind in oiled:
         needed = ["model", "bush_radius", *_needed_by_all(registry.kinds("film").values())]
         tables.append(of.table({"model": of.choice(kind), **every, **of.fields(kind)}, dict.fromkeys(needed)))
-    for kind in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
-        own_fields = {key: field for key, field in of.fields(kind).items() if key != "friction" and key not in without}
-        tables.append(of.table({"model": of.choice(kind), **every, **own_fields}, ("model", *of.needed(kind))))
+    for law in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
+        own_fields = {key: field for key, field in of.fields(law).items() if key != "friction" and key not in without}
+        tables.append(of.table({"model": of.choice(law), **every, **own_fields}, ("model", *of.needed(law))))
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
 
 
-def _keys_of_contacts(kinds: Collection[Kind], oiled: bool) -> dict[str, Schema]:
+def _keys_of_contacts(kinds: Collection[Kind[object]], oiled: bool) -> dict[str, Schema]:
     """Keys that the table of any of these models has."""
     own = _of(CONTACT)
     every: dict[str, Schema] = {"geometry": own["geometry"]}
@@ -164,31 +190,30 @@ def _oil() -> dict[str, Schema]:
     return keys | _of(OIL)
 
 
-def _needed_by_all(kinds: Collection[Kind]) -> list[str]:
+def _needed_by_all(kinds: Collection[Kind[object]]) -> list[str]:
     every = [of.needed(kind) for kind in kinds]
     return [key for key in every[0] if all(key in needed for needed in every)]
 
 
-def _driver(kind: Kind) -> Schema:
-    where: dict[str, Schema] = {
-        "joint": {
-            "type": "string",
-            "description": f"a {' or '.join(moved_joints(kind.name))} joint",
-            of.NAMES: "joints",
-        }
-    }
-    if kind.leaf.drives == "body":
-        where = {
-            "body": {"type": "string", "description": 'a body, or a point of it: "body.point"', of.NAMES: "points"},
-            "coordinate": {"const": kind.name.removeprefix("body-")},
-        }
-    return of.table({**where, **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary)
+def _driver(kind: Kind[DriverKind], keys: Form) -> Schema:
+    """A driver, with the way of those to say where it acts that names what this kind drives."""
+    way = next(way for way in keys.ways if kind.leaf.drives in way)
+    where = {key: OF_DRIVER[key](kind) if key in OF_DRIVER else part(entry) for key, entry in way.items()}
+    return of.table({**where, **_of(keys), **of.fields(kind)}, (*where, *of.needed(kind)), kind.summary)
 
 
-def _kind(kind: Kind, key: str) -> Schema:
+def _kind(kind: Kind[object], key: str) -> Schema:
     """A table with the fields of a kind, which is named under `key`."""
     meaning = kind.summary if key == "type" else ""  # laws tell theirs with their name
     return of.table({key: of.choice(kind), **of.fields(kind)}, (key, *of.needed(kind)), meaning)
 
 
-ENTRIES: Mapping[str, Callable[[Kind], Schema]] = {"joint": _joint, "driver": _driver}
+OF_JOINT: Mapping[str, Callable[[Kind[JointKind]], Schema]] = {  # what follows from the kind, by shape
+    "ends": _ends, "contact": _contact_of, "stop": _stop, "own friction": _own_friction,
+}  # fmt: skip
+OF_DRIVER: Mapping[str, Callable[[Kind[DriverKind]], Schema]] = {
+    "joint": lambda kind: {
+        "type": "string", "description": f"a {' or '.join(moved_joints(kind.name))} joint", of.NAMES: "joints",
+    },
+    "coordinate": lambda kind: {"const": kind.name.removeprefix("body-")},
+}  # fmt: skip

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from rattle import registry
+from rattle.description.read_fields import geometries
 from rattle.description.tables import MATERIAL, Part
 from rattle.registry import REQUIRED, Field, Kind
 
@@ -82,18 +83,21 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "body": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "bodies"},
     "choice": lambda field: {"enum": [*field.choices, *([False, True] if field.flags else [])]},
     "connect": lambda field: connect({"type": "string", NAMES: "points"}),
+    "bodies": lambda field: connect({"type": "string", "description": "a body", NAMES: "bodies"}, field.meaning),
     "constant": lambda field: {"const": field.choices[0]},
+    "ends": lambda field: connect(point(field.meaning)),
     "each": lambda field: array(PLAIN, 2, 2),
     "file": lambda field: {"type": "string"},
     "flag": lambda field: {"type": "boolean"},
     "film": lambda field: {"enum": list(registry.kinds("film")), "default": field.default},
-    "geometry": lambda field: {"enum": [name for name in registry.kinds("stiffness") if name != "power"]},
+    "geometry": lambda field: {"enum": geometries()},
     "groups": _group,
     "joint": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "joints"},
     "material": _material,
     "names": lambda field: array({"type": "string"}, 2, 2),
     "numbers": lambda field: array(PLAIN, field.fewest),
     "pair": lambda field: vector(field.unit, field.meaning),
+    "place": lambda field: {"type": "string", "description": 'a body, or a point of it: "body.point"', NAMES: "points"},
     "point": lambda field: point(field.meaning),
     "points": lambda field: points(field.meaning),
     "ring": lambda field: RING,
@@ -133,13 +137,13 @@ def fields_of(keys: Mapping[str, Part], meaning: str = "") -> Schema:
     return table({key: field(entry) for key, entry in declared.items()}, needed, meaning)
 
 
-def fields(kind: Kind) -> dict[str, Schema]:
+def fields(kind: Kind[object]) -> dict[str, Schema]:
     return {key: field(declared) for key, declared in kind.fields.items()}
 
 
-def needed(kind: Kind) -> list[str]:
+def needed(kind: Kind[object]) -> list[str]:
     return [key for key, declared in kind.fields.items() if declared.default is REQUIRED]
 
 
-def choice(kind: Kind) -> Schema:
+def choice(kind: Kind[object]) -> Schema:
     return {"const": kind.name, "description": kind.summary}

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from rattle import registry
 from rattle.description.model import DEFAULT_CONTACT
 from rattle.description.read_film import STEEL, film_keys
+from rattle.description.reading import Table, section
 from rattle.errors import ModelError, Problem, suggest
 
 ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "geometry")
 
 
-def recontact(written: Any, model: str) -> str | dict[str, Any]:
+def recontact(written: object, model: str) -> str | dict[str, object]:
     """The value of `contact` for another model, from the value written for the present one.
 
     Kept if the new model has them: restitution [-], friction (set-valued Coulomb keeps mu [-] of a friction law),
     bush radius [m], stiffness or materials, and the fields of the same law.  A contact with oil takes a compliant one
     as its dry contact, and leaves it where the oil goes.
     """
-    old: Mapping[str, Any] = written if isinstance(written, Mapping) else {"model": written}
+    old: Table = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")
     if model in plain:
         if not plain[model].leaf.contacts:
@@ -32,7 +32,7 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     keys += (
         [*plain[model].fields] if model in plain else [*_elastic(old), *(laws[model].fields if model in laws else ())]
     )
-    new = {"model": model, **{key: value for key, value in old.items() if key in keys}}
+    new: dict[str, object] = {"model": model, **{key: value for key, value in old.items() if key in keys}}
     friction = new.get("friction")
     if model in plain and isinstance(friction, Mapping):
         new["friction"] = friction.get("mu", 0.0)
@@ -41,38 +41,40 @@ def recontact(written: Any, model: str) -> str | dict[str, Any]:
     return new if len(new) > 1 else model
 
 
-def _without_oil(old: Mapping[str, Any]) -> Mapping[str, Any]:
+def _without_oil(old: Table) -> Table:
     """A contact, or the dry one that is left of a lubricated one."""
-    kind = registry.kinds("contact").get(old["model"])
+    kind = registry.kinds("contact").get(str(old["model"]))
     if kind is None or not kind.leaf.oiled:
         return old
-    dry = {**STEEL, "length": old.get("length")} if "dry" not in old else old["dry"]
+    dry = {**STEEL, "length": old.get("length")} if "dry" not in old else section(old, "dry")
     return {"bush_radius": old.get("bush_radius"), **dry}
 
 
-def _elastic(old: Mapping[str, Any]) -> list[str]:
+def _elastic(old: Table) -> list[str]:
     """Keys of the stiffness of a contact, those of its geometry among them."""
     geometry = registry.kinds("stiffness").get(str(old.get("geometry")))
     return [*ELASTIC, *(geometry.fields if geometry is not None else ())]
 
 
-def _oiled(old: Mapping[str, Any], model: str) -> dict[str, Any]:
+def _oiled(old: Table, model: str) -> dict[str, object]:
     """A lubricated contact, with the oil that the table has, and its compliant contact as the dry one."""
     films, laws = film_keys(), registry.kinds("normal")
-    new = {"model": model, **{key: value for key, value in old.items() if key in films}}
-    if "dry" not in new and old["model"] in laws:
-        own = ["model", "friction", *laws[old["model"]].fields]
+    new: dict[str, object] = {"model": model, **{key: value for key, value in old.items() if key in films}}
+    present = str(old["model"])
+    if "dry" not in new and present in laws:
+        own = ["model", "friction", *laws[present].fields]
         own += _elastic(old) if "geometry" in old or "bush_material" in old else ELASTIC[:2]
         new["dry"] = {key: value for key, value in old.items() if key in own}
     return new
 
 
-def contact_of(document: Mapping[str, Any], joint: str) -> dict[str, Any]:
+def contact_of(document: Table, joint: str) -> dict[str, object]:
     """The contact of a joint in a document, as a table.  Raises ModelError if there is no such joint or contact."""
-    joints = document.get("joints", {})
+    joints = section(document, "joints")
     if joint not in joints:
         raise ModelError([Problem(("joints", str(joint)), f"is not there{suggest(str(joint), joints)}")])
-    if "clearance" not in joints[joint] and "contact" not in joints[joint]:
+    table = section(joints, joint)
+    if "clearance" not in table and "contact" not in table:
         raise ModelError([Problem(("joints", joint), "has no clearance, so no contact")])
-    written = joints[joint].get("contact", DEFAULT_CONTACT)
-    return {"model": written} if isinstance(written, str) else dict(written)
+    written = table.get("contact", DEFAULT_CONTACT)
+    return {"model": written} if isinstance(written, str) else dict(section(table, "contact"))

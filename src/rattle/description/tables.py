@@ -59,10 +59,15 @@ class Named:
 
 @dataclass(frozen=True)
 class OfKinds:
-    """An entry of one of the kinds of a family, with the fields of the kind, which is named under `key`."""
+    """An entry of one of the kinds of a family, with the fields of the kind.
+
+    key: under which the kind is named; "" if it follows from other keys.  common: keys that the entries of all kinds
+    have besides, or ways to write such keys.
+    """
 
     family: str
     key: str = "type"
+    common: Form = Form({})
 
 
 Part = Field | Form | Either | Named | OfKinds
@@ -113,20 +118,24 @@ BODY = Form(
 GROUND = Form({"points": _points("points of the ground")})
 
 # ---------------------------------------------------------------- names that expressions use
+LIKELY = Field(
+    "", "", shape="numbers", fewest=1, like="values",
+    missing="expected { values = [...] }, the values that the parameter takes",
+)  # fmt: skip
 DISTRIBUTION = Form(
     {
-        "values": Field("", "", shape="numbers", fewest=1),
-        "weights": Field("", "", None, shape="numbers", fewest=1),
+        "values": LIKELY,
+        "weights": Field("", "", None, shape="numbers", fewest=1, like="weights"),
     },
     "single values, with weights unless all are as likely",
 )
-VALUE = Field("", "value", shape="quantity", missing="expected { value = ... }")
+VALUE = Field("", "value", shape="expression", missing="expected { value = ... }")
 PARAMETER = Form(
     {
         "value": VALUE,
-        "min": Field("", "least", None, shape="quantity"),
-        "max": Field("", "most", None, shape="quantity"),
-        "tol": Field("", "tolerance: half the width of its field", None, shape="quantity"),
+        "min": Field("", "least", None, shape="expression"),
+        "max": Field("", "most", None, shape="expression"),
+        "tol": Field("", "tolerance: half the width of its field", None, shape="expression"),
         "dist": Either(
             (Field("", "", None, shape="choice", choices=DISTRIBUTIONS), DISTRIBUTION),
             f"distribution: {' | '.join(DISTRIBUTIONS)} on value +- tol, or {{ values = [...], weights = [...] }}",
@@ -149,12 +158,12 @@ TABLE = Form(
             "", "straight lines, cubics without overshoot, or cubics with continuous second derivative", CURVES[0],
             shape="choice", choices=CURVES,
         ),
-        "period": Field("", "of x, after which y repeats", None, shape="quantity", least="positive"),
+        "period": Field("", "of x, after which y repeats", None, shape="expression", least="positive"),
     },
     ways=(
         {
-            "x": Field("", "arguments, increasing", shape="numbers", fewest=2),
-            "y": Field("", "values", shape="numbers", fewest=2),
+            "x": Field("", "arguments, increasing", shape="numbers", fewest=2, like="numbers"),
+            "y": Field("", "values", shape="numbers", fewest=2, like="numbers"),
             "units": Field(
                 "", "units of x and y where numbers have none", None, shape="texts",
                 like='the units of x and y, as in ["deg", "mm"]',
@@ -167,7 +176,7 @@ TABLE = Form(
 RATE = Field(
     "",
     "expression over parameters, t, the motion, signals and states, per second",
-    shape="quantity",
+    shape="expression",
     missing="needs rate: how fast it changes, an expression over parameters, t, states and all",
 )
 STATE = Form(
@@ -177,25 +186,34 @@ STATE = Form(
     }
 )
 
-# ---------------------------------------------------------------- joints and contacts, besides fields of their kinds
-JOINT = Form({"clearance": Field("m", "radial clearance", None, least="not negative")})
+# ---------------------------------------------------------------- contacts and wear, besides fields of their kinds
+FORMULA = Field("", "formula for the stiffness from materials", None, shape="geometry")
+BUSH_RADIUS = Field("m", "radius of the bush; the pin radius is smaller by the clearance", None, least="positive")
 CONTACT = Form(
     {
-        "geometry": Field("", "formula for the stiffness from materials", None, shape="geometry"),
-        "bush_radius": Field(
-            "m", "radius of the bush; the pin radius is smaller by the clearance", None, least="positive"
-        ),
+        "geometry": FORMULA,
+        "bush_radius": BUSH_RADIUS,
         "friction": Either(
             (Field("", "coefficient of friction", None, least="not negative"), OfKinds("friction", "model"))
         ),
     }
 )
+FILM = Field("", "law of the oil film", "finite", shape="film")
 OIL = Form(
     {
-        "film": Field("", "law of the oil film", "finite", shape="film"),
-        "dry": Field("", "the dry contact beside the film: the table of a compliant contact", None, shape="table"),
+        "film": FILM,
+        "dry": Field(
+            "",
+            "the dry contact beside the film: the table of a compliant contact",
+            None,
+            shape="table",
+            like="the table of a compliant contact",
+        ),
         "roughness": Either(
-            (Field("m", "of both surfaces", None, least="not negative"), Field("", "", None, shape="each")),
+            (
+                Field("m", "of both surfaces", None, least="not negative"),
+                Field("m", "", None, shape="each", least="not negative", like="a number in m, or [bush, pin]"),
+            ),
             "root mean square [m]",
         ),
     }
@@ -252,6 +270,35 @@ WEAR = Form(
     "how pin and bush wear, for the study of wear",
 )  # fmt: skip
 
+# ---------------------------------------------------------------- joints and drivers, besides fields of their kinds
+ENDS = Field("", "bush or guide side first", shape="ends", like='["body.point", "body.point"]')
+WHOLE_BODIES = Field(
+    "", "bodies A and B, or ground", shape="bodies", like='["body", "body"]'
+)  # of kinds without points
+BODY_TO_DRIVE = Field("", "what is driven", shape="place")
+JOINT_TO_DRIVE = Field("", "the joint that is driven", shape="joint", missing="needs joint: the joint to drive")
+JOINT_FRICTION = Field("", "friction without play, by its own reaction", None, shape="own friction")
+JOINT = Form(
+    {
+        "connect": ENDS,
+        "clearance": Field("m", "radial clearance", None, least="not negative"),
+        "contact": Field("", "contact model of the clearance", None, shape="contact"),
+        "stop": Field("", "one-sided ends of its coordinate", None, shape="stop"),
+        "friction": JOINT_FRICTION,
+        "wear": WEAR,
+    }
+)
+DRIVER = Form(
+    {},
+    ways=(
+        {"joint": JOINT_TO_DRIVE},
+        {
+            "body": BODY_TO_DRIVE,
+            "coordinate": Field("", "of the body", shape="coordinate"),
+        },
+    ),
+)
+
 # ---------------------------------------------------------------- start and run
 STATE_UNITS = {"x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 START = Form({key: Field(unit, "at the start", None) for key, unit in STATE_UNITS.items()}, "start of a body")
@@ -276,12 +323,14 @@ MODEL = Form(
         "parameters": Named(Either((VALUE, PARAMETER)), "values that expressions use"),
         "tolerances": TOLERANCES,
         "tables": Named(TABLE, "functions of one number that expressions use: lift(x)"),
-        "signals": Named(Field("", "expression over parameters, t and state", shape="quantity"), "recorded quantities"),
+        "signals": Named(
+            Field("", "expression over parameters, t and state", shape="expression"), "recorded quantities"
+        ),
         "states": Named(STATE, "first-order states of the model's own, usable like signals"),
         "ground": GROUND,
         "bodies": Named(Either((BAR, PLATE, BODY)), "rigid bodies"),
-        "joints": Named(OfKinds("joint"), "joints"),
-        "drivers": Named(OfKinds("driver"), "degrees of freedom that follow a function of time"),
+        "joints": Named(OfKinds("joint", common=JOINT), "joints"),
+        "drivers": Named(OfKinds("driver", "", DRIVER), "degrees of freedom that follow a function of time"),
         "loads": Named(OfKinds("load"), "loads"),
         "initial": Named(Either((START, OFFSET)), "start of bodies and of clearance joints"),
         "simulate": SIMULATE,

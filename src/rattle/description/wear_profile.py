@@ -7,11 +7,11 @@ import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from rattle.description.changes import Change
 from rattle.description.read_tables import inside, rows_of, text_of
 from rattle.description.read_values import quoted
+from rattle.description.reading import Table, section
 from rattle.description.tables import DEPTHS
 from rattle.errors import InputError, ModelError, Problem
 
@@ -19,9 +19,7 @@ HEADER = ("angle [rad]", "bush [m]", "pin [m]")
 TITLE = "# wear profile of joint "
 
 
-def with_profiles(
-    document: Mapping[str, Any], folder: Path | None, file: str = "", read: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
+def with_profiles(document: Table, folder: Path | None, file: str = "", read: Table | None = None) -> dict[str, object]:
     """A document in which the joints that name a file of their profile hold its depths too.
 
     folder: that of the model file, None for a model that was not read from a file.  read: joints read before, whose
@@ -38,7 +36,7 @@ def with_profiles(
         if DEPTHS in wear and read is None:
             problems.append(Problem(("joints", name, "wear", DEPTHS), "give a profile or depths, not both", True))
             continue
-        before = (read or {}).get(name, {}).get("wear", {})
+        before = section(section(read or {}, name), "wear")
         if DEPTHS in wear and before.get("profile") == wear["profile"]:
             continue
         try:
@@ -52,7 +50,7 @@ def with_profiles(
     return {**changed, "joints": filled}
 
 
-def _of_file(profile: Any, folder: Path | None, joint: str) -> dict[str, list[float]]:
+def _of_file(profile: object, folder: Path | None, joint: str) -> dict[str, list[float]]:
     """Depths by side [m].  Raises InputError that says what is wrong with the file."""
     if not isinstance(profile, str) or not profile.strip():
         raise InputError(f'expected a file beside the model file, such as "pin.wear.csv", got {quoted(profile)}')
@@ -89,8 +87,8 @@ def parsed(text: str, name: str, joint: str) -> dict[str, list[float]]:
 
 
 def written(
-    joints: Mapping[str, Any], stays: Callable[[str], bool], beside: bool
-) -> tuple[dict[str, Any], list[Change], dict[str, str]]:
+    joints: Table, stays: Callable[[str], bool], beside: bool
+) -> tuple[dict[str, object], list[Change], dict[str, str]]:
     """Joints as they are written, the changes to the text, and the files that hold their profiles, by name.
 
     stays: whether the file of a profile is still found under this name; beside: others get files of their own,
@@ -112,7 +110,7 @@ def written(
             table = {key: value for key, value in wear.items() if key != "profile"}
             if "profile" in wear:
                 changes.append((("joints", name, "wear"), table))
-        rewritten[name] = {**joint, "wear": table}
+        rewritten[name] = {**section(joints, name), "wear": table}
     return rewritten, changes, files
 
 

@@ -15,6 +15,7 @@ from rattle.description.builder import Building
 from rattle.description.changes import ENTRIES, Change, copied, path_of, put, through_points
 from rattle.description.model import Model, Parameter
 from rattle.description.read_tables import with_files
+from rattle.description.reading import Table
 from rattle.description.wear_profile import with_profiles, written
 from rattle.errors import ModelError, Problem, WrongType, suggest
 from rattle.language.expression import names, parse
@@ -71,7 +72,7 @@ class WrittenModel(Building):
 
         return values_where(self._document, values)
 
-    def parameters_with(self, changes: Mapping[str, Mapping[str, Any]], place: str) -> dict[str, Parameter]:
+    def parameters_with(self, changes: Mapping[str, Table], place: str) -> dict[str, Parameter]:
         """All parameters where some have these entries of the model file (tol, dist) instead, read as there.
 
         Raises ModelError with all that is wrong in the changes, at `place`.
@@ -117,7 +118,7 @@ class WrittenModel(Building):
 
     def _written_out(
         self, stays: Callable[[str], bool], beside: bool = False
-    ) -> tuple[dict[str, Any], list[Change], dict[str, str]]:
+    ) -> tuple[dict[str, object], list[Change], dict[str, str]]:
         """The document as it is written: of each table either the file or the numbers; and the changes to the text.
 
         stays: whether a file is still found under its name.  beside: profiles of wear go to files, which come last.
@@ -171,7 +172,7 @@ class WrittenModel(Building):
             raise ModelError([*needs, *error.problems], error.file) from None
         return changed
 
-    def _changed(self, asked: Mapping[str, Any], shared: bool = False) -> Self:
+    def _changed(self, asked: Table, shared: bool = False) -> Self:
         """As `set`, but what is written is not read yet.
 
         shared: whether it shares all tables but [parameters] with this one, for a mechanism that nobody else changes.
@@ -205,11 +206,11 @@ class WrittenModel(Building):
         """
         return self.set(dict.fromkeys(names))
 
-    def _put(self, path: tuple[str, ...], value: Any) -> None:
+    def _put(self, path: tuple[str, ...], value: object) -> None:
         put(self._document, path, value)
         self._changes.append((path, value))
 
-    def _load_with(self, path: tuple[str, ...], value: Any) -> Any:
+    def _load_with(self, path: tuple[str, ...], value: object) -> object:
         """The new value of a load, or of a field of it; instants and values at them have become tables."""
         if len(path) == 2 and isinstance(value, Mapping):
             return {key: self._load_with((*path, key), part) for key, part in value.items()}
@@ -224,7 +225,7 @@ class WrittenModel(Building):
         """The problem that entries were removed which others need, with all of these; none if it is not that."""
         from rattle.description.reader import read
 
-        document, also = copied(self._document), list[tuple[Any, Any]]()
+        document, also = copied(self._document), list[tuple[str | int, str | int]]()
         while error.problems:
             entries = {(*problem.path[:2], "", "")[:2]: None for problem in error.problems}
             if any(
@@ -244,7 +245,7 @@ class WrittenModel(Building):
         those = f"{', '.join(named[:-1])} and {named[-1]}: remove them" if named[1:] else f"{named[0]}: remove that"
         return [Problem(gone[0], f"still needed by {those} too, or change what needs it in the same call")]
 
-    def _table_with(self, path: tuple[str, ...], value: Any) -> tuple[tuple[str, ...], Any]:
+    def _table_with(self, path: tuple[str, ...], value: object) -> tuple[tuple[str, ...], object]:
         """Path and new value that change a table as a whole, if its numbers come from a file or shall do so."""
         entry = self._document.get("tables", {}).get(path[1] if len(path) > 1 else "")
         if len(path) < 3 or not isinstance(entry, Mapping) or ("file" not in entry and path[2] != "file"):
@@ -288,13 +289,13 @@ class WrittenModel(Building):
             raise ModelError([Problem(("joints",), f"no joint has a clearance, so contact '{model}' applies to none")])
         return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), model) for name in loose})
 
-    def contact_of(self, joint: str) -> dict[str, Any]:
+    def contact_of(self, joint: str) -> dict[str, object]:
         """The contact of a joint as it is written in the model, as a table. Raises ModelError if it has none."""
         from rattle.description.switch_contact import contact_of
 
         return contact_of(self._document, joint)
 
 
-def _has_contact(joint: Mapping[str, Any]) -> bool:
+def _has_contact(joint: Table) -> bool:
     """True of a joint as it is written with clearance, or one-sided."""
     return "clearance" in joint or "contact" in joint

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rattle import registry
 from rattle.description.model import Choice, Contact, Joint, Model
-from rattle.elements.contact_geometry import OwnContact
+from rattle.interfaces.contacts import ContactGeometry, OwnContact
+from rattle.interfaces.laws import FrictionLaw, NormalLaw, StiffnessLaw
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
 from rattle.language.recorded import bare, hypot
@@ -36,7 +37,7 @@ NO_FILM = (-1, -1)
 class ContactGroup(NamedTuple):
     """Contacts of one joint with the same geometry: those in place of its rows, or those of its stop."""
 
-    kind: registry.Kind  # its class is a `ContactGeometry`
+    kind: registry.Kind[ContactGeometry]
     contact: Contact
     parameters: tuple[float, ...]  # of the kernel [SI]
     corners: tuple[int, ...]  # contacts of the kind that there are
@@ -161,12 +162,12 @@ def _film(contact: Contact, clearance: float, values: list[float], coefficients:
     return kind.tag, place
 
 
-def _turning(leaf: Any) -> int:
+def _turning(leaf: type[ContactGeometry]) -> int:
     """WALLS_TURN of a kind of geometry: 0, 1 for walls that turn with A, 2 with B."""
     return 0 if not leaf.walls_turn else 1 if leaf.turning == at.A_BODY else 2
 
 
-def _tag(kind: registry.Kind) -> int:
+def _tag(kind: registry.Kind[ContactGeometry]) -> int:
     """Index of a kind of geometry in the table of all of them."""
     return kind.tag + sum(len(registry.kinds(family)) for family in GEOMETRIES[: GEOMETRIES.index(kind.family)])
 
@@ -201,10 +202,19 @@ def _share_law(table: Sequence[tuple[int, ...]], values: list[float]) -> None:
 def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
     if choice is None:
         return -1, -1
-    kind = registry.normal_law(choice.kind) if family == "normal" else registry.kinds(family)[choice.kind]
+    kind = _kind(family, choice.kind)
     place = len(values)
     values += kind.leaf.pack(choice.values)
     return kind.tag + (len(registry.kinds("normal")) if kind.family == "tension" else 0), place
+
+
+def _kind(
+    family: str, name: str
+) -> registry.Kind[NormalLaw] | registry.Kind[StiffnessLaw] | registry.Kind[FrictionLaw]:
+    """A law of a contact."""
+    if family == "normal":
+        return registry.normal_law(name)
+    return registry.kinds("stiffness")[name] if family == "stiffness" else registry.kinds("friction")[name]
 
 
 def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
@@ -222,6 +232,6 @@ def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
 
 def _with_mass(choice: Choice, model: Model, joint: Joint, angular: bool) -> Choice:
     """Fill in the effective mass [kg or kg m^2] if a law needs one."""
-    if choice.values.get("effective_mass", 1.0) > 0.0:
+    if choice.number("effective_mass", 1.0) > 0.0:
         return choice
     return Choice(choice.kind, {**choice.values, "effective_mass": effective_mass(model, joint, angular)})

@@ -53,7 +53,7 @@ def _rows(joint: Joint) -> list[tuple[int, tuple[float, ...]]]:
     """Kernels of the rows along which a joint rubs, and what these take after its points."""
     first = len(registry.kinds("joint"))
     if not joint.leaf.tangents:
-        driver = registry.kinds("driver")[joint.leaf.motor.driver]
+        driver = registry.kinds("driver")[joint.motor.driver]
         return [(first + driver.tag, before_function(joint, driver))]
     tangents = registry.kinds("tangent")
     return [(first + len(registry.kinds("driver")) + tangents[name].tag, ()) for name in joint.leaf.tangents]

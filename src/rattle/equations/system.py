@@ -16,14 +16,16 @@ from rattle.description.model import Joint, Model, driven_ends
 from rattle.equations import schur
 from rattle.equations.contact_table import CONTACT_TABLES, contact_table
 from rattle.equations.friction_table import friction_table
+from rattle.interfaces.joints import JointKind
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Image, Workspace
 from rattle.language import bytecode
 from rattle.language.expression import Node, compile_program, concatenate, replaced
-from rattle.language.local_function import packed
+from rattle.language.local_function import LocalFunction, packed
 from rattle.language.recorded import array_of, bare, largest, least, operate
 from rattle.language.switching import Signals, Switch, find_switches
+from rattle.value_types import Plain
 
 LARGE = 400  # number of rows above which dense linear algebra is avoided and starting the machine code pays off
 SHARE = 0.1  # of the least mass: any other gives the same motion
@@ -108,7 +110,7 @@ class System:
         """Names of the joints without play that have friction."""
         return tuple(dict.fromkeys(self.dry_joints))
 
-    def workspace(self, also: Iterable[int] = (), **more: np.ndarray) -> Workspace:
+    def workspace(self, also: Iterable[int] = (), **more: np.ndarray | tuple[Plain, ...]) -> Workspace:
         """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""
         machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment
         return Workspace({**self._tables(machine, also), **more}, self._image)
@@ -275,7 +277,7 @@ def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
     return _table(massless, 2), array_of(weight)
 
 
-def joint_rows(joint: Joint) -> tuple[registry.Kind | None, tuple[float, ...]]:
+def joint_rows(joint: Joint) -> tuple[registry.Kind[JointKind] | None, tuple[float | LocalFunction, ...]]:
     """The kind whose constraint rows this joint has, and the values of its fields; None if only contacts act on it."""
     if joint.is_loose:
         return None, ()

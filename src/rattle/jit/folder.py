@@ -15,7 +15,7 @@ from rattle.jit.cache import Folder
 from rattle.jit.cache import code_folder as private_folder
 
 # all that defines or compiles kernels, or holds numbers that they contain; a test looks whether others do
-COMPILED = ("elements", "equations", "jit", "language", "solvers", "registry.py")
+COMPILED = ("elements", "equations", "interfaces", "jit", "language", "solvers", "registry.py")
 _HERE = Path(__file__).parents[1]
 _DECORATED = re.compile(r"^@(compiled|native\(|kernel\()", re.MULTILINE)
 _code_folder: Folder | None = None

@@ -155,9 +155,13 @@ def bare(x: float) -> float:
     return x.bare if isinstance(x, Recorded) else float(x)
 
 
-def as_number(x: float) -> float:
-    """A number as a float; one that is recorded as it is."""
-    return x if isinstance(x, Recorded) else float(x)
+def as_number(x: object) -> float:
+    """A number as a float; one that is recorded as it is.  Raises TypeError for what is none."""
+    if isinstance(x, Recorded):
+        return x
+    if not isinstance(x, float | int | np.integer):
+        raise TypeError(f"{x!r} is no number")
+    return float(x)
 
 
 def hypot(x: float, y: float) -> float:

@@ -216,9 +216,9 @@ def assumed_by(contact: Contact) -> str:
     return str(kind.leaf.assumes) if kind is not None else COMPLIANT
 
 
-def _kinds(contact: Contact) -> list[tuple[registry.Kind, Mapping[str, object]]]:
+def _kinds(contact: Contact) -> list[tuple[registry.Kind[object], Mapping[str, Any]]]:
     """The laws of a contact with their values."""
-    laws = []
+    laws = list[tuple[registry.Kind[object], Mapping[str, Any]]]()
     if contact.film is not None:
         laws.append((registry.kinds("film")[contact.film.law.kind], contact.film.law.values))
     if contact.normal is not None:

@@ -133,7 +133,7 @@ def _of_laws(model: Model) -> Iterator[str | dict[str, Json]]:
 def _of_damping(joint: str, contact: Contact) -> Iterator[str]:
     """Notes on the law of a contact that dissipates."""
     law = contact.normal
-    if law is not None and law.values.get("effective_mass", 1.0) > 0.0:
+    if law is not None and law.number("effective_mass", 1.0) > 0.0:
         yield from (f"{joint}, {law.kind}: {note}" for note in registry.normal_law(law.kind).leaf.notes(law.values))
 
 
@@ -170,9 +170,9 @@ def facts(model: Model, watched: Sequence[str]) -> Iterator[tuple[tuple[str | in
         film = joint.contact.film if joint.contact is not None and joint.is_loose else None
         if film is None:
             continue
-        law = film.law.values
+        law = film.law
         sizes = {"boundary": film.boundary, "clearance": joint.clearance, "density": film.density}
-        sizes |= {"radius": law["bush_radius"], "viscosity": law["viscosity"]}
+        sizes |= {"radius": law.number("bush_radius"), "viscosity": law.number("viscosity")}
         yield from ((("oil", name, key), value) for key, value in sizes.items())
 
 
@@ -195,6 +195,6 @@ def _film(model: Model, name: str) -> dict[str, Json] | None:
         return None
     return {
         "notes": oil_notes.notes_of_film(name, film), "boundary": film.boundary, "clearance": joint.clearance,
-        "radius": float(film.law.values["bush_radius"]), "viscosity": float(film.law.values["viscosity"]),
+        "radius": float(film.law.number("bush_radius")), "viscosity": float(film.law.number("viscosity")),
         "density": film.density, "bodies": [joint.a.body, joint.b.body],
     }  # fmt: skip

@@ -17,6 +17,7 @@ from rattle import registry
 from rattle.description.coordinates import record_of
 from rattle.description.model import Joint, Load, Model, Value
 from rattle.equations.system import System, joint_rows
+from rattle.interfaces.joints import JointKind
 from rattle.jit import layout as at
 from rattle.results.film_columns import film_columns
 from rattle.value_types import Tree
@@ -81,7 +82,7 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         if joint.stop is not None:
             watched.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
         if joint.contact is None or (sided is not None and sided.records):
-            if joint.is_loose:
+            if joint.is_loose and sided is not None:
                 watched.append((f"{name}.{sided.records[0]}", at.OF_LARGER, c + at.JOINT_NORMAL))
             continue
         if kind is None:
@@ -231,7 +232,7 @@ OF_CONTACT["penetration"] = at.PENETRATION
 
 
 def _of_contact(
-    system: System, joint: Joint, kind: registry.Kind | None, raw: np.ndarray, c: int
+    system: System, joint: Joint, kind: registry.Kind[JointKind] | None, raw: np.ndarray, c: int
 ) -> dict[str, np.ndarray]:
     """Columns (n,) [SI] of a joint with clearance that its raw columns from c on do not hold as a result shows them."""
     derived: dict[str, np.ndarray] = {}

@@ -73,8 +73,8 @@ def film_values(joint: Joint, pin: PinMotion) -> dict[str, tuple[str, Array]]:
     peak, leakage = _pressure(film, e, u, clearance)
     force = np.hypot(fx, fy)
     regime = np.where(normal > 0.0, np.where(force < LITTLE * normal, DRY, MIXED), FILM)
-    values, turns = film.law.values, np.abs(wa + wb) / (2.0 * math.pi)
-    mu, length, radius = (float(values[key]) for key in ("viscosity", "length", "bush_radius"))
+    turns = np.abs(wa + wb) / (2.0 * math.pi)
+    mu, length, radius = (float(film.law.number(key)) for key in ("viscosity", "length", "bush_radius"))
     with np.errstate(divide="ignore", invalid="ignore"):
         unit = mu * turns * 2.0 * radius * length * (radius / clearance) ** 2
         sommerfeld = np.where(force > 0.0, unit / force, np.nan)
@@ -123,7 +123,7 @@ def _of_film(pin: PinMotion) -> Sequence[Array]:
 def _pressure(film: OilFilm, e: Sequence[Array], u: Sequence[Array], clearance: float) -> tuple[Array, Array]:
     """(n,): largest pressure [Pa] and leakage [m^3/s]; u: the velocity [m/s] that the film sees."""
     law, values = registry.kinds("film")[film.law.kind].leaf, film.law.values
-    mu, length, radius = (float(values[key]) for key in ("viscosity", "length", "bush_radius"))
+    mu, length, radius = (float(film.law.number(key)) for key in ("viscosity", "length", "bush_radius"))
     speed = np.hypot(*u)
     alpha = np.abs(np.arctan2(e[0] * u[1] - e[1] * u[0], e[0] * u[0] + e[1] * u[1]))
     part = np.minimum(np.hypot(*e), clearance - float(film.boundary)) / clearance

@@ -6,11 +6,14 @@ import math
 
 import numpy as np
 
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.registry import Kind, kinds
 from rattle.solvers.peaks.samples import sample_arrays
 from rattle.solvers.shifted_matrices import implicit_arrays
+from rattle.solvers.stepper import tableau_of
+from rattle.value_types import Plain
 
 SLOPES = 12  # rows of `slopes` of a step that a stepper without a tableau writes, or leaves at zero
 
@@ -42,13 +45,15 @@ def course(loop: int, extent: float) -> np.ndarray:
     return begins
 
 
-def integrator(stepper: Kind, stiff: bool) -> Kind:
+def integrator(stepper: Kind[StepperKind], stiff: bool) -> Kind[StepperKind]:
     """The stepper whose kernels a run with this one calls: another one, or itself; stiff: the model has oil films."""
     by = (stepper.leaf.if_stiff if stiff else "") or stepper.leaf.integrates_by
     return kinds("stepper")[by] if by else stepper
 
 
-def stepper_arrays(stepper: Kind, bodies: int, states: int, ny: int) -> dict[str, np.ndarray]:
+def stepper_arrays(
+    stepper: Kind[StepperKind], bodies: int, states: int, ny: int
+) -> dict[str, np.ndarray | tuple[Plain, ...]]:
     """Arrays that describe a stepper; empty if it has no kernels.
 
     An implicit one works with further arrays, whose sizes follow from the numbers of bodies, of states of elements and
@@ -56,7 +61,8 @@ def stepper_arrays(stepper: Kind, bodies: int, states: int, ny: int) -> dict[str
     """
     if stepper.kernel is None:
         return {}
-    leaf, tableau = stepper.leaf, stepper.leaf.tableau
+    leaf, tableau = stepper.leaf, tableau_of(stepper)
+    assert leaf.dense_output is not None, "a stepper with a kernel has a dense output"
     power = leaf.error_order or leaf.order
     slopes, stable = (leaf.stages, tableau.watched_stable) if tableau else (SLOPES, 0)
     return (implicit_arrays(bodies, states, ny) if leaf.implicit else {}) | {

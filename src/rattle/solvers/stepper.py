@@ -16,8 +16,8 @@ import math
 from typing import ClassVar
 
 from rattle.errors import InputError
-from rattle.jit.functions import KernelFunction
-from rattle.registry import Field, kinds
+from rattle.interfaces.steppers import StepperKind
+from rattle.registry import Field, Kind, kinds
 from rattle.solvers.explicit import prepare_dense
 from rattle.solvers.tableau import Tableau
 
@@ -34,30 +34,10 @@ def equal_steps(fewest: int) -> Field:
     return Field("s", meaning, default=lambda span: min(LONGEST, span / fewest), least="positive")
 
 
-class Stepper:
+class Stepper(StepperKind):
     """A time integration method."""
 
     tableau: ClassVar[Tableau | None] = None  # of an explicit method
-    order: ClassVar[int]  # power of the step with which the error decreases, at least
-    error_order: ClassVar[int] = 0  # power with which the estimated error of one step grows; 0: its order
-    implicit: ClassVar[bool] = False  # it solves equations with the Jacobian, for which it needs arrays
-    adaptive: ClassVar[bool]  # steps follow the tolerances; otherwise all have the length `step`
-    loop: ClassVar[str]  # the loop that takes its steps
-    works_with: ClassVar[tuple[str, ...]]  # contacts
-    usual_with: ClassVar[tuple[str, ...]] = ()  # contacts with which it runs unless another is chosen that works
-    usual_since: ClassVar[str] = ""  # why, where a run should say so
-    refuses: ClassVar[tuple[str, ...]] = ()  # contacts with which no other stepper runs in its place
-    unfit: ClassVar[dict[str, str]]  # by contacts: why it does not run with them, as words that follow its name
-    refinement: ClassVar[float]  # `step` is divided by this for a run that is more accurate by one digit
-    step: ClassVar[Field]
-    stages: ClassVar[int] = 0  # of a step; the first is the end of the step before
-    dense_stages: ClassVar[int] = 0  # further ones that its dense output needs
-    dense_output: ClassVar[KernelFunction | None] = None
-    integrates_by: ClassVar[str] = ""  # the stepper whose kernels are called, if not its own
-    if_stiff: ClassVar[str] = ""  # the one whose kernels are called instead for models with oil films
-    restitution_laws: ClassVar[tuple[str, ...]] = ()  # restitution laws that it can use; empty: all
-    energy_limit: ClassVar[float] = 1e-3  # share of the largest energy that may be unaccounted for
-    title: ClassVar[str] = ""  # its name in messages about its design
 
     def __init_subclass__(cls) -> None:
         """Fill in what follows from a tableau.  Raises InputError for one that is not of the kind of its class."""
@@ -112,3 +92,8 @@ def usual_stepper(contacts: str) -> str:
 def stepper_of(loop: str) -> str:
     """Name of a stepper that belongs to this loop."""
     return next(name for name, stepper in kinds("stepper").items() if stepper.leaf.loop == loop)
+
+
+def tableau_of(stepper: Kind[StepperKind]) -> Tableau | None:
+    """The tableau of an explicit method, otherwise None."""
+    return stepper.leaf.tableau if issubclass(stepper.leaf, Stepper) else None

@@ -144,6 +144,6 @@ def contact_notes(system: System, events: Sequence[Event], energy: float) -> tup
             registry.normal_law(contact.normal.kind),
         )
         notes += [f"{name}, {contact.static.kind}: {note}" for note in static.leaf.notes(contact.static.values, peak)]
-        if contact.normal.values.get("effective_mass", 1.0) > 0.0:
+        if contact.normal.number("effective_mass", 1.0) > 0.0:
             notes += [f"{name}, {contact.normal.kind}: {note}" for note in normal.leaf.notes(contact.normal.values)]
     return tuple(notes)

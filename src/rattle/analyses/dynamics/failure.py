@@ -10,6 +10,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.complementarity import OFF
 from rattle.equations.motion import NOT_FINITE
 from rattle.equations.system import System
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.registry import Kind
@@ -44,7 +45,9 @@ SENTENCES = {  # also in pages
 STATE = (("x", "m"), ("y", "m"), ("angle", "rad"), ("vx", "m/s"), ("vy", "m/s"), ("omega", "rad/s"))
 
 
-def explain(system: System, workspace: Workspace, t_end: float, status: int, stepper: Kind, rtol: float) -> str:
+def explain(
+    system: System, workspace: Workspace, t_end: float, status: int, stepper: Kind[StepperKind], rtol: float
+) -> str:
     """One or two sentences on why a run by this stepper and with rtol [-] stopped at workspace.clock[T] [s].
 
     t_end: end of the run [s].
@@ -93,7 +96,7 @@ def _stiff(system: System, workspace: Workspace) -> str:
     return SENTENCES["stiff"].format(t=workspace.clock[at.T], joint=joint, least=TINY)
 
 
-def _too_large(system: System, workspace: Workspace, stepper: Kind) -> str:
+def _too_large(system: System, workspace: Workspace, stepper: Kind[StepperKind]) -> str:
     """In words: the motion left the numbers, by a step that is too long or by forces, rates or accelerations."""
     t, h = float(workspace.clock[at.T]), float(workspace.clock[at.H])
     if not stepper.leaf.adaptive:

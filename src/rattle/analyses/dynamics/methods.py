@@ -15,6 +15,7 @@ from rattle.analyses.dynamics.smooth_run import SmoothRun
 from rattle.equations.contact_table import contact_groups
 from rattle.equations.system import System
 from rattle.errors import InputError, ModelError, Problem
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit import layout as at
 from rattle.registry import Kind
 from rattle.solvers.stepper import (
@@ -25,7 +26,6 @@ from rattle.solvers.stepper import (
     SET_VALUED,
     SMOOTH,
     TIME_STEPPING,
-    Stepper,
     usual_stepper,
 )  # fmt: skip
 
@@ -49,7 +49,9 @@ def contacts_of(system: System) -> str:
     return OILED if (contacts[:, at.FILM_LAW] >= 0).any() else COMPLIANT if len(contacts) else FREE
 
 
-def choose_stepper(system: System, asked: str | None, step: float | None, span: float) -> tuple[Kind, float | None]:
+def choose_stepper(
+    system: System, asked: str | None, step: float | None, span: float
+) -> tuple[Kind[StepperKind], float | None]:
     """The stepper for a request, and its step [s], over a time `span` [s].
 
     The usual one is taken if none is requested (None), or one that does not work with the contacts.  Raises InputError
@@ -80,7 +82,7 @@ def choose_stepper(system: System, asked: str | None, step: float | None, span: 
     return stepper, step
 
 
-def note_choice(system: System, asked: str | None, ran: Kind) -> tuple[str, ...]:
+def note_choice(system: System, asked: str | None, ran: Kind[StepperKind]) -> tuple[str, ...]:
     """Note on a run by another stepper than the one requested, or by one that is not the usual one of most models."""
     if asked is None:
         return (f"method {ran.name} was chosen, as {ran.leaf.usual_since}",) if ran.leaf.usual_since else ()
@@ -90,7 +92,7 @@ def note_choice(system: System, asked: str | None, ran: Kind) -> tuple[str, ...]
     return (f"method {asked} {why}: {ran.name} was used",)
 
 
-def require_round(system: System, stepper: Kind) -> None:
+def require_round(system: System, stepper: Kind[StepperKind]) -> None:
     """Raise ModelError for worn surfaces if the stepper does not know them."""
     worn = system.arrays["contact"][system.arrays["contact"][:, at.WORN] == 1, at.OWNER].tolist()
     if stepper.leaf.loop == TIME_STEPPING and worn:
@@ -98,7 +100,7 @@ def require_round(system: System, stepper: Kind) -> None:
         raise ModelError([Problem(("joints", system.joints[n], "wear"), words) for n in worn])
 
 
-def require_friction_known(system: System, stepper: Kind) -> None:
+def require_friction_known(system: System, stepper: Kind[StepperKind]) -> None:
     """Raise ModelError for friction in joints without play if the stepper does not know it."""
     if stepper.leaf.loop == TIME_STEPPING and system.dry_joints:
         words = (
@@ -108,7 +110,7 @@ def require_friction_known(system: System, stepper: Kind) -> None:
         raise ModelError([Problem(("joints", name, "friction"), words) for name in system.rough_joints])
 
 
-def require_implicit(system: System, stepper: Kind) -> None:
+def require_implicit(system: System, stepper: Kind[StepperKind]) -> None:
     """Raise ModelError for what time stepping cannot take implicitly: elastic clutches, friction with states."""
     if stepper.leaf.loop != TIME_STEPPING:
         return
@@ -127,7 +129,7 @@ def require_implicit(system: System, stepper: Kind) -> None:
         raise ModelError(problems)
 
 
-def require_one_law(system: System, stepper: type[Stepper]) -> None:
+def require_one_law(system: System, stepper: type[StepperKind]) -> None:
     """Raise ModelError if joints differ in their restitution law, or if the stepper does not have that law.
 
     An impact at several joints is one problem, with one law.

@@ -59,8 +59,8 @@ def _in_the_run(name: str, film: OilFilm, thickness: np.ndarray, pressure: np.nd
 
 def _at_speed(name: str, film: OilFilm, joint: Joint, mean: float, relative: float) -> list[str]:
     """Notes for the largest mean and difference [rad/s] of the rates of bush and pin."""
-    c, radius = joint.clearance, float(film.law.values["bush_radius"])
-    over = film.density * c / float(film.law.values["viscosity"])
+    c, radius = joint.clearance, float(film.law.number("bush_radius"))
+    over = film.density * c / float(film.law.number("viscosity"))
     reynolds, reduced = over * relative * radius, over * mean * c
     if reynolds > VORTICES * math.sqrt(radius / c):
         return [SENTENCES["vortices"].format(joint=name, rate=relative, reynolds=reynolds)]

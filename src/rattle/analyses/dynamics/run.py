@@ -22,6 +22,7 @@ from rattle.elements.custom import load_law
 from rattle.equations.motion import DONE, PAUSED
 from rattle.equations.state import state_layout
 from rattle.equations.system import System
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -34,6 +35,8 @@ from rattle.solvers.contacts.wear_sum import wear_arrays
 from rattle.solvers.output_row import record
 from rattle.solvers.singular_passage import passage_arrays
 from rattle.solvers.step_audit import UNSOUND
+from rattle.solvers.stepper import tableau_of
+from rattle.value_types import Plain
 
 stop = threading.Event()  # when set, all runs of the process end where they are, as after Ctrl-C
 MOST_NUMBERS = 8_000_000  # of output rows beside events that a run keeps: 64 MB
@@ -44,7 +47,7 @@ CHUNK = 2000  # steps between two checks of progress and of Ctrl-C
 class How(NamedTuple):
     """Settings of a run's steps."""
 
-    stepper: Kind
+    stepper: Kind[StepperKind]
     rtol: float
     atol: float  # [m, rad, m/s, rad/s]
     step: float | None  # [s]; the largest of an adaptive stepper, None for any
@@ -105,12 +108,13 @@ class Run(ABC):
     def prepare(self) -> Workspace:
         """The workspace of the run."""
         y = start_state(self.system, self.start)
-        arrays = step_state.step_loop_arrays(y, len(self.system.watched))
+        arrays: dict[str, np.ndarray | tuple[Plain, ...]] = {}
+        arrays |= step_state.step_loop_arrays(y, len(self.system.watched))
         states = state_layout(self.system).states
         of_elements = states.stop - states.start
         films = bool((self.system.arrays["contact"][:, at.FILM_LAW] >= 0).any())
         integrator = step_state.integrator(self.stepper, films)
-        self.tableau = integrator.leaf.tableau  # of an explicit method, otherwise None
+        self.tableau = tableau_of(integrator)  # of an explicit method, otherwise None
         arrays |= step_state.stepper_arrays(integrator, self.system.body_count, of_elements, len(y))
         arrays |= audit_arrays(self.system, self.stepper.leaf.energy_limit)
         if self.wear:
@@ -121,7 +125,7 @@ class Run(ABC):
         arrays |= passage_arrays(len(y), self.system.row_count, len(peaks["peaks"]))
         arrays |= self.table.arrays
         arrays["course"] = step_state.course(self.loop, self.system.extent)
-        return self.system.workspace(**arrays, **self.loop_arrays(), **peaks)
+        return self.system.workspace((), **arrays, **self.loop_arrays(), **peaks)
 
     def break_arrays(self, steps: int = CHUNK) -> dict[str, np.ndarray]:
         """Room for the rows beside an instant, and beside the events of so many steps; none for rows of another kind.

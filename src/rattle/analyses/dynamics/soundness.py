@@ -20,6 +20,7 @@ from rattle.description.model import Point
 from rattle.elements.custom import load_law
 from rattle.equations.motion import drive
 from rattle.equations.system import System
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit import layout as at
 from rattle.jit.choices import TINY
 from rattle.jit.workspace import Workspace
@@ -27,7 +28,6 @@ from rattle.registry import Kind
 from rattle.results.columns import width
 from rattle.solvers import step_audit
 from rattle.solvers.output_row import record
-from rattle.solvers.stepper import Stepper
 
 LIMIT = 1e-3  # largest share of its measure for drift; that for the energy error is given by the stepper
 SAID = 1e-6  # share above which an error is reported
@@ -74,7 +74,7 @@ class Running(Protocol):
     clock: np.ndarray
     tally: np.ndarray
     t_end: float
-    stepper: Kind
+    stepper: Kind[StepperKind]
     rtol: float
     most_steps: int | None
 
@@ -109,7 +109,7 @@ def energy_share(seen: np.ndarray) -> float:
 
 
 # ---------------------------------------------------------------- notes
-def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tuple[str, ...]:
+def remarks(system: System, workspace: Workspace, stepper: type[StepperKind]) -> tuple[str, ...]:
     """Notes on a run whose drift or energy error is more than rounding."""
     seen = workspace.audit
     notes = []
@@ -126,7 +126,7 @@ def remarks(system: System, workspace: Workspace, stepper: type[Stepper]) -> tup
     return tuple(notes)
 
 
-def loose(stepper: type[Stepper], rtol: float) -> tuple[str, ...]:
+def loose(stepper: type[StepperKind], rtol: float) -> tuple[str, ...]:
     """Note on a relative tolerance [-] with which short contacts may be missed."""
     if not stepper.adaptive or rtol <= LOOSE:
         return ()

@@ -22,7 +22,7 @@ from rattle.jit.layout import OUTPUT_ENERGY
 from rattle.language.recorded import Operand
 from rattle.language.units import TIME, dimension_of, unit_name
 from rattle.registry import kinds
-from rattle.solvers.stepper import ATOL, FREE, RTOL, usual_stepper
+from rattle.solvers.stepper import ATOL, FREE, RTOL, tableau_of, usual_stepper
 from rattle.solvers.tableau import Tableau
 from rattle.trace import fmu
 from rattle.trace.elementary import lower
@@ -132,9 +132,12 @@ def _equations(model: RecordedModel, curves: Mapping[str, Operand], inputs: set[
 
 def _tableau(method: str | None) -> Tableau:
     """Of the model's method if that is explicit and adaptive, else of the usual one."""
-    asked = kinds("stepper")[method].leaf.tableau if method else None
-    usual: Tableau = kinds("stepper")[usual_stepper(FREE)].leaf.tableau
-    return asked if asked is not None and asked.adaptive else usual
+    asked = tableau_of(kinds("stepper")[method]) if method else None
+    if asked is not None and asked.adaptive:
+        return asked
+    usual = tableau_of(kinds("stepper")[usual_stepper(FREE)])
+    assert usual is not None, "the usual method of smooth motion is explicit"
+    return usual
 
 
 def _inputs(model: RecordedModel, curves: Mapping[str, Operand]) -> set[str]:

@@ -20,7 +20,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from rattle.elements.clearances import ClearanceKind, FreePlay
+from rattle.interfaces.contacts import ClearanceKind, FreePlay
+from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, turn_x, turn_y
@@ -178,12 +179,12 @@ class BlockInGuide(ClearanceKind):
         return hypot(p[0], p[1]), hypot(p[2], p[3]) + 0.5 * hypot(p[f + 2], p[f + 3])
 
     @staticmethod
-    def displaced(fields: Mapping[str, float], e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
+    def displaced(fields: Fields, e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
         """Displaced across by e_0 [m] and rotated by e_1 [rad]; see `ClearanceKind.displaced`."""
         axis = fields["axis"]
         return -math.sin(axis) * float(e[0]), math.cos(axis) * float(e[0]), {"angle": float(e[1])}
 
     @staticmethod
-    def free_play(clearance: float, fields: Mapping[str, float], dimensions: Mapping[str, Pair]) -> BetweenWalls:
+    def free_play(clearance: float, fields: Fields, dimensions: Mapping[str, Pair]) -> BetweenWalls:
         """The displacements with all corners between the walls, clearance in m."""
         return BetweenWalls(clearance, dimensions.get("block"))

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.elements.clearances import ClearanceKind
+from rattle.interfaces.contacts import ClearanceKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import COINCIDENT, ends

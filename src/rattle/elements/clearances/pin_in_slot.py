@@ -24,9 +24,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from rattle.elements.clearances import ClearanceKind, FreePlay
 from rattle.elements.disc_contact import write_disc
 from rattle.elements.geneva import AT_END, AT_START, BOTH, open_at
+from rattle.interfaces.contacts import ClearanceKind, FreePlay
+from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, direction, ends
@@ -103,27 +104,25 @@ class PinInSlot(ClearanceKind):
         return hypot(p[0], p[1]) + hypot(end, width), hypot(p[2], p[3])
 
     @staticmethod
-    def bends(fields: Mapping[str, float], constants: Sequence[float]) -> tuple[float, float, float]:
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """1/r [1/m]: how fast the direction from a corner to the pin turns, which is nowhere nearer than its radius."""
         clearance, width = constants
         return 0.0, 0.0, 1.0 / (width - clearance) if fields["open"] > 0.0 else 0.0
 
     @staticmethod
-    def play_along(fields: Mapping[str, float], along: np.ndarray) -> np.ndarray:
+    def play_along(fields: Fields, along: np.ndarray) -> np.ndarray:
         """The part (n,) [m] of the displacement beyond the centres of the ends."""
         half, (start, end) = 0.5 * fields["length"], open_at(fields)
         outside: np.ndarray = along - along.clip(-math.inf if start else -half, math.inf if end else half)
         return outside
 
     @staticmethod
-    def displaced(fields: Mapping[str, float], e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
+    def displaced(fields: Fields, e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
         """Displaced across by e_0 [m]; see `ClearanceKind.displaced`."""
         axis = fields["axis"]
         return -math.sin(axis) * float(e[0]), math.cos(axis) * float(e[0]), {}
 
     @staticmethod
-    def free_play(
-        clearance: float, fields: Mapping[str, float], dimensions: Mapping[str, tuple[float, ...]]
-    ) -> FreePlay:
+    def free_play(clearance: float, fields: Fields, dimensions: Mapping[str, tuple[float, ...]]) -> FreePlay:
         """The displacements from wall to wall, clearance in m."""
         return AcrossSlot(clearance)

@@ -9,12 +9,11 @@ which replaces them by those of the resultant.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from rattle.elements.clearances import ClearanceKind, FreePlay
 from rattle.elements.worn_bins import CHORD, COUNT, LEAST, around, depth_at, pin_place, pin_slope, window
+from rattle.interfaces.contacts import FreePlay, WornKind, WornSurfaces
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
@@ -92,7 +91,7 @@ class WornPlay(FreePlay):
 
 
 @kind("worn", "pin", worn_pin)
-class WornPin(ClearanceKind):
+class WornPin(WornKind):
     """A worn pin in a worn bush: an elastic foundation between two profiles; it takes the place of `pin`.
 
     Source: this package; Johnson, Contact Mechanics (1985), section 4.3 (elastic foundation).
@@ -105,16 +104,23 @@ class WornPin(ClearanceKind):
     orbit = True
 
     @staticmethod
-    def worn_play(wear: Any, clearance: float) -> FreePlay:
-        """The displacements that the clearance and the profiles of a joint allow; wear: `Wear` of a model."""
-        bush, pin = (np.asarray(depths, dtype=float) for depths in wear.profile)
+    def worn_play(wear: WornSurfaces, clearance: float) -> FreePlay:
+        """The displacements that the clearance and the profiles of a joint allow."""
+        bush, pin = _depths(wear)
         return WornPlay(clearance, bush, pin)
 
     @staticmethod
-    def parameters(wear: Any) -> tuple[float, ...]:
-        """Parameters of the kernel after those of `pin`, in the order of `worn_bins`; wear: `Wear` of a model."""
-        bush, pin = (np.asarray(depths, dtype=float) for depths in wear.profile)
+    def parameters(wear: WornSurfaces) -> tuple[float, ...]:
+        """Parameters of the kernel after those of `pin`, in the order of `worn_bins`."""
+        bush, pin = _depths(wear)
         n, wide = len(bush), 2.0 * math.pi / len(bush)
         chord = 12.0 * (1.0 - math.cos(wide)) / (wide * wide * (4.0 + 2.0 * math.cos(wide)))
         bed = wear.foundation * wear.radius * wear.length * wide
         return (float(n), bed, float(bush.min() + pin.min()), chord, float(pin.any()), *bush.tolist(), *pin.tolist())
+
+
+def _depths(wear: WornSurfaces) -> tuple[np.ndarray, np.ndarray]:
+    """Depths of bush and pin (n,) [m]."""
+    assert wear.profile is not None, "a joint without profiles has another kind of clearance"
+    bush, pin = wear.profile
+    return np.asarray(bush, dtype=float), np.asarray(pin, dtype=float)

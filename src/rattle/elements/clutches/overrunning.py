@@ -6,7 +6,8 @@ m = -s, n = 0         its row is constant: g'' = s (alpha_B - alpha_A), gamma = 
 
 from __future__ import annotations
 
-from rattle.elements.clutches import SENSE, ClutchKind
+from rattle.elements.clutches import SENSE
+from rattle.interfaces.contacts import ClutchKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import kind

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rattle.elements.clutches import SENSE, ClutchKind
+from rattle.elements.clutches import SENSE
+from rattle.interfaces.contacts import ClutchKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import kind

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rattle.elements.contact_laws import ContactKind
+from rattle.interfaces.contacts import ContactKind
 from rattle.registry import kind
 
 

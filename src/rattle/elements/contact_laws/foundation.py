@@ -8,11 +8,11 @@ p = K_w (e cos theta - c) where that is positive, e = c + delta, cos theta_0 = c
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
-from rattle.elements.contact_laws.stiffness import Elastic
+from rattle.elements.contact_laws.stiffness import BUSH_RADIUS, LENGTH
 from rattle.errors import InputError
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import StiffnessLaw
 from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
@@ -35,19 +35,19 @@ def bedded(delta, p, k):
 
 
 @kind("stiffness", "foundation", bedded)
-class Foundation(Elastic):
+class Foundation(StiffnessLaw):
     """F = R L K_w c (theta_0/cos theta_0 - sin theta_0), cos theta_0 = c/(c + delta): a soft layer, or a worn bush.
 
     Range: a layer that is thin compared with the contact, R_A much larger than the clearance.
     Source: Johnson, Contact Mechanics (1985), section 4.3.
     """
 
-    bush_radius = Field("m", "radius of the bush; the pin radius is smaller by the clearance", least="positive")
+    bush_radius = BUSH_RADIUS
     foundation = Field("Pa/m", "K_w, pressure per penetration", least="positive")
-    length = Field("m", "length of the contact along the pin", least="positive")
+    length = LENGTH
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         play = as_number(values["clearance"])
         if not play > 0.0:
             raise InputError("an elastic foundation of a pin in a bush needs a clearance")

@@ -20,13 +20,13 @@ Regularised laws creep at rest: under a tangential load F < mu N the slip is tha
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, ClassVar
 
 from rattle.errors import InputError
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import FrictionLaw
 from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
-from rattle.registry import Field, fields_of, kind
+from rattle.registry import Field, kind
 
 MU = Field("", "coefficient of friction", least="not negative")
 MU_STATIC = Field("", "coefficient at rest; default: mu", lambda read: read["mu"], least="not negative")
@@ -107,24 +107,8 @@ def lugre(u, N, z, p, k, dz):
     return bristle + root * damping / (1.0 + damping * abs(u) / g) * dz[0] + N * viscosity * u
 
 
-class Friction:
-    """Base of the friction laws."""
-
-    states: ClassVar[int] = 0  # number of states z, which are integrated with the motion
-
-    @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Parameters of the kernel, p[k:]: the fields [SI] in their order."""
-        return tuple(as_number(values[name]) for name in fields_of(cls))
-
-    @classmethod
-    def notes(cls, values: Mapping[str, Any]) -> list[str]:
-        """Remarks for the user on the range of validity."""
-        return []
-
-
 @kind("friction", "coulomb-smooth", coulomb_smooth)
-class CoulombSmooth(Friction):
+class CoulombSmooth(FrictionLaw):
     """T = mu N tanh(u/v1).
 
     Creep at rest: v1 artanh(F/(mu N)) under a load F.
@@ -136,7 +120,7 @@ class CoulombSmooth(Friction):
 
 
 @kind("friction", "ambrosio", ambrosio)
-class Ambrosio(Friction):
+class Ambrosio(FrictionLaw):
     """T = mu N cd sign(u), cd = 0 below v0, (|u|-v0)/(v1-v0) up to v1, 1 above.
 
     Creep at rest: v0 + (v1-v0) F/(mu N) under a load F; below v0 there is no friction at all.
@@ -148,15 +132,16 @@ class Ambrosio(Friction):
     v1 = Field("m/s", "slip from which there is full friction; more than v0", default=1e-3, least="positive")
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         """Parameters of the kernel [-, m/s, m/s].  Raises InputError unless v0 < v1."""
-        if not values["v0"] < values["v1"]:
-            raise InputError(f"ambrosio needs v0 < v1, not {values['v0']:g} and {values['v1']:g} m/s")
-        return as_number(values["mu"]), as_number(values["v0"]), as_number(values["v1"])
+        mu, v0, v1 = (as_number(values[key]) for key in ("mu", "v0", "v1"))
+        if not v0 < v1:
+            raise InputError(f"ambrosio needs v0 < v1, not {v0:g} and {v1:g} m/s")
+        return mu, v0, v1
 
 
 @kind("friction", "threlfall", threlfall)
-class Threlfall(Friction):
+class Threlfall(FrictionLaw):
     """T = mu N (1 - exp(-3 |u|/vr)) sign(u) up to |u| = vr, constant at 0.950 mu N above.
 
     Creep at rest: -(vr/3) ln(1 - F/(mu N)) under a load F < 0.950 mu N.
@@ -168,7 +153,7 @@ class Threlfall(Friction):
 
 
 @kind("friction", "viscous", viscous)
-class Viscous(Friction):
+class Viscous(FrictionLaw):
     """T = c u during contact, independent of N: also where damping has brought N to zero.
 
     Creep at rest: F/c under a load F.
@@ -179,7 +164,7 @@ class Viscous(Friction):
 
 
 @kind("friction", "stribeck", stribeck)
-class Stribeck(Friction):
+class Stribeck(FrictionLaw):
     """T = N [mu + (mu_static - mu) exp(-(|u|/v_stribeck)^shape)] tanh(u/v1) + c u.
 
     Creep at rest: about v1 artanh(F/(mu_static N)) under a load F.
@@ -195,7 +180,7 @@ class Stribeck(Friction):
 
 
 @kind("friction", "dahl", dahl)
-class Dahl(Friction):
+class Dahl(FrictionLaw):
     """dT/dx = N sigma (1 - T/(mu N) sign(u))^alpha: bristles that bend before they slide.
 
     At constant N and alpha = 1: T = mu N (1 - exp(-sigma x/mu)) over a sliding distance x; the stiffness at rest is
@@ -212,7 +197,7 @@ class Dahl(Friction):
 
 
 @kind("friction", "lugre", lugre)
-class LuGre(Friction):
+class LuGre(FrictionLaw):
     """Bristles with damping, and less friction in motion than at rest.
 
     zeta' = u - sigma0 |u| zeta/g(u),  T = N (sigma0 zeta + s1 zeta' + sigma2 u),

@@ -18,12 +18,12 @@ from __future__ import annotations
 
 import difflib
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any
+from abc import abstractmethod
 
 from rattle.elements.contact_laws.restitution import LEAST_RESTITUTION, checked, factor_returning, restitution_returned
 from rattle.errors import InputError
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import NormalLaw
 from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number, sqrt
 from rattle.registry import Field, kind, kinds
@@ -54,7 +54,7 @@ def damping_factor(law: str, restitution: float) -> float:
     For kelvin-voigt it is the damping ratio zeta [-].
     Raises InputError for an unknown law and for a restitution outside [0, 1].
     """
-    return float(_leaf(law).factor(checked(restitution)))
+    return float(_damped(law).factor(checked(restitution)))
 
 
 def returned(law: str, restitution: float) -> float:
@@ -62,18 +62,18 @@ def returned(law: str, restitution: float) -> float:
 
     Raises InputError for an unknown law and for a restitution outside [0, 1].
     """
-    return float(_leaf(law).returned(checked(restitution)))
+    return float(_damped(law).returned(checked(restitution)))
 
 
-def _leaf(law: str) -> Any:
-    laws = kinds("normal")
+def _damped(law: str) -> type[Damped]:
+    laws = {name: kind.leaf for name, kind in kinds("normal").items() if issubclass(kind.leaf, Damped)}
     if law not in laws:
         near = difflib.get_close_matches(law, laws, 1)
         raise InputError(f"unknown normal law '{law}'" + (f"; did you mean '{near[0]}'?" if near else ""))
-    return laws[law].leaf
+    return laws[law]
 
 
-class Damped(ABC):
+class Damped(NormalLaw):
     """A law with a given restitution: its damping factor, and the restitution that an impact really returns."""
 
     restitution = Field("", "desired restitution, 0 to 1", least="not negative")
@@ -89,9 +89,9 @@ class Damped(ABC):
         return restitution_returned(cls.factor(e))
 
     @classmethod
-    def notes(cls, values: Mapping[str, Any]) -> list[str]:
+    def notes(cls, values: LawValues) -> list[str]:
         """Remark for the user if the law returns a restitution that differs from the given one noticeably."""
-        e = checked(values["restitution"])
+        e = checked(as_number(values["restitution"]))
         x = cls.returned(e)
         if abs(x - e) <= NOTICED:
             return []
@@ -104,9 +104,9 @@ class Hysteretic(Damped):
     least_speed = Field("m/s", "slower approaches are damped as at this speed", default=1e-3, least="positive")
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         """Parameters of the kernel, p[k:] = a [-], least_speed [m/s]; `values` by field name [SI]."""
-        return cls.factor(checked(values["restitution"])), as_number(values["least_speed"])
+        return cls.factor(checked(as_number(values["restitution"]))), as_number(values["least_speed"])
 
 
 def _at_least(e: float) -> float:
@@ -289,9 +289,9 @@ class KelvinVoigt(Damped):
         return math.exp(-2.0 * zeta * (math.acos(zeta) / math.sqrt(1.0 - zeta * zeta) if zeta < 1.0 else 1.0))
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         """Parameter of the kernel, p[k] = 2 zeta sqrt(m) [kg^0.5].  Raises InputError without effective mass [kg]."""
         mass = as_number(values["effective_mass"])
         if not mass > 0.0:
             raise InputError("kelvin-voigt needs the effective mass of the two bodies, in kg")
-        return (2.0 * cls.factor(checked(values["restitution"])) * sqrt(mass),)
+        return (2.0 * cls.factor(checked(as_number(values["restitution"]))) * sqrt(mass),)

@@ -10,9 +10,8 @@ friction of a joint over its speed, follows.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from rattle.elements.contact_laws import ContactKind
+from rattle.interfaces.contacts import ContactKind
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 
@@ -48,7 +47,7 @@ class Lubricated(ContactKind):
     specific_heat = Field("J/(kg*K)", "of the oil", 2000.0, least="positive")
 
 
-def boundary_film(read: Mapping[str, Any]) -> float:
+def boundary_film(read: Mapping[str, float]) -> float:
     """Thickness [m] of the boundary film from `roughness`, of both surfaces together [m], and `clearance` [m]."""
     roughness: float = read.get("roughness", 0.0)
     return SIGMAS * roughness if roughness > 0.0 else THIN * as_number(read.get("clearance", 0.0))

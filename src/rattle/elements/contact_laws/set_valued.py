@@ -7,7 +7,7 @@ g >= 0, N >= 0, g N = 0;     impact (newton): u_n+ = -e_N u_n-, u_t+ = -e_T u_t-
 
 from __future__ import annotations
 
-from rattle.elements.contact_laws import ContactKind
+from rattle.interfaces.contacts import ContactKind
 from rattle.registry import Field, kind
 
 

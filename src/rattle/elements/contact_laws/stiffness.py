@@ -19,14 +19,15 @@ The kernel is  f(delta, p, k) -> F,  0 for delta <= 0;  p[k:] comes from `pack`.
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any
+from abc import abstractmethod
+from collections.abc import Sequence
 
 from rattle.errors import InputError
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import StiffnessLaw
 from rattle.jit.choices import TINY
 from rattle.jit.functions import KernelFunction, kernel
-from rattle.language.materials import Given, contact_modulus, material
+from rattle.language.materials import Given, contact_modulus
 from rattle.language.recorded import as_number, sqrt
 from rattle.registry import Field, kind
 
@@ -36,6 +37,8 @@ SOLVED = 1e-14  # share of w: steps below it end Newton's method
 LEAST_PENETRATION = 1e-9  # [m] from which on a penetration is looked for, by doubling
 CLOSE_FIT = 0.1  # clearance over the pin radius above which contacts are not conforming: our limit
 FITTED = 0.005, 10.0  # clearances to which the formula of Pereira and others was fitted [mm]
+BUSH_RADIUS = Field("m", "radius of the bush; the pin radius is smaller by the clearance", least="positive")
+LENGTH = Field("m", "length of the contact along the pin", least="positive")
 BENDS_AT = 0.34954  # clearance at which it passes from one branch to the other [mm]
 
 
@@ -75,7 +78,7 @@ def conforming(delta, p, k):
     return p[k] * delta * math.sqrt(0.5 * delta / (p[k + 1] + delta))
 
 
-def penetration(law: KernelFunction, p: Any, force: float, k: int = 0) -> float:
+def penetration(law: KernelFunction, p: Sequence[float], force: float, k: int = 0) -> float:
     """Penetration [m] at which the static force of a kernel with parameters p[k:] is `force` [N]."""
     if force <= 0.0:
         return 0.0
@@ -109,7 +112,7 @@ def sphere_stiffness(
     return 4.0 / 3.0 * contact_modulus(material_a, material_b) * curvature, 1.5
 
 
-def _radii(values: Mapping[str, Any]) -> tuple[float, float, float]:
+def _radii(values: LawValues) -> tuple[float, float, float]:
     """R_A, R_B, dR [m].  Raises InputError unless 0 < dR < R_A."""
     bush, play = as_number(values["bush_radius"]), as_number(values["clearance"])
     if not 0.0 < play < bush:
@@ -117,41 +120,21 @@ def _radii(values: Mapping[str, Any]) -> tuple[float, float, float]:
     return bush, bush - play, play
 
 
-def _modulus(values: Mapping[str, Any]) -> float:
-    return contact_modulus(material(values["bush_material"]), material(values["pin_material"]))
+def _modulus(values: LawValues) -> float:
+    return contact_modulus(_given(values, "bush_material"), _given(values, "pin_material"))
 
 
-class Elastic(ABC):
-    """A static force law: the parameters of its kernel, and the force up to which it is valid."""
-
-    too_large = (  # said of a larger force
-        "{force:.3g} N is above {limit:.3g} N, where the half-width of the contact is half the pin radius: this formula"
-        " assumes a narrow contact; 'liu' is made for conforming contacts"
-    )
-
-    @classmethod
-    @abstractmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
-        """Parameters of the kernel, p[k:] [SI]; `values` by field name [SI], with the joint's `clearance` [m]."""
-
-    @classmethod
-    def limit(cls, values: Mapping[str, Any]) -> float:
-        """Normal force [N] up to which the formula is valid."""
-        return math.inf
-
-    @classmethod
-    def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
-        """Remarks for the user on the range of validity, for the largest normal force [N]."""
-        limit = cls.limit(values)
-        if force <= limit:
-            return []
-        return [cls.too_large.format(force=force, limit=limit)]
+def _given(values: LawValues, key: str) -> Given:
+    """The material of a field, by name or by its constants."""
+    written = values[key]
+    assert not isinstance(written, float), f"{key} is no number"
+    return written
 
 
-class PinInBush(Elastic):
+class PinInBush(StiffnessLaw):
     """A law computed from radii and materials."""
 
-    bush_radius = Field("m", "radius of the bush; the pin radius is smaller by the clearance", least="positive")
+    bush_radius = BUSH_RADIUS
     bush_material = Field("", "a name, or { E, nu }", shape="material")
     pin_material = Field(
         "", "a name, or { E, nu }; default: that of the bush", lambda read: read["bush_material"], shape="material"
@@ -161,7 +144,7 @@ class PinInBush(Elastic):
 class Cylinder(PinInBush):
     """A law for a pin in contact along its length."""
 
-    length = Field("m", "length of the contact along the pin", least="positive")
+    length = LENGTH
 
 
 class LineContact(Cylinder):
@@ -173,12 +156,12 @@ class LineContact(Cylinder):
         """The force D [N], from the contact modulus [Pa], the length of contact, both radii and the clearance [m]."""
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         modulus, length = _modulus(values), as_number(values["length"])
         return 1.0 / (math.pi * modulus * length), cls.scale(modulus, length, *_radii(values))
 
     @classmethod
-    def limit(cls, values: Mapping[str, Any]) -> float:
+    def limit(cls, values: LawValues) -> float:
         """Force [N] at which the Hertz half-width sqrt(4 F R_A R_B/(pi E* L dR)) is R_B/2, at most D/e^2."""
         bush, pin, play = _radii(values)
         narrow = math.pi * _modulus(values) * as_number(values["length"]) * play * pin / (16.0 * bush)
@@ -186,7 +169,7 @@ class LineContact(Cylinder):
 
 
 @kind("stiffness", "power", power)
-class Power(Elastic):
+class Power(StiffnessLaw):
     """F = K delta^n with given K and n.
 
     Source: definition.
@@ -196,7 +179,7 @@ class Power(Elastic):
     exponent = Field("", "exponent n", default=1.5, least="positive")
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         return as_number(values["stiffness"]), as_number(values["exponent"])
 
 
@@ -209,12 +192,12 @@ class Sphere(PinInBush):
     """
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         bush, pin, _ = _radii(values)
-        return sphere_stiffness(bush, pin, values["bush_material"], values["pin_material"])
+        return sphere_stiffness(bush, pin, _given(values, "bush_material"), _given(values, "pin_material"))
 
     @classmethod
-    def limit(cls, values: Mapping[str, Any]) -> float:
+    def limit(cls, values: LawValues) -> float:
         """Force [N] at which the contact radius is half the pin radius."""
         bush, pin, play = _radii(values)
         return _modulus(values) * pin**2 * play / (6.0 * bush)
@@ -282,11 +265,11 @@ class Liu(Cylinder):
     """
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         return 0.5 * math.pi * _modulus(values) * as_number(values["length"]), _radii(values)[2]
 
     @classmethod
-    def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
+    def notes(cls, values: LawValues, force: float = 0.0) -> list[str]:
         """Remark for the user on a clearance that is not small compared with the pin radius."""
         _, pin, play = _radii(values)
         if play <= CLOSE_FIT * pin:
@@ -306,7 +289,7 @@ class Pereira(Cylinder):
     """
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         play = 1e3 * _radii(values)[2]
         inside = min(max(play, FITTED[0]), FITTED[1])
         if inside < BENDS_AT:
@@ -318,7 +301,7 @@ class Pereira(Cylinder):
         return (0.965 * play + 0.0965) * width / play * 1e3**n, n
 
     @classmethod
-    def notes(cls, values: Mapping[str, Any], force: float = 0.0) -> list[str]:
+    def notes(cls, values: LawValues, force: float = 0.0) -> list[str]:
         """Remark for the user on a clearance outside the range of the fit."""
         play = 1e3 * _radii(values)[2]
         if FITTED[0] <= play <= FITTED[1]:

@@ -5,9 +5,8 @@ T = K e + c e',  never less than 0;    e > 0: stretch [m], K [N/m], c [N*s/m]
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import NormalLaw
 from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
@@ -20,7 +19,7 @@ def tension(static, delta, ddelta, v0, p, k):
 
 
 @kind("tension", "tension", tension)
-class Tension:
+class Tension(NormalLaw):
     """Spring and damper of a strand.
 
     Source: definition.
@@ -29,11 +28,6 @@ class Tension:
     damping = Field("N*s/m", "of the strand", default=0.0, least="not negative")
 
     @classmethod
-    def pack(cls, values: Mapping[str, Any]) -> tuple[float, ...]:
+    def pack(cls, values: LawValues) -> tuple[float, ...]:
         """Parameter of the kernel, p[k] = c [N*s/m]."""
         return (as_number(values["damping"]),)
-
-    @staticmethod
-    def notes(values: Mapping[str, Any]) -> list[str]:
-        """Nothing to remark."""
-        return []

@@ -24,17 +24,20 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rattle import registry
 from rattle.elements.custom import load_law
-from rattle.elements.custom.law_kernel import Law, UsersKernel, place_of, taking
+from rattle.elements.custom.law_kernel import Law, Result, UsersKernel, place_of, taking
 from rattle.errors import InputError
+from rattle.interfaces.laws import FrictionLaw, NormalLaw
 from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction
 from rattle.language.units import dimension_of
 from rattle.registry import Field
 from rattle.wrong_arguments import answer_in_words
 
+Array = NDArray[np.float64]
 LIGHT = 1e-30  # normal force [N] with which a law of friction is asked where damping has brought it to zero
 TAKEN = {
     "normal": (
@@ -92,9 +95,9 @@ def _enter(family: str, name: str, fields: dict[str, str], states: int) -> Calla
         own = {key: Field(unit, key.replace("_", " ")) for key, unit in fields.items()}
         keys = tuple(fields)
         pack = staticmethod(lambda values: tuple(float(values[key]) for key in keys))
-        notes: Any = staticmethod(lambda values: [])
-        common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "notes": notes, "states": states}
-        leaf = type(law.__name__, (), {**common, **own})
+        common = {"__doc__": text, "__module__": law.__module__, "pack": pack, "states": states}
+        base = NormalLaw if family == "normal" else FrictionLaw
+        leaf = type(law.__name__, (base,), {**common, **own})
         registry.kind(family, name, ContactLaw(family, name, law, keys, states))(leaf)
         return law
 
@@ -107,17 +110,17 @@ class ContactLaw(UsersKernel):
     def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], states: int) -> None:
         self.name, self.states = name, states
         sizes: tuple[int, ...] = (0, 0, 0, 0)
-        result: Any = "f"
+        result: Result = "f"
         if family == "friction":
             sizes = (0, 0) if not states else (0, 0, 0 if states == 1 else states)
             result = "f" if not states else ("f", "f" if states == 1 else ("f",) * states)
         super().__init__(family, f"{family} law '{name}'", law, keys, sizes, result, True)
 
-    def plain(self) -> Callable[..., Any]:
+    def plain(self) -> Law:
         """The kernel for plain Python."""
         return self.around(self.law)
 
-    def around(self, law: Any) -> Callable[..., Any]:
+    def around(self, law: Law) -> Law:
         """The kernel with this law in it."""
         if self.family == "normal":
             return _normal(law, self.fields)
@@ -145,8 +148,8 @@ def _numbers(result: Any) -> Iterator[float]:
 
 
 # an exception is nan, which ends the run with a message
-def _normal(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
-    def run(static: Any, delta: Any, ddelta: Any, v0: Any, p: Any, k: Any) -> float:
+def _normal(law: Law, fields: Law) -> Law:
+    def run(static: float, delta: float, ddelta: float, v0: float, p: Array, k: int) -> float:
         if delta <= 0.0:
             return 0.0
         try:
@@ -157,8 +160,8 @@ def _normal(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
-def _without(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
-    def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
+def _without(law: Law, fields: Law) -> Law:
+    def run(u: float, N: float, z: Array, p: Array, k: int, dz: Array) -> float:
         try:
             return float(law(u, max(N, LIGHT), fields(p, k)))
         except Exception:
@@ -167,8 +170,8 @@ def _without(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
-def _with_one(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
-    def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
+def _with_one(law: Law, fields: Law) -> Law:
+    def run(u: float, N: float, z: Array, p: Array, k: int, dz: Array) -> float:
         dz[0] = 0.0
         try:
             force, rate = law(u, max(N, LIGHT), z[0], fields(p, k))
@@ -180,8 +183,8 @@ def _with_one(law: Law, fields: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
-def _with_many(law: Law, fields: Callable[..., Any], own: Callable[..., Any], states: int) -> Callable[..., Any]:
-    def run(u: Any, N: Any, z: Any, p: Any, k: Any, dz: Any) -> float:
+def _with_many(law: Law, fields: Law, own: Law, states: int) -> Law:
+    def run(u: float, N: float, z: Array, p: Array, k: int, dz: Array) -> float:
         for n in range(states):
             dz[n] = 0.0
         try:
@@ -237,7 +240,7 @@ def _kernel(family: str, tag: float) -> KernelFunction:
     return kernels[int(tag)]
 
 
-def _tried(kernel: ContactLaw, where: str, arguments: tuple[Any, ...], values: np.ndarray) -> tuple[float, str]:
+def _tried(kernel: ContactLaw, where: str, arguments: tuple[object, ...], values: np.ndarray) -> tuple[float, str]:
     """Force [N] of a law, and in words why it has no finite value ("" if it has one)."""
     name = f"{kernel.family} law '{kernel.name}'"
     fields = kernel.pack(*(float(number) for number in values[: len(kernel.pack._fields)]))

@@ -9,27 +9,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from rattle.elements.custom.law_kernel import Law, Result
 from rattle.jit import layout as at
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field
 
-Function = Callable[..., Any]
+Array = NDArray[np.float64]
 
 
 class Form(NamedTuple):
     """A form of laws."""
 
     place: dict[str, Field]  # the key of the model file that says where the load acts
-    kernel: Callable[[Function, Function], Function]  # from law and fields
+    kernel: Callable[[Law, Law], Law]  # from law and fields
     sizes: tuple[int, ...]  # of the arguments of a law: 0 for a number, n for a tuple
-    result: Any  # kind of what a law returns
+    result: Result  # kind of what a law returns
 
 
 # ---------------------------------------------------------------- one body
-def _on_body(law: Function, fields: Function) -> Function:
-    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
+def _on_body(law: Law, fields: Law) -> Law:
+    def run(t: float, body: Array, a: int, b: int, p: Array, k: int, force: Array, energy: Array) -> None:
         kept = force[b, at.X]
         force[b, at.X] = math.nan
         state = (body[b, at.X], body[b, at.Y], body[b, at.PHI], body[b, at.VX], body[b, at.VY], body[b, at.W])
@@ -46,8 +50,8 @@ def _on_body(law: Function, fields: Function) -> Function:
 
 
 # ---------------------------------------------------------------- two points
-def _along_line(law: Function, fields: Function) -> Function:
-    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
+def _along_line(law: Law, fields: Law) -> Law:
+    def run(t: float, body: Array, a: int, b: int, p: Array, k: int, force: Array, energy: Array) -> None:
         sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
         length = math.sqrt(dx * dx + dy * dy)
         inv = 1.0 / length if length > COINCIDENT else 0.0  # coincident ends: no direction, no force
@@ -71,10 +75,10 @@ def _along_line(law: Function, fields: Function) -> Function:
 
 
 # ---------------------------------------------------------------- two bodies
-def _between_bodies(law: Function, fields: Function) -> Function:
+def _between_bodies(law: Law, fields: Law) -> Law:
     """The reaction acts on A at the point of B, so that angular momentum is kept."""
 
-    def run(t: Any, body: Any, a: Any, b: Any, p: Any, k: Any, force: Any, energy: Any) -> None:
+    def run(t: float, body: Array, a: int, b: int, p: Array, k: int, force: Array, energy: Array) -> None:
         sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
         wa, wb = body[a, at.W], body[b, at.W]
         ax, ay = body[a, at.X] + sax, body[a, at.Y] + say

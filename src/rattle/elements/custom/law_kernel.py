@@ -12,7 +12,8 @@ import logging
 from abc import abstractmethod
 from collections import namedtuple
 from collections.abc import Callable, Iterator, Sequence
-from inspect import isfunction, ismodule
+from inspect import isfunction, ismethod, ismodule
+from types import CellType, CodeType, FunctionType
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,10 @@ import numpy as np
 from rattle.errors import InputError
 from rattle.jit.functions import KernelFunction
 
+Outside = dict[tuple[object, ...], object]  # what a law uses from outside, by where it is used
 log = logging.getLogger("rattle")
-Law = Callable[..., Any]
+Law = Callable[..., Any]  # of a user, or a kernel around it: its arguments and result are those of its family
+Result = str | tuple["Result", ...]  # kind of what a law returns: "f" for a number
 
 
 class UsersKernel(KernelFunction):
@@ -32,22 +35,29 @@ class UsersKernel(KernelFunction):
     """
 
     def __init__(
-        self, family: str, words: str, law: Law, keys: Sequence[str], sizes: Sequence[int], result: Any, compiled: bool
+        self,
+        family: str,
+        words: str,
+        law: Law,
+        keys: Sequence[str],
+        sizes: Sequence[int],
+        result: Result,
+        compiled: bool,
     ) -> None:
         self.family, self.words, self.law, self.compiled = family, words, law, compiled
         self.sizes, self.result = tuple(sizes), result
         self.pack: Any = namedtuple("p", keys)  # type: ignore[misc]  # its keys are data
         self.fields = taking("pack", len(keys), {"pack": self.pack})
         super().__init__(self.plain(), family)
-        self._outside: Any = None  # what the machine code has taken from outside the law
+        self._outside: Outside = {}  # what the machine code has taken from outside the law
         self.__module__, self.__name__ = law.__module__ or "__main__", law.__name__
 
     @abstractmethod
-    def plain(self) -> Callable[..., Any]:
+    def plain(self) -> Law:
         """The kernel for plain Python."""
 
     @abstractmethod
-    def around(self, law: Any) -> Callable[..., Any]:
+    def around(self, law: Any) -> Law:
         """The kernel with this law in it, for machine code."""
 
     @abstractmethod
@@ -96,22 +106,24 @@ class UsersKernel(KernelFunction):
         return machine.python_entry(self.flat, self.result, count)
 
 
-def place_of(law: Any, words: str) -> str:
+def place_of(law: Law, words: str) -> str:
     """Where a law is written.  Raises InputError for an object that is no function."""
     if not hasattr(law, "__qualname__"):
         raise InputError(f"{words}: a function is expected, got {law!r}; write one (def ...) that calls it")
     return f"{law.__module__}.{law.__qualname__}"
 
 
-def outside(law: Any) -> Any:
+def outside(law: Law) -> Outside:
     """Numbers, texts and arrays that a function uses from outside, and those of the functions that it calls."""
-    used: dict[Any, Any] = {}
-    ahead, seen = [getattr(law, "py_func", law)], set()
+    used: Outside = {}
+    ahead: list[object] = [getattr(law, "py_func", law)]
+    seen = set[int]()
     while ahead:
         function = ahead.pop()
-        code = getattr(function, "__code__", None)
-        if code is None or id(function) in seen:
+        function = function.__func__ if ismethod(function) else function
+        if not isfunction(function) or id(function) in seen:
             continue
+        code = function.__code__
         seen.add(id(function))
         for name, value in _names_around(function, code):
             if isfunction(value):
@@ -126,7 +138,7 @@ def outside(law: Any) -> Any:
     return used
 
 
-def _names_around(function: Any, code: Any) -> Iterator[tuple[str, Any]]:
+def _names_around(function: FunctionType, code: CodeType) -> Iterator[tuple[str, object]]:
     """Names that a function takes from its module, from around it and as defaults, and what they are."""
     names = {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
     cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
@@ -136,7 +148,7 @@ def _names_around(function: Any, code: Any) -> Iterator[tuple[str, Any]]:
         yield name, getattr(value, "py_func", value)
 
 
-def _content(cell: Any) -> list[Any]:
+def _content(cell: CellType) -> list[object]:
     """What a variable from around a function holds; nothing if it has not been set."""
     try:
         return [cell.cell_contents]
@@ -144,7 +156,7 @@ def _content(cell: Any) -> list[Any]:
         return []
 
 
-def taking(make: str, count: int, around: dict[str, Any] | None = None) -> Callable[[Any, Any], Any]:
+def taking(make: str, count: int, around: dict[str, object] | None = None) -> Law:
     """A function of an array p and a place k that makes something of the numbers from there; "": a tuple.
 
     around: what its code may name.
@@ -155,5 +167,5 @@ def taking(make: str, count: int, around: dict[str, Any] | None = None) -> Calla
     space: dict[str, Any] = {"__name__": "fields", **(around or {})}
     exec(compile(text, file, "exec"), space)
     space["fields"].source = text.splitlines(keepends=True)  # for the translation
-    function: Callable[[Any, Any], Any] = space["fields"]
+    function: Law = space["fields"]
     return function

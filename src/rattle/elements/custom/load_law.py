@@ -31,6 +31,7 @@ from rattle import registry
 from rattle.elements.custom.law_forms import FORMS, Form
 from rattle.elements.custom.law_kernel import Law, UsersKernel, place_of
 from rattle.errors import InputError
+from rattle.interfaces.loads import LoadKind
 from rattle.jit import layout as at
 from rattle.language.units import dimension_of
 from rattle.registry import Field
@@ -68,7 +69,7 @@ def load_law(name: str, *, between: str = "", compiled: bool = True, **fields: s
             text += "\n\nSource: " + place_of(law, f"load law '{name}'")
         form = FORMS[between]
         own = {key: Field(unit, key.replace("_", " "), live=True) for key, unit in fields.items()}
-        leaf = type(law.__name__, (), {"__doc__": text, "__module__": law.__module__, **form.place, **own})
+        leaf = type(law.__name__, (LoadKind,), {"__doc__": text, "__module__": law.__module__, **form.place, **own})
         registry.kind("load", name, LawKernel(name, law, tuple(fields), compiled, form))(leaf)
         return law
 
@@ -84,17 +85,17 @@ class LawKernel(UsersKernel):
         self.name, self.form = name, form
         super().__init__("load", f"load law '{name}'", law, keys, form.sizes, form.result, compiled)
 
-    def plain(self) -> Callable[..., Any]:
+    def plain(self) -> Law:
         """The kernel for plain Python."""
         return self.calling(self.evaluate)
 
-    def calling(self, law: Law) -> Callable[..., None]:
+    def calling(self, law: Law) -> Law:
         """The kernel for plain Python with another law: (t, arguments, values) -> result."""
         return self.form.kernel(
             lambda t, *arguments: law(float(t), _floats(arguments[:-1]), arguments[len(arguments) - 1]), self.fields
         )
 
-    def around(self, law: Any) -> Callable[..., Any]:
+    def around(self, law: Law) -> Law:
         """The kernel with this law in it, for machine code."""
         return self.form.kernel(law, self.fields)
 
@@ -103,14 +104,14 @@ class LawKernel(UsersKernel):
         numbers = iter(flattened[1:])
         arguments = [tuple(islice(numbers, size)) if size else next(numbers) for size in self.sizes[1:]]
         result = self.evaluate(flattened[0], arguments, tuple(numbers))
-        return result if self.several else (result,)
+        return result if isinstance(result, tuple) else (result,)
 
     @property
     def several(self) -> bool:
         """Whether the law returns several numbers."""
         return isinstance(self.form.result, tuple)
 
-    def evaluate(self, t: float, arguments: Sequence[Any], values: Sequence[float]) -> Any:
+    def evaluate(self, t: float, arguments: Sequence[object], values: Sequence[float]) -> float | tuple[float, ...]:
         """What the law returns [N, N*m]; nan if it raises, and the exception is kept for `complaint`.
 
         t: time [s]; arguments: of the law between t and the fields [SI]; values: of the fields [SI].
@@ -172,10 +173,10 @@ def failure(kind: str, t: float, body: np.ndarray, load: np.ndarray, values: np.
     if not isinstance(kernel, LawKernel):
         return ""
     forget()
-    heard: list[Any] = []
+    heard: list[float | tuple[float, ...]] = []
 
-    def law(*arguments: Any) -> Any:
-        heard.append(kernel.evaluate(*arguments))
+    def law(t: float, arguments: Sequence[object], values: Sequence[float]) -> float | tuple[float, ...]:
+        heard.append(kernel.evaluate(t, arguments, values))
         return heard[-1]
 
     a, b, k = (int(load[column]) for column in (at.END_A, at.END_B, at.FIRST_P))

@@ -22,76 +22,11 @@ p[k:] comes from `pack`, table from `table` (several films may share one: p[k + 
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
-
-from rattle.elements.film_table import Array
+from rattle.interfaces.fields import Field, LawValues
 from rattle.language.recorded import as_number
-from rattle.registry import Field
-
-WORDS = ("whole", "wetted")
-THINNEST = 0.02  # clearance over radius above which the film is not thin
 
 
-class FilmLaw:
-    """Base of the film laws."""
-
-    viscosity = Field("Pa*s", "dynamic viscosity of the oil, at the temperature of the film", least="positive")
-    length = Field("m", "of the bush, along its axis", least="positive")
-    bush_radius = Field("m", "of the bore", least="positive")
-    shear = Field(
-        "", "the film drags on the whole circumference, or only where it has pressure", "whole", "choice", choices=WORDS
-    )
-
-    @classmethod
-    def pack(cls, values: Mapping[str, Any], clearance: float, least: float, start: int = 0) -> tuple[float, ...]:
-        """Parameters of the kernel: mu R L^3/c^3 [N s/m], c [m], mu R^3 L/c [N m s], the least film over c [-], ...
-
-        values by field name [SI]; clearance c [m]; least: thinnest film whose coefficients are used [m]; start: first
-        coefficient in a table of several films.
-        """
-        mu, length, radius = (as_number(values[key]) for key in ("viscosity", "length", "bush_radius"))
-        full, wetted = values.get("cavitation") == "full", values["shear"] == "wetted"
-        force, shear = mu * radius * length * (length / clearance) ** 2 / clearance, mu * radius**3 * length / clearance
-        return force, clearance, shear, least / clearance, float(full), float(wetted), float(start)
-
-    @classmethod
-    def table(cls, values: Mapping[str, Any]) -> Array:
-        """Coefficients that the kernel reads besides its parameters; of most laws there are none."""
-        return np.zeros(0)
-
-    @classmethod
-    def faults(cls, values: Mapping[str, Any], clearance: float) -> list[str]:
-        """What makes the law useless for these values [SI] and this clearance [m], in words."""
-        ratio = clearance / as_number(values["bush_radius"])
-        if ratio <= THINNEST:
-            return []
-        fault = f"the clearance is {ratio:.3g} of the radius; the theory of thin films needs at most {THINNEST:g}"
-        return [fault]
-
-    @classmethod
-    def notes(cls, values: Mapping[str, Any]) -> list[str]:
-        """Remarks for the user on the range of validity."""
-        return []
-
-    @classmethod
-    def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
-        """Largest pressure over mu L^2 |v|/c^3 at eccentricities e [of the clearance], v at alpha [rad] from them.
-
-        All arrays are (n,).
-        """
-        raise NotImplementedError
-
-    @classmethod
-    def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
-        """What flows out of both ends over 2 R L |v|; nan if the law says nothing about it.  All arrays are (n,)."""
-        return np.full(len(e), math.nan)
-
-
-def ratio_of(values: Mapping[str, Any]) -> float:
+def ratio_of(values: LawValues) -> float:
     """L/D [-] of the fields of a film."""
     return 0.5 * as_number(values["length"]) / as_number(values["bush_radius"])
 

@@ -7,12 +7,10 @@ see `rattle.elements.film_table` for the table and its coordinates.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from rattle.elements.film import CAVITATION, FilmLaw, ratio_of
+from rattle.elements.film import CAVITATION, ratio_of
 from rattle.elements.film_frame import FORCE, FULL, START, WETTED, book, relative_place, seen_velocity
 from rattle.elements.film_table import (
     LONGEST,
@@ -26,6 +24,8 @@ from rattle.elements.film_table import (
     recorded_coefficients,
 )
 from rattle.elements.short_film import short_integrals, short_peaks
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import FilmLaw
 from rattle.jit.functions import kernel
 from rattle.language.recorded import Recorded, array_of
 from rattle.registry import kind
@@ -83,12 +83,12 @@ class Finite(FilmLaw):
     cavitation = CAVITATION
 
     @classmethod
-    def table(cls, values: Mapping[str, Any]) -> Array:
+    def table(cls, values: LawValues) -> Array:
         """Coefficients of the splines at the L/D of these fields."""
         return _coefficients("full" if values["cavitation"] == "full" else "potential", values)
 
     @classmethod
-    def faults(cls, values: Mapping[str, Any], clearance: float) -> list[str]:
+    def faults(cls, values: LawValues, clearance: float) -> list[str]:
         """Thin films, and no longer than the table."""
         ratio, faults = ratio_of(values), super().faults(values, clearance)
         if ratio > LONGEST * (1.0 + ROUNDED):
@@ -96,17 +96,17 @@ class Finite(FilmLaw):
         return faults
 
     @classmethod
-    def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+    def peak(cls, values: LawValues, e: Array, alpha: Array) -> Array:
         short = np.empty(len(e))
         short_peaks(e, alpha, short)
         return short * _ratio("peak", values, e, alpha)
 
     @classmethod
-    def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+    def leakage(cls, values: LawValues, e: Array, alpha: Array) -> Array:
         return _ratio("leakage", values, e, alpha)
 
 
-def _coefficients(name: str, values: Mapping[str, Any]) -> Array:
+def _coefficients(name: str, values: LawValues) -> Array:
     """Coefficients of the splines of one table of films at the L/D of these fields."""
     ratio = ratio_of(values)
     if isinstance(ratio, Recorded):
@@ -114,7 +114,7 @@ def _coefficients(name: str, values: Mapping[str, Any]) -> Array:
     return coefficients(name, ratio)
 
 
-def _ratio(name: str, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+def _ratio(name: str, values: LawValues, e: Array, alpha: Array) -> Array:
     """A ratio to the short film from its table."""
     kept = _coefficients(f"{'full_' if values['cavitation'] == 'full' else ''}{name}", values)
     ratios = np.empty(len(e))

@@ -14,15 +14,15 @@ itself, as some papers print it, F_n jumps at v_n = 0 and the film does work on 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from rattle.elements.film import FilmLaw, ratio_of
+from rattle.elements.film import ratio_of
 from rattle.elements.film_frame import CLEARANCE, SHEAR, book, relative_place, seen_velocity
 from rattle.elements.film_table import Array
 from rattle.elements.long_film import long_peaks
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import FilmLaw
 from rattle.jit.functions import kernel
 from rattle.registry import kind
 
@@ -61,7 +61,7 @@ class PinkusSternlicht(FilmLaw):
     """
 
     @classmethod
-    def notes(cls, values: Mapping[str, Any]) -> list[str]:
+    def notes(cls, values: LawValues) -> list[str]:
         """A remark for the user: it is no model of a real bearing."""
         ratio = ratio_of(values)
         return [
@@ -69,7 +69,7 @@ class PinkusSternlicht(FilmLaw):
         ]
 
     @classmethod
-    def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+    def peak(cls, values: LawValues, e: Array, alpha: Array) -> Array:
         """The largest pressure of the exact solution for the wedge and the squeeze of a long film, together."""
         peaks = np.empty(len(e))
         long_peaks(e, alpha, peaks)

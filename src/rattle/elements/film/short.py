@@ -7,15 +7,15 @@ F = -(mu R L^3/c^3) pi [(1 + 2 e^2)/s^5 v_n n + 1/s^3 v_t t].
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from rattle.elements.film import CAVITATION, FilmLaw, ratio_of
+from rattle.elements.film import CAVITATION, ratio_of
 from rattle.elements.film_frame import FORCE, FULL, WETTED, book, relative_place, seen_velocity
 from rattle.elements.film_table import Array
 from rattle.elements.short_film import short_integrals, short_peaks
+from rattle.interfaces.fields import LawValues
+from rattle.interfaces.laws import FilmLaw
 from rattle.jit.functions import kernel
 from rattle.registry import kind
 
@@ -58,7 +58,7 @@ class Short(FilmLaw):
     cavitation = CAVITATION
 
     @classmethod
-    def notes(cls, values: Mapping[str, Any]) -> list[str]:
+    def notes(cls, values: LawValues) -> list[str]:
         """A remark for the user if the bearing is not short."""
         ratio = ratio_of(values)
         if ratio <= 0.25:
@@ -66,11 +66,11 @@ class Short(FilmLaw):
         return [f"at L/D = {ratio:.3g} a short film is too strong, by a multiple where it is thin; use 'finite'"]
 
     @classmethod
-    def peak(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+    def peak(cls, values: LawValues, e: Array, alpha: Array) -> Array:
         peaks = np.empty(len(e))
         short_peaks(e, alpha, peaks)
         return peaks
 
     @classmethod
-    def leakage(cls, values: Mapping[str, Any], e: Array, alpha: Array) -> Array:
+    def leakage(cls, values: LawValues, e: Array, alpha: Array) -> Array:
         return np.ones(len(e))

@@ -16,13 +16,12 @@ stiff.  psi is known up to whole turns only, see `elements.wrapped`.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from rattle.elements.joints import Fit, Grip, JointKind, Strand
 from rattle.elements.wrapped import SMALL, turned_by, write_turning
+from rattle.interfaces.fields import Fields, pair
+from rattle.interfaces.joints import Fit, Grip, JointKind, Strand
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
@@ -66,11 +65,11 @@ class Belt(JointKind):
     toothed = Field("", "a chain or a toothed belt, which cannot slip", default=False, shape="flag")
 
     @staticmethod
-    def grip(fields: Mapping[str, Any], distance: Any) -> Grip | None:
+    def grip(fields: Fields, distance: np.ndarray) -> Grip | None:
         """Eytelwein: tight/slack < exp(mu wrap), by the pulley of the smaller wrap, at distances (n,) [m]."""
         if fields["toothed"]:
             return None
-        ra, rb = fields["radii"]
+        ra, rb = pair(fields, "radii")
         across = np.clip((ra + rb if fields["crossed"] else -abs(ra - rb)) / distance, -1.0, 1.0)
         wrap = np.pi + 2.0 * np.arcsin(across)
         rough = fields["friction"] > 0.0
@@ -88,14 +87,14 @@ class Belt(JointKind):
         return (*constants[:3], 1.0)
 
     @staticmethod
-    def strand(fields: Mapping[str, Any]) -> Strand:
+    def strand(fields: Fields) -> Strand:
         """The law of a strand."""
         return Strand(fields["stiffness"], fields["damping"])
 
     @staticmethod
-    def fit(fields: Mapping[str, Any]) -> Fit:
+    def fit(fields: Fields) -> Fit:
         """The pulleys must not overlap, and the pretension must not stretch the strands by more than their length."""
-        ra, rb = fields["radii"]
+        ra, rb = pair(fields, "radii")
         words = f"its pulleys of {ra:.9g} m and {rb:.9g} m need their centres farther apart than {{}}"
         stretch = fields["pretension"] / fields["stiffness"]
         needed = math.hypot(stretch, ra + rb if fields["crossed"] else ra - rb)

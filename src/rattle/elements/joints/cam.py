@@ -26,15 +26,15 @@ Without roller the curve is the path of the point itself, of a roller's centre t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from rattle.elements.joints import JointKind
 from rattle.elements.profile import Array, around, degrees, gap
 from rattle.elements.roller_path import RollerPath
 from rattle.elements.rolling import ROLLER, roller_at
+from rattle.interfaces.fields import Fields, function
+from rattle.interfaces.joints import JointKind
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import compiled, kernel
@@ -127,7 +127,7 @@ def along_curve(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "along-curve", along_curve)
-class AlongCurve:
+class AlongCurve(TangentKind):
     """Slip of a point along its curve, on which friction acts.
 
     Source: do Carmo, Differential Geometry of Curves and Surfaces (1976), section 1-5 (tangents of plane curves).
@@ -158,14 +158,14 @@ class Cam(JointKind):
     )  # fmt: skip
 
     @staticmethod
-    def distance(fields: Mapping[str, Any]) -> float:
+    def distance(fields: Fields) -> float:
         """The mean radius [m], with that of the roller, as a first guess."""
-        return float(around(fields["radius"])[1][0].mean()) + float(fields["roller"])
+        return float(around(function(fields, "radius"))[1][0].mean()) + float(fields["roller"])
 
     @staticmethod
-    def fault(fields: Mapping[str, Any]) -> str:
+    def fault(fields: Fields) -> str:
         """The radius has to be positive wherever it is known, and the roller has to reach the curve everywhere."""
-        a, jets = around(fields["radius"])
+        a, jets = around(function(fields, "radius"))
         if not len(a):
             return (
                 "radius: it is not known at any angle a from -180 to 180 deg; a table needs points there, or a period"
@@ -176,21 +176,21 @@ class Cam(JointKind):
                 f"radius: must be positive at every angle; it is {jets[0, k]:.4g} m at a = {degrees(a[k])}."
                 " Put the centre, the first point of `connect`, inside the curve"
             )
-        return RollerPath(fields["radius"], fields["roller"]).fault() if fields["roller"] > 0.0 else ""
+        return RollerPath(function(fields, "radius"), fields["roller"]).fault() if fields["roller"] > 0.0 else ""
 
     @staticmethod
-    def friction_fault(fields: Mapping[str, Any]) -> str:
+    def friction_fault(fields: Fields) -> str:
         """A roller does not slide."""
         why = "a roller rolls, and friction is in its pin: make it a body with a revolute joint that has friction"
         return why if fields["roller"] > 0.0 else ""
 
     @staticmethod
-    def doubt(fields: Mapping[str, Any]) -> str:
+    def doubt(fields: Fields) -> str:
         """A closed curve ends where it begins."""
-        return gap(fields["radius"], "radius", "a")
+        return gap(function(fields, "radius"), "radius", "a")
 
     @staticmethod
-    def outline(fields: Mapping[str, Any]) -> Array:
+    def outline(fields: Fields) -> Array:
         """The curve."""
-        a, jets = around(fields["radius"])
+        a, jets = around(function(fields, "radius"))
         return np.asarray(jets[0] * np.array([np.cos(a), np.sin(a)])).T

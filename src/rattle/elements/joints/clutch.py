@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
-from rattle.elements.contact_geometry import OwnContact
-from rattle.elements.joints import JointKind
+from rattle.interfaces.contacts import OwnContact
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind
 from rattle.jit.functions import kernel
 from rattle.language.recorded import bare, is_whole
 from rattle.registry import Field, kind
@@ -61,7 +61,7 @@ class Clutch(JointKind):
     max_torque = Field("N*m", "torque at which an ideal clutch slips", default=math.inf, least="positive")
 
     @staticmethod
-    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    def faults(written: Mapping[str, object], fields: Fields) -> Iterator[tuple[str, str]]:
         """Keys and what is wrong with them: a sense, a missing key, keys of other models."""
         if fields["sense"] not in (1.0, -1.0) and not math.isnan(fields["sense"]):
             yield "sense", f"expected 1 (counter-clockwise) or -1 (clockwise), got {fields['sense']:g}"
@@ -82,7 +82,7 @@ class Clutch(JointKind):
             yield "teeth", f"expected a whole number of teeth, got {fields['teeth']:g}"
 
     @staticmethod
-    def own_contact(fields: Mapping[str, float]) -> OwnContact:
+    def own_contact(fields: Fields) -> OwnContact:
         """The contact whose force is the torque of the clutch [N*m]."""
         model, sense = int(fields["model"]), fields["sense"]
         law = (fields["max_torque"], fields["stiffness"], fields["damping"])

@@ -15,7 +15,7 @@ evaluated exactly before the rows.
 
 from __future__ import annotations
 
-from rattle.elements.joints import DriverKind
+from rattle.interfaces.joints import DriverKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row, position_row, turn_x, turn_y

@@ -7,10 +7,9 @@ gamma = s_B w_B^2 - s_A w_A^2, 0                [m/s^2, m/s^2, rad/s^2]
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from rattle.elements.joints import JointKind
 from rattle.elements.joints.revolute import revolute
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row
 from rattle.registry import Field, kind
@@ -37,6 +36,6 @@ class Fixed(JointKind):
     angle = Field("rad", "angle of B relative to A", default=0.0)
 
     @staticmethod
-    def kept_angle(fields: Mapping[str, float]) -> float:
+    def kept_angle(fields: Fields) -> float:
         """The given angle [rad]."""
         return fields["angle"]

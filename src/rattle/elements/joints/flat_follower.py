@@ -19,13 +19,13 @@ between -180 and 180 deg, whatever the number of turns.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from rattle.elements.joints import JointKind
 from rattle.elements.profile import Array, around, degrees, gap
+from rattle.interfaces.fields import Fields, function
+from rattle.interfaces.joints import JointKind
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, ends
@@ -87,7 +87,7 @@ def along_face(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "along-face", along_face)
-class AlongFace:
+class AlongFace(TangentKind):
     """Slip of a flat follower over its cam, on which friction acts.
 
     Source: Norton, Cam Design and Manufacturing Handbook (2009), chapter 7.
@@ -116,9 +116,9 @@ class FlatFollower(JointKind):
     )  # fmt: skip
 
     @staticmethod
-    def fault(fields: Mapping[str, Any]) -> str:
+    def fault(fields: Fields) -> str:
         """The cam has to be convex: its outline must not stand out beyond the face that touches it."""
-        x, (h, _, _) = around(fields["support"])
+        x, (h, _, _) = around(function(fields, "support"))
         if not len(x):
             return "support: it is not known at any x from -180 to 180 deg; a table needs points there, or a period"
         where, curvature, cut = worst_of(fields)
@@ -131,7 +131,7 @@ class FlatFollower(JointKind):
         )
 
     @staticmethod
-    def doubt(fields: Mapping[str, Any]) -> str:
+    def doubt(fields: Fields) -> str:
         """Small loops of the outline, and steps."""
         where, curvature, cut = worst_of(fields)
         if cut > 0.0:
@@ -139,19 +139,19 @@ class FlatFollower(JointKind):
                 f"support: near x = {where} the radius of curvature h + h'' is {curvature:.4g} m: the cam is not"
                 f" convex; the face cuts off {cut:.3g} m"
             )
-        return gap(fields["support"], "support", "x")
+        return gap(function(fields, "support"), "support", "x")
 
     @staticmethod
-    def outline(fields: Mapping[str, Any]) -> Array:
+    def outline(fields: Fields) -> Array:
         """Where the face touches the cam."""
-        x, (h, dh, _) = around(fields["support"])
+        x, (h, dh, _) = around(function(fields, "support"))
         cos, sin = np.cos(x), np.sin(x)
         return np.column_stack([h * cos - dh * sin, h * sin + dh * cos])
 
 
-def worst_of(fields: Mapping[str, Any]) -> tuple[str, float, float]:
+def worst_of(fields: Fields) -> tuple[str, float, float]:
     """Where the outline is least convex, its radius of curvature there [m], and what the face cuts off it [m]."""
-    x, (h, dh, ddh) = around(fields["support"])
+    x, (h, dh, ddh) = around(function(fields, "support"))
     curved = h + ddh
     # over a kink the tangent has to turn the right way too
     between = (np.diff(dh) + 0.5 * np.diff(x) * (h[1:] + h[:-1])) / np.diff(x)

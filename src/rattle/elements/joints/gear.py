@@ -16,11 +16,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
-from rattle.elements.joints import Fit, JointKind, mesh
+from rattle.elements.joints import mesh
 from rattle.elements.profile import degrees
 from rattle.elements.wrapped import write_turning
+from rattle.interfaces.fields import Fields, pair
+from rattle.interfaces.joints import Fit, JointKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
@@ -69,22 +70,22 @@ class Gear(JointKind):
     )
 
     @staticmethod
-    def fit(fields: Mapping[str, Any]) -> Fit:
+    def fit(fields: Fields) -> Fit:
         """The pitch circles touch: centres at the sum of the radii, or at their difference."""
-        (ra, rb), ring = fields["radii"], fields["internal"]
+        (ra, rb), ring = pair(fields, "radii"), fields["internal"]
         slack = SLACK * least(ra, rb) if fields["pressure_angle"] > 0.0 else 0.0
         words = f"its pitch radii of {ra:.9g} m and {rb:.9g} m need a distance of the centres of {{}}"
         return Fit(ra - rb if ring else ra + rb, None, words, slack=slack)
 
     @staticmethod
-    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+    def friction_arm(fields: Fields, own: Fields) -> float:
         """That of the teeth [m]."""
-        (ra, rb), size = fields["radii"], (own["module"], own["pressure_angle"])
+        (ra, rb), size = pair(fields, "radii"), (own["module"], own["pressure_angle"])
         first = mesh.ring(ra, *size) if fields["internal"] else mesh.wheel(ra, *size)
         return mesh.arm(first, mesh.wheel(rb, *size), own)
 
     @staticmethod
-    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    def faults(written: Mapping[str, object], fields: Fields) -> Iterator[tuple[str, str]]:
         """Teeth with flanks are contacts with a pressure angle."""
         angle, contact = fields["pressure_angle"], "contact" in written
         if "pressure_angle" in written and not 0.0 < angle <= mesh.STEEPEST:
@@ -105,9 +106,9 @@ class Gear(JointKind):
                 )
 
     @staticmethod
-    def fault(fields: Mapping[str, Any]) -> str:
+    def fault(fields: Fields) -> str:
         """A wheel has to be smaller than its ring, and the backlash smaller than teeth."""
-        ra, rb = fields["radii"]
+        ra, rb = pair(fields, "radii")
         if fields["internal"] and rb >= ra:
             return (
                 f"radii: the wheel inside, {rb:g} m, must be smaller than its ring, {ra:g} m;"

@@ -17,13 +17,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
 from rattle.elements.geneva import half_angle
-from rattle.elements.joints import Fit, JointKind
 from rattle.elements.profile import Array
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import Fit, JointKind
 from rattle.jit.functions import kernel
 from rattle.language.recorded import bare, cos, is_whole
 from rattle.registry import Field, kind
@@ -70,14 +70,14 @@ class LockingDisc(JointKind):
     )  # fmt: skip
 
     @staticmethod
-    def faults(written: Mapping[str, Any], fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    def faults(written: Mapping[str, object], fields: Fields) -> Iterator[tuple[str, str]]:
         """A number of arcs that is no number of slots."""
         arcs = fields["arcs"]
         if not math.isnan(bare(arcs)) and (not is_whole(arcs) or arcs < FEWEST):
             yield "arcs", f"expected a whole number of at least {FEWEST}, got {arcs:g}"
 
     @staticmethod
-    def fault(fields: Mapping[str, Any]) -> str:
+    def fault(fields: Fields) -> str:
         """Dimensions that no disc and wheel can have."""
         radius, distance, rim = fields["radius"], fields["axle_distance"], fields["rim"]
         if not fields["opening"] < math.pi:
@@ -96,13 +96,13 @@ class LockingDisc(JointKind):
         return ""
 
     @staticmethod
-    def fit(fields: Mapping[str, Any]) -> Fit:
+    def fit(fields: Fields) -> Fit:
         """The axes have to be where the centres of the arcs are; another distance changes the play."""
         why = "the arcs fit the disc where the axes are {} apart"
         return Fit(fields["axle_distance"], None, why, needed=False, slack=fields["play"])
 
     @staticmethod
-    def outline(fields: Mapping[str, Any]) -> Array:
+    def outline(fields: Fields) -> Array:
         """The disc with its sector cut out to the middle."""
         kappa = 0.5 * fields["opening"]
         turns = fields["axis"] + np.linspace(kappa, 2.0 * math.pi - kappa, POINTS)
@@ -110,7 +110,7 @@ class LockingDisc(JointKind):
         return np.vstack([around, [[0.0, 0.0]], around[:1]])
 
     @staticmethod
-    def borne_outline(fields: Mapping[str, Any]) -> Array:
+    def borne_outline(fields: Fields) -> Array:
         """The wheel without its slots: hollow arcs, and its rim between them."""
         hollow, beta, count = fields["radius"] + fields["play"], half_angle(fields), round(fields["arcs"])
         turns = math.pi - np.linspace(-beta, beta, POINTS // count)
@@ -123,6 +123,6 @@ class LockingDisc(JointKind):
         return np.vstack([*whole, whole[0][:1]])
 
     @staticmethod
-    def passing(fields: Mapping[str, Any]) -> str:
+    def passing(fields: Fields) -> str:
         """The arcs come to the disc and leave it."""
         return "a locking disc"

@@ -21,11 +21,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
 from rattle.elements.profile import degrees
 from rattle.errors import InputError
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import angle_row
@@ -64,7 +65,7 @@ def straight(module: float, alpha: float) -> Reach:
     return Reach(module / math.sin(alpha), math.inf)
 
 
-def arm(a: Reach, b: Reach, own: Mapping[str, float]) -> float:
+def arm(a: Reach, b: Reach, own: Fields) -> float:
     """e/cos(alpha) [m].  Raises InputError if teeth of this size would lose contact."""
     alpha = own["pressure_angle"]
     if alpha > STEEPEST:
@@ -98,7 +99,7 @@ def turning(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "turning", turning)
-class Turning:
+class Turning(TangentKind):
     """Turning of two toothed wheels, or of a pinion and its rack, against each other, by which their teeth slide.
 
     Source: Ohlendorf, Verlustleistung und Erwaermung von Stirnraedern (1958); ISO/TR 14179-2 (2001), mesh losses.

@@ -9,9 +9,8 @@ gamma_2 = 0                                                                 [rad
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from rattle.elements.joints import JointKind, Motor
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind, Motor
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import angle_row, direction, ends
@@ -62,11 +61,11 @@ class Prismatic(JointKind):
     angle = Field("rad", "angle of B relative to A (default: equal to axis)", default=lambda fields: fields["axis"])
 
     @staticmethod
-    def kept_angle(fields: Mapping[str, float]) -> float:
+    def kept_angle(fields: Fields) -> float:
         """The given angle [rad]."""
         return fields["angle"]
 
     @staticmethod
-    def line(fields: Mapping[str, float]) -> float:
+    def line(fields: Fields) -> float:
         """The given angle [rad]."""
         return fields["axis"]

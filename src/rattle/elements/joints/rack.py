@@ -10,10 +10,9 @@ turns in the positive sense.  The axis of a road under wheels is 180 degrees.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from rattle.elements.joints import Fit, JointKind, mesh
+from rattle.elements.joints import mesh
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import Fit, JointKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import position_row
@@ -49,13 +48,13 @@ class Rack(JointKind):
     radius = Field("m", "pitch radius of the pinion on B", least="positive")
 
     @staticmethod
-    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+    def friction_arm(fields: Fields, own: Fields) -> float:
         """That of the teeth [m]."""
         size = (own["module"], own["pressure_angle"])
         return mesh.arm(mesh.straight(*size), mesh.wheel(fields["radius"], *size), own)
 
     @staticmethod
-    def fit(fields: Mapping[str, Any]) -> Fit:
+    def fit(fields: Fields) -> Fit:
         """The pitch line touches the pitch circle, whose centre is on its side -n."""
         words = (
             "its pitch radius needs a distance of the pinion's centre from the line, to the right along `axis`, of {}"

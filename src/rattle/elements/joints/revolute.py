@@ -7,10 +7,8 @@ gamma = s_B w_B^2 - s_A w_A^2                   [m/s^2]
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from rattle.elements.joints import JointKind, Motor
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind, Motor
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
@@ -57,6 +55,6 @@ class Revolute(JointKind):
     drawn_as = "pin"
 
     @staticmethod
-    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+    def friction_arm(fields: Fields, own: Fields) -> float:
         """The radius of the pin [m]."""
         return own["pin_radius"]

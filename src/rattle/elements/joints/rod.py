@@ -18,11 +18,11 @@ These are the equations of a body without mass between two revolute joints.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
-from rattle.elements.joints import JointKind
 from rattle.elements.wrapped import write_turning
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind
+from rattle.interfaces.laws import TangentKind
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -67,7 +67,7 @@ def turning_under_b(body, a, b, p, k, row, rows):
 
 
 @kind("tangent", "pin-on-a", turning_on_a)
-class PinOnA:
+class PinOnA(TangentKind):
     """Turning of a rod about its pin on A.
 
     Source: Meriam, Kraige, Engineering Mechanics: Statics, section 6/6 (journal bearings).
@@ -77,7 +77,7 @@ class PinOnA:
 
 
 @kind("tangent", "pin-on-b", turning_under_b)
-class PinOnB:
+class PinOnB(TangentKind):
     """Turning of B on the pin of a rod.
 
     Source: Meriam, Kraige, Engineering Mechanics: Statics, section 6/6 (journal bearings).
@@ -103,11 +103,11 @@ class Rod(JointKind):
     length = Field("m", "length of the rod", least="positive")
 
     @staticmethod
-    def friction_arm(fields: Mapping[str, Any], own: Mapping[str, float]) -> float:
+    def friction_arm(fields: Fields, own: Fields) -> float:
         """The radius of the pins [m]."""
         return own["pin_radius"]
 
     @staticmethod
-    def distance(fields: Mapping[str, float]) -> float:
+    def distance(fields: Fields) -> float:
         """The given length [m]."""
         return fields["length"]

@@ -12,12 +12,11 @@ its other side.  The ends of the slot stop the pin, or let it out, only in a joi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 from rattle.elements.geneva import OPEN
-from rattle.elements.joints import JointKind, Motor
 from rattle.elements.joints.prismatic import on_line
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind, Motor
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind
 
@@ -53,35 +52,35 @@ class Slot(JointKind):
     )  # fmt: skip
 
     @staticmethod
-    def fault(fields: Mapping[str, Any]) -> str:
+    def fault(fields: Fields) -> str:
         """An open end needs a place."""
         if fields["open"] > 0.0 and fields["length"] == math.inf:
             return "an open end needs the length of the slot: give `length`, with the point of A in the middle"
         return ""
 
     @staticmethod
-    def passing(fields: Mapping[str, Any]) -> str:
+    def passing(fields: Fields) -> str:
         """A slot with an open end does not hold a pin that is outside of it."""
         return "a slot with an open end" if fields["open"] > 0.0 else ""
 
     @staticmethod
-    def assumed_radius(fields: Mapping[str, Any]) -> float:
+    def assumed_radius(fields: Fields) -> float:
         """Half the width of a slot with an open end whose width is not given [m]."""
         return SLENDER * fields["length"] if fields["open"] > 0.0 else 0.0
 
     @staticmethod
-    def line(fields: Mapping[str, float]) -> float:
+    def line(fields: Fields) -> float:
         """The given angle [rad]."""
         return fields["axis"]
 
     @staticmethod
-    def ends(fields: Mapping[str, float]) -> str:
+    def ends(fields: Fields) -> str:
         """Without length it has none."""
         return (
             "" if fields["length"] < math.inf else "a line without ends, which its pin never leaves; length gives ends"
         )
 
     @staticmethod
-    def travel(fields: Mapping[str, float]) -> float:
+    def travel(fields: Fields) -> float:
         """Half the length [m]: up to the centres of the rounded ends."""
         return 0.5 * fields["length"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.elements.loads import LoadRecord
+from rattle.interfaces.loads import LoadKind, LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -33,7 +33,7 @@ def actuator(t, body, a, b, p, k, force, energy):
 
 
 @kind("load", "actuator", actuator)
-class Actuator:
+class Actuator(LoadKind):
     """A force along the line between two points, such as that of a cylinder.
 
     Source: definition.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rattle.interfaces.loads import LoadKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import turn_x, turn_y
@@ -23,7 +24,7 @@ def force_at(t, body, a, b, p, k, force, energy):
 
 
 @kind("load", "force", force_at)
-class Force:
+class Force(LoadKind):
     """A force at a point of a body.
 
     Source: definition.

@@ -5,7 +5,7 @@ moment +T on B, -T on A, counter-clockwise positive   [N*m];    power T (w_B - w
 
 from __future__ import annotations
 
-from rattle.elements.loads import LoadRecord
+from rattle.interfaces.loads import LoadKind, LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import Field, LocalName, kind
@@ -20,7 +20,7 @@ def motor(t, body, a, b, p, k, force, energy):
 
 
 @kind("load", "motor", motor)
-class Motor:
+class Motor(LoadKind):
     """A moment between two bodies, on the rotor and back on the housing, such as a motor's line of torque over speed.
 
     Source: definition.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.elements.loads import LoadRecord
+from rattle.interfaces.loads import LoadKind, LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
@@ -39,7 +39,7 @@ def spring(t, body, a, b, p, k, force, energy):
 
 
 @kind("load", "spring", spring)
-class Spring:
+class Spring(LoadKind):
     """A spring and damper along the line between two points.
 
     Source: definition.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rattle.interfaces.loads import LoadKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind
@@ -15,7 +16,7 @@ def torque(t, body, a, b, p, k, force, energy):
 
 
 @kind("load", "torque", torque)
-class Torque:
+class Torque(LoadKind):
     """A moment on one body, counter-clockwise positive.
 
     Source: definition.

@@ -5,7 +5,7 @@ T = stiffness (phi_B - phi_A - free_angle) + damping (w_B - w_A)      acts on B 
 
 from __future__ import annotations
 
-from rattle.elements.loads import LoadRecord
+from rattle.interfaces.loads import LoadKind, LoadRecord
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind
@@ -26,7 +26,7 @@ def torsion_spring(t, body, a, b, p, k, force, energy):
 
 
 @kind("load", "torsion-spring", torsion_spring)
-class TorsionSpring:
+class TorsionSpring(LoadKind):
     """A torsion spring and damper between two bodies.
 
     Source: definition.

@@ -12,12 +12,13 @@ to p is the working pressure angle, cos = (base radii)/l; the ratio of the wheel
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
-from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.wrapped import Wrapped, bow_of, length_of, write_line
+from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.fields import Fields, pair
 from rattle.jit.functions import kernel
+from rattle.language.local_function import LocalFunction
 from rattle.language.recorded import cos, largest
 from rattle.registry import kind
 
@@ -30,9 +31,9 @@ def flanks(body, a, b, p, k, corner, row, kinematics):
     write_line(body, a, b, p, k, 1.0 if corner == 0 else -1.0, row, kinematics)
 
 
-def base(fields: Mapping[str, Any]) -> tuple[float, float, float]:
+def base(fields: Fields) -> tuple[float, float, float]:
     """Base radii a, b (negative inside of a ring) and the distance l_0 of the centres [m]."""
-    (ra, rb), turned = fields["radii"], -1.0 if fields["internal"] else 1.0
+    (ra, rb), turned = pair(fields, "radii"), -1.0 if fields["internal"] else 1.0
     share = cos(fields["pressure_angle"])
     return ra * share, turned * rb * share, ra + turned * rb
 
@@ -50,7 +51,7 @@ class Flanks(OneSidedKind):
     wall = "the teeth of its partner"
 
     @staticmethod
-    def parameters(fields: Mapping[str, Any], constants: Sequence[float]) -> Sequence[Any]:
+    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
         """Base circles, phase and backlash."""
         (a, b, distance), side = base(fields), -1.0 if fields["internal"] else 1.0
         play = 0.5 * fields["backlash"] - side * length_of(distance, a + b)
@@ -64,7 +65,7 @@ class Flanks(OneSidedKind):
         return p[11]
 
     @staticmethod
-    def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """The larger base radius [m], and how fast the line of action turns as the centres move [1/m]."""
         a, b, distance = base(fields)
         return largest(a, abs(b)), 0.0, bow_of(distance, a + b)

@@ -10,13 +10,13 @@ gamma = -(gamma of the row of the joint)                                        
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
-from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.profile import around
+from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.fields import Fields, function
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, ends
@@ -64,7 +64,7 @@ class FlatFace(OneSidedKind):
     turning = at.B_BODY
 
     @staticmethod
-    def bends(fields: Mapping[str, Any], constants: Any) -> tuple[float, float, float]:
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """Largest |h'| and |h''| [m] around the cam."""
-        jets = around(fields["support"])[1]
+        jets = around(function(fields, "support"))[1]
         return float(np.abs(jets[1]).max()), float(np.abs(jets[2]).max()), 0.0

@@ -20,15 +20,17 @@ See `elements.disc_contact` for the rows.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from rattle.elements.disc_contact import write_disc
 from rattle.elements.geneva import half_angle
-from rattle.elements.one_sided import OneSidedKind
+from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, ends
+from rattle.language.local_function import LocalFunction
 from rattle.language.recorded import cos, hypot, sin
 from rattle.registry import kind
 
@@ -135,7 +137,7 @@ class LockedArcs(OneSidedKind):
     slides = True
 
     @staticmethod
-    def parameters(fields: Mapping[str, Any], constants: Sequence[float]) -> Sequence[Any]:
+    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
         """Edges of the disc, arcs of the wheel."""
         r, kappa, beta = fields["rounding"], 0.5 * fields["opening"], half_angle(fields)
         step, inner = 2.0 * math.pi / fields["arcs"], fields["radius"] - fields["rounding"]
@@ -168,6 +170,6 @@ class LockedArcs(OneSidedKind):
         return p[PLAY]
 
     @staticmethod
-    def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """1/(2 r) [1/m]: how fast the direction from an edge to a horn turns."""
         return 0.0, 0.0, 0.5 / fields["rounding"]

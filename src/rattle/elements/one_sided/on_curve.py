@@ -16,15 +16,15 @@ With a roller g = D - r, n = -(slope of D), and gamma is that of the row with th
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
-from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.profile import around
 from rattle.elements.roller_path import RollerPath
 from rattle.elements.rolling import ROLLER, roller_at
+from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.fields import Fields, function
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, ends
@@ -107,11 +107,11 @@ class OnCurve(OneSidedKind):
     walls_turn = True
 
     @staticmethod
-    def bends(fields: Mapping[str, Any], constants: Any) -> tuple[float, float, float]:
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """Twice the largest curvature [1/m] of the distance from the curve and of its scale, around the curve."""
         if fields["roller"] > 0.0:
-            curvature = RollerPath(fields["radius"], fields["roller"]).curvature
+            curvature = RollerPath(function(fields, "radius"), fields["roller"]).curvature
             return 0.0, 0.0, float(2.0 * np.abs(curvature / (1.0 + curvature * fields["roller"])).max())
-        f, df, ddf = around(fields["radius"])[1]
+        f, df, ddf = around(function(fields, "radius"))[1]
         u, v = df / f, ddf / f
         return 0.0, 0.0, float((2.0 * (1.0 + 3.0 * u * u + np.abs(v)) * (1.0 + np.abs(u)) / f).max())

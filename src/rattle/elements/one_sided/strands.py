@@ -9,13 +9,14 @@ l_0, T_0: distance and pretension at the start;  K, c: stiffness and damping of 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
-from rattle.elements.one_sided import OneSidedKind
 from rattle.elements.wrapped import SMALL, Wrapped, bow_of, length_of, write_line
+from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.fields import Fields, pair
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
+from rattle.language.local_function import LocalFunction
 from rattle.language.recorded import largest
 from rattle.registry import kind
 
@@ -28,9 +29,9 @@ def strands(body, a, b, p, k, corner, row, kinematics):
     write_line(body, a, b, p, k, -1.0 if corner == 0 else 1.0, row, kinematics)
 
 
-def turning(fields: Mapping[str, Any]) -> tuple[float, float]:
+def turning(fields: Fields) -> tuple[float, float]:
     """Radii a, b [m] of the derivation."""
-    ra, rb = fields["radii"]
+    ra, rb = pair(fields, "radii")
     return ra, rb if fields["crossed"] else -rb
 
 
@@ -54,7 +55,7 @@ class Strands(OneSidedKind):
         return at.JOINT_NORMAL if corner == 0 else at.JOINT_TANGENT
 
     @staticmethod
-    def parameters(fields: Mapping[str, Any], constants: Sequence[float]) -> Sequence[Any]:
+    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
         """Pulleys, phase and stretch at the start."""
         (a, b), (phase, distance, psi, near) = turning(fields), constants or (math.nan,) * 4
         apart = distance > abs(a + b)
@@ -68,7 +69,7 @@ class Strands(OneSidedKind):
         return p[11]
 
     @staticmethod
-    def bends(fields: Mapping[str, Any], constants: Sequence[float]) -> tuple[float, float, float]:
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """The larger radius [m], and how fast the strands turn as the centres move [1/m]."""
         (a, b), distance = turning(fields), constants[1] if constants else math.nan
         return largest(a, abs(b)), 0.0, bow_of(distance, a + b) if distance > abs(a + b) else math.nan

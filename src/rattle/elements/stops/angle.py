@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import math
 
-from rattle.elements.stops import LARGEST, LEAST, StopKind
+from rattle.elements.stops import LARGEST, LEAST
+from rattle.interfaces.contacts import StopKind
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
 from rattle.registry import Field, kind

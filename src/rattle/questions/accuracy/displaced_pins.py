@@ -21,6 +21,7 @@ from rattle.equations.dense import dense_rows
 from rattle.equations.motion import loads
 from rattle.equations.placement import turned
 from rattle.equations.system import System
+from rattle.interfaces.contacts import WornKind
 from rattle.jit import layout as at
 from rattle.jit.layout import POINTS
 from rattle.questions.kinematics.sweep import begin
@@ -188,7 +189,7 @@ def free_play(joint: Joint) -> Any:
     return joint.play.free_play(joint.clearance, joint.fields, joint.dimensions)
 
 
-def worn_surface(joint: Joint) -> Any:
+def worn_surface(joint: Joint) -> type[WornKind]:
     """The class of the worn surfaces of a joint."""
     play = registry.play_of(joint.kind)
     assert play is not None, "only joints with play wear"

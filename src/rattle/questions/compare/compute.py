@@ -348,9 +348,9 @@ def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[s
         contact, assumptions = recontact(compliant.contact_of(name), "lubricated"), [f"oil of {OIL}"]
         assert isinstance(contact, dict), "a compliant contact is a table"
         if "bush_radius" not in m.contact_of(name):
-            contact["bush_radius"] = BORE * joint.clearance
-            if contact["bush_radius"] > 0.5 * m.system.extent:
-                play, radius = f"{1e3 * joint.clearance:.3g} mm", f"{contact['bush_radius']:.3g} m"
+            contact["bush_radius"] = bore = BORE * joint.clearance
+            if bore > 0.5 * m.system.extent:
+                play, radius = f"{1e3 * joint.clearance:.3g} mm", f"{bore:.3g} m"
                 words = (
                     f"{name} has no bush_radius, and a usual one for {play} of play around oil, {radius}, does not fit"
                     " this mechanism; give bush_radius, length and viscosity"
@@ -358,8 +358,8 @@ def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[s
                 raise ModelError([Problem(("joints", name), words)])
             assumptions.append(f"bush radius {1e3 * BORE * joint.clearance:.3g} mm")
         if "length" not in contact:
-            radius = contact["bush_radius"]
-            contact["length"] = f"2*({radius})" if isinstance(radius, str) else 2.0 * radius
+            written = contact["bush_radius"]
+            contact["length"] = 2.0 * written if isinstance(written, int | float) else f"2*({written})"
             assumptions.append("a bush as long as wide")
         changes[f"joints.{name}.contact"] = {"viscosity": OIL, **contact}
         if math.hypot(*m.model.initial.offsets.get(name, (0.0, 0.0))) > 0.9 * joint.clearance:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle import registry
+from rattle.interfaces.contacts import ClearanceKind
 from rattle.plots.curves import (
     BLACK,
     BLUE,
@@ -196,7 +197,7 @@ def _force_range(comparison: Comparison) -> tuple[float, float]:
     return least, top
 
 
-def _play(r: Result, joint: str) -> Any:
+def _play(r: Result, joint: str) -> type[ClearanceKind]:
     """What the kind of play of a joint says about itself."""
     kind = registry.play_of(r.geometry["joints"][joint]["type"])
     assert kind is not None, "only joints with play are compared"

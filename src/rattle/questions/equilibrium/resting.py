@@ -67,7 +67,7 @@ def resting_system(system: System, resting: Ends, depth: Mapping[str, float] | N
             continue
         end = joint.stop.minimum if resting[name] > 0 else joint.stop.maximum
         value = end - resting[name] * (depth or {}).get(name, 0.0)
-        drivers[AT_STOP + name] = Driver(AT_STOP + name, joint.leaf.motor.driver, name, value)
+        drivers[AT_STOP + name] = Driver(AT_STOP + name, joint.motor.driver, name, value)
     return compile_system(replace(system.model, drivers=drivers, joints=joints))
 
 
@@ -116,7 +116,7 @@ class Stopped:
 
     def _effort(self, rest: Equilibrium, name: str) -> float:
         """Force [N] or moment [N m] with which a joint is held at its stop, on B."""
-        motor = self.system.model.joints[name].leaf.motor
+        motor = self.system.model.joints[name].motor
         effort = registry.kinds("driver")[motor.driver].leaf.effort[0]
         return float(rest.row[rest.table.column[f"{AT_STOP}{name}.{effort}"]])
 

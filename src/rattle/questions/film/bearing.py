@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rattle import registry
 from rattle.errors import InputError, ModelError, Problem, WrongType, suggest
+from rattle.interfaces.laws import FilmLaw
 from rattle.language.quantities import Quantity, in_si
 from rattle.questions.film.journal import JournalPosition, located, position_at, threshold
 from rattle.questions.film.locus import locus
@@ -92,9 +93,10 @@ class Film:
         if film is None:
             needs = 'a clearance, and contact = { model = "lubricated", viscosity, length, bush_radius }'
             raise ModelError([Problem(("joints", joint.name, "contact"), f"a film needs oil in the joint: {needs}")])
-        values = dict(film.law.values)
-        sizes = (values.pop("viscosity"), values.pop("length"), values.pop("bush_radius"))
-        return cls(*sizes, joint.clearance, film.law.kind, **values)
+        law = film.law
+        words = {key: word for key, word in law.values.items() if isinstance(word, str)}
+        sizes = (law.number("viscosity"), law.number("length"), law.number("bush_radius"))
+        return cls(*sizes, joint.clearance, law.kind, **words)
 
     def _packed(self, least: float) -> Array:
         """Parameters of the kernel; least: thickness [m] below which a film acts as one that thick."""
@@ -263,14 +265,14 @@ class Film:
         return plot_film(self, position, None if result is None else load_points(result, joint))
 
 
-def _kind(model: str) -> registry.Kind:
+def _kind(model: str) -> registry.Kind[FilmLaw]:
     kinds = registry.kinds("film")
     if model not in kinds:
         raise InputError(f"no film '{model}'{suggest(str(model), kinds)}; there are {', '.join(sorted(kinds))}")
     return kinds[model]
 
 
-def _check_words(kind: registry.Kind, chosen: dict[str, str]) -> None:
+def _check_words(kind: registry.Kind[FilmLaw], chosen: dict[str, str]) -> None:
     """Raise InputError for a word that the law does not have."""
     for key, word in chosen.items():
         choices = kind.fields[key].choices if key in kind.fields else ("reynolds",)

@@ -78,7 +78,7 @@ def _sought_load(system: System, name: str, t: float, q: np.ndarray) -> Sought:
     load, force = model.loads[name], load_forces(system, t, q, np.zeros_like(q))[name]
     end = force[0 if load.b.body == "ground" else 1 + system.bodies.index(load.b.body)]
     kind = registry.kinds("load")[load.kind] if load.law is None else None
-    record = getattr(kind.leaf, "record", None) if kind else None
+    record = kind.leaf.record if kind else None
     acts = next((field.unit for field in kind.fields.values() if field.live), "") if kind and record is None else ""
     if record is None:
         value = {"N": float(np.hypot(*end[:2])), "N*m": float(end[2])}.get(acts, 1.0)

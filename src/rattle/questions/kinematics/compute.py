@@ -285,7 +285,7 @@ def _curves(
         keep = [k for k, name in enumerate(names) if name not in drop and name.partition(".")[0] not in replaced]
         data, names = data[:, keep], [names[k] for k in keep]
         for n, (_, joint) in enumerate(motors):
-            _, effort, unit = model.joints[joint].leaf.motor
+            _, effort, unit = model.joints[joint].motor
             names += [f"{joint}.{effort}", f"{joint}.power"]
             units |= {f"{joint}.{effort}": unit, f"{joint}.power": "W"}
             data = np.column_stack([data, raw[:, width(system) + 2 * n : width(system) + 2 * n + 2]])

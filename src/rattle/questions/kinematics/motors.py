@@ -46,7 +46,7 @@ def without_effort(sweep: Sweep, t: np.ndarray, raw: np.ndarray, motors: list[tu
         dead = ~np.isfinite(raw[:, width(sweep.system) + 2 * n])
         if dead.any():
             listed = ", ".join(f"{instant:.6g}" for instant in t[dead][:4]) + (" ..." if dead.sum() > 4 else "")
-            effort = sweep.system.model.joints[joint].leaf.motor.effort
+            effort = sweep.system.model.joints[joint].motor.effort
             notes.append(
                 f"{joint}.{effort}: none at {int(dead.sum())} of {len(t)} instants (t = {listed} s): '{joint}' is at a"
                 f" dead centre there, where no effort of it does the work of driver '{sweep.system.rows[row].owner}';"

@@ -89,7 +89,7 @@ def begin(
     for row, name in motors:
         joint = system.model.joints[name]
         number = {"ground": 0, **{body: n + 1 for n, body in enumerate(system.bodies)}}
-        driver = registry.kinds("driver")[joint.leaf.motor.driver]
+        driver = registry.kinds("driver")[joint.motor.driver]
         tag = len(registry.kinds("joint")) + driver.tag
         probe.append((tag, number[joint.a.body], number[joint.b.body], len(values), row))
         values += [*joint.a.at, *joint.b.at, *before_function(joint, driver), 0.0, 0.0, 0.0]

@@ -288,11 +288,7 @@ def require_run(r: Result, facts: str) -> None:
 
 def pins(m: Mechanism) -> dict[str, float]:
     """Clearances of the pins [m]."""
-    return {
-        n: joint.clearance
-        for n, joint in m.model.joints.items()
-        if joint.play and joint.play.orbit and joint.clearance > 0.0
-    }
+    return {n: joint.clearance for n, joint in m.model.joints.items() if joint.clearance > 0.0 and joint.play.orbit}
 
 
 def stopped(r: Result) -> str:

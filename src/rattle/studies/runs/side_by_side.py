@@ -20,7 +20,7 @@ from rattle.errors import TraceError
 from rattle.language import arrays
 from rattle.language.syntax import names
 from rattle.registry import kinds
-from rattle.solvers.stepper import FREE, LONGEST, usual_stepper
+from rattle.solvers.stepper import FREE, LONGEST, tableau_of, usual_stepper
 from rattle.studies.runs.analyses import given_up, steps_at_most
 from rattle.studies.runs.task import Task
 from rattle.trace import lane_methods, lanes
@@ -114,7 +114,7 @@ def _require_lanes(task: Task, method: str) -> None:
         raise TraceError(f"{task.analysis} runs position by position")
     if why := next((why for output in task.outputs if (why := why_not_lanes(output, dict.fromkeys(task.names)))), ""):
         raise TraceError(why)
-    if kinds("stepper")[method].leaf.tableau is None:
+    if tableau_of(kinds("stepper")[method]) is None:
         raise TraceError(f"'{task.how.method}' has no straight-line code")
     if task.mechanism.system.switches:
         switching = ", ".join(sorted({switch.name for switch in task.mechanism.system.switches}))
@@ -122,11 +122,12 @@ def _require_lanes(task: Task, method: str) -> None:
 
 
 def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Program:
-    functions, how = MachineFunctions(), task.how
+    functions, how, tableau = MachineFunctions(), task.how, tableau_of(kinds("stepper")[method])
+    assert tableau is not None, "others have no straight-line code, see `_require_lanes`"
     longest = task.t_end / SHORT if needs_short_steps(task.outputs, model) else np.inf
     program = Program(
         lane_model(model, asked, functions.add, Starts(model, functions.add)), functions.add,
-        lane_methods.Method(kinds("stepper")[method].leaf.tableau), asked.reductions, task.t_end,
+        lane_methods.Method(tableau), asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(how.rtol, how.atol, min(how.step or np.inf, longest)),
         step=min(how.step or LONGEST, longest), chain=functions.chain, tiled=True,
         most_steps=steps_at_most(task.mechanism, how) or MOST_STEPS,

@@ -1,0 +1,265 @@
+"""What the equations and the solvers need to know of the geometry of a contact: the interface of its kinds.
+
+A contact is one-sided: a gap g >= 0 and N >= 0 that opens it.  It may belong to a joint in place of its rows
+(clearance, one-sided joint) or besides them (stop).  With n and the arms p_A, p_B, and the couple m (columns NX to PBY
+and TURN of `contact_kinematics`), its normal row is
+
+    -g' = w . v,   w = A (-n, -p_A x n - m), B (n, p_B x n + m)
+
+so the gap is a length [m], N a force [N]; or, with n = 0 and m = +-1, an angle [rad] and a moment [N m].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import ClassVar, NamedTuple, Protocol
+
+import numpy as np
+
+from rattle.interfaces.fields import Field, Fields
+from rattle.jit import layout as at
+from rattle.language.local_function import LocalFunction
+from rattle.language.recorded import hypot
+
+Dimensions = Mapping[str, tuple[float, ...]]
+
+
+class ContactGeometry:
+    """Interface of the kinds of geometry; the defaults are those of a point on a curved wall."""
+
+    contacts: ClassVar[int] = 1  # number of places that may touch; `corner` of the kernel is their index
+    walls_turn: ClassVar[bool] = False  # True: straight walls, which turn with `turning`
+    turning: ClassVar[int] = at.A_BODY  # the body whose walls turn: at.A_BODY or at.B_BODY
+    rounded: ClassVar[bool] = True  # True: a curved wall, whose normal turns as B moves; its speed is in touch[ACROSS]
+    wall: ClassVar[str]  # what bears, in messages, with an article
+    angular: ClassVar[bool] = False  # True: the gap is an angle [rad], N a moment [N m]
+    slides: ClassVar[bool] = True  # True: it has a tangential row, on which friction acts
+    column: ClassVar[int] = at.JOINT_NORMAL  # of an output row of its joint: N of its contacts is added there
+    has_radius: ClassVar[bool] = True  # True: forces depend on the radius of the bush, which the contact may give
+    holds_oil: ClassVar[bool] = False  # True: a round pin in a round bush, between which a film of oil can be
+    worn: ClassVar[int] = 0  # 1: its force is that of a foundation between two profiles, see `equations.worn_contact`
+    from_materials: ClassVar[bool] = False  # True: stiffness from materials, by the formulas for a pin in a bush
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Longest arms [m] from the mass centres of A and B to the points that determine the gap (centres, corners)."""
+        raise NotImplementedError
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """Size of the gap by which tolerances are set [m or rad]; size: of the mechanism [m], or 1 rad."""
+        raise NotImplementedError
+
+    @staticmethod
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
+        """What bends the gap besides arms and turning walls: SLOPE [m], CURVE [m] and BOW [1/m], see `layout`.
+
+        constants: that the start of a joint has set; of a kind of clearance the clearance and radius of the bush [m].
+        """
+        return 0.0, 0.0, 0.0
+
+    @classmethod
+    def column_of(cls, corner: int) -> int:
+        """Column of an output row of its joint to which N of this contact is added."""
+        return cls.column
+
+    @staticmethod
+    def sense(corner: int) -> int:
+        """1 or -1: N of this contact counts positive or negative in its column."""
+        return 1
+
+
+class OwnContact(NamedTuple):
+    """The contact that a joint consists of: it has no rows and no clearance, and the force of this contact is its own.
+
+    Its force is positive in the column EFFORT of an output row where it drives B in the positive direction.
+    """
+
+    kind: str  # of the family "clutch": its geometry
+    rigid: bool  # set-valued; otherwise its force follows from the state
+    level: bool  # decided by the rate g' alone; otherwise it has a gap
+    toothed: bool  # the gap becomes one pitch smaller where it reaches a pitch
+    states: int  # number of states of its law
+    sense: int  # 1 or -1: the direction in which it drives B
+    geometry: tuple[float, ...]  # what its kernel takes after the points
+    law: tuple[float, ...]  # largest torque, stiffness, damping, see `layout`
+
+
+class FreePlay:
+    """The displacements e = (e_0, e_1) of B from its position without clearance that a joint allows: here a circle.
+
+    e is in the frame of A [m]; for some kinds e_1 is a rotation [rad], or unused.
+    """
+
+    two_tips = False  # True: two kinds of corners of the region of e may be extremes, see `tip`
+
+    def __init__(self, clearance: float) -> None:
+        self.clearance = clearance
+        self.steps = (clearance, clearance)  # scales of the components of e
+
+    def first_order(self, y: np.ndarray) -> tuple[float, np.ndarray]:
+        """Largest y . e [unit of the output] to first order in the clearance, and the e (2,) [m, rad] that reaches it.
+
+        y: (2,) derivative of an output with respect to e.
+        """
+        size = float(np.hypot(*y))
+        return self.clearance * size, (self.clearance / size * y if size > 0.0 else np.zeros(2))
+
+    def tip(self, y: np.ndarray, second: bool | None) -> np.ndarray:
+        """The e (2,) [m, rad] with the largest y . e; second: the kind of corner, None for the better one."""
+        return self.first_order(y)[1]
+
+    def side(self, e: np.ndarray, y: np.ndarray) -> tuple[float, Callable[[float], np.ndarray]] | None:
+        """A curved side of the region on which y . e grows from e: its length [m or rad], and e (2,) along it."""
+        return None
+
+    @property
+    def unbounded(self) -> str:
+        """Why the displacements are not bounded, as a clause about B; "" if they are bounded."""
+        return ""
+
+
+class ClearanceKind(ContactGeometry):
+    """Interface of the kinds of clearance; the defaults are those of a pin in a bush."""
+
+    joint: ClassVar[str]  # the kind of joint that has this clearance
+    borne, bearer = "pin", "bush"  # names of the parts on B and A
+    wall = "a bush"
+    orbit: ClassVar[bool] = False  # True: a circle in which the path of the pin is drawn
+    dimensions: ClassVar[Mapping[str, Mapping[str, Field]]] = {}  # tables of dimensions of a joint with this clearance
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Arms [m] of the two centres."""
+        return hypot(p[0], p[1]), hypot(p[2], p[3])
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """The clearance [m]."""
+        return p[at.CLEARANCE]
+
+    @staticmethod
+    def play_along(fields: Fields, along: np.ndarray) -> np.ndarray:
+        """The part (n,) [m] of the displacement `along` (n,) [m] of B's point on the joint's line that is clearance."""
+        return 0.0 * along
+
+    @staticmethod
+    def displaced(fields: Fields, e: np.ndarray) -> tuple[float, float, Mapping[str, float]]:
+        """Shift of A's point in its frame [m] and changes of the joint's fields [SI] that displace B by e (2,)."""
+        return float(e[0]), float(e[1]), {}
+
+    @staticmethod
+    def free_play(clearance: float, fields: Fields, dimensions: Dimensions) -> FreePlay:
+        """The displacements that a clearance [m] allows."""
+        return FreePlay(clearance)
+
+
+class WornSurfaces(Protocol):
+    """What is known of a pin and a bush that wear, see `description.model.Wear`."""
+
+    @property
+    def profile(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None: ...
+    @property
+    def foundation(self) -> float: ...
+    @property
+    def radius(self) -> float: ...
+    @property
+    def length(self) -> float: ...
+
+
+class WornKind(ClearanceKind):
+    """Interface of the clearances between two worn profiles."""
+
+    @staticmethod
+    def worn_play(wear: WornSurfaces, clearance: float) -> FreePlay:
+        """The displacements that the clearance and the profiles of a joint allow."""
+        raise NotImplementedError
+
+    @staticmethod
+    def parameters(wear: WornSurfaces) -> tuple[float, ...]:
+        """Parameters of the kernel after those of `pin`."""
+        raise NotImplementedError
+
+
+class OneSidedKind(ContactGeometry):
+    """Interface of the one-sided kinds; the defaults are those of one contact of a follower."""
+
+    joint: ClassVar[str]  # the kind of joint that is one-sided with `contact`
+    chosen: ClassVar[bool] = True  # False: the joint always has these contacts, by a law of its own
+    stiff_in_kinematics: ClassVar[bool] = False  # True: kinematics takes the rows of the joint instead
+    records: ClassVar[tuple[str, ...]] = ()  # names of its two forces [N], the larger first, instead of N
+    rounded = False
+    slides = False
+    has_radius = False
+    column = at.JOINT_NORMAL
+
+    @staticmethod
+    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
+        """What the kernel takes after the points: numbers [SI] and functions; constants: that the start has set."""
+        return tuple(fields.values())
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Arms [m] of the two points."""
+        return hypot(p[0], p[1]), hypot(p[2], p[3])
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """The size [m] of the mechanism: no gap is given."""
+        return size
+
+
+class StopKind(ContactGeometry):
+    """Interface of the kinds of stop; fields `min` and `max` are its ends."""
+
+    contacts = 2
+    wall = "a stop"
+    rounded = False
+    slides = False
+    has_radius = False
+    column = at.STOP
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Arms [m] of the two points."""
+        return hypot(p[0], p[1]), hypot(p[2], p[3])
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """The range between the ends, but no more than the size."""
+        return min(size, p[at.POINTS + 1] - p[at.POINTS])
+
+    @staticmethod
+    def sense(corner: int) -> int:
+        """The force on B is positive at the least value, negative at the largest."""
+        return 1 if corner == 0 else -1
+
+
+class ClutchKind(ContactGeometry):
+    """Interface of the contacts of clutches."""
+
+    wall = "a clutch"
+    angular = True
+    rounded = False
+    slides = False
+    has_radius = False
+    column = at.EFFORT
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """No points touch."""
+        return 0.0, 0.0
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """The size: 1 rad."""
+        return size
+
+
+class ContactKind:
+    """Interface of the contact models; the defaults are those of a joint whose clearance is ignored."""
+
+    contacts: ClassVar[bool] = False  # True: contacts replace the rows of the joint
+    link: ClassVar[bool] = False  # True: the row of a massless link replaces them, on joints that have one
+    oiled: ClassVar[bool] = False  # True: an oil film in the clearance, in parallel with a compliant contact
+    assumes: ClassVar[str]  # what the model takes as true and what it leaves out, in plain words for a report
