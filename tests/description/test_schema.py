@@ -1,6 +1,8 @@
 """The JSON Schema says what the reader says, as far as a schema can."""
 
 import copy
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -139,3 +141,11 @@ def test_every_field_of_the_registry_is_there_with_unit_and_meaning(family):
             described = entries[kind.name]["properties"][key]
             assert field.shape == "connect" or field.meaning in described["description"]
             assert field.unit in described["description"]
+
+
+def test_methods_stand_in_one_order_whichever_was_imported_first():
+    program = (
+        "import rattle.solvers.steppers.radau; from rattle.description.schema import steppers; print(steppers(True))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout == "dop853 and event and radau\n"

@@ -224,6 +224,17 @@ def test_a_browser_prints_it(tmp_path):
     assert int(re.search(rb"/Count (\d+)", data)[1]) > 3  # pages
 
 
+def test_a_report_is_written_in_the_units_that_were_asked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(main, ["-q", "report", "slider_crank", "--units", "cm,kN", "-o", "r.html"])
+    assert done.exit_code == 0, done.output
+    text = Page((tmp_path / "r.html").read_text(encoding="utf-8")).text
+    force, _ = rt.example("slider_crank").simulate().peak("O.force")
+    assert f"{1e-3 * force:.4g} kN" in text
+    assert "A (5 cm, 0 cm)" in text
+    assert "rattle report slider_crank --units cm,kN -o r.html" in text
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", rt.examples())
 def test_every_example_has_a_report(tmp_path, name):

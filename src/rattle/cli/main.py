@@ -68,7 +68,7 @@ UNITS = (
     "Units of the numbers printed, drawn and written as CSV, such as mm,deg,N; si: all in SI. Others stay as they are;"
     " JSON is in SI."
 )
-WITH_UNITS = ("plot", "export", *(name for name, question in ASKED.items() if question.shows_quantities))
+WITH_UNITS = ("plot", "export", "report", *(name for name, question in ASKED.items() if question.shows_quantities))
 QUIET = "No progress bar and no log messages, only results."
 VERSION = "Show the version, and what compiles kernels."
 
@@ -193,6 +193,7 @@ def _set_units(ctx: click.Context, param: click.Parameter, units: str | None) ->
     from rattle.results.chosen_units import choose, read_units
 
     before = choose(read_units(units))
+    ctx.meta["rattle.units"] = units
     ctx.call_on_close(partial(choose, before))
 
 

@@ -68,6 +68,7 @@ def _typed(ctx: click.Context, file: str, target: object) -> str:
         flag = option.opts[-1]
         for entry in value if isinstance(value, tuple) else (value,):
             words += [flag] if entry is True else [flag, str(entry)]
+    words += ["--units", units] if (units := ctx.meta.get("rattle.units")) else []
     words += [part for path in ctx.meta.get("rattle.without", ()) for part in ("--without", path)]
     words += [part for path in ctx.meta.get("rattle.laws", ()) for part in ("--laws", Path(path).name)]
     return shlex.join([*words, "-o", Path(str(target)).name])

@@ -75,7 +75,8 @@ def _form(form: Form, way: Mapping[str, Part]) -> Schema:
 
 def steppers(adaptive: bool) -> str:
     """Names of the steppers that choose their steps, or of those whose steps are all equal: "rk4 and moreau"."""
-    return " and ".join(name for name, kind in registry.kinds("stepper").items() if kind.leaf.adaptive == adaptive)
+    kinds = registry.kinds("stepper")
+    return " and ".join(name for name in registry.names("stepper") if kinds[name].leaf.adaptive == adaptive)
 
 
 # ---------------------------------------------------------------- kinds

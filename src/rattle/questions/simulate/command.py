@@ -85,11 +85,12 @@ def _contact(summary: ContactSummary) -> dict[str, float | bool | None]:
 
 def _methods(impacts: bool) -> str:
     """Steppers for models with or without impact contacts, and how long their steps are."""
-    from rattle.registry import kinds
+    from rattle.registry import kinds, names
     from rattle.solvers.stepper import FREE, SET_VALUED
 
     wanted = SET_VALUED if impacts else FREE
-    able = {name: kind.leaf for name, kind in kinds("stepper").items() if wanted in kind.leaf.works_with}
+    leaves = {name: kinds("stepper")[name].leaf for name in names("stepper")}
+    able = {name: leaf for name, leaf in leaves.items() if wanted in leaf.works_with}
     return " or ".join(f"{name} ({'adaptive' if leaf.adaptive else 'fixed --step'})" for name, leaf in able.items())
 
 
