@@ -279,3 +279,26 @@ def test_a_parameter_has_a_label_and_a_description():
         other = rt.Mechanism("wrong").parameter("l", 1, label=wrong)
         with pytest.raises(rt.ModelError, match=said):
             _ = other.model
+
+
+WORN = """format = 1
+ground.points = { O = [0, 0] }
+bodies.b = { mass = 1, inertia = 1, points = { A = [0.1, 0] } }
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "b.A"]
+clearance = "0.1 mm"
+contact = { model = "flores", bush_radius = "5 mm", bush_material = "steel", pin_material = "steel", length = 0.01, geometry = "liu", restitution = 0.9 }
+wear = { bush = "1e-9 mm^3/(N*m)", jump = JUMP }
+"""  # noqa: E501  # one line a table
+
+
+@pytest.mark.parametrize(("jump", "cycles"), [("100", 100.0), ('"2*50"', 100.0), ('"auto"', math.nan)])
+def test_the_jump_of_wear_is_a_number_or_auto(jump, cycles):
+    assert rt.loads(WORN.replace("JUMP", jump)).model.joints["O"].wear.jump == pytest.approx(cycles, nan_ok=True)
+
+
+@pytest.mark.parametrize("jump", ["true", "-5", '"autox"', "[1]"])
+def test_other_jumps_of_wear_are_refused(jump):
+    with pytest.raises(rt.ModelError, match=r"wear\.jump"):
+        rt.loads(WORN.replace("JUMP", jump))

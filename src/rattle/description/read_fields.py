@@ -98,8 +98,8 @@ class FieldReader:
         if isinstance(part, Form):
             return self.form(part, self.values.table(table[key], (*path, key)), (*path, key))
         if isinstance(part, Either):
-            form = next((form for form in part.forms if _is_of(form, table[key])), part.forms[0])
-            return self.part(form, key, table, path)
+            looks = next((form for form in part.forms if _is_of(form, table[key])), None)
+            return self.part(looks or _of_numbers(part), key, table, path)
         assert isinstance(part, Field), "names and kinds have readers of their own"
         return self.field(part, key, table, {}, path)
 
@@ -113,6 +113,12 @@ def _is_of(form: Part, written: object) -> bool:
     if isinstance(form, Field) and form.shape == "constant":
         return isinstance(written, str) and written in form.choices
     return False
+
+
+def _of_numbers(part: Either) -> Part:
+    """The form that reads a number, and refuses what is of no form; the first one if none does."""
+    fields = (form for form in part.forms if isinstance(form, Field) and form.shape not in ("constant", "each"))
+    return next(fields, part.forms[0])
 
 
 # ---------------------------------------------------------------- shapes of fields

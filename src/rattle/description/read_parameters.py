@@ -189,7 +189,7 @@ def _distribution(values: Values, written: object, unit: str, seen: Dimension | 
         _limit(values, number, unit, seen, (*path, "values", n)) for n, number in enumerate(read["values"] or ())
     ]
     weights = [1.0] * len(numbers)
-    if numbers and read["weights"] is not None:
+    if numbers and read["weights"]:
         weights = _weights(values, read["weights"], len(numbers), (*path, "weights"))
     sound = tuple(number for number in numbers if number is not None)
     return ValueTable(sound, tuple(weights)) if len(sound) == len(weights) > 0 else ""

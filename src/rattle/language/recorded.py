@@ -13,6 +13,7 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from rattle.errors import WrongType
 from rattle.language import bytecode
 
 ROUNDING = 1e-12  # share of a number that expressions may be off
@@ -160,7 +161,7 @@ def as_number(x: object) -> float:
     if isinstance(x, Recorded):
         return x
     if not isinstance(x, float | int | np.integer):
-        raise TypeError(f"{x!r} is no number")
+        raise WrongType(f"{x!r} is no number")
     return float(x)
 
 

@@ -12,7 +12,7 @@ from rattle.drawings.magnified import BUSH, PIN
 from rattle.drawings.played import Stage
 from rattle.plots.curves import GREY, SKY, new_figure
 from rattle.plots.figure import TEXT
-from rattle.plots.orbit import pin_path
+from rattle.plots.orbit import clearance_joints, pin_path
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_mechanism, draw_shapes, extent, is_a_pin_alone
 
@@ -72,7 +72,7 @@ def _draw_pin(ax: Axes, result: Result, k: int) -> None:
     """Pin and bush, with the path of the pin's centre."""
     scene, written = Scene(result, np.array([k]), 1.0), display_list(result.geometry)
     stage = Stage(written, result.geometry, scene, 1.0, ACROSS)
-    for picture in written["magnified"]:
+    for picture in (each for each in written["magnified"] if each["joint"] in clearance_joints(result)):
         for move in draw_shapes(ax, scene, stage.shapes_of(picture["drawn"])):
             move(0)
         x, y, _ = pin_path(result, picture["joint"])
