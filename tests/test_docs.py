@@ -1,5 +1,6 @@
 """The guides are true: their model runs, their names are those of the code, references resolve."""
 
+import ast
 import json
 import re
 import tomllib
@@ -69,3 +70,23 @@ def test_the_guide_to_results_explains_every_kind_of_event_and_names_that_exist(
     (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     for name in re.findall(r"\br\.(\w+)", code):
         assert hasattr(rt.Result, name) or name in ("t", "trust"), name
+
+
+def asked_of_sources():
+    """All names that the programs of the documentation look up in the sources, those of one call together."""
+    calls = [
+        node
+        for file in sorted((ROOT / "docs" / "making").glob("*.py"))
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    ]
+    asking = [call.args for call in calls if call.func.id in ("source_of", "module_with")]
+    return [[name.value for name in names] for names in asking if all(isinstance(n, ast.Constant) for n in names)]
+
+
+@pytest.mark.parametrize("names", asked_of_sources())
+def test_what_the_documentation_takes_from_the_sources_is_there(names, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    from making.tree import source_of
+
+    assert source_of(*names).names >= set(names)

@@ -11,7 +11,7 @@ from reference.generate import drawn
 from reference.set_valued import answers
 
 BATCH = 20
-BATCHES = [pytest.param(first, marks=pytest.mark.long if first >= 40 else ()) for first in range(0, 200, BATCH)]
+BATCHES = [pytest.param(first, marks=pytest.mark.long if first >= 20 else ()) for first in range(0, 200, BATCH)]
 
 
 def accelerations(result, count):

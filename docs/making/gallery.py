@@ -152,7 +152,7 @@ def in_short(name: str) -> str:
 def _drawing(name: str) -> str:
     result = run(name).result
     k = int(INSTANT.get(name, 0.0) * (len(result.t) - 1))
-    return module_with("thumbnail", "PIN").thumbnail(result, k, PATHS.get(name, ""), name)
+    return module_with("thumbnail", "ACROSS").thumbnail(result, k, PATHS.get(name, ""), name)
 
 
 def _example(folder: Path, name: str) -> str:

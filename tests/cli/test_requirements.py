@@ -93,6 +93,7 @@ def test_a_share_of_an_ensemble_needs_the_limit_that_it_is_about():
     assert run(*SAMPLES).exit_code == 2  # nothing is asked
 
 
+@pytest.mark.long
 def test_a_tolerance_study_answers_for_every_output_and_fails_where_one_limit_is_not_kept():
     asked = ("tolerance", "slider_crank", "--analysis", "kinematics", "-n", "16")
     asked += ("--vary", "crank_length=0.1 mm,rod_length=0.1 mm")

@@ -60,6 +60,7 @@ def test_it_has_every_kernel_that_may_stand_in_a_table(module):
 
 
 @pytest.mark.skipif(binding.llvm_version_info[0] < 21, reason="older LLVM: bytes depend on what was made before")
+@pytest.mark.long
 def test_the_same_sources_give_the_same_bytes(module, tmp_path):
     """In another process, in which text is hashed otherwise, and after another function was translated."""
     code = (

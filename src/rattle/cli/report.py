@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import click
 
 from rattle.cli.command import Command
@@ -63,12 +65,14 @@ def _typed(ctx: click.Context, file: str, target: object) -> str:
     options = {param.name: param for param in ctx.command.params if isinstance(param, click.Option)}
     for name, value in ctx.params.items():
         option = options.get(name)
-        if option is None or name in ("file", "output") or not value or value == option.default:
-            continue
-        flag = option.opts[-1]
-        for entry in value if isinstance(value, tuple) else (value,):
-            words += [flag] if entry is True else [flag, str(entry)]
+        if option is not None and name != "output" and value and value != option.default:
+            words += _flags(option.opts[-1], value if isinstance(value, tuple) else (value,))
     words += ["--units", units] if (units := ctx.meta.get("rattle.units")) else []
     words += [part for path in ctx.meta.get("rattle.without", ()) for part in ("--without", path)]
     words += [part for path in ctx.meta.get("rattle.laws", ()) for part in ("--laws", Path(path).name)]
     return shlex.join([*words, "-o", Path(str(target)).name])
+
+
+def _flags(flag: str, entries: Iterable[object]) -> list[str]:
+    """An option with all that it was given."""
+    return [word for entry in entries for word in ([flag] if entry is True else [flag, str(entry)])]

@@ -111,24 +111,38 @@ def draw_forces(sheet: Sheet, parts: Sequence[Part], drivers: Mapping[str, str])
     joints = [part for part in parts if part.family == "joint"]
     loads = [part for part in parts if part.family == "load"]
     driven = [(name, part) for name, joint in drivers.items() for part in joints if part.name == joint]
+    return _straight_ones(sheet, joints, loads, driven) + _turning_ones(sheet, loads, driven)
+
+
+def _straight_ones(
+    sheet: Sheet, joints: Sequence[Part], loads: Sequence[Part], driven: Sequence[tuple[str, Part]]
+) -> list[dict[str, Any]]:
+    """Write the forces, those of joints apart from all others; returns their scales."""
     own = [(f, "black") for part in joints for f in _of_joint(sheet, part, pulls=False)]
     own += [(f, "red") for part in joints for f in _of_joint(sheet, part, pulls=True)]
     other = [f for part in loads if part.form.get("coordinate") == "length" for f in _of_load(sheet, part)]
     other += [_along(sheet, part, name) for name, part in driven if "axis" in part.form]
-    turns = [(part, part.number("fields", "torque")) for part in loads
-             if part.form.get("coordinate") != "length" and part.fields.get("torque")]  # fmt: skip
-    turns += [(part, sheet.curve(f"{name}.torque")) for name, part in driven]
     sizes = [_sizes(f for f, _ in own), _sizes(other)]
     usual = sheet.usual(USUAL, *sizes[0], *sizes[1])
     for force, colour in [*own, *((f, "green") for f in other)]:
         way = stretched(sheet, force.x, force.y, usual, (LONG * sheet.side, MOST))
         straight(sheet, force.at, way, Style(colour), force.when)
+    titles = (("joint, on its second body", "black"), ("spring, actuator", "green"))
+    return [_scale(sheet, usual, some, *words) for some, words in zip(sizes, titles, strict=True) if some]
+
+
+def _turning_ones(sheet: Sheet, loads: Sequence[Part], driven: Sequence[tuple[str, Part]]) -> list[dict[str, Any]]:
+    """Write the moments; returns their scale, if there are any."""
+    turns = [
+        (part, part.number("fields", "torque"))
+        for part in loads
+        if part.form.get("coordinate") != "length" and part.fields.get("torque")
+    ]
+    turns += [(part, sheet.curve(f"{name}.torque")) for name, part in driven]
     turn = sheet.usual(USUAL, *(moment for _, moment in turns))
     for part, moment in turns:
         _moment(sheet, part.at(1), call("if", turn, moment / turn, 0.0), RADIUS * sheet.pixel)
-    scales = [_scale(sheet, usual, f, *words) for f, words in zip(sizes, (
-        ("joint, on its second body", "black"), ("spring, actuator", "green")), strict=True) if f]  # fmt: skip
-    return scales + ([_scale_of_moments(sheet, turn, [moment for _, moment in turns])] if turns else [])
+    return [_scale_of_moments(sheet, turn, [moment for _, moment in turns])] if turns else []
 
 
 def _sizes(forces: Iterable[_Force]) -> list[Number]:

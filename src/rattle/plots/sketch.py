@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -84,14 +84,17 @@ def draw_shape(ax: Axes, scene: Scene, shape: Shape) -> list[Update]:
         area = draw_plate(ax, rings, fill, style["opacity"], style["z"]) if len(rings) > 1 else draw_area(
             ax, rings[0], fill, style["opacity"], style["z"])  # fmt: skip
         updates.append(area)
-    if line is not None:
-        if style["closed"]:
-            rings = [np.concatenate([ring, ring[:, :1]], axis=1) for ring in rings]
-        cap = "butt" if style["butt"] else "round"
-        if dash := style.get("dash"):
-            own |= {"linestyle": (0, [length / style["width"] for length in dash])}
-        updates += [draw_line(ax, ring, solid_capstyle=cap, **own) for ring in rings]
-    return updates
+    return updates + (_draw_outline(ax, style, rings, own) if line is not None else [])
+
+
+def _draw_outline(ax: Axes, style: Mapping[str, Any], rings: Sequence[Array], own: Mapping[str, Any]) -> list[Update]:
+    """Draw the line of a path or around an area."""
+    if style["closed"]:
+        rings = [np.concatenate([ring, ring[:, :1]], axis=1) for ring in rings]
+    cap = "butt" if style["butt"] else "round"
+    dash = style.get("dash")
+    dashed = {"linestyle": (0, [length / style["width"] for length in dash])} if dash else {}
+    return [draw_line(ax, ring, solid_capstyle=cap, **own, **dashed) for ring in rings]
 
 
 def extent(scene: Scene) -> tuple[Array, Array]:

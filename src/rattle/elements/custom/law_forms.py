@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.elements.custom.law_kernel import Law, Result
+from rattle.elements.custom.law_kernel import Law, Returned
 from rattle.jit import layout as at
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field
@@ -28,7 +28,7 @@ class Form(NamedTuple):
     place: dict[str, Field]  # the key of the model file that says where the load acts
     kernel: Callable[[Law, Law], Law]  # from law and fields
     sizes: tuple[int, ...]  # of the arguments of a law: 0 for a number, n for a tuple
-    result: Result  # kind of what a law returns
+    result: Returned  # kind of what a law returns
 
 
 # ---------------------------------------------------------------- one body

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from rattle.answers.blocks import Block, Content, content, curves, drawing, line, of_result, table, words
@@ -10,6 +12,9 @@ from rattle.plots.curves import axis_label
 from rattle.results.film_summary import film_rows
 from rattle.results.handy_units import handy_unit
 from rattle.studio.shelf import Shelf, Source
+
+if TYPE_CHECKING:
+    from rattle.questions.wear.worn import Worn
 
 HOW_WEAR = (
     'No joint wears: give one wear = { bush = "1e-6 mm^3/(N*m)", pin = 0 } in Text, see the example slider_crank_worn.'
@@ -33,15 +38,19 @@ def tab(shelf: Shelf, source: Source, cycles: str = "1e5") -> Content:
     answer = m.wear(count, progress=True)
     if answer.interrupted:
         raise KeyboardInterrupt
+    return content(
+        f"{told}; {answer.cycles:.4g} cycles of wear, {answer.simulated} of them simulated", *blocks, _depths(answer),
+        *(drawing(answer.plot(name), f"Wear of {name}") for name in answer.joints), words(str(answer)),
+    )  # fmt: skip
+
+
+def _depths(answer: Worn) -> Block | None:
+    """How deep bushes and pins are worn, over the cycles."""
     history = answer.columns
     depths = {f"{name}, {side}": history[f"{name}.{side}.depth"] for name in answer.joints for side in ("bush", "pin")}
     factor, unit = handy_unit("m", max(float(depth.max()) for depth in depths.values()))
     lines = [line(name, history["cycle"], factor * depth) for name, depth in depths.items() if np.any(depth > 0)]
-    return content(
-        f"{told}; {answer.cycles:.4g} cycles of wear, {answer.simulated} of them simulated", *blocks,
-        curves("Deepest wear", "cycles", axis_label("depth", unit), lines),
-        *(drawing(answer.plot(name), f"Wear of {name}") for name in answer.joints), words(str(answer)),
-    )  # fmt: skip
+    return curves("Deepest wear", "cycles", axis_label("depth", unit), lines)
 
 
 def _oil(shelf: Shelf, source: Source) -> list[Block | None]:
