@@ -303,7 +303,7 @@ def asked_of(what: str) -> dict[str, Question]:
 def analysis_names() -> tuple[str, ...]:
     """The questions that ensembles, sweeps and tolerances may ask of each sample, as they are written."""
     asked = asked_of("mechanism").values()
-    return tuple(one.written for one in asked if one.has("samples") or (one.answers_in_blocks and not one.needed))
+    return tuple(each.written for each in asked if each.has("samples") or (each.answers_in_blocks and not each.needed))
 
 
 def tabs() -> list[tuple[Question, Tab]]:

@@ -81,7 +81,7 @@ class Verdict(NamedTuple):
     """Whether a requirement holds, in words and as a record for JSON."""
 
     kept: bool
-    said: str
+    words: str
     record: dict[str, Any]
 
 
@@ -166,6 +166,6 @@ def finish_required(ctx: click.Context, verdicts: Sequence[Verdict], say: Callab
     """Say what holds, unless `say` is None, and end with exit status 1 if something does not."""
     for verdict in verdicts:
         if say is not None:
-            say(verdict.said)
+            say(verdict.words)
     if not all(verdict.kept for verdict in verdicts):
         ctx.exit(1)

@@ -192,10 +192,10 @@ def _word(words: str, names: Callable[[], Iterable[str]]) -> Callable[[Values, F
     """A reader of one of some names, "" after a problem; words: what they are names of."""
 
     def read(values: Values, field: Field, written: object, path: Path) -> str:
-        known = list(names())
-        if isinstance(written, str) and written in known:
+        choices = list(names())
+        if isinstance(written, str) and written in choices:
             return written
-        values.wrong(path, f"unknown {words} {quoted(written)}{suggest(str(written), known)}")
+        values.wrong(path, f"unknown {words} {quoted(written)}{suggest(str(written), choices)}")
         return ""
 
     return read

@@ -43,12 +43,12 @@ class ContactGeometry:
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Longest arms [m] from the mass centres of A and B to the points that determine the gap (centres, corners)."""
-        raise NotImplementedError
+        return hypot(p[0], p[1]), hypot(p[2], p[3])
 
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:
         """Size of the gap by which tolerances are set [m or rad]; size: of the mechanism [m], or 1 rad."""
-        raise NotImplementedError
+        return size
 
     @staticmethod
     def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
@@ -129,11 +129,6 @@ class ClearanceKind(ContactGeometry):
     dimensions: ClassVar[Mapping[str, Mapping[str, Field]]] = {}  # tables of dimensions of a joint with this clearance
 
     @staticmethod
-    def levers(p: Sequence[float]) -> tuple[float, float]:
-        """Arms [m] of the two centres."""
-        return hypot(p[0], p[1]), hypot(p[2], p[3])
-
-    @staticmethod
     def scale(p: Sequence[float], size: float) -> float:
         """The clearance [m]."""
         return p[at.CLEARANCE]
@@ -198,16 +193,6 @@ class OneSidedKind(ContactGeometry):
         """What the kernel takes after the points: numbers [SI] and functions; constants: that the start has set."""
         return tuple(fields.values())
 
-    @staticmethod
-    def levers(p: Sequence[float]) -> tuple[float, float]:
-        """Arms [m] of the two points."""
-        return hypot(p[0], p[1]), hypot(p[2], p[3])
-
-    @staticmethod
-    def scale(p: Sequence[float], size: float) -> float:
-        """The size [m] of the mechanism: no gap is given."""
-        return size
-
 
 class StopKind(ContactGeometry):
     """Interface of the kinds of stop; fields `min` and `max` are its ends."""
@@ -218,11 +203,6 @@ class StopKind(ContactGeometry):
     slides = False
     has_radius = False
     column = at.STOP
-
-    @staticmethod
-    def levers(p: Sequence[float]) -> tuple[float, float]:
-        """Arms [m] of the two points."""
-        return hypot(p[0], p[1]), hypot(p[2], p[3])
 
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:
@@ -249,11 +229,6 @@ class ClutchKind(ContactGeometry):
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """No points touch."""
         return 0.0, 0.0
-
-    @staticmethod
-    def scale(p: Sequence[float], size: float) -> float:
-        """The size: 1 rad."""
-        return size
 
 
 class ContactKind:

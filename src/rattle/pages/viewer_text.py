@@ -40,8 +40,8 @@ def viewer_files() -> dict[str, str]:
     folder = resources.files("rattle.pages") / "viewer"
     files = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir() if file.name.endswith(".js")}
     files[STYLE] = f"export const viewerStyle = {json.dumps(style_text(), ensure_ascii=False)};\n"
-    known = {name: (size, *dimension) for name, (size, dimension) in UNITS.items()}
-    handy = {"units": HANDY, "least": LEAST, "most": MOST, "quantities": QUANTITY, "known": known}
+    units = {name: (size, *dimension) for name, (size, dimension) in UNITS.items()}
+    handy = {"units": HANDY, "least": LEAST, "most": MOST, "quantities": QUANTITY, "known": units}
     palette = {"named": COLOURS, "curves": [*CURVES, *MORE]}
     named = "// Colours of drawings and curves: rattle/plots/scene.py and curves.py.\n"
     files[PALETTE] = f"{named}export const PALETTE = {json.dumps(palette)};\n"

@@ -186,12 +186,16 @@ class Expressions(Writing, ABC):
         if isinstance(op, ast.FloorDiv) and kind == "f":
             return self._floored(x, y)
         if isinstance(op, ast.Mod | ast.FloorDiv) and kind == "i":
-            if self.careful:
-                told = f"ZeroDivisionError: integer division or modulo by zero: {self.whereabouts()}"
-                self.fail_if(self.put(f"icmp eq i64 {y}, 0"), self.fault(told))
-            quotient, rest = self._floor_division(x, y)
-            return Value("i", (rest if isinstance(op, ast.Mod) else quotient,))
+            return self._divided(op, x, y)
         raise TranslationError(f"{type(op).__name__} of {said(a.kind)} and {said(b.kind)} is not known here: {SAID}")
+
+    def _divided(self, op: ast.Mod | ast.FloorDiv, x: str, y: str) -> Value:
+        """Quotient or rest of two whole numbers."""
+        if self.careful:
+            told = f"ZeroDivisionError: integer division or modulo by zero: {self.whereabouts()}"
+            self.fail_if(self.put(f"icmp eq i64 {y}, 0"), self.fault(told))
+        quotient, rest = self._floor_division(x, y)
+        return Value("i", (rest if isinstance(op, ast.Mod) else quotient,))
 
     def _of_bits(self, op: ast.operator, a: Value, b: Value) -> Value:
         """Two numbers combined bit by bit."""
@@ -443,14 +447,18 @@ class Expressions(Writing, ABC):
         if called in EXTREMES:
             return self._extreme_of(called, arguments, node)
         if called in CONVERSIONS and len(arguments) == 1:
-            if isinstance(arguments[0].thing, str) and called is float:
-                return known(float(arguments[0].thing))
-            return self._as(CONVERSIONS[called], self._of_number(arguments[0], node))
+            return self._conversion(called, arguments[0], node)
         if called in WRITTEN:
             return self.kernel(WRITTEN[called], arguments, node)
         if called is np.logical_not and len(arguments) == 1:
             return Value("b", (self.put(f"xor i1 {self.true(arguments[0])}, true"),))
         return self._of_several(called, arguments)
+
+    def _conversion(self, called: type, argument: Value, node: ast.Call) -> Value | None:
+        """The result of `float` and the like; of a text that is known, as "inf"."""
+        if isinstance(argument.thing, str) and called is float:
+            return known(float(argument.thing))
+        return self._as(CONVERSIONS[called], self._of_number(argument, node))
 
     def _extreme_of(self, called: object, arguments: list[Value], node: ast.Call) -> Value:
         """The smallest or largest number of an array, of a tuple, or of the arguments."""

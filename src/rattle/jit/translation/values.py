@@ -74,7 +74,7 @@ def parts_of(kind: Kind) -> list[str]:
 
 def said(kind: Kind) -> str:
     """A kind in words."""
-    return f"({', '.join(said(one) for one in kind)})" if isinstance(kind, tuple) else WORDS[kind]
+    return f"({', '.join(said(part) for part in kind)})" if isinstance(kind, tuple) else WORDS[kind]
 
 
 def is_number(kind: Kind) -> TypeGuard[str]:

@@ -81,7 +81,7 @@ def ensemble(
         below = {"share_below": share._asdict()}
     shown = shown_runs(
         asked, answer, lambda: answer.plot(outputs[0], limit=None if limit is None else value(limit)),
-        [verdict.said for verdict in verdicts], record=below | required_record(verdicts),
+        [verdict.words for verdict in verdicts], record=below | required_record(verdicts),
     )  # fmt: skip
     return shown if all(verdict.kept for verdict in verdicts) else shown._replace(status=shown.status or 1)
 

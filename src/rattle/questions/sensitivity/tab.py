@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from rattle.answers.arguments import listed
@@ -13,6 +15,9 @@ from rattle.results.handy_units import handy_unit
 from rattle.results.result import Result
 from rattle.studio.jobs.motion import usual_output
 from rattle.studio.shelf import Shelf, Source
+
+if TYPE_CHECKING:
+    from rattle.mechanism import Mechanism
 
 POINTS = 201
 
@@ -68,15 +73,13 @@ def _pictures(result: Result, entries: list[Effect], outputs: list[str]) -> tupl
     )
 
 
-def _of_motion(m, outputs: list[str], parameters: list[str], t: np.ndarray) -> tuple[Result, str]:  # type: ignore[no-untyped-def]
+def _of_motion(m: Mechanism, outputs: list[str], parameters: list[str], t: np.ndarray) -> tuple[Result, str]:
     """Of the motion in time; where contacts begin and end, of the driven mechanism without play, and a note."""
     try:
         return m.sensitivity(outputs, parameters, t), ""
     except (ModelError, TraceError) as error:
         why = str(error).splitlines()[0]
-        because = why.partition("; ")[0].removeprefix(
-            "no sensitivities: "
-        )  # what follows is for those who write Python
+        because = why.partition("; ")[0].removeprefix("no sensitivities: ")  # the rest is for those who write Python
     try:
         answer = m.ideal().sensitivity(outputs, parameters, t, "kinematics", strict=True)
     except (ModelError, TraceError, SolverError):

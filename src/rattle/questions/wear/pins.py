@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.analyses.assembly.assembly import put_together
-from rattle.description.model import Model
+from rattle.description.model import Model, Wear
 from rattle.elements.worn_bins import DEPTHS, LEAST, PIN_WORN
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
@@ -79,8 +79,8 @@ def wearing_system(model: Model) -> System:
     return put_together(replace(model, joints=joints))
 
 
-def _wears(wear: object) -> bool:
-    return wear is not None and (wear.bush > 0.0 or wear.pin > 0.0)  # type: ignore[attr-defined]
+def _wears(wear: Wear | None) -> bool:
+    return wear is not None and (wear.bush > 0.0 or wear.pin > 0.0)
 
 
 def pins_of(system: System) -> list[Pin]:
