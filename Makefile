@@ -6,8 +6,8 @@ OLDEST := $(VENV)-oldest
 WHEEL := $(VENV)-wheel
 # tests of rooms that have kernels; the others would run the same Python twice
 KERNELS := $(addprefix tests/, analyses elements equations jit language solvers)
-# what meets no package but NumPy and SciPy, of which the others show what is too old
-ALIKE := $(addprefix --ignore=tests/, analyses description elements equations language solvers trace)
+# rooms whose packages the others meet too, which show what is too old
+ALIKE := $(addprefix --ignore=tests/, analyses description elements equations language solvers)
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 .DEFAULT_GOAL := help

@@ -196,13 +196,14 @@ def question(
         called = name.replace("_", "-") if command is None else command
         if called and any(other.command == called for other in _declared.values() if other.name != name):
             raise InputError(f"question '{name}': there is a command {called} already; give another one by command=")
-        _declared[name] = Question(
+        declared = Question(
             name, function, function.__module__, asks, of, called,
             title or words[0].upper() + words[1:], ((wants, words),) if isinstance(wants, str) else wants, examples,
             order, arguments or {}, shows_quantities, tab,
         )  # fmt: skip
-        if _declared[name].answers_in_blocks and (taken := sorted(OF_EVERY_QUESTION & set(takes))):
+        if declared.answers_in_blocks and (taken := sorted(OF_EVERY_QUESTION & set(takes))):
             raise InputError(f"question '{name}': {', '.join(taken)} means something already; rename the argument")
+        _declared[name] = declared
         return function
 
     return declare

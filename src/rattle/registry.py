@@ -128,7 +128,10 @@ def kinds(family: str) -> Mapping[str, Kind[object]]:
             discover(packages)
         entries = _families.setdefault(family, {})
         if _searched.issuperset(packages):  # not while a kind that is being imported asks
-            _complete[family] = entries
+            with _lock:
+                if family in PACKAGES and family not in _complete:  # in one order, whichever file was imported first
+                    entries.update({name: entries.pop(name) for name in names(family)})
+                _complete[family] = entries
     return entries
 
 
@@ -151,6 +154,13 @@ def stop_of(joint: str) -> Kind[StopKind] | None:
 def normal_law(name: str) -> Kind[NormalLaw]:
     """A law of the normal force: of contacts that the user chooses, or of strands."""
     return kinds("normal").get(name) or kinds("tension")[name]
+
+
+def law(family: str, name: str) -> Kind[NormalLaw] | Kind[StiffnessLaw] | Kind[FrictionLaw]:
+    """A law of a contact: normal, stiffness or friction."""
+    if family == "normal":
+        return normal_law(name)
+    return kinds("stiffness")[name] if family == "stiffness" else kinds("friction")[name]
 
 
 def names(family: str) -> tuple[str, ...]:

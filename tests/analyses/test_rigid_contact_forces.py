@@ -67,7 +67,7 @@ def test_a_force_that_towers_keeps_no_requirement(runs):
     run = next(iter(runs.values()))
     (towering, calm) = judge(run, ["max(B.force) < 1e15", "range(arm.angle) < 360 deg"])
     assert not towering.kept
-    assert "cannot be judged" in towering.said
+    assert "cannot be judged" in towering.words
     assert math.isnan(towering.record["value"])
     assert calm.kept
 
@@ -76,7 +76,7 @@ def test_a_force_that_towers_keeps_no_requirement(runs):
 def test_what_rises_with_a_force_that_towers_keeps_no_requirement_either(runs, of):
     (verdict,) = judge(runs[0.0], [f"{of} < 1e15"])
     assert not verdict.kept
-    assert "towers with a rigid contact" in verdict.said
+    assert "towers with a rigid contact" in verdict.words
 
 
 def test_values_at_instants_and_shares_are_left_of_a_force_that_towers(runs):
@@ -257,7 +257,7 @@ def test_a_requirement_on_a_rigid_force_far_below_that_of_elastic_bushes_is_not_
     assert high > 2.0 * peak
     between, above = judge(r, [f"max(B.force) < {0.5 * (peak + high)}", f"max(B.force) < {2.0 * high}"])
     assert (between.kept, above.kept) == (False, True)
-    assert "elastic bushes in B would show about" in between.said
+    assert "elastic bushes in B would show about" in between.words
 
 
 def test_the_largest_impulse_can_be_asked_for(runs):

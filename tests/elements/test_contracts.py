@@ -6,6 +6,7 @@ action and reaction.  All in plain Python and in machine code.
 """
 
 import math
+from inspect import isabstract
 from typing import get_args, get_overloads, get_type_hints
 
 import numpy as np
@@ -308,7 +309,8 @@ def interfaces():
 
 @pytest.mark.parametrize(("family", "interface"), [*interfaces()])
 def test_kinds_derive_from_the_interface_of_their_family(family, interface):
-    assert [name for name, kind in registry.kinds(family).items() if not issubclass(kind.leaf, interface)] == []
+    leaves = {name: kind.leaf for name, kind in registry.kinds(family).items()}
+    assert [name for name, leaf in leaves.items() if not issubclass(leaf, interface) or isabstract(leaf)] == []
 
 
 def test_every_family_has_an_interface():

@@ -17,7 +17,7 @@ import numpy as np
 from rattle import registry
 from rattle.description.model import Choice, Contact, Model
 from rattle.elements.custom.contact_law import ContactLaw
-from rattle.interfaces.laws import FrictionLaw, NormalLaw
+from rattle.interfaces.laws import FrictionLaw
 
 PATHS = 40
 POINTS = 400  # of a path
@@ -35,19 +35,15 @@ def law_faults(model: Model) -> list[str]:
             continue
         laws = (("normal", contact.normal), ("friction", contact.friction))
         for family, choice in laws:
-            if choice is not None and isinstance(_kind(family, choice.kind).kernel, ContactLaw):
+            if choice is not None and isinstance(registry.law(family, choice.kind).kernel, ContactLaw):
                 fault = _fault(family, choice, contact)
                 if fault:
                     faults.append(f"{name}: {family} law '{choice.kind}' {fault}")
     return faults
 
 
-def _kind(family: str, name: str) -> registry.Kind[NormalLaw] | registry.Kind[FrictionLaw]:
-    return registry.normal_law(name) if family == "normal" else registry.kinds("friction")[name]
-
-
 def _fault(family: str, choice: Choice, contact: Contact) -> str:
-    kind = _kind(family, choice.kind)
+    kind = registry.law(family, choice.kind)
     key = (kind.kernel, tuple(choice.values.items()), repr(contact.static) if family == "normal" else "")
     if key not in _known:
         p, leaf = np.array([*kind.leaf.pack(choice.values), 0.0]), kind.leaf

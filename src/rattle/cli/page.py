@@ -6,6 +6,7 @@ import logging
 
 import click
 
+from rattle.answers.arguments import listed
 from rattle.cli.command import Command
 from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import check_files, say_written
@@ -61,10 +62,10 @@ def page(
     if t_end is not None and not t_end > 0.0:
         raise click.UsageError("--t-end must be positive")
     m, axes = axes_of(read_model(file, settings, ideal), ranges)
-    names = [name.strip() for listed in curves for name in listed.split(",") if name.strip()]
     why = write(
-        m, output, t_end=t_end, over=axes or None, progress=shows_progress(ctx), title=title, curves=names, trust=trust
-    )
+        m, output, t_end=t_end, over=axes or None, progress=shows_progress(ctx), title=title, curves=listed(*curves),
+        trust=trust,
+    )  # fmt: skip
     if why and not ranges:
         logging.getLogger("rattle").info(f"the page replays runs that were computed now, because {why}")
     say_written(output)

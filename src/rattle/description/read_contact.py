@@ -290,8 +290,7 @@ def _pack(reader: FieldReader, family: str, choice: Choice | None, path: Path) -
     """Let the law itself refuse values that contradict each other."""
     if choice is None or reader.values.problems:
         return
-    laws = registry.kinds("stiffness") if family == "stiffness" else registry.kinds("friction")
     try:
-        laws[choice.kind].leaf.pack(choice.values)
+        registry.law(family, choice.kind).leaf.pack(choice.values)
     except ValueError as error:
         reader.values.wrong(path, str(error))

@@ -29,18 +29,16 @@ class FieldReader:
     def __init__(self, values: Values) -> None:
         self.values = values
 
-    def choose(
-        self, table: Table, kinds: Mapping[str, registry.Kind[Leaf]], path: Path, key: str = "type"
-    ) -> registry.Kind[Leaf] | None:
-        """The kind of those of a family that an entry names under `key`; None after a problem."""
-        if key not in table:
-            self.values.wrong(path, f"needs a {key}: " + ", ".join(kinds))
+    def choose(self, table: Table, kinds: Mapping[str, registry.Kind[Leaf]], path: Path) -> registry.Kind[Leaf] | None:
+        """The kind of those of a family that an entry names as its type; None after a problem."""
+        if "type" not in table:
+            self.values.wrong(path, "needs a type: " + ", ".join(kinds))
             return None
-        name = table[key]
+        name = table["type"]
         if isinstance(name, str) and name in kinds:
             return kinds[name]
         family = next(iter(kinds.values())).family
-        self.values.wrong((*path, key), f"unknown {family} {quoted(name)}{suggest(str(name), kinds)}")
+        self.values.wrong((*path, "type"), f"unknown {family} {quoted(name)}{suggest(str(name), kinds)}")
         return None
 
     def field(self, field: Field, key: str, table: Table, read: Mapping[str, Any], path: Path) -> Any:

@@ -75,8 +75,7 @@ def _form(form: Form, way: Mapping[str, Part]) -> Schema:
 
 def steppers(adaptive: bool) -> str:
     """Names of the steppers that choose their steps, or of those whose steps are all equal: "rk4 and moreau"."""
-    kinds = registry.kinds("stepper")
-    return " and ".join(name for name in registry.names("stepper") if kinds[name].leaf.adaptive == adaptive)
+    return " and ".join(name for name, kind in registry.kinds("stepper").items() if kind.leaf.adaptive == adaptive)
 
 
 # ---------------------------------------------------------------- kinds

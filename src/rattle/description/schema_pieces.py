@@ -69,9 +69,8 @@ def _material(field: Field) -> Schema:
 
 def _steppers(field: Field) -> Schema:
     kinds = registry.kinds("stepper")
-    names = registry.names("stepper")
-    summaries = "; ".join(f"{name}: {kinds[name].summary.removesuffix('.')}" for name in names)
-    return {"enum": list(names), "description": summaries}
+    summaries = "; ".join(f"{name}: {kind.summary.removesuffix('.')}" for name, kind in kinds.items())
+    return {"enum": list(kinds), "description": summaries}
 
 
 def _group(field: Field) -> Schema:

@@ -10,7 +10,6 @@ from typing import NamedTuple
 from rattle import registry
 from rattle.description.model import Choice, Contact, Joint, Model
 from rattle.interfaces.contacts import ContactGeometry, OwnContact
-from rattle.interfaces.laws import FrictionLaw, NormalLaw, StiffnessLaw
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
 from rattle.language.recorded import bare, hypot
@@ -202,19 +201,10 @@ def _share_law(table: Sequence[tuple[int, ...]], values: list[float]) -> None:
 def _law(family: str, choice: Choice | None, values: list[float]) -> tuple[int, int]:
     if choice is None:
         return -1, -1
-    kind = _kind(family, choice.kind)
+    kind = registry.law(family, choice.kind)
     place = len(values)
     values += kind.leaf.pack(choice.values)
     return kind.tag + (len(registry.kinds("normal")) if kind.family == "tension" else 0), place
-
-
-def _kind(
-    family: str, name: str
-) -> registry.Kind[NormalLaw] | registry.Kind[StiffnessLaw] | registry.Kind[FrictionLaw]:
-    """A law of a contact."""
-    if family == "normal":
-        return registry.normal_law(name)
-    return registry.kinds("stiffness")[name] if family == "stiffness" else registry.kinds("friction")[name]
 
 
 def effective_mass(model: Model, joint: Joint, angular: bool) -> float:

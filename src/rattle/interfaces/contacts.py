@@ -11,6 +11,7 @@ so the gap is a length [m], N a force [N]; or, with n = 0 and m = +-1, an angle 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar, NamedTuple, Protocol
 
@@ -162,18 +163,18 @@ class WornSurfaces(Protocol):
     def length(self) -> float: ...
 
 
-class WornKind(ClearanceKind):
+class WornKind(ClearanceKind, ABC):
     """Interface of the clearances between two worn profiles."""
 
     @staticmethod
+    @abstractmethod
     def worn_play(wear: WornSurfaces, clearance: float) -> FreePlay:
         """The displacements that the clearance and the profiles of a joint allow."""
-        raise NotImplementedError
 
     @staticmethod
+    @abstractmethod
     def parameters(wear: WornSurfaces) -> tuple[float, ...]:
         """Parameters of the kernel after those of `pin`."""
-        raise NotImplementedError
 
 
 class OneSidedKind(ContactGeometry):
@@ -186,7 +187,6 @@ class OneSidedKind(ContactGeometry):
     rounded = False
     slides = False
     has_radius = False
-    column = at.JOINT_NORMAL
 
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:

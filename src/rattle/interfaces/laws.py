@@ -80,7 +80,7 @@ class TangentKind:
     unit: ClassVar[str]  # of the friction: N or N*m
 
 
-class FilmLaw:
+class FilmLaw(ABC):
     """Interface of the laws of oil films."""
 
     viscosity = Field("Pa*s", "dynamic viscosity of the oil, at the temperature of the film", least="positive")
@@ -122,12 +122,12 @@ class FilmLaw:
         return []
 
     @classmethod
+    @abstractmethod
     def peak(cls, values: LawValues, e: Array, alpha: Array) -> Array:
         """Largest pressure over mu L^2 |v|/c^3 at eccentricities e [of the clearance], v at alpha [rad] from them.
 
         All arrays are (n,).
         """
-        raise NotImplementedError
 
     @classmethod
     def leakage(cls, values: LawValues, e: Array, alpha: Array) -> Array:

@@ -218,8 +218,7 @@ def operate(op: int, value: float, *operands: float) -> float:
     """`value`, found by an operation of `language.bytecode`, with its record if an operand has one."""
     for operand in operands:
         if isinstance(operand, Recorded):
-            record: float = operand.made(value, operand.journal.operation(op, *map(symbol_of, operands)))
-            return record
+            return operand.made(value, operand.journal.operation(op, *map(symbol_of, operands)))
     return value
 
 
@@ -227,8 +226,7 @@ def read(block: Sequence[float], value: float, x: float) -> float:
     """`value` of a table at x, with its record if x or a number of its block has one."""
     for number in (x, *block):
         if isinstance(number, Recorded):
-            record: float = number.made(value, number.journal.table(block, x))
-            return record
+            return number.made(value, number.journal.table(block, x))
     return value
 
 

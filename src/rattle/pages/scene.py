@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle import registry
-from rattle.drawings.forms import display_list, form_of
+from rattle.drawings.forms import display_list, form_of, play_of
 from rattle.errors import InputError
 from rattle.pages.derived_curves import derived_curves
 from rattle.pages.thinning import Between, Rows, between, shared_rows
@@ -97,15 +96,15 @@ def frame_of(geometry: Tree) -> dict[str, Any]:
 
 
 def kinds_of(geometry: Tree) -> dict[str, dict[str, str]]:
-    """How joints and loads are drawn, by name, and what the play of a joint looks like: a circle, or walls."""
+    """How joints and loads are drawn, by name, and what the play of a joint looks like."""
     drawn: dict[str, dict[str, str]] = {"joints": {}, "loads": {}, "play": {}}
     for family in ("joint", "load"):
         for name, form in geometry[f"{family}s"].items():
             if how := form_of(family, form["type"]):
                 drawn[f"{family}s"][name] = how
     for name, form in geometry["joints"].items():
-        if play := registry.play_of(form["type"]):
-            drawn["play"][name] = "circle" if play.leaf.orbit else "walls"
+        if play := play_of(form):
+            drawn["play"][name] = play
     return drawn
 
 

@@ -34,7 +34,8 @@ def draw_oil_orbit(ax: Axes, result: Result, joint: str, scale: float) -> None:
     last = int(np.searchsorted(crank[1], crank[1][-1] - 2.0 * math.pi - 1e-9)) if crank is not None else 0
     last = min(last, max(len(x) - 2, 0))
     pressure = result[f"{joint}.film_pressure"]
-    _path(ax, x, y, 1e-6 * pressure, last, axis_label("largest pressure in the film", "MPa"))
+    factor, unit = handy_unit("Pa", float(np.nanmax(pressure)))
+    _path(ax, x, y, factor * pressure, last, axis_label("largest pressure in the film", unit))
     _mixed(ax, x, y, result[f"{joint}.regime"])
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")
     if crank is not None and len(x) > last + 2:

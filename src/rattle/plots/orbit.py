@@ -94,9 +94,9 @@ def plot_orbit(result: Result, joint: str, ax: Axes) -> Axes: ...
 
 
 def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | Axes:
-    """Path of the pin centre in the clearance circle of a joint [mm or µm], coloured by the normal force [N].
+    """Path of the pin centre in the clearance circle of a joint, coloured by the normal force [N].
 
-    A pin in oil is coloured by the largest pressure in its film [MPa]: a red ring is the boundary film, dots are every
+    A pin in oil is coloured by the largest pressure in its film: a red ring is the boundary film, dots are every
     10 degrees of the driven joint, a diamond is where the film is thinnest; the last turn is drawn thick.
 
     Larger forces lie on top of smaller ones.  Ticks outside the circle show where N < 0, that is,

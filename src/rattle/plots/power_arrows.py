@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from rattle.jit.choices import TINY
 from rattle.plots.bulk import short
 from rattle.plots.curves import BLACK, ORANGE, note
 from rattle.plots.movie_file import Update
@@ -97,9 +98,7 @@ def _into(ax: Axes, size: float, spot: Array, way: Array, power: Array) -> Updat
 def _unit(way: Array, size: float) -> Array:
     """Directions (frames, 2); down to the right where a body turns about the point itself."""
     length = np.hypot(*way.T)[:, None]
-    return np.asarray(
-        np.where(length > 1e-9 * size, way / np.maximum(length, 1e-300), np.sqrt(0.5) * np.array([1, -1]))
-    )
+    return np.asarray(np.where(length > 1e-9 * size, way / np.maximum(length, TINY), np.sqrt(0.5) * np.array([1, -1])))
 
 
 def _arrow(ax: Axes, size: float, start: Array, along: Array, share: Array) -> Update:

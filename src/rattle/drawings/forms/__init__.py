@@ -96,18 +96,18 @@ def _add_layers(sheet: Sheet) -> None:
     drivers = geometry.get("drivers", {})
     layers = sheet.layers
     layers["arrows"] = sheet.apart(lambda: layers.update(scales=draw_forces(sheet, every, drivers)))
-    loose = [(part, play) for part in every if part.family == "joint" and (play := play_of(part))]
+    loose = [(part, play) for part in every if part.family == "joint" and (play := play_of(part.form))]
     layers["pins"] = sheet.apart(lambda: _name_pins(part for part, play in loose if play == "circle"))
     layers["names"] = sheet.apart(lambda: _name_bodies(sheet))
     layers["magnified"] = draw_magnified(sheet, loose)
 
 
-def play_of(part: Part) -> str:
+def play_of(form: Mapping[str, Any]) -> str:
     """What the play of a joint looks like: `circle`, `walls`, or `slot` for a pin between walls; "" without play."""
-    play = registry.play_of(part.form["type"])
-    if play is None or part.form.get("contact", "") in ("", "ideal"):
+    play = registry.play_of(form["type"])
+    if play is None or form.get("contact", "") in ("", "ideal"):
         return ""
-    return "circle" if play.leaf.orbit else "slot" if form_of("joint", part.form["type"]) == "slot" else "walls"
+    return "circle" if play.leaf.orbit else "slot" if form_of("joint", form["type"]) == "slot" else "walls"
 
 
 def _name_pins(pins: Iterable[Part]) -> None:

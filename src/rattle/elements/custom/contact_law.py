@@ -28,10 +28,11 @@ from numpy.typing import NDArray
 
 from rattle import registry
 from rattle.elements.custom import load_law
-from rattle.elements.custom.law_kernel import Law, Returned, UsersKernel, place_of, taking
+from rattle.elements.custom.law_kernel import Law, UsersKernel, place_of, taking
 from rattle.errors import InputError
 from rattle.interfaces.laws import FrictionLaw, NormalLaw
 from rattle.jit import layout as at
+from rattle.jit.families import Kind
 from rattle.jit.functions import KernelFunction
 from rattle.language.units import dimension_of
 from rattle.registry import Field
@@ -110,7 +111,7 @@ class ContactLaw(UsersKernel):
     def __init__(self, family: str, name: str, law: Law, keys: tuple[str, ...], states: int) -> None:
         self.name, self.states = name, states
         sizes: tuple[int, ...] = (0, 0, 0, 0)
-        result: Returned = "f"
+        result: Kind = "f"
         if family == "friction":
             sizes = (0, 0) if not states else (0, 0, 0 if states == 1 else states)
             result = "f" if not states else ("f", "f" if states == 1 else ("f",) * states)

@@ -11,15 +11,12 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from rattle.elements.custom.law_kernel import Law, Returned
+from rattle.elements.custom.law_kernel import Law
 from rattle.jit import layout as at
+from rattle.jit.families import Kind
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field
-
-Array = NDArray[np.float64]
+from rattle.value_types import Floats as Array
 
 
 class Form(NamedTuple):
@@ -28,7 +25,7 @@ class Form(NamedTuple):
     place: dict[str, Field]  # the key of the model file that says where the load acts
     kernel: Callable[[Law, Law], Law]  # from law and fields
     sizes: tuple[int, ...]  # of the arguments of a law: 0 for a number, n for a tuple
-    result: Returned  # kind of what a law returns
+    result: Kind  # kind of what a law returns
 
 
 # ---------------------------------------------------------------- one body

@@ -19,12 +19,12 @@ from typing import Any
 import numpy as np
 
 from rattle.errors import InputError
+from rattle.jit.families import Kind
 from rattle.jit.functions import KernelFunction
 
 Outside = dict[tuple[object, ...], object]  # what a law uses from outside, by where it is used
 log = logging.getLogger("rattle")
 Law = Callable[..., Any]  # of a user, or a kernel around it: its arguments and result are those of its family
-Returned = str | tuple["Returned", ...]  # kind of what a law returns: "f" for a number
 
 
 class UsersKernel(KernelFunction):
@@ -41,7 +41,7 @@ class UsersKernel(KernelFunction):
         law: Law,
         keys: Sequence[str],
         sizes: Sequence[int],
-        result: Returned,
+        result: Kind,
         compiled: bool,
     ) -> None:
         self.family, self.words, self.law, self.compiled = family, words, law, compiled

@@ -71,16 +71,16 @@ export class Painter {
   }
 
   // A circle, its radius in metres.
-  circle([x, y], radius, { colour = null, width = 1.2, fill = null, opacity = 1, dash = null } = {}) {
-    this.round(this.X(x), this.Y(y), Math.abs(radius) * this.view.scale, { colour, width, fill, opacity, dash });
+  circle([x, y], radius, { colour = null, width = 1.2, fill = null, opacity = 1 } = {}) {
+    this.round(this.X(x), this.Y(y), Math.abs(radius) * this.view.scale, { colour, width, fill, opacity });
   }
 
   // A mark of fixed size: radius in pixels.
   dot([x, y], radius, { colour = this.theme.black, width = 1.4, fill = this.theme.paper, opacity = 1 } = {}) {
-    this.round(this.X(x), this.Y(y), radius, { colour, width, fill, opacity, dash: null });
+    this.round(this.X(x), this.Y(y), radius, { colour, width, fill, opacity });
   }
 
-  round(x, y, radius, { colour, width, fill, opacity, dash }) {
+  round(x, y, radius, { colour, width, fill, opacity }) {
     if (!Number.isFinite(x + y + radius)) return;
     const { context } = this;
     context.beginPath();
@@ -90,9 +90,7 @@ export class Painter {
     if (colour) {
       context.strokeStyle = colour;
       context.lineWidth = width;
-      context.setLineDash(dash ?? []);
       context.stroke();
-      context.setLineDash([]);
     }
     context.globalAlpha = 1;
   }

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 SHOWN = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)  # eccentricities of the table
 SIZES = ("viscosity", "length", "radius", "clearance")
 SPARSE = 25  # every so many rows of a Stribeck curve are printed
-PICTURES = (".svg", ".png", ".pdf")
 
 
 @plain_command
@@ -94,11 +93,15 @@ def film(
     else:
         oil_film, orbit, joint = _of_model(source, joint, bearing)
     position = None if load is None or speed is None else oil_film.static(load, speed)
-    lines = [*_locus(oil_film), *(["", *_position(oil_film, position)] if position is not None else [])]
     curve = None
     if boundary_film is not None and load is not None:
         curve = oil_film.stribeck(load, boundary_film=boundary_film, friction=friction)
-        lines += ["", f"Stribeck curve at {load}, boundary film {boundary_film}", *_stribeck(curve)]
+
+    def words() -> str:
+        lines = [*_locus(oil_film), *(["", *_position(oil_film, position)] if position is not None else [])]
+        if curve is not None:
+            lines += ["", f"Stribeck curve at {load}, boundary film {boundary_film}", *_stribeck(curve)]
+        return "\n".join(lines)
 
     def draw() -> Figure:
         if boundary_film is not None and load is not None:
@@ -106,7 +109,7 @@ def film(
         return oil_film.plot(load, speed, result=orbit, joint=joint or "")
 
     return Shown(
-        lambda: "\n".join(lines), lambda: _record(oil_film, position, curve),
+        words, lambda: _record(oil_film, position, curve),
         (*asked.tabled(lambda: oil_film.table() if curve is None else curve), *asked.drawn(draw)),
         remarks=[f"note: {note}" for note in oil_film.notes],
     )  # fmt: skip
@@ -126,7 +129,9 @@ def _record(oil_film: Film, position: JournalPosition | None, curve: DataFrame |
 
 def _require_complete(load: str | None, speed: str | None, boundary_film: str | None, output: str | None) -> None:
     """Raise InputError for a file that cannot be written, click.UsageError for half of a question."""
-    if output is not None and Path(output).suffix.lower() not in (".csv", *PICTURES):
+    from rattle.plots.curves import SUFFIXES
+
+    if output is not None and Path(output).suffix.lower() not in (".csv", *SUFFIXES):
         raise InputError(f"{output}: a film is written as .csv, or as a picture in .svg, .png or .pdf")
     if boundary_film is None and (load is None) != (speed is None):
         raise click.UsageError("the point of a load needs both, --load and --speed")

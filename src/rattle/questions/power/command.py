@@ -77,7 +77,9 @@ def _record(p: Power, instant: float | None) -> dict[str, object]:
 
 def _require_sense(output: str | None, curves: bool, instant: float | None) -> None:
     """Raise InputError for a file that is none of a table or picture, click.UsageError for options that do not fit."""
-    table = output is not None and Path(output).suffix.lower() not in (".svg", ".png", ".pdf")
+    from rattle.plots.curves import SUFFIXES
+
+    table = output is not None and Path(output).suffix.lower() not in SUFFIXES
     if table and Path(str(output)).suffix.lower() != ".csv":
         raise InputError(f"{output}: power is written as .csv, or as a picture in .svg, .png or .pdf")
     if curves and (output is None or table):

@@ -25,6 +25,7 @@ from rattle.analyses.dynamics.methods import choose_stepper
 from rattle.analyses.dynamics.run import How
 from rattle.errors import InputError, ModelError, Problem
 from rattle.jit import functions
+from rattle.jit.choices import TINY
 from rattle.mechanism import Mechanism
 from rattle.progress_bar import progress_bar
 from rattle.questions.poincare.compute import driver_period
@@ -288,7 +289,7 @@ def _share(h: Array, g: Array, limit: float) -> float:
     deep = g >= limit
     if not math.isfinite(limit) or not deep.any():
         return math.inf
-    return float(max(0.0, ((limit - h[deep]) / np.maximum(g[deep] - h[deep], 1e-300)).min()))
+    return float(max(0.0, ((limit - h[deep]) / np.maximum(g[deep] - h[deep], TINY)).min()))
 
 
 def _crossing(before: float, after: float, limit: float) -> float:

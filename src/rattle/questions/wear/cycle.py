@@ -18,6 +18,7 @@ from rattle.equations.motion import constraints, drive, place
 from rattle.equations.system import System
 from rattle.errors import SolverError
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY
 from rattle.questions.wear.pins import Depths, Pin, enter
 from rattle.solvers.contacts.wear_march import bear_at, slide_under
 from rattle.solvers.contacts.wear_sum import FILLED, FORCE_X, LOADS, SLIDING, STEPS_IN_ROW
@@ -76,7 +77,7 @@ def merged(rows: Array) -> Array:
 def first_places(pin: Pin, loads: Array) -> Array:
     """Where the search for the places (rows, 2) [m] of a pin under its loads begins: on the way to the wall."""
     force = loads[:, FORCE_X : FORCE_X + 2]
-    return np.asarray(0.5 * pin.clearance * force / np.maximum(np.hypot(*force.T), 1e-300)[:, None])
+    return np.asarray(0.5 * pin.clearance * force / np.maximum(np.hypot(*force.T), TINY)[:, None])
 
 
 class Cycles:
