@@ -11,7 +11,7 @@ import rattle as rt
 from rattle.cli.main import main
 from rattle.errors import InputError
 from rattle.language.units import dimension_of, unit_of_quantity
-from rattle.results.chosen_units import chosen, read_units
+from rattle.results.chosen_units import choose, chosen, read_units
 
 UNITS = "mm,deg,N"
 
@@ -137,3 +137,30 @@ def test_an_unknown_unit_is_refused_before_the_run():
 def test_a_joint_that_bears_nothing_but_rounding_shows_no_force():
     row = next(line for line in run("run", "ratchet", "--no-horizon").output.splitlines() if line.startswith("guide "))
     assert row.split() == ["guide", "0", "N", "-", "0", "N"]
+
+
+@pytest.mark.parametrize("word", ["1 kN", "1kN", "1*kN", "1 mm"])
+def test_a_quantity_is_no_unit(word):
+    with pytest.raises(InputError, match="not a unit"):
+        read_units(word)
+
+
+@pytest.mark.parametrize(("word", "factor"), [("1/ms", 1e-3), ("N / mm", 1e-3), ("µm", 1e6), ("kN*m", 1e-3)])
+def test_a_formula_of_units_is_one(word, factor):
+    (shown,) = read_units(word).units.values()
+    assert shown.factor == pytest.approx(factor)
+
+
+def test_the_force_on_an_orbit_is_in_the_unit_that_is_asked_for():
+    result = rt.example("fourbar").simulate(t_end=5e-3)
+    before = choose(read_units("kN,um"))
+    try:
+        figure = result.plot_orbit("O3")
+        words = str(rt.example("fourbar").check())
+    finally:
+        choose(before)
+    bar = next(ax for ax in figure.axes if "normal force" in ax.get_ylabel())
+    assert "[kN]" in bar.get_ylabel()
+    assert bar.get_ylim()[1] < 0.01 * np.abs(result["O3.normal"]).max()
+    assert any(ax.get_xlabel().endswith("[µm]") for ax in figure.axes)
+    assert "O3 5000 um" in words

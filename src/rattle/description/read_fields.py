@@ -214,7 +214,7 @@ def _each(values: Values, field: Field, written: object, path: Path) -> list[flo
     if not isinstance(written, list | tuple) or len(written) != 2:
         values.wrong(path, f"expected {field.like}, got {quoted(written)}")
         return [math.nan]
-    return [values.value(part, field.unit, path, field.least) for part in written]
+    return [values.value(part, field.unit, (*path, n), field.least) for n, part in enumerate(written)]
 
 
 def _file(values: Values, field: Field, written: object, path: Path) -> object:

@@ -116,7 +116,7 @@ def _dry(reader: FieldReader, table: Table, chosen: LawValues, path: Path, read:
     if dry is None:
         return None, ""
     laws = registry.kinds("normal")
-    if dry.get("model") not in laws:
+    if not isinstance(dry.get("model"), str) or dry["model"] not in laws:
         words = f"dry needs the model of a compliant contact: {', '.join(laws)}"
         got = f", got {quoted(dry['model'])}{suggest(str(dry['model']), laws)}" if "model" in dry else ""
         reader.values.wrong(here, words + got)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -35,6 +36,7 @@ AFTER = "after the horizon: statistics only"
 LARGEST = "largest "  # before the name of a curve: what marks its largest value
 NOTE = "_note"  # label of notes that may be left out where a caption says the same
 SUFFIXES = (".svg", ".png", ".pdf")
+MICRO = re.compile(r"(?<![a-zA-Z])u(?=[ms]\b)")  # of a unit, as it is typed
 
 
 @overload
@@ -192,7 +194,7 @@ def legend_beside(ax: Axes, lines: Sequence[Line2D]) -> None:
 def length_axes(ax: Axes, span: float, written: Units | None = None) -> None:
     """Label the axes of a drawing of this span, whose data are in m, in the unit of the model file or a handy one."""
     factor, unit = handy_unit("m", span, written)
-    ax.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+    ax.set(xlabel=axis_label("x", unit), ylabel=axis_label("y", unit))
     for axis in (ax.xaxis, ax.yaxis) if factor != 1.0 else ():
         axis.set_major_formatter(lambda value, _: f"{factor * value:g}".replace("-", "\N{MINUS SIGN}"))
 
@@ -233,8 +235,8 @@ def drawn(ax: Axes, asked: Axes | None) -> Figure | Axes:
 
 
 def axis_label(quantity: str, unit: str) -> str:
-    """`quantity [unit]`, the unit as it is printed (N·m, m/s²)."""
-    printed = unit.replace("*", "·").replace("^2", "²").replace("^3", "³")
+    """`quantity [unit]`, the unit as it is printed (N·m, m/s², µm)."""
+    printed = MICRO.sub("µ", unit.replace("*", "·").replace("^2", "²").replace("^3", "³"))
     return f"{quantity} [{printed}]" if printed else quantity
 
 

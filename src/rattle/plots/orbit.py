@@ -123,8 +123,8 @@ def plot_orbit(result: Result, joint: str, ax: Axes | None = None) -> Figure | A
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2 if oiled else 3, frameon=False, fontsize=9)
     limit = 1.22 * max(c, float(np.hypot(x, y).max()))
     ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
-    ax.set_xlabel(f"pin centre from bush centre, x [{length}]")
-    ax.set_ylabel(f"y [{length}]")
+    ax.set_xlabel(axis_label("pin centre from bush centre, x", length))
+    ax.set_ylabel(axis_label("y", length))
     where = "in oil, " if oiled else ""
     ax.set_title(f"{joint}: orbit of the pin, {where}clearance {c:.4g} {length}", fontsize=11, loc="left", pad=18)
     if shade_after_horizon(ax, result, draw=False):
@@ -146,19 +146,19 @@ def _coloured_by_force(
     told = cut(result, f"{joint}.normal")
     size = np.minimum(np.abs(normal), shown_limit(result, f"{joint}.normal"))
     top, most = float(np.nanpercentile(size, 99.9)) or 1.0, largest(result, f"{joint}.normal")
+    many, unit = handy_unit("N", most)
     segments = np.stack([np.column_stack([x[:-1], y[:-1]]), np.column_stack([x[1:], y[1:]])], axis=1)
     strength = np.maximum(size[:-1], size[1:])
     order = np.argsort(strength, kind="stable")
-    lines = LineCollection(list(segments[order]), cmap="cividis_r", norm=Normalize(0, top))
+    lines = LineCollection(list(segments[order]), cmap="cividis_r", norm=Normalize(0, many * top))
     lines.set_linewidth(4.0 if form["contact"] == "massless-link" else 1.2)
-    lines.set_array(strength[order])
+    lines.set_array(many * strength[order])
     lines.set_capstyle("round")
     ax.add_collection(lines)
     beyond = most > top
     bar = figure_of(ax).colorbar(lines, ax=ax, extend="max" if beyond or told else "neither", shrink=0.85, pad=0.03)
-    many, unit = handy_unit("N", most)
     reach = f", {told}" if told else f", up to {short(many * most, 4)} {unit}" if beyond else ""
-    bar.set_label(f"magnitude of the normal force [N]\nlargest on top{reach}")
+    bar.set_label(f"{axis_label('magnitude of the normal force', unit)}\nlargest on top{reach}")
 
     ax.plot(x[:1], y[:1], "o", markerfacecolor="white", markeredgecolor=BLACK, markersize=7, label="start")
     pulls = normal < 0

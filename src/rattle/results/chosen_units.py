@@ -91,6 +91,8 @@ def _read(word: str) -> tuple[str, Shown]:
     unit = si_unit(word, dimension)
     if not unit:
         raise InputError(f"units: {word} is a plain number, not a unit; give units such as mm,deg,N")
+    if unit_of_quantity(f"1 {word}")[1] != word:
+        raise InputError(f"units: {word} is a quantity, not a unit; give units such as mm,deg,N")
     return unit, shown_in(word)
 
 

@@ -19,6 +19,7 @@ from rattle.plots.curves import (
     tidy,
 )
 from rattle.results.chosen_units import Shown
+from rattle.results.display import quantity
 from rattle.results.handy_units import QUANTITY, handy_unit
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def _contributions(ax: Axes, accuracy: Accuracy) -> None:
     k = int(np.argmax(accuracy.worst))
     order = sorted(range(len(accuracy.joints)), key=lambda n: accuracy.contributions[k, n])
     sizes = [factor * accuracy.contributions[k, n] for n in order]
-    names = [f"{accuracy.joints[n]} ({accuracy.clearances[accuracy.joints[n]] * 1e3:.3g} mm)" for n in order]
+    names = [f"{name} ({quantity(accuracy.clearances[name], 'm', 3)})" for name in (accuracy.joints[n] for n in order)]
     colours = [ORANGE if accuracy.joints[n] == accuracy.tighten else BLUE for n in order]
     ax.barh(names, sizes, color=colours, height=0.6)
     for n, size in enumerate(sizes):

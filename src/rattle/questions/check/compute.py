@@ -172,7 +172,7 @@ def _plates(model: Model) -> list[str]:
 
 def _clearances(model: Model) -> list[str]:
     return [
-        f"{name} {joint.clearance * 1e3:.4g} mm, {joint.contact.model}"
+        f"{name} {quantity(joint.clearance, 'm')}, {joint.contact.model}"
         for name, joint in model.joints.items()
         if joint.contact is not None and joint.one_sided is None
     ]

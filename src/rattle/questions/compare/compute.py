@@ -260,8 +260,8 @@ def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> 
         if m.model.joints[name].play.from_materials and deep > play:
             return (
                 f"the assumed bush, {RADII:g} clearances wide, is too small for these forces: the"
-                f" pin of {name} sinks {1e3 * deep:.3g} mm into it, more than its play of {1e3 * play:.3g} mm; give"
-                f" joints.{name}.contact a bush_radius and materials, or a stiffness"
+                f" pin of {name} sinks {quantity(deep, 'm', 3)} into it, more than its play of"
+                f" {quantity(play, 'm', 3)}; give joints.{name}.contact a bush_radius and materials, or a stiffness"
             )
     return ""
 
@@ -303,7 +303,7 @@ def _stiffness(joint: Joint, written: Tree) -> tuple[dict[str, Any], list[str]]:
         if joint.play.from_materials:
             if written.get("bush_radius") is None:
                 more["bush_radius"] = RADII * joint.clearance
-                assumptions.append(f"bush radius {1e3 * RADII * joint.clearance:.3g} mm")
+                assumptions.append(f"bush radius {quantity(RADII * joint.clearance, 'm', 3)}")
             more |= {"bush_material": "steel", "pin_material": "steel"}
             assumptions.append("steel on steel, sphere in socket")
         else:
@@ -350,13 +350,13 @@ def _oiled(m: Mechanism, compliant: Mechanism, loose: list[str], assumed: list[s
         if "bush_radius" not in m.contact_of(name):
             contact["bush_radius"] = bore = BORE * joint.clearance
             if bore > 0.5 * m.system.extent:
-                play, radius = f"{1e3 * joint.clearance:.3g} mm", f"{bore:.3g} m"
+                play, radius = quantity(joint.clearance, "m", 3), quantity(bore, "m", 3)
                 words = (
                     f"{name} has no bush_radius, and a usual one for {play} of play around oil, {radius}, does not fit"
                     " this mechanism; give bush_radius, length and viscosity"
                 )
                 raise ModelError([Problem(("joints", name), words)])
-            assumptions.append(f"bush radius {1e3 * BORE * joint.clearance:.3g} mm")
+            assumptions.append(f"bush radius {quantity(BORE * joint.clearance, 'm', 3)}")
         if "length" not in contact:
             written = contact["bush_radius"]
             contact["length"] = 2.0 * written if isinstance(written, int | float) else f"2*({written})"

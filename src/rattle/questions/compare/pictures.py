@@ -77,7 +77,7 @@ def page(comparison: Comparison) -> Figure:
     _legend(figure.add_subplot(grid[len(panels) - 1, 1]), comparison)
     for ax in left[:-1]:
         ax.tick_params(labelbottom=False)
-    left[-1].set_xlabel(f"time [{unit}]")
+    left[-1].set_xlabel(axis_label("time", unit))
     left[0].set_xlim(0.0, scale * max(r.trust.t_end for r in comparison.results.values()))
     _table(figure.add_subplot(grid[len(panels), :]), comparison)
     if remarks:

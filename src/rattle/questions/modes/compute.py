@@ -28,7 +28,7 @@ from rattle.questions.equilibrium.position import Equilibria, Equilibrium
 from rattle.questions.modes.oil_whirl import Whirl, seen_speeds, whirls
 from rattle.questions.modes.small_motions import DIFFERENCES, EXACT, small_motions
 from rattle.results.build import build_result
-from rattle.results.display import table
+from rattle.results.display import quantity, table
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.wrong_arguments import answers_in_words
@@ -133,7 +133,7 @@ class Modes:
     def behaviour(self, mode: int, digits: int = 6) -> str:
         """Behaviour of a mode (0 = lowest) in words: frequency [Hz], time constants [s] or growth [1/s]."""
         first, other = (complex(root) for root in self.roots[mode])
-        cycles = f"{self.frequency[mode]:.{digits}g} Hz"
+        cycles = quantity(float(self.frequency[mode]), "Hz", digits)
         whirl = self.whirl[mode] if self.whirl else None
         if whirl is not None:
             ratio = f", {whirl.ratio:.{digits}g} of the turning speed" if math.isfinite(whirl.ratio) else ""

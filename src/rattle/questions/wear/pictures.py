@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.plots.curves import BLUE, GREY, RED, axis_label, new_figure, tidy
+from rattle.results.chosen_units import chosen
 from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def _history(ax: Axes, worn: Worn, what: str, unit: str) -> None:
     columns = worn.columns
     names = [name for name in columns if name.endswith(f".{what}") and columns[name][-1] > 0.0]
     largest = max((float(columns[name][-1]) for name in names), default=0.0)
-    factor, shown = (1e9, "mm^3") if unit == "m^3" else handy_unit(unit, largest or 1e-6)
+    factor, shown = (chosen(unit) or (1e9, "mm^3")) if unit == "m^3" else handy_unit(unit, largest or 1e-6)
     for name in names:
         colour = BLUE if ".bush." in name else RED
         several = len({column.split(".")[0] for column in names}) > 1
