@@ -24,6 +24,7 @@ from rattle.errors import InputError
 from rattle.interfaces.contacts import ClearanceKind, ClutchKind, ContactKind, OneSidedKind, StopKind, WornKind
 from rattle.interfaces.fields import REQUIRED as REQUIRED
 from rattle.interfaces.fields import Field as Field
+from rattle.interfaces.fields import Fields
 from rattle.interfaces.fields import LocalName as LocalName
 from rattle.interfaces.fields import fields_of
 from rattle.interfaces.joints import DriverKind, JointKind
@@ -141,8 +142,13 @@ def play_of(joint: str) -> Kind[ClearanceKind] | None:
 
 
 def one_sided_of(joint: str) -> Kind[OneSidedKind] | None:
-    """The contacts that stand for the rows of a kind of joint without clearance; None if it has no such."""
+    """The contacts that stand for the rows of a kind of joint without clearance, the first of them; None without."""
     return next((entry for entry in kinds("one-sided").values() if entry.leaf.joint == joint), None)
+
+
+def sides_of(joint: str, fields: Fields) -> list[Kind[OneSidedKind]]:
+    """All kinds of such contacts of a joint with these fields."""
+    return [entry for entry in kinds("one-sided").values() if entry.leaf.joint == joint and entry.leaf.suits(fields)]
 
 
 def stop_of(joint: str) -> Kind[StopKind] | None:

@@ -13,7 +13,7 @@ from typing import Any, TypeVar, overload
 import numpy as np
 
 from rattle import registry
-from rattle.interfaces.contacts import ClearanceKind, OneSidedKind
+from rattle.interfaces.contacts import ClearanceKind, Corners, OneSidedKind
 from rattle.interfaces.fields import LawValues, pair
 from rattle.interfaces.joints import DriverKind, JointKind, Motor
 from rattle.language.expression import Node
@@ -172,6 +172,7 @@ class Joint:
     friction: JointFriction | None = None  # of a joint without play
     constants: tuple[float, ...] = ()  # [m or rad] of a kind whose rows count from the start
     wear: Wear | None = None
+    corners: Corners = field(default_factory=dict)  # points of B that may touch a surface
 
     @property
     def worn(self) -> Wear | None:
@@ -187,6 +188,8 @@ class Joint:
         """What its kernel takes after the points: the values of its fields, then its constants; nan if not yet set."""
         numbers: list[float | LocalFunction] = []
         for key, declared in registry.kinds("joint")[self.kind].fields.items():
+            if declared.shape == "labels":
+                continue
             numbers += pair(self.fields, key) if declared.shape == "pair" else (self.fields[key],)
         if self.leaf.from_start:
             numbers += self.constants or (math.nan,) * self.leaf.from_start

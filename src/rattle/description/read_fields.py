@@ -153,6 +153,21 @@ def _texts(values: Values, field: Field, written: object, path: Path) -> tuple[s
     return written[0], written[1]
 
 
+def _labels(values: Values, field: Field, written: object, path: Path) -> tuple[str, ...]:
+    """Different names; none after a problem."""
+    if (
+        not isinstance(written, list | tuple)
+        or len(written) < field.fewest
+        or not all(isinstance(label, str) for label in written)
+    ):
+        values.wrong(path, f"expected {field.like}, got {quoted(written)}")
+        return ()
+    if twice := next((label for n, label in enumerate(written) if label in written[:n]), ""):
+        values.wrong(path, f"{quoted(twice)} is named twice")
+        return ()
+    return tuple(written)
+
+
 def _text(values: Values, field: Field, written: object, path: Path) -> str:
     """A text for people, on one line; "" after a problem."""
     if not isinstance(written, str):
@@ -286,6 +301,7 @@ SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all sh
     "points": lambda values, field, written, path: values.points(written, path),
     "ring": _ring,
     "rings": _rings,
+    "labels": _labels,
     "stepper": _word("method", lambda: registry.names("stepper")),
     "table": _table,
     "text": _text,

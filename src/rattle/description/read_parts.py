@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from rattle import registry
@@ -36,7 +36,7 @@ from rattle.description.read_wear import read_wear
 from rattle.description.reading import Path, Table
 from rattle.description.tables import BAR, BODY, DRIVER, ENDS, JOINT, JOINT_TO_DRIVE, WHOLE_BODIES
 from rattle.errors import suggest
-from rattle.interfaces.contacts import ClearanceKind
+from rattle.interfaces.contacts import ClearanceKind, Corners
 from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
@@ -198,6 +198,7 @@ class Parts(FieldReader):
             contact = self._passing(kind, fields, clearance, contact, path)
         stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
         dimensions = self._dimensions(sizes, table, play, contact, path)
+        corners = self._corners(kind, fields, b, path) if len(values.problems) == before else {}
         friction = None
         if "friction" in table and "friction" not in kind.fields:
             sound, block = fields if len(values.problems) == before else None, next(iter(dimensions.values()), ())
@@ -208,10 +209,28 @@ class Parts(FieldReader):
                 values.wrong(here, why, at_key=True)
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
-            name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear
+            name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear, corners=corners
         )
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _corners(self, kind: registry.Kind[JointKind], fields: Fields, b: Point, path: Path) -> Corners:
+        """What of B may touch: the points that are named, the corners of its plate, or its point."""
+        labels: Sequence[str] | float = fields.get("corners", ())
+        if fields.get("outline"):
+            outline = self.bodies[b.body].outline if b.body in self.bodies else ()
+            if not outline:
+                why = f"'{b.body}' is no plate, which has an outline; name its corners: corners = [...]"
+                self.values.wrong((*path, "outline"), why, at_key=True)
+            return {str(n + 1): corner for n, corner in enumerate(outline[0])} if outline else {}
+        if isinstance(labels, float) or not labels:
+            return {b.name: b.at}
+        points = self.ground if b.body == "ground" else self.bodies[b.body].points
+        for n, label in enumerate(labels):
+            if label not in points:
+                why = f"no point {quoted(label)} on '{b.body}'{suggest(label, points)}"
+                self.values.wrong((*path, "corners", n), why)
+        return {label: points[label] for label in labels if label in points}
 
     def _require_consistent(self, kind: registry.Kind[JointKind], table: Table, fields: Fields, path: Path) -> None:
         """Refuse fields of a joint that are sound one by one, but not together."""

@@ -93,6 +93,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "geometry": lambda field: {"enum": geometries()},
     "groups": _group,
     "joint": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "joints"},
+    "labels": lambda field: array({"type": "string"}, field.fewest),
     "material": _material,
     "names": lambda field: array({"type": "string"}, 2, 2),
     "numbers": lambda field: array(PLAIN, field.fewest),

@@ -58,12 +58,13 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
             play = registry.kinds("worn")[play.name]
             p, contact = (*p, *play.leaf.parameters(wear)), replace(contact, static=wear.bed(p[at.CLEARANCE]))
         groups.append(ContactGroup(play, contact, p, corners, ("joints", joint.name, "contact"), bends))
-    sided = registry.one_sided_of(joint.kind)
-    if joint.contact is not None and sided is not None and joint.is_loose:
-        p = tuple(packed([*points, *sided.leaf.parameters(joint.fields, joint.constants)]))
+    for sided in registry.sides_of(joint.kind, joint.fields):
+        if joint.contact is None or not joint.is_loose:
+            continue
+        p = tuple(packed([*points, *sided.leaf.parameters(joint.fields, joint.constants, joint.corners)]))
         bends = sided.leaf.bends(joint.fields, joint.constants)
-        path = ("joints", joint.name, "contact")
-        groups.append(ContactGroup(sided, joint.contact, p, tuple(range(sided.leaf.contacts)), path, bends))
+        path, count = ("joints", joint.name, "contact"), sided.leaf.count(joint.fields, joint.corners)
+        groups.append(ContactGroup(sided, joint.contact, p, tuple(range(count)), path, bends))
     kind = registry.stop_of(joint.kind)
     if joint.stop is not None and kind is not None:
         ends = (joint.stop.minimum, joint.stop.maximum)

@@ -23,6 +23,7 @@ from rattle.language.local_function import LocalFunction
 from rattle.language.recorded import hypot
 
 Dimensions = Mapping[str, tuple[float, ...]]
+Corners = Mapping[str, tuple[float, float]]  # of B, by name, from its mass centre [m]
 
 
 class ContactGeometry:
@@ -189,7 +190,17 @@ class OneSidedKind(ContactGeometry):
     has_radius = False
 
     @staticmethod
-    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
+    def suits(fields: Fields) -> bool:
+        """True if a joint with these fields has these contacts: a kind of joint may have several kinds."""
+        return True
+
+    @classmethod
+    def count(cls, fields: Fields, corners: Corners) -> int:
+        """How many there are; corners: of B that may touch, of a kind of joint that has such."""
+        return cls.contacts
+
+    @staticmethod
+    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """What the kernel takes after the points: numbers [SI] and functions; constants: that the start has set."""
         return tuple(fields.values())
 

@@ -170,7 +170,7 @@ class JointKind:
         return ""
 
     @staticmethod
-    def outline(fields: Fields) -> np.ndarray | None:
+    def bearing_outline(fields: Fields) -> np.ndarray | None:
         """Points (n, 2) [m] of the outline of A that the fields give, in A's frame about A's point; None if none."""
         return None
 

@@ -285,8 +285,8 @@ def _form_of_joint(joint: Joint) -> dict[str, Any]:
         if -math.inf < (travel := joint.leaf.travel(joint.fields)) < math.inf:
             form["travel"] = travel
     form["fields"] = numbers(joint.fields)
-    for key in ("outline", "borne_outline"):
-        outline = getattr(joint.leaf, key)(joint.fields)
+    for key, outline_of in (("outline", joint.leaf.bearing_outline), ("borne_outline", joint.leaf.borne_outline)):
+        outline = outline_of(joint.fields)
         if outline is not None:
             form[key] = [[x, y] for x, y in outline]
     if joint.stop is not None:  # an end that there is not is None

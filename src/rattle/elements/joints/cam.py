@@ -190,7 +190,7 @@ class Cam(JointKind):
         return gap(function(fields, "radius"), "radius", "a")
 
     @staticmethod
-    def outline(fields: Fields) -> Array:
+    def bearing_outline(fields: Fields) -> Array:
         """The curve."""
         a, jets = around(function(fields, "radius"))
         return np.asarray(jets[0] * np.array([np.cos(a), np.sin(a)])).T

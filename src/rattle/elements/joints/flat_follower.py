@@ -142,7 +142,7 @@ class FlatFollower(JointKind):
         return gap(function(fields, "support"), "support", "x")
 
     @staticmethod
-    def outline(fields: Fields) -> Array:
+    def bearing_outline(fields: Fields) -> Array:
         """Where the face touches the cam."""
         x, (h, dh, _) = around(function(fields, "support"))
         cos, sin = np.cos(x), np.sin(x)
@@ -158,7 +158,7 @@ def worst_of(fields: Fields) -> tuple[str, float, float]:
     k, j = int(curved.argmin()), int(between.argmin()) if len(between) else 0
     if curved[k] > 0.0 and (not len(between) or between[j] >= 0.0):
         return degrees(x[k]), float(curved[k]), 0.0
-    touched = FlatFollower.outline(fields)
+    touched = FlatFollower.bearing_outline(fields)
     cut = (touched @ np.array([np.cos(x), np.sin(x)])).max(axis=0) - h
     where, least = (x[k], curved[k]) if curved[k] <= 0.0 else (x[j], between[j])
     return degrees(where), float(least), float(cut.max())

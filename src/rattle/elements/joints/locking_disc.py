@@ -102,7 +102,7 @@ class LockingDisc(JointKind):
         return Fit(fields["axle_distance"], None, why, needed=False, slack=fields["play"])
 
     @staticmethod
-    def outline(fields: Fields) -> Array:
+    def bearing_outline(fields: Fields) -> Array:
         """The disc with its sector cut out to the middle."""
         kappa = 0.5 * fields["opening"]
         turns = fields["axis"] + np.linspace(kappa, 2.0 * math.pi - kappa, POINTS)

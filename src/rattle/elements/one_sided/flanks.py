@@ -15,7 +15,7 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.wrapped import Wrapped, bow_of, length_of, write_line
-from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.contacts import Corners, OneSidedKind
 from rattle.interfaces.fields import Fields, pair
 from rattle.jit.functions import kernel
 from rattle.language.local_function import LocalFunction
@@ -51,7 +51,7 @@ class Flanks(OneSidedKind):
     wall = "the teeth of its partner"
 
     @staticmethod
-    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
+    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """Base circles, phase and backlash."""
         (a, b, distance), side = base(fields), -1.0 if fields["internal"] else 1.0
         play = 0.5 * fields["backlash"] - side * length_of(distance, a + b)

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 from rattle.elements.disc_contact import write_disc
 from rattle.elements.geneva import half_angle
-from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.contacts import Corners, OneSidedKind
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
@@ -137,7 +137,7 @@ class LockedArcs(OneSidedKind):
     slides = True
 
     @staticmethod
-    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
+    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """Edges of the disc, arcs of the wheel."""
         r, kappa, beta = fields["rounding"], 0.5 * fields["opening"], half_angle(fields)
         step, inner = 2.0 * math.pi / fields["arcs"], fields["radius"] - fields["rounding"]

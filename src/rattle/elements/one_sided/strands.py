@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.wrapped import SMALL, Wrapped, bow_of, length_of, write_line
-from rattle.interfaces.contacts import OneSidedKind
+from rattle.interfaces.contacts import Corners, OneSidedKind
 from rattle.interfaces.fields import Fields, pair
 from rattle.jit import layout as at
 from rattle.jit.functions import kernel
@@ -55,7 +55,7 @@ class Strands(OneSidedKind):
         return at.JOINT_NORMAL if corner == 0 else at.JOINT_TANGENT
 
     @staticmethod
-    def parameters(fields: Fields, constants: Sequence[float]) -> Sequence[float | LocalFunction]:
+    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """Pulleys, phase and stretch at the start."""
         (a, b), (phase, distance, psi, near) = turning(fields), constants or (math.nan,) * 4
         apart = distance > abs(a + b)

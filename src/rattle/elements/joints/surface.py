@@ -1,0 +1,80 @@
+"""Surface: a line, a segment or a disc of A, which points, corners or a disc of B touch and leave.
+
+The line goes through the point of A in the direction `axis` of A; its free side is to the left.  `length` makes a
+segment of it, about that point.  The disc has the `radius` R about the point of A; B is outside of it, or inside if it
+is `hollow`.  What touches on B are `corners` (points of B), all corners of its plate (`outline`), a disc of the radius
+`roller` about its point, or its point alone.  There are no rows: all that it does are the contacts of
+`elements.one_sided.on_surface`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from rattle.interfaces.fields import Fields
+from rattle.interfaces.joints import JointKind
+from rattle.jit.functions import kernel
+from rattle.registry import Field, kind
+
+OF_B = ("corners", "outline", "roller")  # keys of what touches on B, one of which may be given
+
+
+def without(fields: Fields) -> float:
+    """The default of a length that there need not be."""
+    return 0.0
+
+
+@kernel("joint")
+def free(body, a, b, p, k, row, rows):
+    """A surface has no constraint rows."""
+
+
+@kind("joint", "surface", free)
+class Surface(JointKind):
+    """A line, segment or disc of A that points, corners, the outline or a disc of B touch, with friction.
+
+    Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
+    """
+
+    rows = ()
+    moment = True
+    places = False
+    drawn_as = "surface"
+    axis = Field("rad", "direction of a line through A's point; its free side is to the left", default=without)
+    length = Field(
+        "m", "of a segment of that line, about A's point (default: endless)", default=without, least="positive"
+    )
+    radius = Field("m", "of a disc about A's point, in place of a line", default=without, least="positive")
+    hollow = Field("", "B is inside of that disc", default=False, shape="flag")
+    roller = Field("m", "radius of a disc about B's point (default: the point)", default=without, least="positive")
+    corners = Field(
+        "",
+        "points of B that may touch",
+        default=lambda fields: (),
+        shape="labels",
+        fewest=1,
+        like="names of points of B",
+    )
+    outline = Field("", "all corners of B's plate may touch", default=False, shape="flag")
+
+    @staticmethod
+    def faults(written: Mapping[str, object], fields: Fields) -> Iterator[tuple[str, str]]:
+        """A line and a disc at once, or neither; two things of B that touch; parts of one on the other."""
+        disc = "radius" in written
+        if disc == ("axis" in written):
+            both = "radius" if disc else ""
+            yield both, "give axis, the direction of a line of A, or radius, that of a disc of A" + ", not both" * disc
+        elif disc and "length" in written:
+            yield "length", "a disc has no length: it is that of a segment, along axis"
+        if fields["hollow"] and not disc:
+            yield "hollow", "only a disc of A is hollow: give its radius"
+        if len(ways := [key for key in OF_B if written.get(key)]) > 1:
+            yield ways[-1], f"give {' or '.join(ways)}: one of them says what of B touches"
+        if fields["hollow"] and disc and not fields["roller"] < fields["radius"]:
+            roller, radius = fields["roller"], fields["radius"]
+            yield "roller", f"roller = {roller:g} m does not fit in a hollow of radius = {radius:g} m"
+
+    @staticmethod
+    def passing(fields: Fields) -> str:
+        """B comes to it and leaves it."""
+        return "a surface"

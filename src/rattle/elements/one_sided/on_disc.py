@@ -1,0 +1,114 @@
+"""Points, corners and discs of B on a disc of A, outside of it or in its hollow.
+
+d: from the point of A to a corner of B, or to the centre of its disc (radius r, 0 of a corner); e = d/|d|; R: radius of
+the disc of A
+
+    outside         g = |d| - R - r         the wall is at n = -e from the centre,  bent = -1/|d|
+    hollow          g = R - r - |d|         n = +e,  bent = +1/|d|
+
+See `elements.disc_contact` for the rows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from rattle.elements.disc_contact import write_disc
+from rattle.elements.one_sided.on_line import between, flat, reach_of
+from rattle.interfaces.contacts import Corners, OneSidedKind
+from rattle.interfaces.fields import Fields
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled, kernel
+from rattle.jit.geometry import COINCIDENT
+from rattle.language.local_function import LocalFunction
+from rattle.language.recorded import hypot
+from rattle.registry import kind
+
+RADIUS, ROLLER, REACH = range(at.POINTS, at.POINTS + 3)
+CORNERS = at.POINTS + 3  # x and y of every corner [m], from the mass centre of B
+
+
+@compiled
+def write_round(body, a, b, p, k, corner, side, row, kinematics):
+    """Write the row of a corner or disc that is outside (side 1) or in the hollow (-1) of a disc of A."""
+    sax, say, sbx, sby, dx, dy = between(body, a, b, p, k, k + CORNERS + 2 * corner)
+    far, roller = math.sqrt(dx * dx + dy * dy), p[k + ROLLER]
+    bent = -side / max(far, COINCIDENT)
+    nx, ny = (bent * dx, bent * dy) if far > COINCIDENT else (-side, 0.0)
+    gap = side * (far - p[k + RADIUS]) - roller
+    return write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, nx, ny, gap, roller, bent, row, kinematics)
+
+
+@kernel("clearance")
+def on_disc(body, a, b, p, k, corner, row, kinematics):
+    """Write the row of a corner or disc outside of a disc of A."""
+    write_round(body, a, b, p, k, corner, 1.0, row, kinematics)
+
+
+@kernel("clearance")
+def in_hollow(body, a, b, p, k, corner, row, kinematics):
+    """Write the row of a corner or disc in a hollow of A."""
+    kinematics[row, at.ACROSS] = write_round(body, a, b, p, k, corner, -1.0, row, kinematics)
+
+
+@kind("one-sided", "on-disc", on_disc)
+class OnDisc(OneSidedKind):
+    """Points, corners or a disc of B outside of a disc of A.
+
+    Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
+    """
+
+    joint = "surface"
+    wall = "a surface"
+    slides = True
+
+    @staticmethod
+    def suits(fields: Fields) -> bool:
+        """A disc, but not against the edges of a plate."""
+        return fields["radius"] > 0.0 and not fields["hollow"] and not fields["outline"]
+
+    @classmethod
+    def count(cls, fields: Fields, corners: Corners) -> int:
+        """One of every corner."""
+        return len(corners)
+
+    @staticmethod
+    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
+        """Radii of both discs, corners."""
+        return (fields["radius"], fields["roller"], reach_of(corners), *flat(corners))
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Arms [m] of A's point and of the farthest corner."""
+        return hypot(p[0], p[1]), p[REACH]
+
+    @staticmethod
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
+        """1/(R + r) [1/m]: how fast the direction from A to B turns where they touch."""
+        return 0.0, 0.0, 1.0 / (fields["radius"] + fields["roller"])
+
+
+@kind("one-sided", "in-hollow", in_hollow)
+class InHollow(OnDisc):
+    """Points, corners or a disc of B in the hollow of a disc of A.
+
+    Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
+    """
+
+    rounded = True
+
+    @staticmethod
+    def suits(fields: Fields) -> bool:
+        """A hollow disc."""
+        return fields["radius"] > 0.0 and bool(fields["hollow"])
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """What B may move in it [m], but no more than the size."""
+        return min(size, p[RADIUS] - p[ROLLER])
+
+    @staticmethod
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
+        """Nothing: its gap bends as that of a pin in a bush."""
+        return 0.0, 0.0, 0.0
