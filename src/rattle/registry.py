@@ -24,9 +24,8 @@ from rattle.errors import InputError
 from rattle.interfaces.contacts import ClearanceKind, ClutchKind, ContactKind, OneSidedKind, StopKind, WornKind
 from rattle.interfaces.fields import REQUIRED as REQUIRED
 from rattle.interfaces.fields import Field as Field
-from rattle.interfaces.fields import Fields
+from rattle.interfaces.fields import Fields, fields_of
 from rattle.interfaces.fields import LocalName as LocalName
-from rattle.interfaces.fields import fields_of
 from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.interfaces.laws import FilmLaw, FrictionLaw, NormalLaw, StiffnessLaw, TangentKind
 from rattle.interfaces.loads import LoadKind

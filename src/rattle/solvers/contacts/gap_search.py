@@ -14,7 +14,7 @@ interval is halved.  Contacts out of reach need no sample at all.
 
 Walls that turn with B take its angular velocity instead.  A gap that depends on angles and on the offset in another
 way, as of a cam or a tooth, adds SLOPE (|alpha_A| + |alpha_B|) + CURVE (|w_A| + |w_B|)^2 + BOW |e'|^2, where the
-constants bound its derivatives (`layout`, lever).
+constants bound its derivatives (`layout`, lever).  Its normal turns at BOW |e'| too.
 
 A gap that is an angle between two bodies has |g''| <= |alpha_B - alpha_A| = E.
 
@@ -36,6 +36,7 @@ from rattle.solvers.dense_output import HALVINGS, INSTANT, OF_STEP
 
 NONE = 2.0  # a share of the step that does not exist
 WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
+BOW_TURNS = 2.0  # of the normal by BOW |e'|: |e| has a fourth derivative of 3 |e'|^4/|e|^3 where it is least
 GAVE_UP = 3.0  # the same, of a search without result: the step is too long for its dense output to be trusted
 MOST_LOOKS = 1_000_000
 FEW_LOOKS = 20_000  # for contacts whose step may be repeated with a shorter length
@@ -120,7 +121,7 @@ def bounds(m, h, n):
     linear = math.sqrt(ax * ax + ay * ay)
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
     w, alpha = (wb, alpha_b) if lever[n, at.WALLS_TURN] > 1.5 else (wa, alpha_a)
-    walls, bow = lever[n, at.WALLS_TURN] > 0.0 and w + alpha > 0.0, lever[n, at.BOW]
+    walls, bow, turning = lever[n, at.WALLS_TURN] > 0.0 and w + alpha > 0.0, lever[n, at.BOW], max(wa, wb)
     if walls or bow > 0.0:
         nq = m.change.shape[0]
         speed = max(apart(m, y, a, b, nq), apart(m, y_new, a, b, nq)) + 0.5 * h * linear + s_a * wa + s_b * wb
@@ -129,8 +130,9 @@ def bounds(m, h, n):
             bend += (w * w + alpha) * away + 2.0 * w * speed
             speed += w * away
         bend += bow * speed * speed
+        turning = max(turning, BOW_TURNS * bow * speed)
     bend += lever[n, at.SLOPE] * (alpha_a + alpha_b) + lever[n, at.CURVE] * (wa + wb) * (wa + wb)
-    return bend, max(wa, wb)
+    return bend, turning
 
 
 @compiled
