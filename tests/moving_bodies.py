@@ -5,6 +5,7 @@ import zlib
 
 import numpy as np
 
+from rattle.elements.joints.surface import without
 from rattle.language.expression import parse
 from rattle.language.local_function import local_function
 from rattle.language.tables import NO_TABLES
@@ -32,7 +33,7 @@ def field_values(kind, rng):
         if one.function_of:
             shape = parse(f"{rng.uniform(0.5, 2.0)} + {rng.uniform(-0.5, 0.5)}*sin({one.function_of})**3")
             found[key] = [local_function(shape, one.function_of, {}, NO_TABLES)]
-        elif key in OPTIONS and rng.integers(2):
+        elif (key in OPTIONS or one.default is without) and rng.integers(2):
             found[key] = [0.0]
         elif key in COUNTS:
             found[key] = [float(rng.integers(3, 9))]
@@ -49,7 +50,7 @@ def field_values(kind, rng):
         elif one.shape == "connect":
             found[key] = list(rng.uniform(-1, 1, 4))
         else:
-            assert one.shape == "body", f"tell the contracts how a {one.shape} is made"
+            assert one.shape in ("body", "labels"), f"tell the contracts how a {one.shape} is made"
             found[key] = []
     return [x for part in found.values() for x in part]
 

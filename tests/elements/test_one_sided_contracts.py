@@ -17,21 +17,33 @@ from rattle.language.local_function import packed
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
 KINDS = list(registry.kinds("one-sided"))
-OF_PARTS = {"locked-arcs"}  # walls of several parts, the nearest of which counts
+OF_PARTS = {"locked-arcs", "by-outline"}  # walls of several parts, the nearest of which counts
 KINK = 1e-2  # change of the slope of a gap [m/s] that is no curvature
 PLACES = 6  # paths: on different parts of walls that have several
 
 
-def possible_fields(joint, rng):
-    """Values of the fields of a kind of joint that go together."""
+def possible_fields(joint, leaf, rng):
+    """Values of the fields of a kind of joint that go together and with a kind of contacts."""
     while True:
         values = iter(field_values(joint, rng))
         fields = {
             key: tuple(sorted((next(values), next(values)), reverse=True)) if one.shape == "pair" else next(values)
             for key, one in joint.fields.items()
+            if one.shape != "labels"
         }
-        if not joint.leaf.fault(fields):
+        written = {key: value for key, value in fields.items() if value and (key != "axis" or not fields.get("radius"))}
+        fits = joint.name != "surface" or not any(joint.leaf.faults(written, fields))
+        if fits and leaf.suits(fields) and not joint.leaf.fault(fields):
             return fields
+
+
+def outline(rng):
+    """A polygon about its mass centre with one concave corner."""
+    turns = np.sort(rng.uniform(0, 0.8, 5)) + 2 * math.pi / 5 * np.arange(5)
+    far = rng.uniform(0.6, 1.0, 5) * [1, 1, 0.3, 1, 1]
+    return {
+        str(n): (r * math.cos(turn), r * math.sin(turn)) for n, (r, turn) in enumerate(zip(far, turns, strict=True))
+    }
 
 
 class Pushed:
@@ -43,7 +55,8 @@ class Pushed:
         self.leaf = self.kind.leaf
         joint = registry.kinds("joint")[self.leaf.joint]
         self.points = rng.uniform(-1, 1, 4)
-        self.fields = possible_fields(joint, rng)
+        self.fields, self.corners = possible_fields(joint, self.leaf, rng), outline(rng)
+        self.count = self.leaf.count(self.fields, self.corners)
         self.shift, d = np.zeros((3, 3)), (1.0, 0.0)
         if (fit := joint.leaf.fit(self.fields)) is not None:  # centres that move about the distance that suits them
             self.path.a[:, :2] *= 0.05
@@ -52,17 +65,21 @@ class Pushed:
             d = 1.02 * fit.distance * np.array([math.cos(way), math.sin(way)])
             self.shift[B, :2] = d - apart
         self.constants = joint.leaf.start_constants((rng.uniform(0.1, 1.0),), d) if joint.leaf.from_start else ()
-        self.p = np.array(packed([*self.points, *self.leaf.parameters(self.fields, self.constants)]))
+        self.p = np.array(packed([*self.points, *self.leaf.parameters(self.fields, self.constants, self.corners)]))
 
     def at(self, t, move=0.0):
         q = self.path.q(t) + self.shift + move
-        found = np.zeros((self.leaf.contacts, at.width("contact_kinematics")))
-        for corner in range(self.leaf.contacts):
+        found = np.zeros((self.count, at.width("contact_kinematics")))
+        for corner in range(self.count):
             self.kind.kernel(body_at(q, self.path.v(t)), A, B, self.p, 0, corner, corner, found)
         return found
 
     def touch(self, corner):
         """Move B along the normal until one gap is closed at the time 0.3 s."""
+        for _ in range(3 if self.leaf.one_way else 0):  # over the segment
+            here = self.at(0.3)[corner]
+            self.shift[B, :2] += (self.path.q(0.3) + self.shift)[A, :2] - (self.path.q(0.3) + self.shift)[B, :2]
+            self.shift[B, :2] += turned(self.path.q(0.3)[A, 2], self.points[:2]) - here[[at.PBX, at.PBY]]
         for _ in range(60):
             one = self.at(0.3)[corner]
             w = row(one)[3:]
@@ -109,7 +126,7 @@ def test_normal_row_is_minus_the_derivative_of_the_gap(pushed):
 
 def test_where_they_touch_the_gap_is_a_distance_and_gamma_completes_its_second_derivative(pushed):
     v, dv = pushed.path.v(0.3), pushed.path.dv(0.3)
-    for corner in range(pushed.leaf.contacts):
+    for corner in range(pushed.count):
         pushed.touch(corner)
         before, one, after = (pushed.at(0.3 + dt)[corner] for dt in (-H, 0.0, H))
         assert math.hypot(one[at.NX], one[at.NY]) == pytest.approx(1.0, abs=1e-12)
@@ -122,7 +139,7 @@ def test_where_they_touch_the_gap_is_a_distance_and_gamma_completes_its_second_d
 
 def test_a_one_sided_joint_that_slides_has_the_slip_of_the_material_points_that_meet(pushed):
     v, dv = pushed.path.v(0.3), pushed.path.dv(0.3)
-    for corner in range(pushed.leaf.contacts) if pushed.leaf.slides else ():
+    for corner in range(pushed.count) if pushed.leaf.slides else ():
         before, one, after = (pushed.at(0.3 + dt)[corner] for dt in (-H, 0.0, H))
         n, a, b = one[[at.NX, at.NY]], one[[at.PAX, at.PAY]], one[[at.PBX, at.PBY]]
         t = np.array([-n[1], n[0]])
@@ -148,7 +165,7 @@ def test_constants_bound_how_fast_a_gap_bends(pushed):
     """The bound with which events are searched (`solvers.contacts.gap_search`), where they touch."""
     leaf = pushed.leaf
     slope, curve, bow = leaf.bends(pushed.fields, pushed.constants)
-    for corner in range(leaf.contacts):
+    for corner in range(pushed.count):
         pushed.touch(corner)
         q, v, dv = pushed.path.q(0.3) + pushed.shift, pushed.path.v(0.3), pushed.path.dv(0.3)
         arm_a, arm_b = leaf.levers(pushed.p)
@@ -161,5 +178,7 @@ def test_constants_bound_how_fast_a_gap_bends(pushed):
             bend += (w**2 + alpha) * away + 2 * w * speed
             speed += w * away
         bend += bow * speed**2 + slope * (alpha_a + alpha_b) + curve * (wa + wb) ** 2
+        if leaf.rounded:
+            bend += pushed.at(0.3)[corner, at.ACROSS] ** 2 / leaf.scale(pushed.p, math.inf)
         before, here, after = (pushed.at(0.3 + dt)[corner, at.GAP] for dt in (-1e-4, 0.0, 1e-4))
         assert abs(after - 2 * here + before) / 1e-8 <= bend + 1e-5

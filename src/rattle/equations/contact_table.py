@@ -102,7 +102,7 @@ def contact_table(
                 )
             film = _film(contact, joint.clearance, values, coefficients)
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
-            lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular)))
+            lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular, leaf.one_way)))
             for corner in corners:
                 owned = (
                     n,
@@ -180,7 +180,8 @@ def _own_contact(own: OwnContact, joint: Joint, values: list[float]) -> tuple[tu
     law = len(values)
     values += [0.0] * at.MOST_TORQUE  # no restitution, no friction
     values += own.law
-    lever = (*kind.leaf.levers(parameters), *map(float, (_turning(kind.leaf), kind.leaf.rounded, kind.leaf.angular)))
+    leaf = kind.leaf
+    lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular, leaf.one_way)))
     return (_tag(kind), place, 0, -1, -1, -1, law, -1, -1), (
         *lever,
         kind.leaf.scale(parameters, 1.0),

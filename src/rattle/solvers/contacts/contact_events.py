@@ -14,6 +14,7 @@ import numpy as np
 
 from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
 from rattle.equations.motion import place
+from rattle.equations.one_way import fall_asleep, passes
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.equations.worn_contact import worn_energy
 from rattle.jit import layout as at  # fmt: skip
@@ -44,6 +45,7 @@ def start_contacts(m, t, y):
     contact, kinematics, memory, nq = m.contact, m.contact_kinematics, m.contact_memory, m.change.shape[0]
     place(m, y[:nq], y[nq : 2 * nq])
     locate_contacts(m)
+    fall_asleep(m)
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             continue
@@ -355,6 +357,8 @@ def turn(m, who, t, y):
     """Contact `who` starts or ends at (t [s], y), see `change_contacts`; chooses the next step."""
     clock, tally, memory = m.clock, m.tally, m.contact_memory
     clock[at.H_STABLE] = math.inf
+    if memory[who, at.CLOSED] != at.SHUT and passes(m, who, rounding(m, who)):
+        return
     was_shut = memory[who, at.CLOSED] == at.SHUT
     if was_shut:
         clock[at.FEWEST] = min(clock[at.FEWEST], memory[who, at.STEPS_IN])

@@ -16,6 +16,7 @@ from rattle.equations.complementarity import (
     linear,
 )
 from rattle.equations.motion import OK
+from rattle.equations.one_way import hold
 from rattle.equations.state import IMPULSE, LOSS, account_at
 from rattle.equations.unilateral import (
     NO_SOLUTION,
@@ -369,6 +370,7 @@ def change_modes(m, t, y, count):
         if friction_of(m, n) > 0.0 and new != OFF and new != old:
             note_friction(m, t, n, old, new)
         m.mode[n] = new
+        hold(m, n, new != OFF)
         m.contact_memory[n, at.BOUNCES_END] = 0.0
 
 

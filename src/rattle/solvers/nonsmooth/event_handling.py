@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.complementarity import FORWARD, STICK
+from rattle.equations.complementarity import FORWARD, OFF, STICK
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.dry_friction import rounding
 from rattle.equations.motion import OK, solve_motion
+from rattle.equations.one_way import hold, off_end, passes
 from rattle.equations.state import take_states
 from rattle.equations.unilateral import NOT_FOUND, NOT_UNIQUE
 from rattle.jit import layout as at
@@ -15,8 +17,18 @@ from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.contact_events import pass_on, remember_end, turn, turn_clutches
 from rattle.solvers.contacts.pawls import drop_pawl
 from rattle.solvers.dry_friction_modes import KEEP, decide, decided, modes_changed, solve_at, stay_at_rest, tell
-from rattle.solvers.nonsmooth.contact_modes import CREEPS, DROP, HIT, MEETS, NOTHING, TURN, update_modes
-from rattle.solvers.nonsmooth.contact_projection import note_open, project_on_contacts
+from rattle.solvers.nonsmooth.contact_modes import (
+    CREEPS,
+    DROP,
+    HIT,
+    LET_GO,
+    MEETS,
+    NOTHING,
+    TURN,
+    release,
+    update_modes,
+)
+from rattle.solvers.nonsmooth.contact_projection import noise, note_open, project_on_contacts
 from rattle.solvers.nonsmooth.idle_contacts import note_pressed
 from rattle.solvers.nonsmooth.impacts import collide
 
@@ -87,6 +99,14 @@ def handle_event(m, t, y, who, what):
     hits (-1: none does).
     """
     nq = m.change.shape[0]
+    if what == HIT and passes(m, who, noise(m, who)):
+        who, what = -1, NOTHING
+    if what == LET_GO and off_end(m, who):
+        release(m, t, y, who)
+        m.mode[who] = OFF
+        hold(m, who, False)
+        locate_contacts(m)
+        who, what = -1, NOTHING
     for n in range(m.contact_memory.shape[0]):
         m.contact_memory[n, at.GAP_1] = m.contact_kinematics[n, at.GAP]
     if m.dry.shape[0] > 0:

@@ -14,6 +14,7 @@ import numpy as np
 
 from rattle.equations.complementarity import FORWARD, OFF, friction_of
 from rattle.equations.motion import solve_motion
+from rattle.equations.one_way import pressing
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
@@ -67,7 +68,7 @@ def indicator(m, n, what):
     """
     kinematics = m.contact_kinematics
     if what == LET_GO:
-        return kinematics[n, at.NORMAL]
+        return pressing(m, n)
     if m.contact[n, at.LEVEL] == 1:
         return most_torque(m, n) - kinematics[n, at.NORMAL] if what == BREAK_AWAY else rate_left(m, n)
     if what == BREAK_AWAY:

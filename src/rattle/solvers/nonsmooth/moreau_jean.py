@@ -38,6 +38,7 @@ from rattle.equations.motion import (
     loads,
     place,
 )  # fmt: skip
+from rattle.equations.one_way import fall_asleep, follow_sides
 from rattle.equations.schur import factorise
 from rattle.equations.state import (
     DISSIPATED,
@@ -90,6 +91,7 @@ def start(m, t):
     y, sign = m.state, m.sign
     project(m, t, y)
     locate_contacts(m)
+    fall_asleep(m)
     seat_pawls(m, True)
     for n in range(sign.shape[0]):  # what the first step finds
         sign[n] = 1.0
@@ -254,6 +256,7 @@ def end_stands(m, t, h):
         return UNSOUND
     keep_energies(m)
     locate_contacts(m)
+    follow_sides(m)
     seat_pawls(m, False)
     audit[at.SUNK] = max(audit[at.SUNK], deepest(m))
     if audit[at.SUNK] > 1.0:

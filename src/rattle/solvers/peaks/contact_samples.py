@@ -23,6 +23,7 @@ import math
 import numpy as np
 
 from rattle.equations.complementarity import FORWARD, OFF, STICK, friction_of
+from rattle.equations.one_way import pressing
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 from rattle.solvers.contacts.clutches import most_torque, rate_left, torque_noise, watched
@@ -76,7 +77,7 @@ def write_look(m, line):
             if watched(m, n):
                 write_clutch(m, n, line)
             continue
-        line[1 + KINDS * n] = m.contact_kinematics[n, at.NORMAL]
+        line[1 + KINDS * n] = pressing(m, n)
         largest = max(largest, abs(m.contact_kinematics[n, at.NORMAL]))
         write_friction(m, n, line)
     for i in range(1, mass.shape[0]):

@@ -1,0 +1,144 @@
+"""Discs, points and corners of B on a segment of A, of the length 2 h about the point of A.
+
+u: direction of the segment, n' = u turned by 90 degrees; d: from the point of A to the centre of the disc or to the
+corner; x = u . d, y = n' . d
+
+A disc (radius r) bears on both sides and at the ends.  With q = (max(|x| - h, 0) sgn x, y), the offset from the nearest
+point of the segment,
+
+    g = |q| - r        n = -q/|q|,    bent = -1/|q| beyond the ends, 0 before
+
+A corner bears on the left side, where y > 0, only while it is over the segment.  So it has a memory: one that is below
+(ASLEEP) touches nothing until it is above again, at g = -y = 0, which is no impact.
+
+    awake       g = y over the segment,  |(|x| - h, max(y, 0))| beside it
+    held        g = y, also beyond the end: a closed contact, which ends there, see `equations.one_way`
+
+See `elements.disc_contact` for the rows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from rattle.elements.disc_contact import write_disc
+from rattle.elements.one_sided.on_line import between, flat, reach_of
+from rattle.interfaces.contacts import Corners, OneSidedKind
+from rattle.interfaces.fields import Fields
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled, kernel
+from rattle.jit.geometry import COINCIDENT, direction
+from rattle.language.local_function import LocalFunction
+from rattle.language.recorded import hypot
+from rattle.registry import kind
+
+AXIS, HALF, ROLLER, REACH = range(at.POINTS, at.POINTS + 4)
+CORNERS = at.POINTS + 4  # x and y of every corner [m], from the mass centre of B
+NEAREST = 1e-3  # share of a segment as near as which its end turns the direction of the gap of a corner that passes
+
+
+@compiled
+def over_end(x, half):
+    """How far x is beyond the nearer end of the segment [m], and on which side: 1 or -1."""
+    return (x - half, 1.0) if x >= 0.0 else (-x - half, -1.0)
+
+
+@kernel("clearance")
+def on_segment(body, a, b, p, k, corner, row, kinematics):
+    """Write the row of a disc of B on a segment."""
+    sax, say, sbx, sby, dx, dy = between(body, a, b, p, k, k + CORNERS + 2 * corner)
+    ux, uy = direction(body, a, p[k + AXIS])
+    over, side = over_end(ux * dx + uy * dy, p[k + HALF])
+    y = ux * dy - uy * dx
+    x = side * max(over, 0.0)
+    far = math.sqrt(x * x + y * y)
+    apart = far > COINCIDENT
+    x, y = (x / far, y / far) if apart else (0.0, 1.0)
+    nx, ny = -x * ux + y * uy, -x * uy - y * ux
+    bent = -1.0 / far if over > 0.0 and apart else 0.0
+    gap, roller = far - p[k + ROLLER], p[k + ROLLER]
+    write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, nx, ny, gap, roller, bent, row, kinematics)
+
+
+@kernel("clearance")
+def over_segment(body, a, b, p, k, corner, row, kinematics):
+    """Write the row of a corner of B over a segment, by its PHASE, with how far it is ABOVE it and BEYOND its end."""
+    sax, say, sbx, sby, dx, dy = between(body, a, b, p, k, k + CORNERS + 2 * corner)
+    ux, uy = direction(body, a, p[k + AXIS])
+    over, side = over_end(ux * dx + uy * dy, p[k + HALF])
+    y, phase = ux * dy - uy * dx, kinematics[row, at.PHASE]
+    gap, nx, ny, bent = y, uy, -ux, 0.0
+    if phase == at.ASLEEP:
+        gap, nx, ny = -y, -uy, ux
+    elif phase == at.AWAKE and over > 0.0:
+        up = max(y, 0.0)
+        gap = math.sqrt(over * over + up * up)
+        away, rise = (over / gap, up / gap) if gap > COINCIDENT else (1.0, 0.0)
+        nx, ny = -side * away * ux + rise * uy, -side * away * uy - rise * ux
+        bent = -1.0 / max(gap, COINCIDENT) if up > 0.0 else 0.0
+    write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, nx, ny, gap, 0.0, bent, row, kinematics)
+    kinematics[row, at.ABOVE], kinematics[row, at.BEYOND] = y, over
+
+
+@kind("one-sided", "on-segment", on_segment)
+class OnSegment(OneSidedKind):
+    """A disc of B on a segment of A, on both sides and at its ends.
+
+    Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
+    """
+
+    joint = "surface"
+    wall = "a surface"
+    walls_turn = True
+    slides = True
+
+    @staticmethod
+    def suits(fields: Fields) -> bool:
+        """A segment against a disc."""
+        return fields["length"] > 0.0 and fields["roller"] > 0.0
+
+    @classmethod
+    def count(cls, fields: Fields, corners: Corners) -> int:
+        """One of every corner."""
+        return len(corners)
+
+    @staticmethod
+    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
+        """Direction and half length of the segment, radius of the disc, corners."""
+        return (fields["axis"], 0.5 * fields["length"], fields["roller"], reach_of(corners), *flat(corners))
+
+    @staticmethod
+    def levers(p: Sequence[float]) -> tuple[float, float]:
+        """Arms [m] of A's farther end and of the farthest corner."""
+        return hypot(p[0], p[1]) + p[HALF], p[REACH]
+
+    @staticmethod
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
+        """1/r [1/m]: how fast the direction from an end to the disc turns."""
+        return 0.0, 0.0, 1.0 / fields["roller"]
+
+
+@kind("one-sided", "over-segment", over_segment)
+class OverSegment(OnSegment):
+    """Points and corners of B on the left side of a segment of A, while they are over it.
+
+    Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
+    """
+
+    one_way = True
+
+    @staticmethod
+    def scale(p: Sequence[float], size: float) -> float:
+        """The length of the segment, but no more than the size."""
+        return min(size, 2.0 * p[HALF])
+
+    @staticmethod
+    def suits(fields: Fields) -> bool:
+        """A segment against points."""
+        return fields["length"] > 0.0 and not fields["roller"] > 0.0
+
+    @staticmethod
+    def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
+        """How fast the direction from an end turns to a corner that passes NEAREST to it [1/m]."""
+        return 0.0, 0.0, 1.0 / (NEAREST * fields["length"])

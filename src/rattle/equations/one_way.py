@@ -1,0 +1,85 @@
+"""Corners over a segment, which bears on one side: when they are below it and touch nothing, when they leave its end.
+
+A located zero of the gap is no impact where a corner that was below comes up, or one that was beside the segment comes
+under it: there the gap jumps.  A closed contact ends where its corner leaves the segment, with whatever force it has.
+See `elements.one_sided.on_segment`.
+"""
+
+from __future__ import annotations
+
+from rattle.equations.compliant import locate_contacts
+from rattle.jit import layout as at
+from rattle.jit.functions import compiled
+
+BELOW = 10.0  # times the rounding of a gap: a corner farther below a segment has come from its side
+LEAST = 1e-300  # force [N] that counts as negative
+START_BELOW = 0.01  # share of the segment, the same at the start of a run, where a corner may be inside by mistake
+
+
+@compiled
+def passes(m, n, slight):
+    """True if contact n has found its gap to be zero without touching: it is asleep now, or awake.
+
+    slight: depth that is rounding [m].
+    """
+    if m.lever[n, at.ONE_WAY] == 0.0:
+        return False
+    row = m.contact_kinematics[n]
+    if row[at.PHASE] == at.ASLEEP:
+        row[at.PHASE] = at.AWAKE
+    elif row[at.ABOVE] < -BELOW * slight:
+        row[at.PHASE] = at.ASLEEP
+    else:
+        return False
+    locate_contacts(m)
+    return True
+
+
+@compiled
+def fall_asleep(m):
+    """Corners that a run begins with below their segment; their gaps are known."""
+    asleep = False
+    for n in range(m.contact.shape[0]):
+        if m.lever[n, at.ONE_WAY] == 0.0:
+            continue
+        row = m.contact_kinematics[n]
+        row[at.PHASE] = at.AWAKE
+        if row[at.ABOVE] < -START_BELOW * m.lever[n, at.GAP_SCALE]:
+            row[at.PHASE], asleep = at.ASLEEP, True
+    if asleep:
+        locate_contacts(m)
+
+
+@compiled
+def follow_sides(m):
+    """At the end of a step of fixed length: corners that are below and beside their segment, and those above it."""
+    changed = False
+    for n in range(m.contact.shape[0]):
+        if m.lever[n, at.ONE_WAY] == 0.0:
+            continue
+        row = m.contact_kinematics[n]
+        asleep = row[at.PHASE] == at.ASLEEP
+        if (asleep and row[at.ABOVE] > 0.0) or (not asleep and row[at.ABOVE] < 0.0 and row[at.BEYOND] > 0.0):
+            row[at.PHASE], changed = at.AWAKE if asleep else at.ASLEEP, True
+    if changed:
+        locate_contacts(m)
+
+
+@compiled
+def hold(m, n, closed):
+    """Contact n is closed from now on, or open: while it is closed its gap is that of the whole line."""
+    if m.lever[n, at.ONE_WAY] > 0.0 and m.contact_kinematics[n, at.PHASE] != at.ASLEEP:
+        m.contact_kinematics[n, at.PHASE] = at.HELD if closed else at.AWAKE
+
+
+@compiled
+def off_end(m, n):
+    """True if the corner of closed contact n is beyond the end of its segment."""
+    return m.contact_kinematics[n, at.PHASE] == at.HELD and m.contact_kinematics[n, at.BEYOND] > 0.0
+
+
+@compiled
+def pressing(m, n):
+    """N of closed contact n [N]; where its wall has ended negative, as there it lets go."""
+    normal = m.contact_kinematics[n, at.NORMAL]
+    return -abs(normal) - LEAST if off_end(m, n) else normal
