@@ -42,6 +42,7 @@ class ContactGroup(NamedTuple):
     corners: tuple[int, ...]  # contacts of the kind that there are
     path: tuple[str, ...]  # of its contact model in the model file
     bends: tuple[float, float, float] = (0.0, 0.0, 0.0)  # see `ContactGeometry.bends`
+    labels: tuple[str, ...] = ()  # of its contacts, if results show N of each
 
 
 def contact_groups(joint: Joint) -> list[ContactGroup]:
@@ -64,7 +65,8 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
         p = tuple(packed([*points, *sided.leaf.parameters(joint.fields, joint.constants, joint.corners)]))
         bends = sided.leaf.bends(joint.fields, joint.constants)
         path, count = ("joints", joint.name, "contact"), sided.leaf.count(joint.fields, joint.corners)
-        groups.append(ContactGroup(sided, joint.contact, p, tuple(range(count)), path, bends))
+        labels = sided.leaf.labels(joint.fields, joint.corners)
+        groups.append(ContactGroup(sided, joint.contact, p, tuple(range(count)), path, bends, labels))
     kind = registry.stop_of(joint.kind)
     if joint.stop is not None and kind is not None:
         ends = (joint.stop.minimum, joint.stop.maximum)
@@ -72,6 +74,17 @@ def contact_groups(joint: Joint) -> list[ContactGroup]:
         corners = tuple(k for k, end in enumerate(ends) if math.isfinite(bare(end)))
         groups.append(ContactGroup(kind, joint.stop.contact, p, corners, ("joints", joint.name, "stop", "contact")))
     return groups
+
+
+def contact_labels(model: Model) -> list[tuple[str, str]]:
+    """Joint and label of every contact, in the order of the table; no label where a joint has one only."""
+    labels: list[tuple[str, str]] = []
+    for joint in model.joints.values():
+        for group in contact_groups(joint):
+            labels += [(joint.name, group.labels[corner] if group.labels else "") for corner in group.corners]
+        if joint.leaf.own_contact(joint.fields) is not None:
+            labels.append((joint.name, ""))
+    return labels
 
 
 def contact_table(
@@ -84,10 +97,10 @@ def contact_table(
     table: list[tuple[int, ...]] = []
     coefficients: list[float] = []
     levers: list[tuple[float, ...]] = []
-    states = 0
+    states = own_columns = 0
     for n, joint in enumerate(model.joints.values()):
         a, b = number[joint.a.body], number[joint.b.body]
-        for kind, contact, parameters, corners, _, bends in contact_groups(joint):
+        for kind, contact, parameters, corners, _, bends, labels in contact_groups(joint):
             leaf, place, size = kind.leaf, len(values), 1.0 if kind.leaf.angular else length
             values += parameters
             laws: tuple[int, ...]
@@ -115,7 +128,9 @@ def contact_table(
                     0,
                     *film,
                     leaf.worn,
+                    own_columns if labels else -1,
                 )
+                own_columns += 1 if labels else 0
                 table.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
                 levers.append((*lever, leaf.scale(parameters, size), size, *bends))
@@ -133,6 +148,7 @@ def contact_table(
                 int(alone.toothed),
                 *NO_FILM,
                 0,
+                -1,
             )
             table.append((entry[0], a, b, *entry[1:], *owned))
             states += alone.states

@@ -200,6 +200,11 @@ class OneSidedKind(ContactGeometry):
         """How many there are; corners: of B that may touch, of a kind of joint that has such."""
         return cls.contacts
 
+    @classmethod
+    def labels(cls, fields: Fields, corners: Corners) -> tuple[str, ...]:
+        """What its contacts are called in results and events, each; none if a joint has one contact only."""
+        return ()
+
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """What the kernel takes after the points: numbers [SI] and functions; constants: that the start has set."""

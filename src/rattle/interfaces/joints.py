@@ -71,6 +71,7 @@ class JointKind:
     tangents: ClassVar[tuple[str, ...]] = ()  # kinds of rows along which its friction acts; none: its coordinate's
     rubs_with: ClassVar[Mapping[str, Field]] = {}  # what its friction needs besides its model
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
+    touches: ClassVar[bool] = False  # True: bodies that touch and part outside of any joint, with a gap between them
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
 
     @staticmethod

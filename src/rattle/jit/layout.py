@@ -92,6 +92,7 @@ TOOTHED = column("contact", "", "1 for a gap that becomes one pitch smaller wher
 FILM_LAW = column("contact", "", "kernel of the oil film in the clearance; -1: none")
 FILM_P = column("contact", "", "its first parameter")
 WORN = column("contact", "", "1 for a pin and a bush with profiles of wear on an elastic foundation")
+OWN_COLUMN = column("contact", "", "number of the column of an output row that is its N alone; -1: none")
 
 ARM_A = column("lever", "m", "longest arm on A to its contact points")
 ARM_B = column("lever", "m", "longest arm on B")

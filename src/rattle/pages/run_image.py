@@ -15,7 +15,7 @@ import numpy as np
 from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.simulate import output_times
-from rattle.equations.contact_table import CONTACT_TABLES
+from rattle.equations.contact_table import CONTACT_TABLES, contact_labels
 from rattle.equations.system import System
 from rattle.errors import InputError
 from rattle.jit import functions
@@ -61,6 +61,7 @@ def run_image(run: Run) -> RunImage:
             "step": run.step,
             "extent": run.system.extent,
             "owners": _owners(run),
+            "labels": [label for _, label in contact_labels(run.system.model)],
         },
         bytes(content.written),
     )

@@ -16,6 +16,7 @@ import numpy as np
 from rattle import registry
 from rattle.description.coordinates import record_of
 from rattle.description.model import Joint, Load, Model, Value
+from rattle.equations.contact_table import contact_labels
 from rattle.equations.system import System, joint_rows
 from rattle.interfaces.joints import JointKind
 from rattle.jit import layout as at
@@ -26,7 +27,13 @@ from rattle.value_types import Tree
 def width(system: System, ports: bool = False) -> int:
     """Number of columns of a raw output row, declared in `jit.layout`; ports: with those of all elements."""
     elements = len(system.joints) + len(system.model.loads) if ports else 0
-    return motion_width(system) + at.PER_JOINT * len(system.joints) + at.ENERGIES + at.PER_PORT * elements
+    joints = at.PER_JOINT * len(system.joints) + own_columns(system)
+    return motion_width(system) + joints + at.ENERGIES + at.PER_PORT * elements
+
+
+def own_columns(system: System) -> int:
+    """Number of contacts that have a column of their own, behind those of the joints."""
+    return int((system.arrays["contact"][:, at.OWN_COLUMN] >= 0).sum())
 
 
 def motion_width(system: System) -> int:
@@ -43,7 +50,7 @@ def motion_columns(system: System) -> tuple[list[str], dict[str, str]]:
 
 def states_of(system: System) -> slice:
     """Columns of a raw row that hold the states of the model."""
-    first = at.PER_BODY * system.body_count + at.PER_JOINT * len(system.joints)
+    first = at.PER_BODY * system.body_count + at.PER_JOINT * len(system.joints) + own_columns(system)
     return slice(first, first + len(system.model.states))
 
 
@@ -134,6 +141,10 @@ def columns(
         else:
             _take_joint(taking, system, model.joints[name], raw, c, turning)
         c += at.PER_JOINT
+    for owner, label in contact_labels(model):
+        if label:
+            taking.add(f"{owner}.{label}.normal", "N", c)
+            c += 1
     for name, unit in model.recorded.items():
         taking.add(name, unit, c)
         c += 1
@@ -182,8 +193,8 @@ def _take_joint(
             taking.add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, force)
     elif joint.contact is not None:
         of_contact = _of_contact(system, joint, joint_rows(joint)[0], raw, c)
-        for key, column in OF_CONTACT.items():
-            taking.add(f"{name}.{key}", at.OUTPUT_JOINT[key], c + column, of_contact.get(key))
+        for key, column in (OF_SURFACE if joint.leaf.touches else OF_CONTACT).items():
+            taking.add(f"{name}.{key}", at.OUTPUT_JOINT.get(key, "m"), c + column, of_contact.get(key))
         if joint.contact.film is not None:
             for key, (unit, values) in film_columns(system, joint, raw, c, turning).items():
                 taking.add(f"{name}.{key}", unit, c + at.EX, values)
@@ -229,6 +240,7 @@ def overrun(joint: Joint, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 OF_CONTACT = {"ex": at.EX, "ey": at.EY, "normal": at.JOINT_NORMAL, "tangential": at.JOINT_TANGENT}
 OF_CONTACT["penetration"] = at.PENETRATION
+OF_SURFACE = {"gap": at.PENETRATION, **{key: OF_CONTACT[key] for key in ("normal", "tangential", "penetration")}}
 
 
 def _of_contact(
@@ -236,6 +248,9 @@ def _of_contact(
 ) -> dict[str, np.ndarray]:
     """Columns (n,) [SI] of a joint with clearance that its raw columns from c on do not hold as a result shows them."""
     derived: dict[str, np.ndarray] = {}
+    if joint.leaf.touches:
+        depth = raw[:, c + at.PENETRATION]
+        return {"gap": -depth, "penetration": np.maximum(depth, 0.0), "tangential": -raw[:, c + at.JOINT_TANGENT]}
     ex, ey = raw[:, c + at.EX], raw[:, c + at.EY]
     if kind is not None:  # otherwise only contacts act on it
         fx, fy = raw[:, c + at.FX], raw[:, c + at.FY]

@@ -25,6 +25,7 @@ class Event(NamedTuple):
     peak_force: float = 0.0  # [N]; of a stop of an angle a moment [N m]
     impulse: float = 0.0  # [N s]; of a stop of an angle [N m s]
     energy_lost: float = 0.0  # [J]
+    contact: str = ""  # which of the contacts of a joint: the corner, if it has several
 
 
 class Peak(NamedTuple):

@@ -42,6 +42,7 @@ def write(m, work_done, dissipated, row):
             kinetic += 0.5 * mass[i, k] * body[i, at.VX + k] ** 2
         c += at.PER_BODY
     c = write_joints(m, row, c)
+    c = write_own(m, row, c)
     for n in range(m.state_rate.shape[0] + m.signal.shape[0]):
         row[c] = signals[n]
         c += 1
@@ -83,6 +84,17 @@ def write_joints(m, row, first):
         c += at.PER_JOINT
     write_contacts(m, row, first)
     write_friction(m, row, first)
+    return c
+
+
+@compiled
+def write_own(m, row, first):
+    """N of contacts that have a column of their own, from column `first` on; returns the next free column."""
+    contact, c = m.contact, first
+    for n in range(contact.shape[0]):
+        if contact[n, at.OWN_COLUMN] >= 0:
+            row[c] = m.contact_kinematics[n, at.NORMAL]
+            c += 1
     return c
 
 
@@ -129,4 +141,5 @@ def write_contacts(m, row, first):
             continue
         row[c + at.JOINT_TANGENT] += tangent
         depth = -kinematics[n, at.GAP]
-        row[c + at.PENETRATION] = depth if contact[n, at.CORNER] == 0 else max(row[c + at.PENETRATION], depth)
+        alone = n == 0 or contact[n - 1, at.OWNER] != contact[n, at.OWNER]
+        row[c + at.PENETRATION] = depth if alone else max(row[c + at.PENETRATION], depth)

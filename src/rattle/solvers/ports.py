@@ -21,7 +21,10 @@ from rattle.jit.geometry import ends
 def first_port(m):
     """First column of ports in a row that has them: the width of other output rows."""
     bodies, joints, quantities = m.body.shape[0] - 1, m.joint.shape[0], m.state_rate.shape[0] + m.signal.shape[0]
-    return at.PER_BODY * bodies + at.PER_JOINT * joints + quantities + at.ENERGIES
+    own = 0
+    for n in range(m.contact.shape[0]):
+        own += 1 if m.contact[n, at.OWN_COLUMN] >= 0 else 0
+    return at.PER_BODY * bodies + at.PER_JOINT * joints + own + quantities + at.ENERGIES
 
 
 @native("void", "h", "f", "v", "i")

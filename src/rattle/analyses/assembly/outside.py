@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rattle.description.model import Joint
+from rattle.equations.contact_table import contact_labels
 from rattle.equations.start import first_outside
 from rattle.equations.system import System
 from rattle.jit import layout as at
@@ -16,6 +17,7 @@ from rattle.language.recorded import bare
 
 ON_BUSH = 1e-9  # clearances of oil left beside the boundary film that count as none
 INSIDE = 1e-6  # penetration at the start that is taken for rounding of given numbers, in gaps of the contact
+INSIDE_SURFACE = 1e-9  # the same of a surface, outside of which bodies are placed by coordinates
 INSIDE_WORN = 1e-4  # the same of a worn surface, which is a polygon
 
 
@@ -32,6 +34,8 @@ def outside(system: System, workspace: Workspace) -> str:
     oil, clearance = _film(joint, entry), joint.clearance
     if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
         return _beyond(joint, int(entry[at.SENSE]), gap)
+    if joint.leaf.touches:
+        return _inside_surface(system, workspace, n)
     if joint.one_sided is not None:
         return (
             f"joint '{name}' starts {-gap:.3g} m inside {joint.one_sided.wall}: give its bodies positions in"
@@ -48,13 +52,27 @@ def outside(system: System, workspace: Workspace) -> str:
     )
 
 
+def _inside_surface(system: System, workspace: Workspace, n: int) -> str:
+    """In words, that contact n of a surface starts inside it, how deep, and which way is out."""
+    name, corner = contact_labels(system.model)[n]
+    joint, row = system.model.joints[name], workspace.contact_kinematics[n]
+    depth, x, y = -float(row[at.GAP]), -float(row[at.NX]), -float(row[at.NY])
+    moved, sign = (joint.b.body, 1.0) if joint.b.body != "ground" else (joint.a.body, -1.0)
+    with_corner = f" with corner '{corner}'" if corner else ""
+    return (
+        f"joint '{name}' starts {1e3 * depth:.4g} mm inside the surface{with_corner}: move '{moved}' by"
+        f" ({1e3 * sign * depth * x:.4g}, {1e3 * sign * depth * y:.4g}) mm or more in [initial]"
+    )
+
+
 def least_gaps(system: System) -> list[tuple[Any, float]]:
     """The gap [m or rad] that every contact may have at the start, at least; inf beside it: it has to be larger."""
     gaps: list[tuple[Any, float]] = []
     for entry, bounds in zip(system.arrays["contact"], system.arrays["lever"], strict=True):
         joint = system.model.joints[system.joints[entry[at.OWNER]]]
         oil = _film(joint, entry)
-        least = -(INSIDE_WORN if entry[at.WORN] == 1 else INSIDE) * bounds[at.GAP_SCALE]
+        inside = INSIDE_WORN if entry[at.WORN] == 1 else INSIDE_SURFACE if joint.leaf.touches else INSIDE
+        least = -inside * bounds[at.GAP_SCALE]
         if entry[at.FORCE_COLUMN] == at.STOP and joint.stop is not None:
             free = not joint.stop.contact.rigid
         else:  # teeth: a run begins behind the tooth that is there

@@ -13,7 +13,7 @@ from rattle import registry
 from rattle.analyses.law_check import law_faults
 from rattle.description.model import Joint, Model
 from rattle.equations.compliant import contact_duration
-from rattle.equations.contact_table import ContactGroup, contact_groups, effective_mass
+from rattle.equations.contact_table import ContactGroup, contact_groups, contact_labels, effective_mass
 from rattle.equations.state import IMPULSE, LOSS, state_layout
 from rattle.equations.system import System
 from rattle.errors import ModelError, Problem
@@ -39,8 +39,9 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
 
     rows: arrays (n, 8) of the steppers: time [s], contact, kind, then up to five values of `Event` [SI].
     """
-    owner = system.arrays["contact"][:, at.OWNER]
-    joints = [*(system.joints[n] for n in owner.tolist()), *system.dry_joints]
+    of_contacts = contact_labels(system.model)
+    joints = [*(name for name, _ in of_contacts), *system.dry_joints]
+    labels = [*(label for _, label in of_contacts), *("" for _ in system.dry_joints)]
     written = np.concatenate(rows) if rows else np.zeros((0, at.width("events")))
     bare = (written[:, at.EVENT_KIND] != at.CONTACT_EVENT) & (written[:, at.EVENT_KIND] != at.IMPACT_EVENT)
     written[bare, at.EVENT_DURATION :] = 0.0  # only contacts and impacts have more than a speed
@@ -48,14 +49,16 @@ def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Worksp
     own = [system.model.joints[name].leaf.events for name in joints]
     owners = [joints[int(n)] for n in contact]
     kinds = [own[int(n)].get(KINDS[int(k)], KINDS[int(k)]) for n, k in zip(contact, what, strict=True)]
-    events = [Event._make(fields) for fields in zip(instants, owners, kinds, *values, strict=True)]
+    corners = [labels[int(n)] for n in contact]
+    events = [Event._make(fields) for fields in zip(instants, owners, kinds, *values, corners, strict=True)]
     memory, y, layout = workspace.contact_memory, workspace.state, state_layout(system)
     for n in np.flatnonzero(memory[:, at.CLOSED] == at.SHUT):
         account = y[layout.account(int(n))]
         since, speed, peak = (float(memory[n, c]) for c in (at.SINCE, at.SPEED, at.PEAK))
         impulse = float(account[IMPULSE] - memory[n, at.IMPULSE_0])
         lost = float(account[LOSS] - memory[n, at.LOSS_0])
-        events.append(Event(since, joints[n], own[n].get("contact", "contact"), speed, t - since, peak, impulse, lost))
+        kind, so_far = own[n].get("contact", "contact"), (speed, t - since, peak, impulse, lost)
+        events.append(Event(since, joints[n], kind, *so_far, labels[n]))
     return tuple(sorted(events, key=itemgetter(0)))
 
 

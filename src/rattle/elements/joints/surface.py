@@ -39,6 +39,7 @@ class Surface(JointKind):
     rows = ()
     moment = True
     places = False
+    touches = True
     drawn_as = "surface"
     axis = Field("rad", "direction of a line through A's point; its free side is to the left", default=without)
     length = Field(

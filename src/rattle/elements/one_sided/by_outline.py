@@ -133,6 +133,14 @@ class ByOutline(OneSidedKind):
         """One of every chain, at each end."""
         return len(chains_of(corners)) * (1 if fields["radius"] > 0.0 else 2)
 
+    @classmethod
+    def labels(cls, fields: Fields, corners: Corners) -> tuple[str, ...]:
+        """Of a disc by its chains, if there are several; of a segment by its ends too."""
+        chains = range(1, len(chains_of(corners)) + 1)
+        if fields["radius"] > 0.0:
+            return tuple(f"edges{n}" for n in chains) if len(chains) > 1 else ()
+        return tuple(f"{end}_end{n if len(chains) > 1 else ''}" for end in ("right", "left") for n in chains)
+
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """From the point of A to an end, radius of the disc, chains, corners."""

@@ -103,6 +103,11 @@ class OnSegment(OneSidedKind):
         """One of every corner."""
         return len(corners)
 
+    @classmethod
+    def labels(cls, fields: Fields, corners: Corners) -> tuple[str, ...]:
+        """Names of the corners, if there are several."""
+        return tuple(corners) if len(corners) > 1 else ()
+
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """Direction and half length of the segment, radius of the disc, corners."""

@@ -13,7 +13,7 @@ import { functionsByName } from "./tape.js";
 
 const MOST_BESIDE = 400_000; // numbers beside events that a page keeps of a run
 const MOST_OUTPUTS = 20_000; // of a longer run they are farther apart
-const EVENT_PARTS = ["t", "joint", "kind", "normal_speed", "duration", "peak_force", "impulse", "energy_lost"]; // in lists of a scene
+const EVENT_PARTS = ["t", "joint", "kind", "normal_speed", "duration", "peak_force", "impulse", "energy_lost", "contact"]; // in lists of a scene
 
 /** A model in an engine. */
 export class CoreModel {

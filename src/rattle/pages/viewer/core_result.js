@@ -118,10 +118,10 @@ function peaksOf(run, data, gaps) {
 // analyses/dynamics/events.py, analyses/timetable.py
 function eventsOf(run, data, found) {
   const word = (joint, kind) => data.words[joint]?.[kind] ?? kind, { arrays } = run.m, C = data.at.contact_memory;
-  const events = found.events.map(({ t, joint, kind, values }) => {
+  const events = found.events.map(({ t, joint, contact, kind, values }) => {
     const plain = data.kinds[kind], whole = plain === "contact" || plain === "impact";
     const [normal_speed, duration, peak_force, impulse, energy_lost] = values.map((x, k) => (whole || k === 0 ? x : 0));
-    return { t, joint, kind: word(joint, plain), normal_speed, duration, peak_force, impulse, energy_lost };
+    return { t, joint, kind: word(joint, plain), normal_speed, duration, peak_force, impulse, energy_lost, contact };
   });
   const now = arrays.clock.data[data.at.clock.T], wide = arrays.contact_memory.shape[1];
   for (let n = 0; n < data.contacts; n++) {
@@ -131,11 +131,11 @@ function eventsOf(run, data, found) {
       t: memory[C.SINCE], joint: run.owners[n], kind: word(run.owners[n], "contact"), normal_speed: memory[C.SPEED],
       duration: now - memory[C.SINCE], peak_force: memory[C.PEAK],
       impulse: arrays.state.data[account + data.account.IMPULSE] - memory[C.IMPULSE_0],
-      energy_lost: arrays.state.data[account + data.account.LOSS] - memory[C.LOSS_0],
+      energy_lost: arrays.state.data[account + data.account.LOSS] - memory[C.LOSS_0], contact: run.labels[n] ?? "",
     });
   }
   events.sort((a, b) => a.t - b.t);
   for (const { t, driver: joint, size: normal_speed, impulse, work } of joltsOf(run, data))
-    events.push({ t, joint, kind: "jolt", normal_speed, duration: 0, peak_force: 0, impulse, energy_lost: -work });
+    events.push({ t, joint, kind: "jolt", normal_speed, duration: 0, peak_force: 0, impulse, energy_lost: -work, contact: "" });
   return events.sort((a, b) => a.t - b.t);
 }

@@ -60,7 +60,7 @@ export class CoreRun {
     for (let k = 0; k < this.tally("FOUND"); k++) this.crossings.push([...m.row(crossings, k).data]);
     for (let k = 0; k < this.tally("EVENT_COUNT"); k++) {
       const [t, who, kind, ...values] = m.row(events, k).data;
-      this.events.push({ t, joint: this.owners[who], kind, values });
+      this.events.push({ t, joint: this.owners[who], contact: this.labels[who] ?? "", kind, values });
     }
     tally.data[N.FOUND] = tally.data[N.EVENT_COUNT] = 0n;
     while (this.jolts.length < course.data[N.JOLTS]) {

@@ -39,7 +39,7 @@ export function before(t, time) {
   return time >= t[high] ? high : low;
 }
 
-export const EVENT = ["t", "joint", "kind", "speed", "duration", "force", "impulse", "lost"];
+export const EVENT = ["t", "joint", "kind", "speed", "duration", "force", "impulse", "lost", "contact"];
 
 // One run that is shown: its curves, derived ones too, and where it is in time.
 export class Motion {

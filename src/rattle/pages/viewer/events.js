@@ -13,7 +13,7 @@ export function eventTable(motion, seek) {
   const head = COLUMNS.map(([name, unit]) => make("th", { scope: "col" }, unit ? `${name} [${name === "lost" ? energy.unit : printed(unit)}]` : name));
   const number = (value, factor = 1) => make("td", { class: "number" }, value ? short(factor * value) : "");
   const rows = shown.map((one) => make("tr", { onclick: () => seek(one.t) },
-    make("td", { class: "number" }, make("button", { type: "button", title: "Go to this time" }, text(one.t))), make("td", {}, one.joint),
+    make("td", { class: "number" }, make("button", { type: "button", title: "Go to this time" }, text(one.t))), make("td", {}, one.contact ? `${one.joint} ${one.contact}` : one.joint),
     make("td", {}, one.kind), number(one.speed), one.force === null ? make("td", {}, NOT_READ) : number(one.force), number(one.impulse), number(one.lost, energy.factor)));
   const more = motion.events.length - shown.length;
   return [

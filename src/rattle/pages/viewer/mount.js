@@ -43,8 +43,8 @@ function appOf(viewer) {
     set speed(value) { viewer.setSpeed(value); },
     get live() { return viewer.live ?? false; },
     get error() { return viewer.refusal?.() ?? null; },
-    get events() { return (viewer.motion?.events ?? []).map(({ t, joint, kind, speed, impulse, duration, force, lost }) =>
-      ({ t, joint, kind, normal_speed: speed, impulse, duration, peak_force: force, energy_lost: lost })); },
+    get events() { return (viewer.motion?.events ?? []).map(({ t, joint, kind, speed, impulse, duration, force, lost, contact }) =>
+      ({ t, joint, kind, normal_speed: speed, impulse, duration, peak_force: force, energy_lost: lost, contact })); },
     get statistics() {
       const { steps, rejected, evaluations } = viewer.motion?.run.stats ?? {};
       return steps === undefined ? null : { steps, rejected, evaluations };

@@ -212,8 +212,9 @@ def _event(s: Study, event: Event) -> tuple[str, ...]:
     def if_any(value: float, unit: str) -> str:
         return handy(value, unit) if value else ""
 
+    where = f"{event.joint} {event.contact}".strip()
     return (
-        handy(event.t, "s", 5), event.joint, KINDS.get(event.kind, event.kind), if_any(event.normal_speed, speed),
+        handy(event.t, "s", 5), where, KINDS.get(event.kind, event.kind), if_any(event.normal_speed, speed),
         if_any(event.duration, "s"), NOT_READ if unread else if_any(event.peak_force, force),
         if_any(event.impulse, impulse), if_any(event.energy_lost, "J"),
     )  # fmt: skip
