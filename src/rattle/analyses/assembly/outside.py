@@ -61,7 +61,7 @@ def _inside_surface(system: System, workspace: Workspace, n: int) -> str:
     with_corner = f" with corner '{corner}'" if corner else ""
     return (
         f"joint '{name}' starts {1e3 * depth:.4g} mm inside the surface{with_corner}: move '{moved}' by"
-        f" ({1e3 * sign * depth * x:.4g}, {1e3 * sign * depth * y:.4g}) mm or more in [initial]"
+        f" ({1e3 * sign * depth * x + 0.0:.4g}, {1e3 * sign * depth * y + 0.0:.4g}) mm or more in [initial]"
     )
 
 
