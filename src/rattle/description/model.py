@@ -97,6 +97,13 @@ class Contact:
         return self.model not in kinds or kinds[self.model].leaf.contacts
 
     @property
+    def mu(self) -> float:
+        """Its coefficient of friction, of a law that of sliding; 0 without friction."""
+        if self.friction is not None:
+            return self.friction.number("mu", 0.0)
+        return self.fields.get("friction", 0.0)
+
+    @property
     def rigid(self) -> bool:
         """True where contacts act that nothing can penetrate."""
         return self.acts and self.normal is None

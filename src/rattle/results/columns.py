@@ -308,6 +308,9 @@ def _form_of_joint(joint: Joint) -> dict[str, Any]:
         ends = (joint.stop.minimum, joint.stop.maximum)
         form["stop"] = [end if -math.inf < end < math.inf else None for end in ends]
     form |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
+    if joint.leaf.touches:
+        form["corners"] = {label: list(corner) for label, corner in joint.corners.items()}
+        form["mu"] = joint.contact.mu if joint.contact is not None else 0.0
     return form | _form_of_contact(joint)
 
 
