@@ -153,6 +153,11 @@ class JointKind:
         return 1.0
 
     @staticmethod
+    def bears(fields: Fields) -> str:
+        """What of A bears, of a kind that `touches`, in words."""
+        return ""
+
+    @staticmethod
     def passing(fields: Fields) -> str:
         """What it is, with an article, if it consists of contacts that bodies come to and leave; "" if it holds them.
 

@@ -75,7 +75,7 @@ def coordinates(system: System) -> Iterator[tuple[str, Coordinate]]:
             angle = registry.kinds("driver")[motor.driver].leaf.sets_angle
             yield f"{joint.name}.{motor.driver}", (_turning if angle else _sliding)(system, joint)
     for joint in joints:
-        if joint.is_loose or is_link(joint):
+        if (joint.is_loose or is_link(joint)) and not joint.leaf.touches:
             for k, key in enumerate(("ex", "ey")):
                 yield f"{joint.name}.{key}", _offset(system, joint, k)
     for n, body in enumerate(system.bodies):

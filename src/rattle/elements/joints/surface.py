@@ -76,6 +76,13 @@ class Surface(JointKind):
             yield "roller", f"roller = {roller:g} m does not fit in a hollow of radius = {radius:g} m"
 
     @staticmethod
+    def bears(fields: Fields) -> str:
+        """A line, a segment, a disc or its hollow."""
+        if fields["radius"] > 0.0:
+            return "the hollow of a disc" if fields["hollow"] else "a disc"
+        return "a segment" if fields["length"] > 0.0 else "a line"
+
+    @staticmethod
     def passing(fields: Fields) -> str:
         """B comes to it and leaves it."""
         return "a surface"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,16 +15,20 @@ from rattle.analyses.assembly.rank import nonunique_reactions, rank
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
 from rattle.analyses.travel import out_of_place, stop_lines, with_ends, with_stops
-from rattle.description.model import Model
+from rattle.description.model import Joint, Model
 from rattle.equations.closure import close_position, close_rate, open_by
+from rattle.equations.compliant import locate_contacts
+from rattle.equations.contact_table import contact_labels
 from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at
 from rattle.equations.system import System, is_link
+from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
 from rattle.results.display import in_written_unit, quantity, table
 
 TURN = 72  # positions of a driver tried around a full turn, for bodies that turn no faster
 MOST_PIECES = 100  # times as many for those that do
+TOUCHING = 1e-9  # share of the mechanism's size within which two bodies touch
 MOST_SHOWN = 8  # free coordinates, loops and branches in the report
 COINCIDENT = 1e-9  # [of the mechanism's size] pins nearer than this are one: no line has a side there
 STRAIGHT = 1e-9  # [-] sine of an angle below which three pins lie on one line: far above rounding
@@ -48,6 +52,7 @@ class Check:
     branches: tuple[str, ...]  # the branch in which each pair of links was assembled
     clearances: tuple[str, ...]
     one_sided: tuple[str, ...]  # cams, gears, belts that act one way only
+    surfaces: tuple[str, ...]  # what may touch outside of joints, and how far it is apart
     stops: tuple[str, ...]  # ends of coordinates of joints
     ends: tuple[str, ...]  # of joints along a line, where there is something to say of them
     reach: tuple[str, ...]  # how far each driver can go
@@ -79,6 +84,7 @@ class Check:
             lines.append(f"... and {len(self.loops) - MOST_SHOWN} more loops")
         rest = {
             "branch": self.branches[:MOST_SHOWN], "play": self.clearances, "one-sided": self.one_sided,
+            "surface": self.surfaces,
             "stop": self.stops, "ends": self.ends, "driver": self.reach, "law": self.laws, "start": self.start,
         }  # fmt: skip
         return "\n".join([*lines, *(line for what, texts in rest.items() for line in _listed(what, texts))])
@@ -127,6 +133,7 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         branches=tuple(_branches(system, start)),
         clearances=tuple(_clearances(model)),
         one_sided=tuple(_one_sided(model)),
+        surfaces=tuple(_surfaces(system, workspace)),
         freedoms=free_coordinates(system, start.t, start.q),
         stops=tuple(stop_lines(model)),
         ends=tuple(
@@ -146,8 +153,31 @@ def _one_sided(model: Model) -> list[str]:
     return [
         f"{name}, {joint.contact.model}"
         for name, joint in model.joints.items()
-        if joint.contact is not None and joint.one_sided is not None
+        if joint.contact is not None and joint.one_sided is not None and not joint.leaf.touches
     ]
+
+
+def _surfaces(system: System, workspace: Workspace) -> Iterator[str]:
+    """What may touch, on what, by which contact model, and how far it is apart in the workspace [m]."""
+    locate_contacts(workspace)
+    labels = contact_labels(system.model)
+    for name, joint in system.model.joints.items():
+        if joint.contact is None or not joint.leaf.touches:
+            continue
+        gaps = [float(workspace.contact_kinematics[n, at.GAP]) for n, (owner, _) in enumerate(labels) if owner == name]
+        near = f"{quantity(min(gaps), 'm', 4)} apart" if min(gaps) > TOUCHING * system.size else "touching"
+        a, b = (f"'{body}'" if body != "ground" else "the ground" for body in (joint.a.body, joint.b.body))
+        what = f"{_touching(joint)} of {b} on {joint.leaf.bears(joint.fields)} of {a}"
+        yield f"{name}, {what}, {joint.contact.title}; {near}"
+
+
+def _touching(joint: Joint) -> str:
+    """What of B may touch a surface, in words."""
+    if joint.fields["roller"] > 0.0:
+        return "the disc"
+    if joint.fields["outline"]:
+        return "the outline"
+    return f"corner{'s' * (len(joint.corners) > 1)} {', '.join(joint.corners)}"
 
 
 def _parameters(model: Model, written: Mapping[str, tuple[float, str]]) -> list[str]:
