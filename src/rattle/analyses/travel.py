@@ -202,9 +202,13 @@ def with_stops(model: Model) -> str:
 
 def with_friction(model: Model) -> str:
     """Names of the joints whose own friction holds at rest, in quotes; "" if there are none."""
-    return ", ".join(
-        f"'{name}'" for name, joint in model.joints.items() if joint.friction and joint.friction.law is None
+    rubbing = (
+        name
+        for name, joint in model.joints.items()
+        if (joint.friction and joint.friction.law is None)
+        or (joint.leaf.touches and joint.contact is not None and joint.contact.rigid and joint.contact.mu > 0.0)
     )
+    return ", ".join(f"'{name}'" for name in rubbing)
 
 
 def stop_lines(model: Model) -> list[str]:

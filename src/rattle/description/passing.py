@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from rattle.description.model import Joint, Model
+from rattle.description.model import Model
 from rattle.errors import ModelError, Problem
 
 
-def is_rigid(joint: Joint) -> bool:
-    """True of contacts that nothing can penetrate."""
-    return joint.contact is not None and joint.contact.rigid
-
-
-def require_none_passing(model: Model, what: str, compliant: bool = False) -> None:
+def require_none_passing(model: Model, what: str, surfaces: bool = False) -> None:
     """Raise ModelError if a joint comes and goes; what: what was asked for, with an article.
 
-    compliant: surfaces that give way are followed.
+    surfaces: they are followed.
     """
     passing = [
-        (name, joint)
-        for name, joint in model.joints.items()
-        if joint.passing and not (compliant and joint.leaf.touches and not is_rigid(joint))
+        (name, joint) for name, joint in model.joints.items() if joint.passing and not (surfaces and joint.leaf.touches)
     ]
     if passing:
         (name, first), names = passing[0], ", ".join(f"'{name}'" for name, _ in passing)

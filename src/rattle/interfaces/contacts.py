@@ -179,6 +179,19 @@ class WornKind(ClearanceKind, ABC):
         """Parameters of the kernel after those of `pin`."""
 
 
+class Held(NamedTuple):
+    """The joint that holds two bodies as a contact of a surface does while it is closed."""
+
+    kind: str  # of joint, without play
+    fields: Fields
+    on_a: tuple[float, float]  # point of A [m]
+    on_b: tuple[float, float]  # point of B
+    turned: bool = False  # True: it is a joint from B to A
+
+
+Pose = tuple[float, float, float]  # x, y [m], angle [rad]
+
+
 class OneSidedKind(ContactGeometry):
     """Interface of the one-sided kinds; the defaults are those of one contact of a follower."""
 
@@ -204,6 +217,11 @@ class OneSidedKind(ContactGeometry):
     def labels(cls, fields: Fields, corners: Corners) -> tuple[str, ...]:
         """What its contacts are called in results and events, each; none if a joint has one contact only."""
         return ()
+
+    @staticmethod
+    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held | None:
+        """The joint by which contact `corner` is held where the bodies are; None of a kind that is none."""
+        return None
 
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:

@@ -18,8 +18,9 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
+from rattle.elements.one_sided.holding import along_line, at_distance, seen_from
 from rattle.elements.one_sided.on_line import flat, reach_of
-from rattle.interfaces.contacts import Corners, OneSidedKind
+from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
@@ -102,6 +103,14 @@ def chains_of(corners: Corners) -> list[tuple[int, int]]:
     return [(first, end - first) for first, end in zip(concave, ends, strict=True)]
 
 
+def _nearest(start: tuple[float, float], end: tuple[float, float], place: tuple[float, float]) -> tuple[float, float]:
+    """The point of an edge that is nearest to a place."""
+    x, y = end[0] - start[0], end[1] - start[1]
+    share = ((place[0] - start[0]) * x + (place[1] - start[1]) * y) / (x * x + y * y)
+    share = min(max(share, 0.0), 1.0)
+    return start[0] + share * x, start[1] + share * y
+
+
 def _turn(before: tuple[float, float], here: tuple[float, float], after: tuple[float, float]) -> float:
     """Positive where a way turns to the left."""
     (x, y), (u, v), (s, t) = before, here, after
@@ -159,3 +168,18 @@ class ByOutline(OneSidedKind):
     def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """1/R [1/m]: how fast the direction from a corner turns; of an end, that passes SMALL beside one."""
         return 0.0, 0.0, 1.0 / (fields["radius"] if fields["radius"] > 0.0 else SMALL * fields["length"])
+
+    @staticmethod
+    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+        """The centre of a disc beside an edge, or at a distance from a corner."""
+        ring, chains, radius = list(around(corners).values()), chains_of(corners), fields["radius"]
+        half = 0.5 * fields["length"] * (1.0 if corner < len(chains) else -1.0)
+        centre = (on_a[0] + half * math.cos(fields["axis"]), on_a[1] + half * math.sin(fields["axis"]))
+        x, y = seen_from(b, a, centre)
+        first, edges = chains[corner % len(chains)]
+        sides = [(ring[(first + n) % len(ring)], ring[(first + n + 1) % len(ring)]) for n in range(edges)]
+        (u, v), (s, t) = min(sides, key=lambda side: math.dist(_nearest(side[0], side[1], (x, y)), (x, y)))
+        axis, along = math.atan2(t - v, s - u), ((x - u) * (s - u) + (y - v) * (t - v)) / math.dist((u, v), (s, t))
+        if 0.0 <= along <= math.dist((u, v), (s, t)):
+            return along_line(axis, -radius, centre, (u, v), turned=True)
+        return at_distance(radius, centre, (s, t) if along > 0.0 else (u, v))

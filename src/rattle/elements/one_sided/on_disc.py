@@ -15,8 +15,9 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
+from rattle.elements.one_sided.holding import at_distance
 from rattle.elements.one_sided.on_line import between, flat, reach_of
-from rattle.interfaces.contacts import Corners, OneSidedKind
+from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
@@ -93,6 +94,11 @@ class OnDisc(OneSidedKind):
         """1/(R + r) [1/m]: how fast the direction from A to B turns where they touch."""
         return 0.0, 0.0, 1.0 / (fields["radius"] + fields["roller"])
 
+    @staticmethod
+    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+        """Two centres, or a centre and a corner, at the distance of touching."""
+        return at_distance(fields["radius"] + fields["roller"], on_a, list(corners.values())[corner])
+
 
 @kind("one-sided", "in-hollow", in_hollow)
 class InHollow(OnDisc):
@@ -117,3 +123,8 @@ class InHollow(OnDisc):
     def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """Nothing: its gap bends as that of a pin in a bush."""
         return 0.0, 0.0, 0.0
+
+    @staticmethod
+    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+        """The same in a hollow."""
+        return at_distance(fields["radius"] - fields["roller"], on_a, list(corners.values())[corner])

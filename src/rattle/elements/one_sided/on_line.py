@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.interfaces.contacts import Corners, OneSidedKind
+from rattle.elements.one_sided.holding import along_line
+from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
@@ -89,3 +90,8 @@ class OnLine(OneSidedKind):
     def levers(p: Sequence[float]) -> tuple[float, float]:
         """Arms [m] of A's point and of the farthest corner."""
         return hypot(p[0], p[1]), p[REACH]
+
+    @staticmethod
+    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+        """A corner on the line, or the centre of a disc beside it."""
+        return along_line(fields["axis"], fields["roller"], on_a, list(corners.values())[corner])

@@ -23,8 +23,9 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
+from rattle.elements.one_sided.holding import along_line, at_distance, seen_from
 from rattle.elements.one_sided.on_line import between, flat, reach_of
-from rattle.interfaces.contacts import Corners, OneSidedKind
+from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
@@ -122,6 +123,19 @@ class OnSegment(OneSidedKind):
     def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """1/r [1/m]: how fast the direction from an end to the disc turns."""
         return 0.0, 0.0, 1.0 / fields["roller"]
+
+    @staticmethod
+    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+        """A point on the line, or the centre of a disc beside it, or at a distance from an end of the segment."""
+        axis, half, roller = fields["axis"], 0.5 * fields["length"], fields["roller"]
+        on_b = list(corners.values())[corner]
+        x, y = seen_from(a, b, on_b)
+        x, y = x - on_a[0], y - on_a[1]
+        along, above = x * math.cos(axis) + y * math.sin(axis), y * math.cos(axis) - x * math.sin(axis)
+        if abs(along) <= half or not roller > 0.0:
+            return along_line(axis, math.copysign(roller, above), on_a, on_b)
+        end = math.copysign(half, along)
+        return at_distance(roller, (on_a[0] + end * math.cos(axis), on_a[1] + end * math.sin(axis)), on_b)
 
 
 @kind("one-sided", "over-segment", over_segment)

@@ -33,6 +33,7 @@ from rattle.questions.equilibrium.closed_play import rigid_model, with_rigid_pin
 from rattle.questions.equilibrium.loaded_pins import pressed
 from rattle.questions.equilibrium.position import Equilibria, Equilibrium
 from rattle.questions.equilibrium.resting import MOST, Stopped, combinations, resting_system
+from rattle.questions.equilibrium.resting_surfaces import Surfaces, held_system, rigid_surfaces, soft_surfaces
 from rattle.questions.equilibrium.starts import Turning, along, around, opened, same, sides, tiny
 from rattle.questions.kinematics.singular_positions import why_stuck
 from rattle.questions.kinematics.sweep import begin
@@ -95,6 +96,24 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     """`equilibria` of a mechanism without stops."""
     ends = left_out(system.model), with_friction(system.model)
     system = without_guide_play(system)
+    names = rigid_surfaces(system)
+    if not names:
+        return _searched(system, t, branches, effort, ends)
+    start = position_at(system, t)
+    soft = soft_surfaces(system, t, start)
+    answer, surfaces = _searched(soft, t, branches, effort, ends), Surfaces(soft, names, t)
+    settled: list[Equilibrium] = []
+    for rest in itertools.chain(map(surfaces.settled, answer), surfaces.near(start)):
+        if rest is not None and not same(
+            system, rest.q, np.array([known.q for known in settled]).reshape(-1, len(start))
+        ):
+            settled.append(rest)
+    answer[:] = _sorted(settled, start)
+    return answer
+
+
+def _searched(system: System, t: float, branches: str, effort: float, ends: tuple[str, str]) -> Equilibria:
+    """`equilibria` of a mechanism whose surfaces give way; ends: what is left out, see `Equilibria`."""
     dry = without_oil(system)  # a film holds its pin in one place: the search closes the joint
     floats, rigid = dry is not system, rigid_model(dry)
     shut = ideal_system(system.model) if rigid is not None or floats else system
@@ -377,6 +396,8 @@ def _sorted(members: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
 def static_problem(system: System, rest: Equilibrium) -> StaticProblem:
     """The equilibrium problem to which an equilibrium belongs, with rigid or with compliant pins, held at its stops."""
     system = without_guide_play(system)
+    if rest.touching:
+        system = held_system(system, rest.q, rest.touching)
     if with_stops(system.model):
         system = resting_system(system, rest.resting)
     rigid = rigid_model(system)

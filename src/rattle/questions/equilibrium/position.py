@@ -57,6 +57,7 @@ class Equilibrium:
     resting: Mapping[str, int] = field(
         default_factory=dict
     )  # joints on a stop: 1 at its least value, -1 at its largest
+    touching: Mapping[str, tuple[int, ...]] = field(default_factory=dict)  # contacts of rigid surfaces that carry
 
     def __getitem__(self, name: str) -> float:
         """Any quantity by its result name, in SI units.  Raises UnknownName."""
