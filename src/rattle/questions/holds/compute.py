@@ -21,6 +21,7 @@ from rattle.questions.equilibrium.position import Equilibrium
 from rattle.questions.holds.holding_range import HoldingRange
 from rattle.questions.holds.impending_motion import yields_more
 from rattle.questions.holds.one_motion import Impending, Sought, evaluated, impending, one_motion, require_answerable
+from rattle.questions.holds.resting_bodies import require_rigid, rests_on_surfaces, surfaces_range
 
 GRAVITY = "gravity"  # the name by which it is asked for
 
@@ -30,6 +31,8 @@ def holding_range(system: System, name: str, t: float, at_rest: Equilibrium | No
     original, system, t, q = position_asked(system, t, at_rest)
     workspace = evaluated(system, t, q)
     sought = _sought(system, workspace, name, t, q)
+    if rests_on_surfaces(system.model):
+        return surfaces_range(system, sought, t, q, left_out(original))
     motion = one_motion(system, workspace, sought)
     low, high = (impending(system, workspace, motion, sense) for sense in (-1.0, 1.0))
     doubtful = sorted({joint for end in (low, high) for joint in _doubtful(system, end)})
@@ -45,7 +48,10 @@ def position_asked(system: System, t: float, at_rest: Equilibrium | None) -> tup
     Raises ModelError, AssemblyError, ValueError if friction holds nothing there or nothing is known of it.
     """
     functions.start()
-    require_answerable(system)
+    if rests_on_surfaces(system.model):
+        require_rigid(system)
+    else:
+        require_answerable(system)
     bare = compile_system(without_stops(system.model)) if with_stops(system.model) else system
     if at_rest is None:
         return system, bare, t, position_at(bare, t)
