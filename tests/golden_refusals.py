@@ -206,6 +206,8 @@ HAND = {  # of what can be contradictory: a base, and what is written instead of
     "bush smaller than its clearance": ("contact exact", '"10 mm"', '"1 mm"'),
     "contact without a model": ("contact exact", 'model = "exact", ', ""),
     "friction of no law": ("friction lugre", '"lugre"', '"nosuch"'),
+    "friction stated beside mu": ("joint revolute", "stop =", "friction = { torque = 2, mu = 0.1 }\nstop ="),
+    "friction stated of another kind": ("joint revolute", "stop =", "friction = { force = 2 }\nstop ="),
     "friction with play": ("contact exact", "clearance =", "friction = 0.1\nclearance ="),
     "stop without ends": ("joint revolute", 'min = "-10 deg", max = 1, ', ""),
     "stop with ends that cross": ("joint revolute", "max = 1", 'max = "-20 deg"'),

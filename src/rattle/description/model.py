@@ -147,13 +147,14 @@ class Stop:
 
 @dataclass(frozen=True)
 class JointFriction:
-    """Friction in a joint without play, by its own reaction."""
+    """Friction in a joint without play, by its own reaction, or of a size that does not depend on it."""
 
     arm: float  # moment by mu and the reaction, as the radius of a pin [m]; 1 where the joint slides
     reach: float = 0.0  # 1 / half length of the block [1/m]; 0: the moment of the joint does not press
     mu: float = 0.0
     mu_static: float = 0.0
     law: Choice | None = None  # None: set-valued, with mu and mu_static
+    stated: bool = False  # True: set-valued, mu and mu_static are its size [N or N m]
 
 
 @dataclass(frozen=True)

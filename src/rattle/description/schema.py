@@ -14,7 +14,7 @@ from dataclasses import replace
 from rattle import registry
 from rattle.description import schema_pieces as of
 from rattle.description.read_contact import ALONG, contact_models, stop_models
-from rattle.description.read_friction import friction_models
+from rattle.description.read_friction import friction_models, stated_size
 from rattle.description.read_parts import moved_joints
 from rattle.description.read_wear import kind_wears
 from rattle.description.schema_pieces import Schema
@@ -148,6 +148,8 @@ def _own_friction(joint: Kind[JointKind]) -> Schema:
     for name, fields in friction_models().items():
         keys = {key: of.field(field) for key, field in {**fields, **more}.items()}
         tables.append(of.table({"model": {"const": name}, **keys}, ("model", *needed)))
+    if (size := stated_size(joint)) is not None:
+        tables.append(of.table({size[0]: of.field(size[1])}, size[:1]))
     number = [] if needed else [of.number("", "coefficient of friction", "not negative")]
     return {"anyOf": [*number, *tables], "description": JOINT_FRICTION.meaning}
 

@@ -216,6 +216,7 @@ DRY_STATES = column("dry", "", "number of states of that law")
 DRY_SECOND = column("dry", "",
     "second row of the joint; the first again, where there is one only; of DRY_ROD: entry of its other pin")
 DRY_COLUMN = column("dry", "", "column of an output row of the joint, for tau")
+DRY_STATED = column("dry", "", "1: its size is stated: mu times the arm, whatever the joint bears")
 DRY_PIN, DRY_GUIDE, DRY_SURFACE, DRY_ROD = 0, 1, 2, 3
 # parameters after those of the row (two points, a direction or zero, a function that is zero): arm [m or 1], 1/a [1/m];
 # then mu and mu_static, or those of the law
