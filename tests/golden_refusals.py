@@ -206,6 +206,8 @@ HAND = {  # of what can be contradictory: a base, and what is written instead of
     "bush smaller than its clearance": ("contact exact", '"10 mm"', '"1 mm"'),
     "contact without a model": ("contact exact", 'model = "exact", ', ""),
     "friction of no law": ("friction lugre", '"lugre"', '"nosuch"'),
+    "damping beside restitution": ("contact exact", "restitution = 0.5", "restitution = 0.5, damping = 10"),
+    "damping of a rigid contact": ("joint revolute", "restitution = 0.5", "damping = 10"),
     "friction stated beside mu": ("joint revolute", "stop =", "friction = { torque = 2, mu = 0.1 }\nstop ="),
     "friction stated of another kind": ("joint revolute", "stop =", "friction = { force = 2 }\nstop ="),
     "friction with play": ("contact exact", "clearance =", "friction = 0.1\nclearance ="),

@@ -88,6 +88,7 @@ class Contact:
     friction: Choice | None = None
     unused: tuple[str, ...] = ()  # keys that only other models use
     film: OilFilm | None = None  # in the clearance, beside the laws of the dry contact
+    word: str = ""  # the law that the user names, where stated damping puts another in its place
     pushes: bool = False  # of a closed joint: it stands for contacts that only push, and N < 0 is noted
 
     @property
@@ -109,7 +110,17 @@ class Contact:
     @property
     def title(self) -> str:
         """The word that the user writes for the model."""
-        return self.normal.kind if self.normal and self.film is None else self.model
+        return self.law if self.normal and self.film is None else self.model
+
+    @property
+    def law(self) -> str:
+        """The word for the law of its normal force; "" if it has none."""
+        return self.word or (self.normal.kind if self.normal else "")
+
+    @property
+    def ends_by_force(self) -> bool:
+        """True if it ends where its force does, before its gap opens."""
+        return self.normal is not None and registry.normal_law(self.normal.kind).leaf.ends_by_force
 
 
 @dataclass(frozen=True)

@@ -171,7 +171,12 @@ def _contact(
         tables.append(of.table({"model": of.choice(kind), **every, **of.fields(kind)}, dict.fromkeys(needed)))
     for law in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
         own_fields = {key: field for key, field in of.fields(law).items() if key != "friction" and key not in without}
-        tables.append(of.table({"model": of.choice(law), **every, **own_fields}, ("model", *of.needed(law))))
+        keys, needed = {"model": of.choice(law), **every, **own_fields}, of.needed(law)
+        if law.name in plain and plain[law.name].leaf.contacts:
+            del keys["damping"]
+        tables.append(of.table(keys, ("model", *(key for key in needed if key != "restitution"))))
+        if "restitution" in needed:  # or damping in its place
+            tables[-1] |= {"if": {"not": {"required": ["damping"]}}, "then": {"required": ["restitution"]}}
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
 
 

@@ -189,9 +189,14 @@ STATE = Form(
 # ---------------------------------------------------------------- contacts and wear, besides fields of their kinds
 FORMULA = Field("", "formula for the stiffness from materials", None, shape="geometry")
 BUSH_RADIUS = Field("m", "radius of the bush; the pin radius is smaller by the clearance", None, least="positive")
+DAMPING = Field(
+    "N*s/m", "c of a compliant contact, F = max(0, F_static + c ddelta), instead of restitution", None,
+    least="not negative",
+)  # fmt: skip
 CONTACT = Form(
     {
         "geometry": FORMULA,
+        "damping": DAMPING,
         "bush_radius": BUSH_RADIUS,
         "friction": Either(
             (Field("", "coefficient of friction", None, least="not negative"), OfKinds("friction", "model"))

@@ -114,6 +114,7 @@ def contact_table(
                     0,
                     *film,
                     leaf.worn,
+                    int(contact.ends_by_force),
                 )
                 table.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
@@ -131,6 +132,7 @@ def contact_table(
                 int(alone.level),
                 int(alone.toothed),
                 *NO_FILM,
+                0,
                 0,
             )
             table.append((entry[0], a, b, *entry[1:], *owned))

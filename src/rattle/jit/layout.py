@@ -92,6 +92,7 @@ TOOTHED = column("contact", "", "1 for a gap that becomes one pitch smaller wher
 FILM_LAW = column("contact", "", "kernel of the oil film in the clearance; -1: none")
 FILM_P = column("contact", "", "its first parameter")
 WORN = column("contact", "", "1 for a pin and a bush with profiles of wear on an elastic foundation")
+BY_FORCE = column("contact", "", "1 for a compliant contact that ends where its force does, 0: where its gap opens")
 
 ARM_A = column("lever", "m", "longest arm on A to its contact points")
 ARM_B = column("lever", "m", "longest arm on B")
@@ -149,7 +150,7 @@ FILM_A = column("contact_kinematics", "N*m",
 FILM_B = column("contact_kinematics", "N*m", "its moment on B about the point of B")
 FILM_LOSS = column("contact_kinematics", "W", "what it loses")
 
-CLOSED = column("contact_memory", "", "OPEN, SHUT or AUTO")
+CLOSED = column("contact_memory", "", "OPEN, SHUT, AUTO or RELEASED")
 SPEED = column("contact_memory", "m/s or rad/s", "approach speed")
 SINCE = column("contact_memory", "s", "start of the contact")
 PEAK = column("contact_memory", "N or N*m", "largest N so far")
@@ -178,6 +179,7 @@ IDLE = column("contact_memory", "",
     "1 for a contact at rest without a force: joints or other contacts hold it, whatever its force")
 UNSURE = column("contact_memory", "", "1 once its force could have been another with the same motion")
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
+RELEASED = 3.0  # inside the wall without force, once the damper of a contact would pull as its spring pushes
 LAST_IMPACT = column("recent", "s", "instant of the last impact of a contact")
 IMPACT_BEFORE = column("recent", "s", "of the one before")
 
