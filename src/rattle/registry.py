@@ -156,6 +156,11 @@ def normal_law(name: str) -> Kind[NormalLaw]:
     return kinds("normal").get(name) or kinds("tension")[name]
 
 
+def damped_law() -> Kind[NormalLaw]:
+    """The law of a contact whose damping is stated, whatever law the user names."""
+    return next(kind for kind in kinds("tension").values() if kind.leaf.ends_by_force)
+
+
 def law(family: str, name: str) -> Kind[NormalLaw] | Kind[StiffnessLaw] | Kind[FrictionLaw]:
     """A law of a contact: normal, stiffness or friction."""
     if family == "normal":

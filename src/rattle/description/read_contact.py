@@ -15,7 +15,6 @@ from rattle.description.read_film import film_keys, read_lubricated
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATERIAL
-from rattle.elements.contact_laws.spring_damper import STATED
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactGeometry, OneSidedKind, StopKind
 from rattle.interfaces.fields import Fields, LawValues
@@ -235,7 +234,7 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     by_geometry, law, static = name != "power", registry.kinds("normal")[model], registry.kinds("stiffness")[name]
     own, damped = [key for key in static.fields if key != "bush_radius"], ""
     if "damping" in table and "damping" not in law.fields:
-        law, damped = registry.normal_law(STATED), model
+        law, damped = registry.damped_law(), model
     used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
     unused = _unused(reader, table, used, site, path)
     needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""

@@ -18,8 +18,6 @@ from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
 
-STATED = "spring-damper"  # the law of a compliant contact with `damping`
-
 
 @kernel("normal")
 def spring_damper(static, delta, ddelta, v0, p, k):
@@ -27,7 +25,7 @@ def spring_damper(static, delta, ddelta, v0, p, k):
     return static + p[k] * ddelta
 
 
-@kind("tension", STATED, spring_damper)
+@kind("tension", "spring-damper", spring_damper)
 class SpringDamper(NormalLaw):
     """Static force and damper in parallel.
 
