@@ -146,9 +146,12 @@ def one_sided_of(joint: str) -> Kind[OneSidedKind] | None:
 
 
 def stop_of(joint: str) -> Kind[StopKind] | None:
-    """The kind of stop of a kind of joint: that of the coordinate that a motor moves; None if it has no coordinate."""
-    motor = kinds("joint")[joint].leaf.motor
-    return kinds("stop").get(motor.driver) if motor else None
+    """The kind of stop of a kind of joint: that of the coordinate that a motor moves, or of one that only stops hold.
+
+    None if it has no coordinate.
+    """
+    leaf = kinds("joint")[joint].leaf
+    return kinds("stop").get(leaf.motor.driver if leaf.motor else leaf.stops)
 
 
 def normal_law(name: str) -> Kind[NormalLaw]:

@@ -248,6 +248,21 @@ class Joint:
         return bool(self.leaf.passing(self.fields))
 
     @property
+    def held_by_stops(self) -> bool:
+        """True if it has no rows and only its stops hold it, as a rope."""
+        return self.leaf.held_by_stops(self.fields)
+
+    @property
+    def places(self) -> bool:
+        """True if its rows say where the point of B is, apart from a slide along a line or a turn about a point."""
+        return self.leaf.places and not self.held_by_stops
+
+    @property
+    def coordinate(self) -> str:
+        """The coordinate that results and expressions know of it: angle, position or distance; "" if none."""
+        return self.leaf.stops if self.held_by_stops else self.leaf.coordinate
+
+    @property
     def one_sided(self) -> type[OneSidedKind] | None:
         """The class of its one-sided contacts; None if it has no such."""
         kind = registry.one_sided_of(self.kind)
@@ -274,7 +289,7 @@ class Joint:
     @property
     def is_hinge(self) -> bool:
         """True if both bodies share a point and turn about it, apart from the clearance."""
-        return self.leaf.places and self.line is None and self.distance == 0.0 and self.kept_angle is None
+        return self.places and self.line is None and self.distance == 0.0 and self.kept_angle is None
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,7 @@ def contact_table(
                 )
             film = _film(contact, joint.clearance, values, coefficients)
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
-            lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular)))
+            arms, turning = leaf.levers(parameters), float(_turning(leaf))
             for corner in corners:
                 owned = (
                     n,
@@ -118,7 +118,8 @@ def contact_table(
                 )
                 table.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
-                levers.append((*lever, leaf.scale(parameters, size), size, *bends))
+                lever = (*arms, turning, leaf.curved(corner), float(leaf.angular))
+                levers.append((*lever, leaf.scale_at(corner, parameters, size), size, *bends))
         alone = joint.leaf.own_contact(joint.fields)
         if alone is not None:
             entry, its_lever = _own_contact(alone, joint, values)

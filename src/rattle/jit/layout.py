@@ -97,7 +97,7 @@ BY_FORCE = column("contact", "", "1 for a compliant contact that ends where its 
 ARM_A = column("lever", "m", "longest arm on A to its contact points")
 ARM_B = column("lever", "m", "longest arm on B")
 WALLS_TURN = column("lever", "", "1 if straight walls turn with A, 2 if with B")
-ROUNDED = column("lever", "", "1 if a wall is curved")
+ROUNDED = column("lever", "", "1 if a wall is curved around B, 2 if B is outside of it, 0 if it is not curved")
 ANGULAR = column("lever", "", "1 if the gap is an angle, N a moment")
 GAP_SCALE = column("lever", "m or rad",
     "size of the gap by which tolerances are set: the clearance, the range between two stops")
