@@ -151,14 +151,22 @@ def sides_of(joint: str, fields: Fields) -> list[Kind[OneSidedKind]]:
 
 
 def stop_of(joint: str) -> Kind[StopKind] | None:
-    """The kind of stop of a kind of joint: that of the coordinate that a motor moves; None if it has no coordinate."""
-    motor = kinds("joint")[joint].leaf.motor
-    return kinds("stop").get(motor.driver) if motor else None
+    """The kind of stop of a kind of joint: that of the coordinate that a motor moves, or of one that only stops hold.
+
+    None if it has no coordinate.
+    """
+    leaf = kinds("joint")[joint].leaf
+    return kinds("stop").get(leaf.motor.driver if leaf.motor else leaf.stops)
 
 
 def normal_law(name: str) -> Kind[NormalLaw]:
     """A law of the normal force: of contacts that the user chooses, or of strands."""
     return kinds("normal").get(name) or kinds("tension")[name]
+
+
+def damped_law() -> Kind[NormalLaw]:
+    """The law of a contact whose damping is stated, whatever law the user names."""
+    return next(kind for kind in kinds("tension").values() if kind.leaf.ends_by_force)
 
 
 def law(family: str, name: str) -> Kind[NormalLaw] | Kind[StiffnessLaw] | Kind[FrictionLaw]:

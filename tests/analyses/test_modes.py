@@ -540,3 +540,24 @@ def test_masses_too_unlike_for_modes_are_named(heavy, light):
     unlike = m.set({"bodies.rod.mass": heavy, "bodies.low.mass": light})
     with pytest.raises(rt.InputError, match=r"modes cannot be computed: 'rod' has .* times the mass of 'low'"):
         unlike.modes()
+
+
+@nojit
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_modes_of_what_has_sunk_in_by_little(exponent):
+    """A weight on an elastic stop, 50 um deep beside a mechanism of 0.3 m: omega^2 = n g/delta, F being K delta^n."""
+    stiffness = 5 * 9.81 / 5e-5**exponent
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+ground.points = {{ O = [0, 0], far = [0.3, 0] }}
+bodies.weight = {{ points = {{ C = [0, 0] }}, mass = 5, inertia = 1 }}
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "weight.C"]
+axis = "-90 deg"
+stop = {{ max = 0.1, contact = {{ model = "hertz", stiffness = {stiffness!r}, exponent = {exponent} }} }}
+[initial]
+weight = {{ y = -0.09 }}
+""")
+    assert m.modes().omega == pytest.approx([math.sqrt(exponent * 9.81 / 5e-5)], rel=1e-6)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.description.coordinates import COINCIDENT
 from rattle.description.model import Joint, Model, Point
 from rattle.equations.system import System
 from rattle.jit import layout as at
@@ -160,6 +161,9 @@ def _coordinate(system: System, joint: Joint, q: np.ndarray, v: np.ndarray) -> t
     """The coordinate of a joint (n,) [m or rad] and its rate."""
     (ax, ay, a), (bx, by, b) = (_path(system, q, point) for point in (joint.a, joint.b))
     (avx, avy, aw), (bvx, bvy, bw) = (_speed(system, q, v, point) for point in (joint.a, joint.b))
+    if joint.held_by_stops:
+        length = np.hypot(bx - ax, by - ay)
+        return length, ((bx - ax) * (bvx - avx) + (by - ay) * (bvy - avy)) / np.maximum(length, COINCIDENT)
     if joint.line is None:
         return b - a, bw - aw
     c, s = np.cos(a + joint.line), np.sin(a + joint.line)
@@ -220,7 +224,8 @@ def stop_lines(model: Model) -> list[str]:
         unit = ("rad", "deg") if joint.stops_angle else ("m", "m")
         ends = (("from", joint.stop.minimum), ("to", joint.stop.maximum))
         limits = " ".join(f"{word} {quantity(end, unit[0], 6, unit[1])}" for word, end in ends if math.isfinite(end))
-        lines.append(f"{name} {limits}, {joint.stop.contact.title}")
+        alone = ", no row: free between its ends" if joint.held_by_stops else ""
+        lines.append(f"{name} {limits}, {joint.stop.contact.title}{alone}")
     return lines
 
 

@@ -150,9 +150,12 @@ class Building:
         """A rigid connection; fields: angle [rad]."""
         return self.joint(name, "fixed", a, b, **fields)
 
-    def rod(self, name: str, a: str, b: str, *, length: float | str) -> Self:
-        """A massless rigid link of a given length [m] between two points."""
-        return self.joint(name, "rod", a, b, length=length)
+    def rod(self, name: str, a: str, b: str, **fields: Any) -> Self:
+        """A massless rigid link between two points; fields: length [m], friction.
+
+        A rope has a stop in place of the length: `m.rod("rope", "ground.O", "load.P", stop={"max": "1 m"})`.
+        """
+        return self.joint(name, "rod", a, b, **fields)
 
     def driver(self, name: str, joint: str | None = None, **function: Any) -> Self:
         """Prescribe the motion of a joint, or of a coordinate of a body, as a function of time t [s].

@@ -2,7 +2,7 @@
 
     <body>.<point>.x .y .vx .vy        a point in the ground frame and its velocity
     <joint>.angle .rate                where `coordinate` of the joint's kind is "angle": B relative to A
-    <joint>.position .rate             where it is "position": of B's point along the line of A
+    <joint>.position .rate             where it is "position": of B's point along the line of A; "distance": of a rope
     <load>.length .rate .force .power  of a load with a `record`, see `interfaces.loads.LoadRecord`
 
 Each stands for an expression over the state, but `<load>.force`, which a run evaluates and records as a signal.
@@ -36,6 +36,10 @@ COORDINATES = {  # key and unit of a coordinate and of its rate, and what they a
         ("length", "m", ACROSS),
         ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/hypot({ACROSS}, {COINCIDENT})"),
     ),
+    "distance": (
+        ("position", "m", ACROSS),
+        ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/hypot({ACROSS}, {COINCIDENT})"),
+    ),
     "position": (
         ("position", "m", "(b.x - a.x)*cos(A.angle + axis) + (b.y - a.y)*sin(A.angle + axis)"),
         (
@@ -55,8 +59,11 @@ def declare(values: Values, document: Table) -> None:
     units = _units_of_points(document)
     for name, entry in _entries(document, "joints"):
         kind = registry.kinds("joint").get(str(entry.get("type")))
-        if kind is not None and kind.leaf.coordinate:
-            units |= {f"{name}.{key}": unit for key, unit, _ in COORDINATES[kind.leaf.coordinate]}
+        if kind is None:
+            continue
+        coordinate = kind.leaf.coordinate or (kind.leaf.stops if "stop" in entry else "")
+        if coordinate:
+            units |= {f"{name}.{key}": unit for key, unit, _ in COORDINATES[coordinate]}
     for name, entry in _entries(document, "loads"):
         record = record_of(str(entry.get("type")))
         if record is not None:
@@ -112,10 +119,10 @@ def definitions(
             nodes[name] = _point(Point(owner, point, bodies[owner].points[point]), axis)
         elif owner == "ground" and point in ground:
             nodes[name] = _point(Point("ground", point, ground[point]), axis)
-        elif owner in joints and joints[owner].leaf.coordinate:
+        elif owner in joints and joints[owner].coordinate:
             joint = joints[owner]
             line = 0.0 if joint.line is None else joint.line
-            nodes |= _between(owner, joint.leaf.coordinate, joint.a, joint.b, line, key)
+            nodes |= _between(owner, joint.coordinate, joint.a, joint.b, line, key)
         elif owner in loads and (record := record_of(loads[owner].kind)) is not None:
             nodes |= _of_load(owner, loads[owner], record, key)
     return nodes

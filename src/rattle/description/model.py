@@ -88,6 +88,7 @@ class Contact:
     friction: Choice | None = None
     unused: tuple[str, ...] = ()  # keys that only other models use
     film: OilFilm | None = None  # in the clearance, beside the laws of the dry contact
+    word: str = ""  # the law that the user names, where stated damping puts another in its place
     pushes: bool = False  # of a closed joint: it stands for contacts that only push, and N < 0 is noted
 
     @property
@@ -116,7 +117,17 @@ class Contact:
     @property
     def title(self) -> str:
         """The word that the user writes for the model."""
-        return self.normal.kind if self.normal and self.film is None else self.model
+        return self.law if self.normal and self.film is None else self.model
+
+    @property
+    def law(self) -> str:
+        """The word for the law of its normal force; "" if it has none."""
+        return self.word or (self.normal.kind if self.normal else "")
+
+    @property
+    def ends_by_force(self) -> bool:
+        """True if it ends where its force does, before its gap opens."""
+        return self.normal is not None and registry.normal_law(self.normal.kind).leaf.ends_by_force
 
 
 @dataclass(frozen=True)
@@ -154,13 +165,14 @@ class Stop:
 
 @dataclass(frozen=True)
 class JointFriction:
-    """Friction in a joint without play, by its own reaction."""
+    """Friction in a joint without play, by its own reaction, or of a size that does not depend on it."""
 
     arm: float  # moment by mu and the reaction, as the radius of a pin [m]; 1 where the joint slides
     reach: float = 0.0  # 1 / half length of the block [1/m]; 0: the moment of the joint does not press
     mu: float = 0.0
     mu_static: float = 0.0
     law: Choice | None = None  # None: set-valued, with mu and mu_static
+    stated: bool = False  # True: set-valued, mu and mu_static are its size [N or N m]
 
 
 @dataclass(frozen=True)
@@ -246,6 +258,21 @@ class Joint:
         return bool(self.leaf.passing(self.fields))
 
     @property
+    def held_by_stops(self) -> bool:
+        """True if it has no rows and only its stops hold it, as a rope."""
+        return self.leaf.held_by_stops(self.fields)
+
+    @property
+    def places(self) -> bool:
+        """True if its rows say where the point of B is, apart from a slide along a line or a turn about a point."""
+        return self.leaf.places and not self.held_by_stops
+
+    @property
+    def coordinate(self) -> str:
+        """The coordinate that results and expressions know of it: angle, position or distance; "" if none."""
+        return self.leaf.stops if self.held_by_stops else self.leaf.coordinate
+
+    @property
     def one_sided(self) -> type[OneSidedKind] | None:
         """The class of its one-sided contacts; None if it has no such."""
         kind = registry.one_sided_of(self.kind)
@@ -272,7 +299,7 @@ class Joint:
     @property
     def is_hinge(self) -> bool:
         """True if both bodies share a point and turn about it, apart from the clearance."""
-        return self.leaf.places and self.line is None and self.distance == 0.0 and self.kept_angle is None
+        return self.places and self.line is None and self.distance == 0.0 and self.kept_angle is None
 
 
 @dataclass(frozen=True)

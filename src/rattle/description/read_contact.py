@@ -14,7 +14,7 @@ from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
-from rattle.description.tables import BUSH_RADIUS, FILM, FORMULA, MATERIAL
+from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATERIAL
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactGeometry, OneSidedKind, StopKind
 from rattle.interfaces.fields import Fields, LawValues
@@ -23,7 +23,9 @@ ALONG = ("friction", "tangential_restitution")  # keys of what happens along a w
 GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 
 
-OF_ANGLE = {"m": "rad", "m/s": "rad/s", "kg": "kg*m^2", "N": "N*m"}  # units of a contact whose gap is an angle
+OF_ANGLE = {  # units of a contact whose gap is an angle
+    "m": "rad", "m/s": "rad/s", "kg": "kg*m^2", "N": "N*m", "N*s/m": "N*m*s/rad",
+}  # fmt: skip
 
 
 class Site(NamedTuple):
@@ -101,6 +103,9 @@ def read_contact(reader: FieldReader, written: object, site: Site, path: Path) -
             why = f"{site.title} has no friction: it pushes along the coordinate of the joint only; leave it out"
             values.wrong((*path, key), why, at_key=True)
         return None
+    if "damping" in table and (why := _no_damping(table, str(model))):
+        values.wrong((*path, "damping"), why, at_key=True)
+        return None
     if model in registry.kinds("contact"):
         kind = registry.kinds("contact")[model]
         if kind.leaf.oiled:
@@ -114,6 +119,22 @@ def read_contact(reader: FieldReader, written: object, site: Site, path: Path) -
             return read_lubricated(reader, table, kind, site.clearance, path, dry, unused)
         return _plain(reader, table, str(model), site, path)
     return _compliant(reader, table, str(model), site, path)
+
+
+def _no_damping(table: Table, model: str) -> str:
+    """Why a contact with this model takes no stated damping, in words; "" if it does, or has a field of that name."""
+    contact, law = registry.kinds("contact").get(model), registry.kinds("normal").get(model)
+    if law is not None and "damping" in law.fields:
+        return ""
+    if contact is not None and contact.leaf.oiled:
+        return "damping belongs to the dry contact beside the oil: dry = { model, damping, ... }"
+    if contact is not None and contact.leaf.contacts:
+        return f"'{model}' is rigid: write restitution instead of damping, or choose a compliant model, such as hertz"
+    if law is not None and "restitution" not in law.fields:
+        return f"'{model}' has no restitution that a damping could stand for; leave it out"
+    if law is not None and "restitution" in table:
+        return "give either a damping or a restitution, not both"
+    return ""
 
 
 def _radius(reader: FieldReader, table: Table, site: Site, needed: str, path: Path) -> float:
@@ -138,6 +159,7 @@ def _radius(reader: FieldReader, table: Table, site: Site, needed: str, path: Pa
 def _fields_of_all() -> dict[str, registry.Field | None]:
     """Every key that a contact may have, with its field; None where it is none, or has another meaning in every law."""
     fields: dict[str, registry.Field | None] = dict.fromkeys(("friction", "bush_radius", "geometry"))
+    fields["damping"] = DAMPING
     fields |= film_keys() | {"bush_radius": None}
     for family in ("stiffness", "normal", "contact"):
         for kind in registry.kinds(family).values():
@@ -210,7 +232,9 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     if not name:
         return None
     by_geometry, law, static = name != "power", registry.kinds("normal")[model], registry.kinds("stiffness")[name]
-    own = [key for key in static.fields if key != "bush_radius"]
+    own, damped = [key for key in static.fields if key != "bush_radius"], ""
+    if "damping" in table and "damping" not in law.fields:
+        law, damped = registry.damped_law(), model
     used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
     unused = _unused(reader, table, used, site, path)
     needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""
@@ -221,7 +245,8 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     normal = reader.fields(law, table, path, site.unit)
     _unit_interval(reader, normal, path)
     friction = _friction(reader, table["friction"], (*path, "friction")) if "friction" in table else None
-    contact = Contact("compliant", {}, radius, Choice(model, normal), Choice(name, elastic), friction, unused)
+    laws = Choice(law.name, normal), Choice(name, elastic), friction
+    contact = Contact("compliant", {}, radius, *laws, unused, word=damped)
     _pack(reader, "stiffness", contact.static, path)
     _pack(reader, "friction", friction, path)
     return contact

@@ -1,4 +1,7 @@
-"""Reading the `friction` of a joint without play: a number or a table -> `JointFriction`."""
+"""Reading the `friction` of a joint without play: a number or a table -> `JointFriction`.
+
+A table with the force or torque itself stands for what brakes a joint whatever it bears: a brake, a preload, a seal.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +22,12 @@ COULOMB = {
     "mu": Field("", "coefficient of friction", least="not negative"),
     "mu_static": Field("", "coefficient at rest; default: mu", lambda read: read["mu"], least="not negative"),
 }
+# size of friction that is stated, by the unit of the effort along the coordinate of a joint
+STATED = {
+    "N": ("force", Field("N", "size of the friction, whatever the joint bears", least="not negative")),
+    "N*m": ("torque", Field("N*m", "size of the friction, whatever the joint bears", least="not negative")),
+}
+SIZES = tuple(key for key, _ in STATED.values())
 
 
 def friction_models() -> dict[str, Mapping[str, Field]]:
@@ -35,7 +44,7 @@ def joint_friction(
     loose: bool,
     path: Path,
 ) -> JointFriction | None:
-    """Friction of one joint by its own reaction; None after a problem.
+    """Friction of one joint, by its own reaction or of a stated size; None after a problem.
 
     of_joint: its fields, None after a problem with them; block: length of its block [m], then others, if given;
     loose: it has clearance.
@@ -46,6 +55,8 @@ def joint_friction(
         return None
     before, whole = len(values.problems), isinstance(written, Mapping)
     table: Table = written if isinstance(written, Mapping) else {"model": SET_VALUED, "mu": written}
+    if any(key in table for key in SIZES):
+        return _stated(reader, table, joint, path)
     models, model = friction_models(), str(table.get("model", SET_VALUED))
     if model not in models:
         values.wrong((*path, "model"), f"unknown friction {quoted(table['model'])}{suggest(model, models)}")
@@ -69,6 +80,41 @@ def joint_friction(
             values.wrong((*path, "mu_static"), f"{read['mu_static']:g} must not be less than mu = {read['mu']:g}")
         return JointFriction(arm, reach, read["mu"], read["mu_static"])
     return JointFriction(arm, reach, law=_law(reader, model, read, path))
+
+
+def stated_size(joint: registry.Kind[JointKind]) -> tuple[str, Field] | None:
+    """Key and field of the size of friction along the coordinate of a kind of joint; None if it has no coordinate."""
+    return None if joint.leaf.motor is None or not joint.leaf.rubs else STATED[joint.leaf.motor.unit]
+
+
+def _stated(reader: FieldReader, table: Table, joint: registry.Kind[JointKind], path: Path) -> JointFriction | None:
+    """Friction of a size that does not depend on the reaction; None after a problem."""
+    values, size = reader.values, stated_size(joint)
+    if size is None:
+        able = [name for name, kind in registry.kinds("joint").items() if stated_size(kind)]
+        key = next(key for key in SIZES if key in table)
+        values.wrong((*path, key), f"a {joint.name} has no coordinate to brake; expected {' or '.join(able)}", True)
+        return None
+    key, field = size
+    before = len(values.problems)
+    for other in table:
+        if other in SIZES and other != key:
+            along = "turns" if key == "torque" else "slides"
+            unit = f"a {joint.name} joint {along}: write {key} = a number in {field.unit}"
+            values.wrong((*path, other), unit, at_key=True)
+        elif other != key and (other in ("model", *joint.leaf.rubs_with) or _of_a_model(other)):
+            why = f"friction by {other} follows the reaction, a stated {key} does not: write one or the other"
+            values.wrong((*path, other), why, at_key=True)
+    if len(values.problems) > before:
+        return None
+    values.keys(table, [key], path)
+    stated = reader.field(field, key, table, {}, path)
+    return None if len(values.problems) > before else JointFriction(1.0, mu=stated, mu_static=stated, stated=True)
+
+
+def _of_a_model(key: str) -> bool:
+    """True if a model of friction has a field of that name."""
+    return any(key in fields for fields in friction_models().values())
 
 
 def _law(reader: FieldReader, model: str, read: Fields, path: Path) -> Choice:

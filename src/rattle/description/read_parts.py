@@ -255,7 +255,9 @@ class Parts(FieldReader):
             return Contact("compliant", normal=Choice("tension", {"damping": law.damping}), static=static)
         if "contact" in table and (sided := registry.one_sided_of(kind.name)) is not None:
             return read_contact(self, table["contact"], site_of_one_sided(sided), here)
-        if "contact" in table:
+        if "contact" in table and kind.leaf.stops:
+            self.values.wrong(here, f"a {kind.name} has contacts at its stop only: write it there", at_key=True)
+        elif "contact" in table:
             self.values.wrong(here, "needs a clearance of the joint (radial, in m)", at_key=True)
         return None
 

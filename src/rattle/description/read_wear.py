@@ -42,6 +42,10 @@ def _wear(
     values = reader.values
     if not _may_wear(reader, joint, clearance, path):
         return None
+    if contact is not None and contact.ends_by_force:
+        fault = "worn profiles know damping by a restitution only: write it in the contact instead of damping"
+        values.wrong(path, fault)
+        return None
     before, table = len(values.problems), values.table(written, path)
     read = reader.form(WEAR, table, path)
     bush, pin = (_rate(reader.part(WEAR.fields[side], side, table, path)) for side in SIDES)

@@ -14,7 +14,7 @@ from dataclasses import replace
 from rattle import registry
 from rattle.description import schema_pieces as of
 from rattle.description.read_contact import ALONG, contact_models, stop_models
-from rattle.description.read_friction import friction_models
+from rattle.description.read_friction import friction_models, stated_size
 from rattle.description.read_parts import moved_joints
 from rattle.description.read_wear import kind_wears
 from rattle.description.schema_pieces import Schema
@@ -148,6 +148,8 @@ def _own_friction(joint: Kind[JointKind]) -> Schema:
     for name, fields in friction_models().items():
         keys = {key: of.field(field) for key, field in {**fields, **more}.items()}
         tables.append(of.table({"model": {"const": name}, **keys}, ("model", *needed)))
+    if (size := stated_size(joint)) is not None:
+        tables.append(of.table({size[0]: of.field(size[1])}, size[:1]))
     number = [] if needed else [of.number("", "coefficient of friction", "not negative")]
     return {"anyOf": [*number, *tables], "description": JOINT_FRICTION.meaning}
 
@@ -169,7 +171,12 @@ def _contact(
         tables.append(of.table({"model": of.choice(kind), **every, **of.fields(kind)}, dict.fromkeys(needed)))
     for law in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
         own_fields = {key: field for key, field in of.fields(law).items() if key != "friction" and key not in without}
-        tables.append(of.table({"model": of.choice(law), **every, **own_fields}, ("model", *of.needed(law))))
+        keys, needed = {"model": of.choice(law), **every, **own_fields}, of.needed(law)
+        if law.name in plain and plain[law.name].leaf.contacts:
+            del keys["damping"]
+        tables.append(of.table(keys, ("model", *(key for key in needed if key != "restitution"))))
+        if "restitution" in needed:  # or damping in its place
+            tables[-1] |= {"if": {"not": {"required": ["damping"]}}, "then": {"required": ["restitution"]}}
     return {"anyOf": [{"enum": [*plain, *laws]}, *tables], "description": meaning}
 
 

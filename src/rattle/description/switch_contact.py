@@ -16,9 +16,9 @@ ELASTIC = ("stiffness", "exponent", "bush_material", "pin_material", "length", "
 def recontact(written: object, model: str) -> str | dict[str, object]:
     """The value of `contact` for another model, from the value written for the present one.
 
-    Kept if the new model has them: restitution [-], friction (set-valued Coulomb keeps mu [-] of a friction law),
-    bush radius [m], stiffness or materials, and the fields of the same law.  A contact with oil takes a compliant one
-    as its dry contact, and leaves it where the oil goes.
+    Kept if the new model has them: restitution [-] or damping [N*s/m], friction (set-valued Coulomb keeps mu [-] of a
+    friction law), bush radius [m], stiffness or materials, and the fields of the same law.  A contact with oil takes a
+    compliant one as its dry contact, and leaves it where the oil goes.
     """
     old: Table = written if isinstance(written, Mapping) else {"model": written}
     plain, laws = registry.kinds("contact"), registry.kinds("normal")
@@ -36,6 +36,8 @@ def recontact(written: object, model: str) -> str | dict[str, object]:
     friction = new.get("friction")
     if model in plain and isinstance(friction, Mapping):
         new["friction"] = friction.get("mu", 0.0)
+    if model in laws and "damping" in old and "restitution" not in old:
+        new["damping"] = old["damping"]
     if "restitution" in new and model in laws and laws[model].fields["restitution"].default == 1.0:
         del new["restitution"]  # a law without loss
     return new if len(new) > 1 else model
@@ -62,7 +64,7 @@ def _oiled(old: Table, model: str) -> dict[str, object]:
     new: dict[str, object] = {"model": model, **{key: value for key, value in old.items() if key in films}}
     present = str(old["model"])
     if "dry" not in new and present in laws:
-        own = ["model", "friction", *laws[present].fields]
+        own = ["model", "friction", "damping", *laws[present].fields]
         own += _elastic(old) if "geometry" in old or "bush_material" in old else ELASTIC[:2]
         new["dry"] = {key: value for key, value in old.items() if key in own}
     return new

@@ -189,9 +189,14 @@ STATE = Form(
 # ---------------------------------------------------------------- contacts and wear, besides fields of their kinds
 FORMULA = Field("", "formula for the stiffness from materials", None, shape="geometry")
 BUSH_RADIUS = Field("m", "radius of the bush; the pin radius is smaller by the clearance", None, least="positive")
+DAMPING = Field(
+    "N*s/m", "c of a compliant contact, F = max(0, F_static + c ddelta), instead of restitution", None,
+    least="not negative",
+)  # fmt: skip
 CONTACT = Form(
     {
         "geometry": FORMULA,
+        "damping": DAMPING,
         "bush_radius": BUSH_RADIUS,
         "friction": Either(
             (Field("", "coefficient of friction", None, least="not negative"), OfKinds("friction", "model"))
@@ -277,7 +282,7 @@ WHOLE_BODIES = Field(
 )  # of kinds without points
 BODY_TO_DRIVE = Field("", "what is driven", shape="place")
 JOINT_TO_DRIVE = Field("", "the joint that is driven", shape="joint", missing="needs joint: the joint to drive")
-JOINT_FRICTION = Field("", "friction without play, by its own reaction", None, shape="own friction")
+JOINT_FRICTION = Field("", "friction without play: by its own reaction, or a stated size", None, shape="own friction")
 JOINT = Form(
     {
         "connect": ENDS,

@@ -81,8 +81,10 @@ def add_contact_forces(m):
         static = call_stiffness(static_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
         arguments = (static, delta, ddelta, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
         normal = call_normal(normal_table[contact[n, at.NORMAL_LAW]], arguments)
+        if contact[n, at.BY_FORCE] == 1 and memory[n, at.CLOSED] != at.SHUT:
+            normal = max(0.0, normal) if memory[n, at.CLOSED] == at.AUTO else 0.0
         tangent = 0.0
-        if contact[n, at.FRICTION] >= 0:
+        if contact[n, at.FRICTION] >= 0 and memory[n, at.CLOSED] != at.RELEASED:
             slip, p = kinematics[n, at.SLIP], contact[n, at.FRICTION_P]
             arguments_t = (slip, normal, state[first:], values, p, rate[first:])
             tangent = call_friction(friction_table[contact[n, at.FRICTION]], arguments_t)

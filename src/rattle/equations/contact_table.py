@@ -115,7 +115,7 @@ def contact_table(
                 )
             film = _film(contact, joint.clearance, values, coefficients)
             own = registry.kinds("friction")[contact.friction.kind].leaf.states if contact.friction else 0
-            lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular, leaf.one_way)))
+            arms, turning = leaf.levers(parameters), float(_turning(leaf))
             for corner in corners:
                 owned = (
                     n,
@@ -129,11 +129,13 @@ def contact_table(
                     *film,
                     leaf.worn,
                     own_columns if labels else -1,
+                    int(contact.ends_by_force),
                 )
                 own_columns += 1 if labels else 0
                 table.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
-                levers.append((*lever, leaf.scale(parameters, size), size, *bends))
+                lever = (*arms, turning, leaf.curved(corner), float(leaf.angular), float(leaf.one_way))
+                levers.append((*lever, leaf.scale_at(corner, parameters, size), size, *bends))
         alone = joint.leaf.own_contact(joint.fields)
         if alone is not None:
             entry, its_lever = _own_contact(alone, joint, values)
@@ -149,6 +151,7 @@ def contact_table(
                 *NO_FILM,
                 0,
                 -1,
+                0,
             )
             table.append((entry[0], a, b, *entry[1:], *owned))
             states += alone.states

@@ -8,7 +8,8 @@ Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, 
 
     L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a,
                  |lambda_1| of a joint with one row,  NU |lambda_1| of a surface, by the column NU of its row w,
-                 hypot(lambda_1, NU (tau - tau')) of a rod, NU = 1/L, tau' of its other pin
+                 hypot(lambda_1, NU (tau - tau')) of a rod, NU = 1/L, tau' of its other pin,
+                 1 where the size of the friction is stated: mu and mu_static are then that size, arm is 1
 
 The reaction lambda depends on tau.  With the responses to unit forces,
 
@@ -163,7 +164,9 @@ def borne_from(m, n, reaction, r):
 
 @compiled
 def pressing(m, n, first, second):
-    """N [N] of joint n by what it bears, and its slopes with respect to that."""
+    """N [N] of joint n by what it bears, and its slopes with respect to that; 1 where its friction is stated."""
+    if m.dry[n, at.DRY_STATED] == 1:
+        return 1.0, 0.0, 0.0
     reach = m.values[m.dry[n, at.DRY_P] + at.DRY_REACH]
     if m.dry[n, at.DRY_FORM] == at.DRY_SURFACE:
         size = m.dry_rows[n, at.NU]

@@ -37,7 +37,7 @@ def friction_table(
                 values += kind.leaf.pack(friction.law.values)
             by = rods + 1 - pin if form == at.DRY_ROD else second
             column = at.JOINT_TANGENT if pin == 0 else at.JOINT_NORMAL
-            table.append((n, a, b, kernel, place, first, form, law, states, own, by, column))
+            table.append((n, a, b, kernel, place, first, form, law, states, own, by, column, int(friction.stated)))
             states += own
     return table
 

@@ -279,7 +279,7 @@ def invertible(mass: np.ndarray, model: Model) -> tuple[np.ndarray, np.ndarray]:
 
 def joint_rows(joint: Joint) -> tuple[registry.Kind[JointKind] | None, tuple[float | LocalFunction, ...]]:
     """The kind whose constraint rows this joint has, and the values of its fields; None if only contacts act on it."""
-    if joint.is_loose:
+    if joint.is_loose or joint.held_by_stops:
         return None, ()
     contact, joint_kinds = joint.contact, registry.kinds("joint")
     if contact is not None and joint.clearance > 0.0 and registry.kinds("contact")[contact.model].leaf.link:

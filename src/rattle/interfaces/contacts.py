@@ -53,6 +53,16 @@ class ContactGeometry:
         """Size of the gap by which tolerances are set [m or rad]; size: of the mechanism [m], or 1 rad."""
         return size
 
+    @classmethod
+    def scale_at(cls, corner: int, p: Sequence[float], size: float) -> float:
+        """`scale` of one contact."""
+        return cls.scale(p, size)
+
+    @classmethod
+    def curved(cls, corner: int) -> float:
+        """How its wall is curved: 1 around the offset of B, which is scale - gap, 2 inside it, scale + gap; 0: not."""
+        return float(cls.rounded)
+
     @staticmethod
     def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
         """What bends the gap besides arms and turning walls: SLOPE [m], CURVE [m] and BOW [1/m], see `layout`.
@@ -230,7 +240,10 @@ class OneSidedKind(ContactGeometry):
 
 
 class StopKind(ContactGeometry):
-    """Interface of the kinds of stop; fields `min` and `max` are its ends."""
+    """Interface of the kinds of stop; fields `min` and `max` are its ends.
+
+    It is named after the driver that moves the same coordinate, or `stops` of a kind of joint that it holds alone.
+    """
 
     contacts = 2
     wall = "a stop"

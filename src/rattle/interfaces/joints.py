@@ -64,6 +64,7 @@ class JointKind:
     bodies: ClassVar[bool] = False  # True: it connects bodies wherever they are, and not points of them
     events: ClassVar[Mapping[str, str]] = {}  # what events of its own contact are called: contact, release ...
     motor: ClassVar[Motor | None] = None  # None: no coordinate that a driver could move
+    stops: ClassVar[str] = ""  # kind of stop (and coordinate) of a joint without motor that its stops may hold alone
     coordinate: ClassVar[str] = ""  # what expressions and results know of it, with its rate: angle | position
     massless: ClassVar[str] = ""  # kind of joint for the clearance as a massless link; its one field is the clearance
     drawn_as: ClassVar[str] = ""  # a form of rattle.drawings.forms: pin, rod, guide ...; "" if it is not drawn
@@ -164,6 +165,16 @@ class JointKind:
         Then it has no part in putting the mechanism together, and without contacts there is no such joint.
         """
         return ""
+
+    @staticmethod
+    def held_by_stops(fields: Fields) -> bool:
+        """True if it has no rows and only the stops of its coordinate hold it, as a rope."""
+        return False
+
+    @staticmethod
+    def held_at(value: float) -> dict[str, float]:
+        """Fields of such a joint whose rows hold its coordinate at a value [m]."""
+        return {}
 
     @staticmethod
     def assumed_radius(fields: Fields) -> float:

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 class NormalLaw(ABC):
     """Interface of the laws of the normal force: of contacts, and of strands."""
 
+    ends_by_force: ClassVar[bool] = False  # True: its kernel is not clipped, and the contact ends where F = 0
+
     @classmethod
     @abstractmethod
     def pack(cls, values: LawValues) -> tuple[float, ...]:

@@ -93,11 +93,12 @@ FILM_LAW = column("contact", "", "kernel of the oil film in the clearance; -1: n
 FILM_P = column("contact", "", "its first parameter")
 WORN = column("contact", "", "1 for a pin and a bush with profiles of wear on an elastic foundation")
 OWN_COLUMN = column("contact", "", "number of the column of an output row that is its N alone; -1: none")
+BY_FORCE = column("contact", "", "1 for a compliant contact that ends where its force does, 0: where its gap opens")
 
 ARM_A = column("lever", "m", "longest arm on A to its contact points")
 ARM_B = column("lever", "m", "longest arm on B")
 WALLS_TURN = column("lever", "", "1 if straight walls turn with A, 2 if with B")
-ROUNDED = column("lever", "", "1 if a wall is curved")
+ROUNDED = column("lever", "", "1 if a wall is curved around B, 2 if B is outside of it, 0 if it is not curved")
 ANGULAR = column("lever", "", "1 if the gap is an angle, N a moment")
 ONE_WAY = column("lever", "", "1 if a contact bears on one side of a segment, see `equations.one_way`")
 GAP_SCALE = column("lever", "m or rad",
@@ -155,7 +156,7 @@ FILM_A = column("contact_kinematics", "N*m",
 FILM_B = column("contact_kinematics", "N*m", "its moment on B about the point of B")
 FILM_LOSS = column("contact_kinematics", "W", "what it loses")
 
-CLOSED = column("contact_memory", "", "OPEN, SHUT or AUTO")
+CLOSED = column("contact_memory", "", "OPEN, SHUT, AUTO or RELEASED")
 SPEED = column("contact_memory", "m/s or rad/s", "approach speed")
 SINCE = column("contact_memory", "s", "start of the contact")
 PEAK = column("contact_memory", "N or N*m", "largest N so far")
@@ -184,6 +185,7 @@ IDLE = column("contact_memory", "",
     "1 for a contact at rest without a force: joints or other contacts hold it, whatever its force")
 UNSURE = column("contact_memory", "", "1 once its force could have been another with the same motion")
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
+RELEASED = 3.0  # inside the wall without force, once the damper of a contact would pull as its spring pushes
 LAST_IMPACT = column("recent", "s", "instant of the last impact of a contact")
 IMPACT_BEFORE = column("recent", "s", "of the one before")
 
@@ -222,6 +224,7 @@ DRY_STATES = column("dry", "", "number of states of that law")
 DRY_SECOND = column("dry", "",
     "second row of the joint; the first again, where there is one only; of DRY_ROD: entry of its other pin")
 DRY_COLUMN = column("dry", "", "column of an output row of the joint, for tau")
+DRY_STATED = column("dry", "", "1: its size is stated: mu times the arm, whatever the joint bears")
 DRY_PIN, DRY_GUIDE, DRY_SURFACE, DRY_ROD = 0, 1, 2, 3
 # parameters after those of the row (two points, a direction or zero, a function that is zero): arm [m or 1], 1/a [1/m];
 # then mu and mu_static, or those of the law

@@ -44,7 +44,7 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
-    "contact": Array("i2", "nc, 22", "", "geometry and laws of every contact point"),
+    "contact": Array("i2", "nc, 23", "", "geometry and laws of every contact point"),
     "lever": Array("f2", "nc, 10", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
@@ -158,7 +158,7 @@ ARRAYS = {
     "massless_force": Array("f1", "n", "N or N*m", "f: what makes up for the fictitious inertia"),
     "massless_impulse": Array("f1", "nr or 0", "", "scratch"),
     # dry friction of joints without play, see `equations.dry_friction`
-    "dry": Array("i2", "nd, 12", "", "joints without play that have friction"),
+    "dry": Array("i2", "nd, 13", "", "joints without play that have friction"),
     "dry_memory": Array("f2", "nd, 16", "N, m/s or N*m, rad/s", "their modes and friction forces"),
     "dry_rows": Array("f2", "nd, 9", "m or rad", "rows of their free coordinates, as `rows`"),
     "dry_response": Array("f2", "nd, 3 nb + 3", "", "Y: accelerations of all bodies caused by unit forces"),

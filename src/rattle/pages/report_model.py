@@ -164,9 +164,11 @@ def assumptions_section(s: Study) -> Section:
         taken.append(f"Without play and without friction: {enumerated(plain)}.")
     if clutches := [name for name, joint in model.joints.items() if joint.leaf.bodies]:
         taken.append(f"One-way clutches drive in one sense and run free in the other: {enumerated(clutches)}.")
-    rubbing = [name for name, joint in model.joints.items() if joint.friction is not None]
-    if rubbing:
-        taken.append(f"With friction by their own reaction, without play: {enumerated(rubbing)}.")
+    rubbing = {name: joint.friction for name, joint in model.joints.items() if joint.friction is not None}
+    if by_reaction := [name for name, friction in rubbing.items() if not friction.stated]:
+        taken.append(f"With friction by their own reaction, without play: {enumerated(by_reaction)}.")
+    if stated := [name for name, friction in rubbing.items() if friction.stated]:
+        taken.append(f"With friction of a stated size, whatever they bear: {enumerated(stated)}.")
     parts = [listed(taken), contact_table(s)]
     chosen = [sentence(choice) for choice in (*model.remarks, *_chosen(model))]
     if chosen:

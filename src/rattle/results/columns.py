@@ -115,7 +115,8 @@ def frictions(joint: Joint) -> tuple[tuple[str, int], ...]:
 def passes_moment(joint: Joint) -> bool:
     """True if the joint may transmit a moment: by rows, contacts in their place, friction, or a stop of its angle."""
     kind = joint_rows(joint)[0]
-    return kind is None or kind.leaf.moment or joint.friction is not None or joint.stops_angle
+    by_contacts = kind is None and not joint.held_by_stops
+    return by_contacts or (kind is not None and kind.leaf.moment) or joint.friction is not None or joint.stops_angle
 
 
 def columns(
@@ -293,8 +294,8 @@ def _form_of_joint(joint: Joint) -> dict[str, Any]:
     }
     if joint.leaf.bodies:
         form["sense"] = joint.fields["sense"]
-    if joint.leaf.coordinate:
-        form["coordinate"] = joint.leaf.coordinate
+    if joint.coordinate:
+        form["coordinate"] = joint.coordinate
     if joint.line is not None:
         form["axis"] = joint.line
         if -math.inf < (travel := joint.leaf.travel(joint.fields)) < math.inf:

@@ -62,12 +62,15 @@ def _of_load(load: str, form: Tree, stored: Collection[str]) -> dict[str, Rule]:
 
 
 def _between(owner: str, coordinate: str, form: Tree, axis: Any, stored: Collection[str]) -> dict[str, Rule]:
+    name = coordinate
+    if coordinate == "distance":
+        name, coordinate = "position", "length"
     bodies = tuple(form["bodies"])
     points = tuple((point[0], point[1]) for point in form["points"])
     moving = [body for body in bodies if body != "ground"]
     derived = {}
     if all(f"{body}.x" in stored for body in moving):
-        derived[f"{owner}.{coordinate}"] = Rule(coordinate, owner, bodies, points, axis)
+        derived[f"{owner}.{name}"] = Rule(coordinate, owner, bodies, points, axis)
     if all(f"{body}.vx" in stored for body in moving):
         derived[f"{owner}.rate"] = Rule(f"{coordinate} rate", owner, bodies, points, axis)
     return derived

@@ -352,7 +352,7 @@ def _angles_known(system: System) -> bool:
 
     And if the joints are linear in the places of the bodies.
     """
-    if not all(joint.leaf.places and joint.distance == 0.0 for joint in system.model.joints.values()):
+    if not all(joint.places and joint.distance == 0.0 for joint in system.model.joints.values()):
         return False
     groups = groups_at(system, 0.0)
     bodies = system.model.initial.bodies

@@ -142,7 +142,7 @@ class _Writer:
             for joint in joints if via.line is not None else ():
                 own = 2 if joint.b.body == body and joint.a.body != body else 0
                 other = joint.a.body if own else joint.b.body
-                if joint.leaf.places or joint.distance <= 0.0 or other not in placed:
+                if joint.places or joint.distance <= 0.0 or other not in placed:
                     continue
                 if body in (joint.a.body, joint.b.body):
                     p = self.system.first_value(joint.name)
@@ -249,7 +249,7 @@ def _neighbours(model: Model) -> Neighbours:
 
 def _ties(joint: Joint) -> bool:
     """True if the joint says where the point of B is, apart from a slide along a line or about a point."""
-    return joint.leaf.places and not joint.leaf.bodies and not joint.passing
+    return joint.places and not joint.leaf.bodies and not joint.passing
 
 
 def _trees(near: Neighbours, root: str) -> dict[str, list[tuple[Joint, str, str]]]:
@@ -274,11 +274,7 @@ def _cycles(model: Model, near: Neighbours) -> list[list[tuple[Joint, str, str]]
     for root in roots:
         ways = _trees(near, root)
         for joint in model.joints.values():
-            if (
-                joint.a.body not in ways
-                or joint.b.body not in ways
-                or not (joint.leaf.places and not joint.leaf.bodies)
-            ):
+            if joint.a.body not in ways or joint.b.body not in ways or not (joint.places and not joint.leaf.bodies):
                 continue
             out, home = ways[joint.a.body], ways[joint.b.body]
             passed = [step.name for step, _, _ in (*out, *home)]

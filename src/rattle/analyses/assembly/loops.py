@@ -11,7 +11,7 @@ def tree_path(model: Model, start: str, end: str, without: str) -> list[str] | N
     """Joints on the shortest path from one body to another that does not use the joint `without`; None if none."""
     near: dict[str, list[tuple[str, str]]] = {}
     for name, joint in model.joints.items():
-        if name != without:
+        if name != without and not joint.held_by_stops:
             near.setdefault(joint.a.body, []).append((name, joint.b.body))
             near.setdefault(joint.b.body, []).append((name, joint.a.body))
     came: dict[str, tuple[str, str] | None] = {start: None}
@@ -56,7 +56,7 @@ def loops(model: Model) -> list[tuple[Joint, list[str]]]:
     closing = []
     kept: dict[str, Joint] = {}
     for joint in model.joints.values():
-        if joint.leaf.bodies:
+        if joint.leaf.bodies or joint.held_by_stops:
             continue
         a, b = find(joint.a.body), find(joint.b.body)
         if a == b:

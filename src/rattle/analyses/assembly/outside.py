@@ -18,6 +18,7 @@ from rattle.language.recorded import bare
 ON_BUSH = 1e-9  # clearances of oil left beside the boundary film that count as none
 INSIDE = 1e-6  # penetration at the start that is taken for rounding of given numbers, in gaps of the contact
 INSIDE_SURFACE = 1e-9  # the same of a surface, outside of which bodies are placed by coordinates
+AT_ONE_PLACE = 1e-9  # share of its least distance below which a distance has no direction
 INSIDE_WORN = 1e-4  # the same of a worn surface, which is a polygon
 
 
@@ -26,6 +27,8 @@ def outside(system: System, workspace: Workspace) -> str:
     if not len(system.arrays["contact"]):
         return ""
     n = first_outside(workspace, np.array([math.nextafter(*least) for least in least_gaps(system)]))
+    if coincident := _coincident(system, workspace):
+        return coincident
     if n < 0:
         return ""
     entry, gap = system.arrays["contact"][n], float(workspace.contact_kinematics[n, at.GAP])
@@ -85,6 +88,21 @@ def least_gaps(system: System) -> list[tuple[Any, float]]:
         else:
             gaps.append((least, least))
     return gaps
+
+
+def _coincident(system: System, workspace: Workspace) -> str:
+    """In words, which two points keep a distance from each other but are at one place; "" if none are."""
+    for entry, kinematics in zip(system.arrays["contact"], workspace.contact_kinematics, strict=True):
+        joint = system.model.joints[system.joints[entry[at.OWNER]]]
+        if joint.stop is None or not joint.held_by_stops or entry[at.SENSE] < 0:
+            continue
+        least = joint.stop.minimum
+        if kinematics[at.GAP] + least <= AT_ONE_PLACE * least:
+            return (
+                f"both points of '{joint.name}' start at one place, so that nothing says which way min = {least:g} m of"
+                " its stop pushes them apart: give its bodies other values in [initial]"
+            )
+    return ""
 
 
 def _film(joint: Joint, entry: np.ndarray) -> Any:

@@ -47,7 +47,7 @@ def _joints_of_bodies(model: Model) -> dict[str, list[Joint]]:
     """By body, the joints that place it or what hangs on it."""
     near: dict[str, list[Joint]] = {}
     for joint in model.joints.values():
-        if joint.leaf.places:
+        if joint.places:
             near.setdefault(joint.a.body, []).append(joint)
             near.setdefault(joint.b.body, []).append(joint)
     return near

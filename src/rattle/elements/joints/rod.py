@@ -1,4 +1,4 @@
-"""Rod: a massless rigid link of length L between a point of A and a point of B.
+"""Rod: a massless rigid link of length L between a point of A and a point of B; with stops in its place, a rope.
 
     d = (r_B + s_B) - (r_A + s_A),  n = d / |d|
     Phi   = |d| - L = 0                                                                  [m]
@@ -13,11 +13,14 @@ it balance both moments.  What presses on both pins is
     N = hypot(S, (tau_A - tau_B)/L),      |tau| <= mu R N
 
 These are the equations of a body without mass between two revolute joints.
+
+Without a length it has no row: its stops hold the points at a least and a largest distance, see the stop `distance`.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 
 from rattle.elements.wrapped import write_turning
 from rattle.interfaces.fields import Fields
@@ -88,7 +91,7 @@ class PinOnB(TangentKind):
 
 @kind("joint", "rod", rod)
 class Rod(JointKind):
-    """A massless rigid link of given length between two points.
+    """A massless rigid link of given length between two points; with stops in place of a length, a rope.
 
     Source: Grigore et al., Application to the motion and equilibrium of planar kinematic chains, section 1.
     """
@@ -100,7 +103,28 @@ class Rod(JointKind):
     }
     tangents = ("pin-on-a", "pin-on-b")
     drawn_as = "rod"
-    length = Field("m", "length of the rod", least="positive")
+    stops = "distance"
+    length = Field("m", "length of the rod; without it stops hold its points", default=math.inf, least="positive")
+
+    @staticmethod
+    def faults(written: Mapping[str, object], fields: Fields) -> Iterable[tuple[str, str]]:
+        """It has either a length or stops."""
+        if "length" in written and "stop" in written:
+            yield "stop", "a rod of one length has no stop; for a rope, or a strut that closes up, leave out the length"
+        elif "length" not in written and "stop" not in written:
+            yield "", "needs length: length of the rod [m]; of a rope stop = { max = ... } instead"
+        elif "length" not in written and "friction" in written:
+            yield "friction", "a rod without length, which its stops hold, has no friction"
+
+    @staticmethod
+    def held_by_stops(fields: Fields) -> bool:
+        """True of a rope."""
+        return fields["length"] == math.inf
+
+    @staticmethod
+    def held_at(value: float) -> dict[str, float]:
+        """A rod of that length."""
+        return {"length": value}
 
     @staticmethod
     def friction_arm(fields: Fields, own: Fields) -> float:
@@ -109,5 +133,5 @@ class Rod(JointKind):
 
     @staticmethod
     def distance(fields: Fields) -> float:
-        """The given length [m]."""
-        return fields["length"]
+        """The given length [m]; 0 of a rope, which enforces none."""
+        return 0.0 if Rod.held_by_stops(fields) else fields["length"]

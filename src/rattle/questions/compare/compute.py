@@ -281,7 +281,7 @@ def _compliant(m: Mechanism, loose: list[str], law: str | None) -> tuple[Mechani
     assumed: dict[str, list[str]] = {}
     for name in loose:
         joint = m.model.joints[name]
-        own = joint.contact.normal.kind if joint.contact and joint.contact.normal else ""
+        own = joint.contact.law if joint.contact else ""
         contact = recontact(m.contact_of(name), law or own or DEFAULT_LAW)
         written = {"model": contact} if isinstance(contact, str) else contact
         more, assumptions = _stiffness(joint, written)
@@ -317,6 +317,8 @@ def _stiffness(joint: Joint, written: Tree) -> tuple[dict[str, Any], list[str]]:
 def _restitution(joint: Joint, written: Tree) -> tuple[float, str] | None:
     """The restitution that a compliant contact gets, and what is said of it; None if it needs none but its own."""
     fields = registry.kinds("normal")[written["model"]].fields
+    if "damping" in written:
+        return None
     if "restitution" not in written:
         needed = "restitution" in fields and fields["restitution"].default is registry.REQUIRED
         return (DEFAULT_RESTITUTION, f"restitution {DEFAULT_RESTITUTION:g}") if needed else None

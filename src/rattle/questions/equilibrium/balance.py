@@ -39,6 +39,7 @@ MOST_TRIALS = 600  # positions tried from one start before it is given up
 STILL = 1e-9  # speed over size and largest rate, below which a body does not move
 DIFFERENCE = 1e-4  # [of the mechanism's size] step of differences: cancellation and curvature are alike small
 ON_LINK = 3e-3  # [of the length of a link or rod] the same where a short one turns: its curvature is large
+OF_DEPTH = 0.03  # [of a penetration] the same at a position: test_modes_of_what_has_sunk_in_by_little
 IN_PENETRATION = 1e-5  # [of the clearance] the same where contacts sink in, which is by little
 CLOSED = 1e-13  # [of the mechanism's size] gap to which joints are closed: just above rounding
 CLOSING = 60  # iterations of that, at most
@@ -178,13 +179,23 @@ class StaticProblem:
 
     def hessian(self, q: np.ndarray, null: np.ndarray) -> np.ndarray:
         """Reduced Hessian H (dof, dof) [N/m] at q (3 nb,) with Z = null; call `reduce` first, for the multipliers."""
-        room, dof = self.room, null.shape[1]
+        room, dof, length = self.room, null.shape[1], self._within_contacts(q)
         room.null[:dof] = null.T
-        reduced_forces.reduced_stiffness(
-            self.workspace, self.t, q, self.length, dof, 4, room.null, room.line, room.small
-        )
+        reduced_forces.reduced_stiffness(self.workspace, self.t, q, length, dof, 4, room.null, room.line, room.small)
         force_at(self.workspace, self.t, q, self.out)
         return room.small[:dof, :dof].T.copy()
+
+    def _within_contacts(self, q: np.ndarray) -> float:
+        """Step of differences [m] at q (3 nb,) that opens no compliant contact in which something has sunk in."""
+        force_at(self.workspace, self.t, q, self.out)
+        length = self.length
+        for entry, lever, touch in zip(
+            self.system.arrays["contact"], self.system.arrays["lever"], self.workspace.contact_kinematics, strict=True
+        ):
+            if entry[at.IMPACT] == 0 and entry[at.LEVEL] == 0 and touch[at.GAP] < 0.0:
+                arm = self.system.size if lever[at.ANGULAR] > 0.0 else 1.0
+                length = min(length, OF_DEPTH * arm * -float(touch[at.GAP]))
+        return length
 
     def offsets(self, q: np.ndarray) -> np.ndarray:
         """(k, 2) pin centre minus bush centre of every massless link [m], at q (3 nb,)."""

@@ -146,7 +146,11 @@ class Equilibrium:
 
     def described(self, kind: str) -> str:
         """The equilibrium in words, its kind first: "stable" or what else is known of it."""
-        sides = f", {', '.join(self.pulled)} would have to pull" if self.pulled else ""
+        joints = self.table.geometry["joints"]
+        ropes = [name for name in self.pulled if name in joints and self._is_longest(name)]
+        others = [name for name in self.pulled if name not in ropes]
+        sides = f", {', '.join(others)} would have to pull" if others else ""
+        sides += f", {', '.join(ropes)} would have to push" if ropes else ""
         pins = "".join(f", {self._pin(name, abs(n))}" for name, n in self.normals.items() if name not in self.pulled)
         for name in self.resting:
             force = quantity(abs(self[f"{name}.stop"]), self.unit(f"{name}.stop"))
@@ -155,6 +159,10 @@ class Equilibrium:
             kind += f" (free to move in {self.neutral} degree{'s' if self.neutral > 1 else ''} of freedom)"
         hold = f", stiffness {self.eigenvalue:.3g} N/m" if math.isfinite(self.eigenvalue) else ""
         return f"{kind}{hold}{sides}{pins}"
+
+    def _is_longest(self, name: str) -> bool:
+        """True of a rope at its largest distance, which pulls."""
+        return self.table.geometry["joints"][name].get("coordinate") == "distance" and self.resting.get(name) == -1
 
     def _floats(self, name: str) -> bool:
         """True if a film carries at least a part of the force in a joint."""

@@ -1,7 +1,8 @@
 """Equilibria of mechanisms with stops: every stop is left alone, or its joint rests on one of its ends.
 
-A joint that rests is held there by a driver, whose effort is the force or moment of the stop, positive on B.  It is an
-equilibrium of the stop if it presses and no other joint is beyond its stop.  A compliant stop is then let sink in.
+A joint that rests is held there by a driver, whose effort is the force or moment of the stop, positive on B; a rope is
+then a rod of that length.  It is an equilibrium of the stop if it presses and no other joint is beyond its stop.  A
+compliant stop is then let sink in.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rattle import registry
-from rattle.description.model import Contact, Driver, Model
+from rattle.description.model import Contact, Driver, Joint, Model
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.contact_table import contact_groups
 from rattle.equations.motion import place
-from rattle.equations.placement import pose
+from rattle.equations.placement import point_at, pose
 from rattle.equations.system import System, compile_system
 from rattle.jit import layout as at
 from rattle.jit.families import call_stiffness
@@ -67,6 +68,9 @@ def resting_system(system: System, resting: Ends, depth: Mapping[str, float] | N
             continue
         end = joint.stop.minimum if resting[name] > 0 else joint.stop.maximum
         value = end - resting[name] * (depth or {}).get(name, 0.0)
+        if joint.held_by_stops:
+            joints[name] = replace(joint, fields=joint.leaf.held_at(value), stop=None)
+            continue
         drivers[AT_STOP + name] = Driver(AT_STOP + name, joint.motor.driver, name, value)
     return compile_system(replace(system.model, drivers=drivers, joints=joints))
 
@@ -116,9 +120,18 @@ class Stopped:
 
     def _effort(self, rest: Equilibrium, name: str) -> float:
         """Force [N] or moment [N m] with which a joint is held at its stop, on B."""
-        motor = self.system.model.joints[name].motor
+        joint = self.system.model.joints[name]
+        if joint.held_by_stops:
+            ux, uy = self._along(rest, joint)
+            return float(ux * rest[f"{name}.fx"] + uy * rest[f"{name}.fy"])
+        motor = joint.motor
         effort = registry.kinds("driver")[motor.driver].leaf.effort[0]
         return float(rest.row[rest.table.column[f"{AT_STOP}{name}.{effort}"]])
+
+    def _along(self, rest: Equilibrium, joint: Joint) -> np.ndarray:
+        """Direction (2,) from the point of A to that of B; nan where they are at one place."""
+        d = point_at(self.system, rest.q, joint.b) - point_at(self.system, rest.q, joint.a)
+        return np.asarray(d / np.hypot(*d))
 
     def _sunk(self, rest: Equilibrium, resting: Ends, efforts: Mapping[str, float]) -> Equilibrium | None:
         """The equilibrium near one with rigid stops in which compliant ones give way; None if none was found."""
@@ -156,11 +169,12 @@ class Stopped:
 
     def _drawn(self, rest: Equilibrium) -> dict[str, Any]:
         """What is drawn of the mechanism: joints as in the equilibrium, with their stops."""
-        drawn = geometry(self.system.model)
-        drawn["joints"] = {
-            name: form | {key: drawn["joints"][name][key] for key in ("stop",) if key in drawn["joints"][name]}
-            for name, form in rest.table.geometry["joints"].items()
-        }
+        drawn, joints = geometry(self.system.model), {}
+        for name, form in rest.table.geometry["joints"].items():
+            own = drawn["joints"][name]
+            shown = own if self.system.model.joints[name].held_by_stops else form
+            joints[name] = shown | {key: own[key] for key in ("stop",) if key in own}
+        drawn["joints"] = joints
         return drawn
 
     def _shown(self, rest: Equilibrium, resting: Ends, efforts: Mapping[str, float]) -> Equilibrium:
@@ -175,7 +189,7 @@ class Stopped:
             if joint.stops_angle:
                 values[f"{name}.moment"] = values.get(f"{name}.moment", 0.0) + force
                 units[f"{name}.moment"] = "N*m"
-            else:
+            elif not joint.held_by_stops:  # a rod in place of a rope has told its force
                 axis = pose(self.system, rest.q, joint.a.body)[2] + (joint.line or 0.0)
                 values[f"{name}.fx"] += force * math.cos(axis)
                 values[f"{name}.fy"] += force * math.sin(axis)

@@ -4,6 +4,9 @@ The contact memory (closed or open, approach speed v0, bristle state) changes on
 that each step has a smooth right-hand side.
 
 No contact and no release is missed because it is shorter than a step: see `gap_search`.
+
+A contact with stated damping ends where its force does, inside its wall (RELEASED).  There it is without force until
+its gap opens, or until the force would push again: that is another contact.
 """
 
 from __future__ import annotations
@@ -18,11 +21,11 @@ from rattle.equations.one_way import fall_asleep, passes
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.equations.worn_contact import worn_energy
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.families import call_stiffness
+from rattle.jit.families import call_normal, call_stiffness
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.event_rows import note_end
-from rattle.solvers.contacts.gap_search import NONE, may_reach, rounding, search
+from rattle.solvers.contacts.gap_search import NONE, gap_at, may_reach, rounding, search
 from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 
 PARTS = 16  # samples in a step of what is left of the mode of a clutch
@@ -82,7 +85,7 @@ def shut(m, n, t, y):
     memory[n, at.STEPS_IN] = 0.0
     clear_states(m, n, y)
     memory[n, at.IMPULSE_0] = y[k + IMPULSE]
-    memory[n, at.LOSS_0] = y[k + LOSS]
+    memory[n, at.LOSS_0] = y[k + LOSS] + y[k + STORED]
 
 
 @compiled
@@ -128,7 +131,8 @@ def may_any_change(m, h):
     """True if any contact may start or end in the step of length h [s]."""
     contact, memory = m.contact, m.contact_memory
     for n in range(contact.shape[0]):
-        if contact[n, at.LEVEL] == 1:
+        pressed = memory[n, at.CLOSED] == at.SHUT or memory[n, at.CLOSED] == at.RELEASED
+        if contact[n, at.LEVEL] == 1 or (contact[n, at.BY_FORCE] == 1 and pressed):
             return True
         if contact[n, at.IMPACT] == 0 and may_reach(m, h, n, -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0):
             return True
@@ -148,9 +152,24 @@ def normal_at(m, theta, n):
 
 
 @compiled
+def push(m, n, gap, rate):
+    """Force [N] of contact n, which ends by it, at a gap [m] and its rate [m/s]; below zero where it would pull."""
+    contact, values = m.contact, m.values
+    static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (abs(gap), values, contact[n, at.STATIC_P]))
+    arguments = (-math.copysign(static, gap), -gap, -rate, 0.0, values, contact[n, at.NORMAL_P])
+    return call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
+
+
+@compiled
 def left_at(m, h, n, theta):
-    """What is left of the present mode of clutch n at the share theta of the step: its torque, or its rate if it is
-    free."""
+    """What is left of the present mode of a contact at the share theta of the step.
+
+    Of a clutch its torque, or its rate if it is free; of a contact that ends by its force what it pushes, or lacks.
+    """
+    if m.contact[n, at.BY_FORCE] == 1:
+        gap, rate = gap_at(m, theta, n)
+        pushes = push(m, n, gap, rate)
+        return pushes if m.contact_memory[n, at.CLOSED] == at.SHUT else -pushes
     force = normal_at(m, theta, n)
     return force if m.contact_memory[n, at.CLOSED] == at.SHUT else m.contact_kinematics[n, at.DGAP]
 
@@ -176,7 +195,7 @@ def lowest_between(m, h, n, middle, wide, before, here, after):
 
 @compiled
 def turn_between(m, h, n, low, high):
-    """Share of the step between low and high at which nothing is left of the mode of clutch n, as at high.
+    """Share of the step between low and high at which nothing is left of the mode of contact n, as at high.
 
     What starts from zero by rounding must first grow.
     """
@@ -200,7 +219,7 @@ def turn_between(m, h, n, low, high):
 
 @native("f", "h", "f", "i", "f")
 def first_turn(m, h, n, until):
-    """Share of the step, up to `until`, at which clutch n takes or lets go; NONE if it does not.
+    """Share of the step, up to `until`, at which nothing is left of the mode of contact n; NONE if it lasts.
 
     Needs the dense output.  PARTS samples, and the least value between them where three samples show one.
     """
@@ -237,12 +256,15 @@ def first_change(m, h, until):
     """Share of the step, up to `until`, at which the first contact starts or ends, and its index; NONE if none does."""
     contact, memory, best, who = m.contact, m.contact_memory, NONE, -1
     for n in range(contact.shape[0]):
-        side = -1.0 if memory[n, at.CLOSED] == at.SHUT else 1.0
-        if contact[n, at.IMPACT] == 0 and contact[n, at.LEVEL] == 1:
+        released = memory[n, at.CLOSED] == at.RELEASED
+        side = -1.0 if memory[n, at.CLOSED] == at.SHUT or released else 1.0
+        by_force = contact[n, at.BY_FORCE] == 1 and side < 0.0
+        if contact[n, at.IMPACT] == 0 and (contact[n, at.LEVEL] == 1 or by_force):
             share = first_turn(m, h, n, min(best, until))
             if share < best:
                 best, who = max(share, LATER), n
-        elif contact[n, at.IMPACT] == 0 and may_reach(m, h, n, side):
+        ends = released or not (contact[n, at.LEVEL] == 1 or by_force)  # where its gap changes sign
+        if ends and contact[n, at.IMPACT] == 0 and may_reach(m, h, n, side):
             share = max(search(m, h, n, side, min(best, until)), beyond_rounding(m, h, n, side))
             if share < best:
                 best, who = share, n
@@ -312,13 +334,17 @@ def change_contacts(m, who, t, y):
     contact, kinematics, memory, nq = m.contact, m.contact_kinematics, m.contact_memory, m.change.shape[0]
     place(m, y[:nq], y[nq : 2 * nq])
     locate_contacts(m)
-    was_shut = memory[who, at.CLOSED] == at.SHUT
+    was_shut, was_released = memory[who, at.CLOSED] == at.SHUT, memory[who, at.CLOSED] == at.RELEASED
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             continue
         if memory[n, at.CLOSED] == at.OPEN:
             if (n == who and not was_shut) or (kinematics[n, at.GAP] <= 0.0 and kinematics[n, at.DGAP] < 0.0):
                 shut(m, n, t, y)
+        elif n == who and was_released:
+            take_again(m, n, t, y)
+        elif n == who and was_shut and contact[n, at.BY_FORCE] == 1 and kinematics[n, at.GAP] < 0.0:
+            spend(m, n, t, y)
         elif n == who and was_shut:
             open_up(m, n, t, y)
 
@@ -331,6 +357,26 @@ def open_up(m, n, t, y):
     y[k + LOSS] += y[k + STORED]  # stored energy left by rounding is lost
     y[k + STORED] = 0.0
     clear_states(m, n, y)
+    m.contact_memory[n, at.CLOSED] = at.OPEN
+
+
+@compiled
+def spend(m, n, t, y):
+    """Contact n ends at (t, y) inside its wall, where its force does: what its spring holds is lost from then on."""
+    note_end(m, n, t, y, max(m.contact_kinematics[n, at.DGAP], 0.0))
+    clear_states(m, n, y)
+    m.contact_memory[n, at.CLOSED] = at.RELEASED
+
+
+@compiled
+def take_again(m, n, t, y):
+    """Contact n, without force inside its wall, is out of it at (t, y), or pushes again."""
+    if m.contact_kinematics[n, at.GAP] < -rounding(m, n):
+        shut(m, n, t, y)
+        return
+    k = account_at(m, n)
+    y[k + LOSS] += y[k + STORED]  # by rounding
+    y[k + STORED] = 0.0
     m.contact_memory[n, at.CLOSED] = at.OPEN
 
 
@@ -362,13 +408,14 @@ def turn(m, who, t, y):
     was_shut = memory[who, at.CLOSED] == at.SHUT
     if was_shut:
         clock[at.FEWEST] = min(clock[at.FEWEST], memory[who, at.STEPS_IN])
-    else:
-        tally[at.CONTACTS] += 1
+    elif memory[who, at.CLOSED] == at.OPEN:
         clock[at.H_FREE] = max(clock[at.H], 0.5 * clock[at.H_FREE])
     change_contacts(m, who, t, y)
     if was_shut:
         clock[at.H] = max(clock[at.H], AFTER_CONTACT * clock[at.H_FREE])
+    if memory[who, at.CLOSED] != at.SHUT:
         return
+    tally[at.CONTACTS] += 1
     lasting = contact_time(m, who)
     if lasting > 0.0:
         clock[at.H] = min(clock[at.H], FIRST_STEP * lasting)

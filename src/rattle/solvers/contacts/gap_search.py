@@ -16,6 +16,10 @@ Walls that turn with B take its angular velocity instead.  A gap that depends on
 way, as of a cam or a tooth, adds SLOPE (|alpha_A| + |alpha_B|) + CURVE (|w_A| + |w_B|)^2 + BOW |e'|^2, where the
 constants bound its derivatives (`layout`, lever).  Its normal turns at BOW |e'| too.
 
+A point outside a round of radius c (ROUNDED = 2: the least distance of two points) adds |e'|^2 / c.  Inside of it the
+gap bends more, but then the chord of its way passes through the round, and the bound on what is below the samples
+holds.
+
 A gap that is an angle between two bodies has |g''| <= |alpha_B - alpha_A| = E.
 
 Accelerations are bounded by those of the stages of the step plus their spread.
@@ -34,6 +38,7 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.penetration import OF_COORDINATES, OF_SCALE, scale_of
 from rattle.solvers.dense_output import HALVINGS, INSTANT, OF_STEP
 
+OUTSIDE = 2.0  # ROUNDED of a contact whose B is outside a round
 NONE = 2.0  # a share of the step that does not exist
 WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
 BOW_TURNS = 2.0  # of the normal by BOW |e'|: |e| has a fourth derivative of 3 |e'|^4/|e|^3 where it is least
@@ -122,6 +127,8 @@ def bounds(m, h, n):
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
     w, alpha = (wb, alpha_b) if lever[n, at.WALLS_TURN] > 1.5 else (wa, alpha_a)
     walls, bow, turning = lever[n, at.WALLS_TURN] > 0.0 and w + alpha > 0.0, lever[n, at.BOW], max(wa, wb)
+    if lever[n, at.ROUNDED] == OUTSIDE:
+        bow += 1.0 / scale_of(m, n)
     if walls or bow > 0.0:
         nq = m.change.shape[0]
         speed = max(apart(m, y, a, b, nq), apart(m, y_new, a, b, nq)) + 0.5 * h * linear + s_a * wa + s_b * wb
@@ -142,6 +149,8 @@ def sweep(m, n, bend, dt, gap):
     distance = max(0.25 * c, c - gap)
     if m.lever[n, at.ROUNDED] == 0.0:
         return 0.0, distance
+    if m.lever[n, at.ROUNDED] == OUTSIDE:
+        distance = c
     return (abs(m.contact_kinematics[n, at.ACROSS]) + bend * dt) / distance, distance
 
 

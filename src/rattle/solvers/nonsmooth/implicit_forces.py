@@ -32,7 +32,7 @@ from rattle.jit.families import call_film, call_friction, call_normal, call_stif
 from rattle.jit.functions import compiled, native
 from rattle.jit.geometry import ends
 from rattle.jit.small_matrices import factor_lu, solve_lu
-from rattle.solvers.contacts.contact_events import open_up, shut, strain_energy
+from rattle.solvers.contacts.contact_events import open_up, shut, spend, strain_energy
 
 PER = 4  # rows of each: normal, tangent, film along x and y
 PHI, U, FREE, BASE, AT_BASE, NEW, LINEAR, TRUE, WORK = range(9)  # rows of `soft_force`
@@ -143,7 +143,8 @@ def normal_at(m, n, h, rate):
         return 0.0
     static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
     arguments = (static, delta, rate, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
-    return call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
+    normal = call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
+    return max(0.0, normal) if contact[n, at.BY_FORCE] == 1 else normal
 
 
 @compiled
@@ -369,7 +370,7 @@ def keep_forces(m, h, v, v_new, y):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = -linear[r], -linear[r + 1]
         account, depth = account_at(m, n), 0.5 * h * m.soft_force[NEW, r] - kinematics[n, at.GAP]
         taken, stored = -linear[r] * mean[r] - linear[r + 1] * mean[r + 1], 0.0
-        if memory[n, at.CLOSED] == at.SHUT:
+        if memory[n, at.CLOSED] == at.SHUT or memory[n, at.CLOSED] == at.RELEASED:
             stored = ((strain_energy(m, n, depth) if depth > 0.0 else 0.0) - y[account + STORED]) / h
         kinematics[n, at.STORE], kinematics[n, at.LOSS] = stored, taken - stored
         y[account + IMPULSE] -= h * linear[r]
@@ -391,12 +392,20 @@ def book(m, t, h, y):
     locate_contacts(m)
     for s in range(soft.shape[0]):
         n, account = soft[s], account_at(m, soft[s])
-        if memory[n, at.CLOSED] != at.SHUT:
+        if memory[n, at.CLOSED] == at.RELEASED and kinematics[n, at.NORMAL] > 0.0:
+            shut(m, n, t - h, y)
+            m.tally[at.CONTACTS] += 1
+        released = memory[n, at.CLOSED] == at.RELEASED
+        if memory[n, at.CLOSED] != at.SHUT and not released:
             continue
         depth = -kinematics[n, at.GAP]
         stored = strain_energy(m, n, depth) if depth > 0.0 else 0.0
         y[account + LOSS] += h * (kinematics[n, at.LOSS] + kinematics[n, at.STORE]) - stored + y[account + STORED]
         y[account + STORED] = stored
+        if released:
+            if depth <= 0.0:
+                memory[n, at.CLOSED] = at.OPEN
+            continue
         memory[n, at.PEAK] = max(memory[n, at.PEAK], kinematics[n, at.NORMAL])
         memory[n, at.STEPS_IN] += 1.0
         if depth <= 0.0:
@@ -404,3 +413,5 @@ def book(m, t, h, y):
             speed = kinematics[n, at.DGAP]
             early = min(-depth / speed, h) if speed > 0.0 else 0.0
             open_up(m, n, t - early, y)
+        elif m.contact[n, at.BY_FORCE] == 1 and kinematics[n, at.NORMAL] <= 0.0 and kinematics[n, at.DGAP] > 0.0:
+            spend(m, n, t, y)

@@ -8,7 +8,8 @@ directions of Lambda everything is linear in the impulses f of the contacts,
     P = C + D f,     Lambda = -Z_c f + Z P,     v+ = v- - Y_c f + Y P,
 
 and the impact is solved with responses that contain D, as in `friction_beside_contacts`, until Lambda keeps its
-direction; then the modes are changed one by one.  Joints with a smooth law of friction take no part.
+direction; then the modes are changed one by one.  Joints with a smooth law of friction take no part, nor do those
+whose friction has a stated size: what is finite has no impulse.
 
 Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 8.
 """
@@ -74,7 +75,8 @@ def begin_rubbing(m):
         rate = memory[n, at.DRY_RATE]
         moves = abs(rate) > rounding(m, n)
         memory[n, at.IMPACT_MODE] = math.copysign(1.0, rate) if moves else at.DRY_STICKS
-        if m.dry[n, at.DRY_LAW] >= 0 or (memory[n, at.DRY_HELD] == 1.0 and not moves):
+        finite = m.dry[n, at.DRY_LAW] >= 0 or m.dry[n, at.DRY_STATED] == 1
+        if finite or (memory[n, at.DRY_HELD] == 1.0 and not moves):
             memory[n, at.IMPACT_MODE] = NONE
         memory[n, at.IMPACT_ALONE], memory[n, at.IMPACT_FRICTION] = 0.0, 0.0
 
