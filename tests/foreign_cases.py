@@ -23,8 +23,8 @@ from rattle.results.result import Result
 Array = NDArray[np.float64]
 FOLDER = Path(__file__).with_name("foreign")
 EVENT, PEAK, FREQUENCY = "event:", "peak:", "frequency"  # names of what is no curve over time
+AT_REST = ("equilibrium", "modes")
 CLOSE = {"rtol": 1e-10, "atol": 1e-12}  # of runs that ask for nothing else: our own error is then below theirs
-NEVER_DRAWN = 400  # instants of a drawn line between the first and the last number
 
 
 @dataclass(frozen=True)
@@ -114,11 +114,12 @@ class Case:
     def run(self, more: Array | None = None) -> Result:
         """The result at all instants of its curves, and at more of them."""
         instants = [curve.t for curve in self.curves if curve.over_time]
-        lists = [np.asarray(self.t_end)[None]] if not instants else []
-        t = np.unique(np.concatenate([*instants, *lists, *([] if more is None else [more])]))
+        if not instants:
+            instants = [np.array([0.0 if self.analysis in AT_REST else self.t_end])]
+        t = np.unique(np.concatenate([*instants, *([] if more is None else [more])]))
         if self.analysis == "simulate":
             return self.mechanism.simulate(t_eval=t, strict=True, **(CLOSE | dict(self.options or {})))
-        if self.analysis == "equilibrium":
+        if self.analysis in AT_REST:
             return self.mechanism.equilibrium(t)
         return getattr(self.mechanism, self.analysis)(t, strict=True)
 
@@ -131,8 +132,8 @@ class Case:
     def compared(self) -> tuple[Compared, ...]:
         """All curves with what is measured here."""
         if self.analysis == "modes":
-            found = np.sort(np.asarray(self.mechanism.modes().frequency))
-            return tuple(self._scaled(curve, found[: len(curve.values)]) for curve in self.curves)
+            frequencies = np.sort(np.asarray(self.mechanism.modes().frequency))
+            return tuple(self._scaled(curve, frequencies[: len(curve.values)]) for curve in self.curves)
         result = self.run()
         return tuple(self._scaled(curve, measure(result, curve)) for curve in self.curves)
 
@@ -148,7 +149,7 @@ def measure(result: Result, curve: Curve) -> Array:
         at = sorted(event.t for event in result.events if event.kind == kind and (not joint or event.joint in joint))
         return np.array(at[: len(curve.values)])
     if curve.name.startswith(PEAK):
-        return np.array([result.peak(curve.name.removeprefix(PEAK)).value])
+        return np.array([result.peak(curve.name.removeprefix(PEAK))[0]])
     return np.asarray(result[curve.name])[np.searchsorted(result.t, curve.t)]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from making.gallery import mechanism_to_scale
-from making.text import fence, paragraph, table
+from making.text import anchor, fence, paragraph, table
 from making.tree import module_with
 from making.validation import module_of_tests, power
 
@@ -60,7 +60,7 @@ def _wrong(cases: Sequence[Any]) -> str:
     """Every number of a source that is not right, with ours and the reason."""
     rows = [
         (
-            f"[{paragraph(case.title)}](generated/foreign/{case.source.key}.md)",
+            f"[{paragraph(case.title)}](generated/foreign/{case.source.key}.md#{anchor(case.title)})",
             paragraph(f"{each.curve.theirs}: {_at_largest(each, each.curve.values)}"),
             _at_largest(each, each.measured),
             paragraph(each.curve.wrong),
@@ -149,7 +149,7 @@ def _draw(path: Path, case: Any) -> None:
         figsize=(WIDE, HIGH)
     )  # with margins of our own: a layout that is searched for takes as long as the rest
     left, *middle, right = figure.subplots(1, 2 + len(shown), squeeze=False).flat
-    result = case.run(_between(case) if case.analysis != "equilibrium" else None)
+    result = case.run(_between(case))
     mechanism_to_scale(left, result, 0.0)
     for ax, each in zip(middle, shown, strict=True):
         curve = each.curve
@@ -173,7 +173,9 @@ def _draw(path: Path, case: Any) -> None:
 
 
 def _between(case: Any) -> Any:
-    """Instants of the drawn line: a motion in time is drawn from its start."""
+    """Instants of the drawn line: a motion in time is drawn from its start.  None for what is at rest."""
+    if case.analysis in ("equilibrium", "modes"):
+        return None
     instants = [each.curve.t for each in case.compared if each.curve.over_time]
     if not instants:
         return np.linspace(0.0, case.t_end, LINE)
