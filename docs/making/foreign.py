@@ -166,6 +166,7 @@ def _draw(path: Path, case: Any) -> None:
         ax.title.set_fontsize(8)
         ax.tick_params(labelsize=7)
     left.tick_params(labelsize=7)
+    left.locator_params(axis="x", nbins=3)
     for ax in (left, *middle):
         ax.xaxis.label.set_fontsize(8)
     figure.subplots_adjust(left=0.045, right=0.99, bottom=0.2, top=0.88, wspace=0.3)
