@@ -14,6 +14,7 @@ MAKERS = (
     "questions",
     "interface",
     "validation",
+    "foreign",
     "live",
     "gallery",
     "pictures",

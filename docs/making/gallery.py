@@ -201,7 +201,7 @@ def _draw(path: Path, name: str) -> None:
         return
     figure = Figure(figsize=(WIDE, HIGH), layout="constrained")
     left, *right = figure.subplots(1, 1 if not curve and one.accuracy is None else 2, squeeze=False).flat
-    _mechanism(left, one.result, INSTANT.get(name, 0.0))
+    mechanism_to_scale(left, one.result, INSTANT.get(name, 0.0))
     if right and one.accuracy is not None:
         _band(right[0], one.accuracy)
     elif right and name in PATHS:
@@ -211,7 +211,7 @@ def _draw(path: Path, name: str) -> None:
     figure.savefig(path, dpi=DOTS)
 
 
-def _mechanism(ax: Any, result: Any, share: float) -> None:
+def mechanism_to_scale(ax: Any, result: Any, share: float) -> None:
     """The mechanism to scale, in the colours of its animations."""
     sketch = module_with("draw_mechanism", "extent")
     stage = module_with("Scene", "draw_line").Scene(result, np.array([int(share * (len(result.t) - 1))]), 1.0)

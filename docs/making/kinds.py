@@ -73,6 +73,18 @@ VALUES = {  # values of fields in examples, by unit
 SIZES = {  # of kinds whose lengths have to suit each other
     "locking-disc": {"radius": "30 mm", "arcs": 4, "axle_distance": "70.71 mm", "rim": "50 mm", "play": "0.1 mm"},
 }
+PLATE = """[bodies.plate]
+polygon = [["0 mm", "0 mm"], ["60 mm", "0 mm"], ["60 mm", "20 mm"], ["0 mm", "20 mm"]]
+mass = 0.2
+points = { P = ["0 mm", "0 mm"] }
+"""
+ON_LINE = ['axis = "0 deg"']
+SURFACES = {  # what tells one contact of a surface from another
+    "on-line": ON_LINE, "on-segment": [*ON_LINE, 'length = "1 m"', 'roller = "20 mm"'],
+    "over-segment": [*ON_LINE, 'length = "1 m"'], "on-disc": ['radius = "50 mm"', 'roller = "20 mm"'],
+    "in-hollow": ['radius = "50 mm"', "hollow = true", 'roller = "20 mm"'],
+    "by-outline": ['radius = "50 mm"', "outline = true"],
+}  # fmt: skip
 CONTACT = 'contact = { model = "impact", restitution = 0.5 }'
 
 
@@ -199,12 +211,13 @@ def example(catalog: Any, kind: Any) -> str:
 
 def _joint(catalog: Any, kind: Any, name: str = "hinge") -> list[str]:
     ends = '["ground", "link"]' if kind.leaf.bodies else '["ground.O", "link.P"]'
-    return [f"[joints.{name}]", f'type = "{kind.name}"', f"connect = {ends}", *_needed(catalog, kind)]
+    also = ['length = "200 mm"'] if kind.name == "rod" else []  # that is left out of a rope
+    return [f"[joints.{name}]", f'type = "{kind.name}"', f"connect = {ends}", *also, *_needed(catalog, kind)]
 
 
 def _whole_joint(catalog: Any, kind: Any) -> list[str]:
     alone = not kind.leaf.rows and catalog.one_sided_of(kind.name) is not None  # nothing but contacts
-    return [*_joint(catalog, kind), *([CONTACT] if alone else [])]
+    return [*_joint(catalog, kind), *(ON_LINE if kind.leaf.touches else []), *([CONTACT] if alone else [])]
 
 
 def _tangent(catalog: Any, kind: Any) -> list[str]:
@@ -239,11 +252,15 @@ def _clearance(catalog: Any, kind: Any) -> list[str]:
 def _stop(catalog: Any, kind: Any) -> list[str]:
     stopped = next(one for one in catalog.kinds("joint").values() if catalog.stop_of(one.name) is kind)
     ends = ", ".join(f"{key} = {_value(key, one, False)}" for key, one in list(kind.fields.items())[1:])
-    return [*_joint(catalog, stopped), f'stop = {{ {ends}, contact = {{ model = "impact", restitution = 0.5 }} }}']
+    joint = [line for line in _joint(catalog, stopped) if not line.startswith("length")]
+    return [*joint, f'stop = {{ {ends}, contact = {{ model = "impact", restitution = 0.5 }} }}']
 
 
 def _one_sided(catalog: Any, kind: Any) -> list[str]:
     joint = _joint(catalog, catalog.kinds("joint")[kind.leaf.joint])
+    if kind.name in SURFACES:
+        lines = [*joint, *SURFACES[kind.name], CONTACT]
+        return [PLATE, *(line.replace("link.P", "plate.P") for line in lines)] if kind.name == "by-outline" else lines
     teeth = ['pressure_angle = "20 deg"', 'backlash = "0.1 mm"'] if kind.name == "flanks" else []
     return [*joint, *teeth, *([CONTACT] if kind.leaf.chosen else [])]
 

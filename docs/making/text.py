@@ -51,7 +51,12 @@ def paragraph(text: str) -> str:
 def sections() -> dict[str, str]:
     """Sections of the theory by number, with the name under which a heading is linked to."""
     found = re.findall(r"^##+ ((\d+(?:\.\d)?)\.? .*)$", THEORY.read_text(encoding="utf-8"), re.MULTILINE)
-    return {number: re.sub(r"[^\w -]", "", title.lower()).strip().replace(" ", "-") for title, number in found}
+    return {number: anchor(title) for title, number in found}
+
+
+def anchor(title: str) -> str:
+    """The name under which a heading is linked to."""
+    return re.sub(r"[^\w -]", "", title.lower()).strip().replace(" ", "-")
 
 
 def code(text: str) -> str:

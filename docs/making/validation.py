@@ -17,7 +17,7 @@ from making.tree import ROOT
 
 def pages(folder: Path) -> dict[str, str]:
     """The list of `tests/published.py`, measured, and the balances of all examples."""
-    published = _published()
+    published = module_of_tests("published")
     parts: list[str] = []
     for group, cases in itertools.groupby(published.CASES, key=lambda one: one.group):
         rows = list(cases)
@@ -32,13 +32,13 @@ def pages(folder: Path) -> dict[str, str]:
 HEAD = ("what", "value", "measured here", "error", "allowed")
 
 
-def _published() -> ModuleType:
-    """The list that the tests read, as a module."""
-    path = ROOT / "tests" / "published.py"
-    spec = importlib.util.spec_from_file_location("published", path)
+def module_of_tests(name: str) -> ModuleType:
+    """A module that the tests read, such as the list of published numbers."""
+    path = ROOT / "tests" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise ImportError(f"{path} cannot be read")
-    module = sys.modules["published"] = importlib.util.module_from_spec(spec)
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
