@@ -89,6 +89,7 @@ class Contact:
     unused: tuple[str, ...] = ()  # keys that only other models use
     film: OilFilm | None = None  # in the clearance, beside the laws of the dry contact
     word: str = ""  # the law that the user names, where stated damping puts another in its place
+    rolling: float = 0.0  # lever arm of the resistance of a disc that rolls [m]
     pushes: bool = False  # of a closed joint: it stands for contacts that only push, and N < 0 is noted
 
     @property

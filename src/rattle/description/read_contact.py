@@ -14,7 +14,7 @@ from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
-from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATERIAL
+from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATERIAL, ROLLING
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactGeometry, OneSidedKind, StopKind
 from rattle.interfaces.fields import Fields, LawValues
@@ -35,6 +35,7 @@ class Site(NamedTuple):
     leaf: type[ContactGeometry]  # class of its geometry
     models: list[str]  # names that `contact` may have there
     clearance: float = 0.0  # [m]
+    rolls: bool = False  # True: a disc of B rolls there
 
     def unit(self, unit: str) -> str:
         """Unit of a number of a contact law here: of an angle and a moment where the gap is an angle."""
@@ -69,9 +70,9 @@ def site_of_clearance(joint: str, clearance: float) -> Site:
     )
 
 
-def site_of_one_sided(kind: registry.Kind[OneSidedKind]) -> Site:
+def site_of_one_sided(kind: registry.Kind[OneSidedKind], rolls: bool = False) -> Site:
     """The contact of a joint without clearance that is one-sided."""
-    return Site(f"a {kind.leaf.joint} joint", kind.leaf, contact_models(kind.leaf.joint))
+    return Site(f"a {kind.leaf.joint} joint", kind.leaf, contact_models(kind.leaf.joint), rolls=rolls)
 
 
 def site_of_stop(stop: registry.Kind[StopKind]) -> Site:
@@ -158,7 +159,7 @@ def _radius(reader: FieldReader, table: Table, site: Site, needed: str, path: Pa
 
 def _fields_of_all() -> dict[str, registry.Field | None]:
     """Every key that a contact may have, with its field; None where it is none, or has another meaning in every law."""
-    fields: dict[str, registry.Field | None] = dict.fromkeys(("friction", "bush_radius", "geometry"))
+    fields: dict[str, registry.Field | None] = dict.fromkeys(("friction", "bush_radius", "geometry", "rolling"))
     fields["damping"] = DAMPING
     fields |= film_keys() | {"bush_radius": None}
     for family in ("stiffness", "normal", "contact"):
@@ -201,7 +202,7 @@ def _check(reader: FieldReader, key: str, field: registry.Field | None, table: T
 def _plain(reader: FieldReader, table: Table, model: str, site: Site, path: Path) -> Contact:
     kind = registry.kinds("contact")[model]
     contacts = kind.leaf.contacts
-    used = ["model", *kind.fields, *(["bush_radius"] if contacts else [])]
+    used = ["model", "rolling", *kind.fields, *(["bush_radius"] if contacts else [])]
     unused = _unused(reader, table, used, site, path)
     own = dict(table)
     if "friction" in kind.fields and isinstance(written := own.get("friction"), Mapping):
@@ -218,7 +219,19 @@ def _plain(reader: FieldReader, table: Table, model: str, site: Site, path: Path
         reader.values.wrong((*path, "tangential_restitution"), unfit, at_key=True)
     needed = "friction" if fields.get("friction", 0.0) > 0.0 or fields.get("tangential_restitution", 0.0) > 0.0 else ""
     radius = _radius(reader, table, site, needed, path) if contacts else 0.0
-    return Contact(model, fields, radius, unused=unused)
+    return Contact(model, fields, radius, unused=unused, rolling=_rolling(reader, table, site, path))
+
+
+def _rolling(reader: FieldReader, table: Table, site: Site, path: Path) -> float:
+    """Lever arm of rolling resistance [m], 0 without."""
+    if "rolling" not in table:
+        return 0.0
+    if not site.rolls:
+        why = "only a disc that rolls on a surface resists so: give the surface a roller"
+        reader.values.wrong((*path, "rolling"), why, at_key=True)
+        return 0.0
+    rolling: float = reader.field(ROLLING, "rolling", table, {}, path)
+    return rolling
 
 
 def _unit_interval(reader: FieldReader, fields: Fields, path: Path) -> None:
@@ -235,7 +248,15 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     own, damped = [key for key in static.fields if key != "bush_radius"], ""
     if "damping" in table and "damping" not in law.fields:
         law, damped = registry.damped_law(), model
-    used = ["model", "friction", "bush_radius", "geometry" if by_geometry else "stiffness", *law.fields, *own]
+    used = [
+        "model",
+        "rolling",
+        "friction",
+        "bush_radius",
+        "geometry" if by_geometry else "stiffness",
+        *law.fields,
+        *own,
+    ]
     unused = _unused(reader, table, used, site, path)
     needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""
     radius = _radius(reader, table, site, needed, path)
@@ -246,7 +267,8 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     _unit_interval(reader, normal, path)
     friction = _friction(reader, table["friction"], (*path, "friction")) if "friction" in table else None
     laws = Choice(law.name, normal), Choice(name, elastic), friction
-    contact = Contact("compliant", {}, radius, *laws, unused, word=damped)
+    rolling = _rolling(reader, table, site, path)
+    contact = Contact("compliant", {}, radius, *laws, unused, word=damped, rolling=rolling)
     _pack(reader, "stiffness", contact.static, path)
     _pack(reader, "friction", friction, path)
     return contact

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rattle import registry
-from rattle.description.model import Choice, JointFriction
+from rattle.description.model import Choice, Contact, JointFriction
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
@@ -17,6 +17,7 @@ from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import JointKind
 from rattle.registry import Field
 
+SMOOTH = 1e-3  # slip [m/s] at which rolling resistance is regularised beside a contact without friction
 SET_VALUED = "coulomb"  # the model that a number means
 COULOMB = {
     "mu": Field("", "coefficient of friction", least="not negative"),
@@ -133,3 +134,15 @@ def _without_friction(joint: registry.Kind[JointKind], loose: bool) -> str:
         return f"a {joint.name} joint has no friction of its own; expected {where}"
     choice = "a joint with clearance has friction in its contact; write friction there, or leave the clearance out"
     return f"one or the other: {choice}" if loose else ""
+
+
+def rolling_friction(contact: Contact, radius: float) -> JointFriction:
+    """The resistance of a disc of this radius [m] that rolls, as dry friction against its turning.
+
+    Beside a compliant contact it is regularised at the slip v1 of the friction there, at the rim of the disc.
+    """
+    arm = contact.rolling
+    if contact.rigid:
+        return JointFriction(arm, 0.0, 1.0, 1.0)
+    smooth = contact.friction.number("v1", SMOOTH) if contact.friction is not None else SMOOTH
+    return JointFriction(arm, law=Choice("coulomb-smooth", {"mu": 1.0, "v1": smooth * arm / radius}))

@@ -29,7 +29,7 @@ from rattle.description.read_contact import (
     site_of_stop,
 )
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_friction import joint_friction
+from rattle.description.read_friction import joint_friction, rolling_friction
 from rattle.description.read_plates import read_plate
 from rattle.description.read_values import Values, is_computable, quoted
 from rattle.description.read_wear import read_wear
@@ -207,6 +207,8 @@ class Parts(FieldReader):
             lifts = contact is not None and contact.acts and not clearance > 0.0
             if why := LIFTS.format(kind.name) if lifts else kind.leaf.friction_fault(fields):
                 values.wrong(here, why, at_key=True)
+        if contact is not None and contact.rolling > 0.0:
+            friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
             name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear, corners=corners
@@ -254,7 +256,7 @@ class Parts(FieldReader):
             static = Choice("power", {"stiffness": law.stiffness, "exponent": 1.0})
             return Contact("compliant", normal=Choice("tension", {"damping": law.damping}), static=static)
         if "contact" in table and (sided := registry.one_sided_of(kind.name)) is not None:
-            return read_contact(self, table["contact"], site_of_one_sided(sided), here)
+            return read_contact(self, table["contact"], site_of_one_sided(sided, fields.get("roller", 0.0) > 0.0), here)
         if "contact" in table and kind.leaf.stops:
             self.values.wrong(here, f"a {kind.name} has contacts at its stop only: write it there", at_key=True)
         elif "contact" in table:

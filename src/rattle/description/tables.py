@@ -193,8 +193,10 @@ DAMPING = Field(
     "N*s/m", "c of a compliant contact, F = max(0, F_static + c ddelta), instead of restitution", None,
     least="not negative",
 )  # fmt: skip
+ROLLING = Field("m", "lever arm of the resistance of a disc that rolls on a surface", None, least="not negative")
 CONTACT = Form(
     {
+        "rolling": ROLLING,
         "geometry": FORMULA,
         "damping": DAMPING,
         "bush_radius": BUSH_RADIUS,

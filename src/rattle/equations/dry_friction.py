@@ -9,6 +9,7 @@ Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, 
     L = arm N,   N = hypot(lambda_1, lambda_2) of a pin,   max(|lambda_1|, |lambda_2| / a) of a block of length 2 a,
                  |lambda_1| of a joint with one row,  NU |lambda_1| of a surface, by the column NU of its row w,
                  hypot(lambda_1, NU (tau - tau')) of a rod, NU = 1/L, tau' of its other pin,
+                 N of its contact of a disc that rolls,
                  1 where the size of the friction is stated: mu and mu_static are then that size, arm is 1
 
 The reaction lambda depends on tau.  With the responses to unit forces,
@@ -138,6 +139,8 @@ def mobility(m, n, o):
 def bearing(m, n, multiplier, column):
     """What joint n bears: its multipliers, or force along a rod and across it by the frictions in `column`."""
     q = m.dry[n, at.DRY_SECOND]
+    if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER:
+        return m.dry_memory[n, at.IMPACT_PRESS if column == at.IMPACT_FRICTION else at.DRY_PRESS], 0.0
     if m.dry[n, at.DRY_FORM] == at.DRY_ROD:
         across = m.dry_rows[n, at.NU] * (m.dry_memory[n, column] - m.dry_memory[q, column])
         return multiplier[m.dry[n, at.DRY_ROW]], across
@@ -148,6 +151,8 @@ def bearing(m, n, multiplier, column):
 def borne(m, n, o):
     """What joint n bears per unit friction of joint o, as `bearing`."""
     q = m.dry[n, at.DRY_SECOND]
+    if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER:
+        return 0.0, 0.0
     if m.dry[n, at.DRY_FORM] == at.DRY_ROD:
         across = m.dry_rows[n, at.NU] if o == n else (-m.dry_rows[n, at.NU] if o == q else 0.0)
         return m.dry_reaction[o, m.dry[n, at.DRY_ROW]], across
@@ -156,7 +161,10 @@ def borne(m, n, o):
 
 @compiled
 def borne_from(m, n, reaction, r):
-    """What joint n bears per unit of the force that changes multipliers by reaction[r], as `bearing`."""
+    """What joint n bears per unit of the force, in row r of the active contacts, that changes multipliers by
+    -reaction[r], with the other sign, as `bearing`."""
+    if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER:
+        return -1.0 if r % 2 == 0 and m.active[r // 2] == m.dry[n, at.DRY_SECOND] else 0.0, 0.0
     q = 0 if m.dry[n, at.DRY_FORM] == at.DRY_ROD else m.dry[n, at.DRY_SECOND]
     second = 0.0 if m.dry[n, at.DRY_FORM] == at.DRY_ROD else reaction[r, q]
     return reaction[r, m.dry[n, at.DRY_ROW]], second
@@ -362,6 +370,9 @@ def prepare_rows(m):
         call_joint(m.joint_table[dry[n, at.DRY_KERNEL]], (m.body, a, b, m.values, p, n, m.dry_rows))
         memory[n, at.DRY_RATE] = along(m, n, m.body, at.VX)
         memory[n, at.DRY_FORCE], memory[n, at.DRY_ADDED] = 0.0, 0.0
+        if dry[n, at.DRY_FORM] == at.DRY_ROLLER:  # set-valued contacts are yet to be solved
+            c = dry[n, at.DRY_SECOND]
+            memory[n, at.DRY_PRESS] = m.contact_kinematics[c, at.NORMAL] if m.contact[c, at.IMPACT] == 0 else 0.0
         respond(m, n)
 
 

@@ -103,3 +103,5 @@ def follow(m, count, f):
         for r in range(2 * count):
             memory[n, at.DRY_FORCE] += share[n, r] * f[r]
             memory[n, at.DRY_ADDED] += share[n, r] * f[r]
+            if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER and r % 2 == 0 and m.active[r // 2] == m.dry[n, at.DRY_SECOND]:
+                memory[n, at.DRY_PRESS] += f[r]

@@ -10,12 +10,15 @@ from rattle.jit import layout as at
 
 
 def friction_table(
-    model: Model, number: Mapping[str, int], values: list[float], joints: Sequence[Sequence[int]], states: int
-) -> list[tuple[int, ...]]:
+    model: Model, number: Mapping[str, int], values: list[float], joints: Sequence[Sequence[int]],
+    contacts: Sequence[Sequence[int]],
+) -> list[tuple[int, ...]]:  # fmt: skip
     """One entry per joint without play that has friction, two of a rod, see `layout`; parameters go to `values`.
 
-    number: of every body; joints: their entries in the array `joint`; states: of elements before these.
+    number: of every body; joints, contacts: their entries in the arrays of these names.
     """
+    states = sum(entry[at.STATES] for entry in contacts)
+    owners = [entry[at.OWNER] for entry in contacts]
     table: list[tuple[int, ...]] = []
     for n, joint in enumerate(model.joints.values()):
         friction = joint.friction
@@ -37,6 +40,8 @@ def friction_table(
                 values += kind.leaf.pack(friction.law.values)
             by = rods + 1 - pin if form == at.DRY_ROD else second
             column = at.JOINT_TANGENT if pin == 0 else at.JOINT_NORMAL
+            if form == at.DRY_ROLLER:
+                by, column = owners.index(n), at.EFFORT
             table.append((n, a, b, kernel, place, first, form, law, states, own, by, column, int(friction.stated)))
             states += own
     return table
@@ -44,6 +49,8 @@ def friction_table(
 
 def _form(joint: Joint) -> int:
     """How the normal force follows from what the joint bears."""
+    if joint.leaf.touches:
+        return at.DRY_ROLLER
     if joint.leaf.tangents:
         return at.DRY_ROD if len(joint.leaf.tangents) > 1 else at.DRY_SURFACE
     return at.DRY_GUIDE if joint.line is not None else at.DRY_PIN

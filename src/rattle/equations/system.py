@@ -385,10 +385,9 @@ def compile_system(model: Model, length: float | None = None) -> System:
     if length is None:
         length = max([*map(bare, _lengths_of(model)), 0.0]) or 1.0
     contact, lever, films = contact_table(model, number, values, length)
-    of_contacts = sum(row[at.STATES] for row in contact)
-    dry = friction_table(model, number, values, layout.joint, of_contacts)
+    dry = friction_table(model, number, values, layout.joint, contact)
     load, live = _loads(model, number, values, programs)
-    of_laws = of_contacts + sum(row[at.DRY_STATES] for row in dry)
+    of_laws = sum(row[at.STATES] for row in contact) + sum(row[at.DRY_STATES] for row in dry)
     expressions, switches, first, depth = _expressions(model, programs, jets, live, of_laws)
     starts = [*(entry[at.FIRST_ROW] for entry in layout.joint), len(layout.rows)]
     pattern = schur.analyse(layout.row_body, [range(a, b) for a, b in pairwise(starts) if b > a])

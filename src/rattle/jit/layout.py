@@ -217,15 +217,15 @@ DRY_KERNEL = column("dry", "", "kernel of the row of its free coordinate")
 DRY_P = column("dry", "", "first parameter of that row in `values`")
 DRY_ROW = column("dry", "", "first row of the joint")
 DRY_FORM = column("dry", "",
-    "DRY_PIN, DRY_GUIDE, DRY_SURFACE or DRY_ROD: how the normal force follows from its multipliers")
+    "DRY_PIN, DRY_GUIDE, DRY_SURFACE, DRY_ROD or DRY_ROLLER: how the normal force follows from its multipliers")
 DRY_LAW = column("dry", "", "kernel of its friction law; -1: set-valued")
 DRY_STATE = column("dry", "", "first state of that law among those of all elements")
 DRY_STATES = column("dry", "", "number of states of that law")
 DRY_SECOND = column("dry", "",
-    "second row of the joint; the first again, where there is one only; of DRY_ROD: entry of its other pin")
+    "second row of the joint, or the first again; of DRY_ROD: entry of its other pin; of DRY_ROLLER: its contact")
 DRY_COLUMN = column("dry", "", "column of an output row of the joint, for tau")
 DRY_STATED = column("dry", "", "1: its size is stated: mu times the arm, whatever the joint bears")
-DRY_PIN, DRY_GUIDE, DRY_SURFACE, DRY_ROD = 0, 1, 2, 3
+DRY_PIN, DRY_GUIDE, DRY_SURFACE, DRY_ROD, DRY_ROLLER = 0, 1, 2, 3, 4
 # parameters after those of the row (two points, a direction or zero, a function that is zero): arm [m or 1], 1/a [1/m];
 # then mu and mu_static, or those of the law
 DRY_ARM, DRY_REACH, DRY_MU, DRY_MU_STATIC = range(8, 12)
@@ -247,6 +247,8 @@ IMPACT_FRICTION = column("dry_memory", "N*s or N*m*s", "its impulse")
 DRY_SOUGHT = column("dry_memory", "", "1 while the instant is sought from which its mode cannot last")
 DRY_PRESSED = column("dry_memory", "",
     "1 while closed contacts hold its coordinate at rest, against whatever friction does")
+DRY_PRESS = column("dry_memory", "N", "of DRY_ROLLER: N of its contact, as far as it is known")
+IMPACT_PRESS = column("dry_memory", "N*s", "the same in an impact")
 DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)
 
 name_columns(globals())

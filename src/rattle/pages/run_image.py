@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rattle.analyses.dynamics.events import event_owners
 from rattle.analyses.dynamics.methods import choose_stepper, new_run
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.simulate import output_times
-from rattle.equations.contact_table import CONTACT_TABLES, contact_labels
+from rattle.equations.contact_table import CONTACT_TABLES
 from rattle.equations.system import System
 from rattle.errors import InputError
 from rattle.jit import functions
@@ -60,8 +61,8 @@ def run_image(run: Run) -> RunImage:
             "atol": run.atol,
             "step": run.step,
             "extent": run.system.extent,
-            "owners": _owners(run),
-            "labels": [label for _, label in contact_labels(run.system.model)],
+            "owners": [name for name, _ in event_owners(run.system)],
+            "labels": [label for _, label in event_owners(run.system)],
         },
         bytes(content.written),
     )
@@ -124,9 +125,3 @@ def _kernel(entry: int | Callable[..., Any], names: dict[Any, str]) -> str | Non
     if entry not in names:
         raise InputError("a law in Python cannot be computed in a page or program")
     return names[entry]
-
-
-def _owners(run: Run) -> list[str]:
-    """The joint of every contact, then of every joint with friction: what events are numbered by."""
-    system = run.system
-    return [*(system.joints[n] for n in system.arrays["contact"][:, at.OWNER].tolist()), *system.dry_joints]

@@ -107,6 +107,8 @@ def frictions(joint: Joint) -> tuple[tuple[str, int], ...]:
     """What the friction of a joint without play is called, and where it stands: one, or those of the pins of a rod."""
     if joint.friction is None:
         return ()
+    if joint.leaf.touches:
+        return (("rolling", at.EFFORT),)
     if len(joint.leaf.tangents) < 2:
         return (("friction", at.JOINT_TANGENT),)
     return (("friction_a", at.JOINT_TANGENT), ("friction_b", at.JOINT_NORMAL))

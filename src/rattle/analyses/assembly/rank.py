@@ -86,7 +86,7 @@ def unsure_friction(system: System, free: np.ndarray) -> tuple[str, ...]:
     unsure, joints = np.abs(free).max(axis=1, initial=0.0) > NULL_PART, []
     for name, entry in zip(system.dry_joints, system.arrays["dry"], strict=True):
         friction, row = system.model.joints[name].friction, int(entry[at.DRY_ROW])
-        if friction is not None and friction.stated:
+        if (friction is not None and friction.stated) or entry[at.DRY_FORM] == at.DRY_ROLLER:
             continue
         second_counts = entry[at.DRY_FORM] == at.DRY_PIN or (friction is not None and friction.reach > 0.0)
         if unsure[row] or (second_counts and unsure[entry[at.DRY_SECOND]]):

@@ -34,14 +34,20 @@ SENTENCES = {  # of notes, also in pages
 KINDS = ("contact", "release", "impact", "stick", "slip")  # in the order of their numbers in `plane`
 
 
+def event_owners(system: System) -> list[tuple[str, str]]:
+    """Joint and label of every contact, then of every friction of a joint: what events are numbered by."""
+    rolls = system.arrays["dry"][:, at.DRY_FORM] == at.DRY_ROLLER
+    dry = [(name, "rolling" if roller else "") for name, roller in zip(system.dry_joints, rolls, strict=True)]
+    return [*contact_labels(system.model), *dry]
+
+
 def contact_events(system: System, rows: Sequence[np.ndarray], workspace: Workspace, t: float) -> tuple[Event, ...]:
     """Events in order of time; contacts that last to the end of the run, t [s], are listed with their values so far.
 
     rows: arrays (n, 8) of the steppers: time [s], contact, kind, then up to five values of `Event` [SI].
     """
-    of_contacts = contact_labels(system.model)
-    joints = [*(name for name, _ in of_contacts), *system.dry_joints]
-    labels = [*(label for _, label in of_contacts), *("" for _ in system.dry_joints)]
+    owners_of = event_owners(system)
+    joints, labels = [name for name, _ in owners_of], [label for _, label in owners_of]
     written = np.concatenate(rows) if rows else np.zeros((0, at.width("events")))
     bare = (written[:, at.EVENT_KIND] != at.CONTACT_EVENT) & (written[:, at.EVENT_KIND] != at.IMPACT_EVENT)
     written[bare, at.EVENT_DURATION :] = 0.0  # only contacts and impacts have more than a speed

@@ -12,6 +12,7 @@ from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
 from rattle.analyses.dynamics.moreau_jean_run import MoreauJeanRun
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.smooth_run import SmoothRun
+from rattle.description.model import Joint
 from rattle.equations.contact_table import contact_groups
 from rattle.equations.system import System
 from rattle.errors import InputError, ModelError, Problem
@@ -107,7 +108,15 @@ def require_friction_known(system: System, stepper: Kind[StepperKind]) -> None:
             f"method {stepper.name} knows friction in contacts only, not in joints without play; use method"
             f" {usual_stepper(SET_VALUED)}"
         )
-        raise ModelError([Problem(("joints", name, "friction"), words) for name in system.rough_joints])
+        raise ModelError([_unknown_friction(system.model.joints[name], words) for name in system.rough_joints])
+
+
+def _unknown_friction(joint: Joint, words: str) -> Problem:
+    """The refusal of the friction of a joint, or of the resistance of a disc that rolls."""
+    if not joint.leaf.touches:
+        return Problem(("joints", joint.name, "friction"), words)
+    words = words.replace("friction in contacts only, not in joints without play", "no rolling resistance")
+    return Problem(("joints", joint.name, "contact", "rolling"), words)
 
 
 def require_implicit(system: System, stepper: Kind[StepperKind]) -> None:

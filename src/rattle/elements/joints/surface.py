@@ -13,7 +13,9 @@ from collections.abc import Iterator, Mapping
 
 from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import JointKind
+from rattle.interfaces.laws import TangentKind
 from rattle.jit.functions import kernel
+from rattle.jit.geometry import angle_row
 from rattle.registry import Field, kind
 
 OF_B = ("corners", "outline", "roller")  # keys of what touches on B, one of which may be given
@@ -22,6 +24,22 @@ OF_B = ("corners", "outline", "roller")  # keys of what touches on B, one of whi
 def without(fields: Fields) -> float:
     """The default of a length that there need not be."""
     return 0.0
+
+
+@kernel("joint")
+def turning_of_b(body, a, b, p, k, row, rows):
+    """Write the row of w_B - w_A [rad/s]."""
+    angle_row(body, a, b, 0.0, 0.0, 0.0, row, rows)
+
+
+@kind("tangent", "rolling", turning_of_b)
+class Rolling(TangentKind):
+    """Turning of B against A: the resistance of a disc that rolls on a surface.
+
+    Source: Johnson, Contact Mechanics (1985), section 9.1.
+    """
+
+    unit = "N*m"
 
 
 @kernel("joint")
@@ -41,6 +59,7 @@ class Surface(JointKind):
     places = False
     touches = True
     drawn_as = "surface"
+    tangents = ("rolling",)  # along which the resistance of a disc that rolls acts, see `description.read_friction`
     axis = Field("rad", "direction of a line through A's point; its free side is to the left", default=without)
     length = Field(
         "m", "of a segment of that line, about A's point (default: endless)", default=without, least="positive"

@@ -1,6 +1,8 @@
 """What one load may be so that bodies that rest on surfaces stay at rest: they neither slip nor tip.
 
-    Q + p B + W_N^T N + W_T^T T - Phi_q^T lambda = 0,     N >= 0,  |T| <= mu N          p: value of the load sought
+    Q + p B + W_N^T N + W_T^T T + W_M^T M - Phi_q^T lambda = 0,     N >= 0,  |T| <= mu N,  |M| <= rho N
+
+p: value of the load sought; M: resistance to rolling of a disc
 
 Friction in the plane is linear, so that the least and the largest p are solutions of two linear programs.  By the
 theory of limit analysis they hold the bodies with whatever friction of contacts and reactions is possible.
@@ -10,6 +12,7 @@ Source: Lynch, Park, Modern Robotics (2017), section 12.2 (friction cones, conta
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -46,7 +49,7 @@ def require_rigid(system: System) -> None:
             words = 'what friction holds is known of rigid surfaces; give it contact = "impact"'
         elif not joint.leaf.touches and (joint.is_loose or is_link(joint)):
             words = "what friction holds beside surfaces is known of joints without play; close it with ideal()"
-        elif joint.friction and joint.friction.law is None:
+        elif not joint.leaf.touches and joint.friction and joint.friction.law is None:
             words = "what surfaces hold is known beside joints without friction of their own; leave it out"
         if words:
             raise ModelError([Problem(("joints", name), words)])
@@ -60,7 +63,7 @@ class Contacts:
         place(workspace, q, np.zeros_like(q))
         locate_contacts(workspace)
         self.names: list[str] = []
-        normals, tangents, coefficients = [], [], []
+        normals, tangents, couples, coefficients, arms = [], [], [], [], []
         for n, (name, label) in enumerate(contact_labels(system.model)):
             joint, row = system.model.joints[name], workspace.contact_kinematics[n]
             if not joint.leaf.touches or joint.contact is None or row[at.GAP] > TOUCHING * system.size:
@@ -68,11 +71,14 @@ class Contacts:
             self.names.append(f"{name} at {label}" if label else name)
             normals.append(_pushed(system, n, row, -row[at.NX], -row[at.NY]))
             tangents.append(_pushed(system, n, row, -row[at.NY], row[at.NX]))
+            couples.append(_turned(system, n))
             coefficients.append(joint.contact.mu)
+            arms.append(joint.contact.rolling)
         width = 3 * system.body_count
         self.normals = np.array(normals).reshape(-1, width)
         self.tangents = np.array(tangents).reshape(-1, width)
-        self.mu = np.array(coefficients)
+        self.couples = np.array(couples).reshape(-1, width)
+        self.mu, self.rolling = np.array(coefficients), np.array(arms)
 
 
 def _pushed(system: System, n: int, row: np.ndarray, x: float, y: float) -> np.ndarray:
@@ -81,6 +87,14 @@ def _pushed(system: System, n: int, row: np.ndarray, x: float, y: float) -> np.n
     entry = system.arrays["contact"][n]
     for body, sign, px, py in ((at.A_BODY, -1.0, at.PAX, at.PAY), (at.B_BODY, 1.0, at.PBX, at.PBY)):
         force[entry[body]] += sign * np.array([x, y, row[px] * y - row[py] * x])
+    return force[1:].ravel()
+
+
+def _turned(system: System, n: int) -> np.ndarray:
+    """Generalised force (3 nb,) of a unit couple of contact n on B, and its opposite on A."""
+    force, entry = np.zeros((system.body_count + 1, 3)), system.arrays["contact"][n]
+    force[entry[at.B_BODY], 2] += 1.0
+    force[entry[at.A_BODY], 2] -= 1.0
     return force[1:].ravel()
 
 
@@ -95,7 +109,8 @@ def surfaces_range(system: System, sought: Sought, t: float, q: np.ndarray, note
     force = workspace.force[1:].ravel() - (0.0 if sought.row >= 0 else sought.value * sought.direction)
     scale = np.ones(3 * system.body_count)
     scale[2::3] = 1.0 / system.size
-    columns = np.vstack([sought.direction, contacts.normals, contacts.tangents, rows[kept]]) * scale
+    own = [contacts.normals, contacts.tangents, contacts.couples]
+    columns = np.vstack([sought.direction, *own, rows[kept]]) * scale
     ends = [_end(columns, force * scale, contacts, sense) for sense in (1.0, -1.0)]
     if ends[0] is None or ends[1] is None:
         held = ", ".join(contacts.names) or "nothing"
@@ -114,17 +129,18 @@ def _end(
 ) -> tuple[float, str] | None:
     """The least (sense 1) or largest (-1) value of the load, and what happens beyond it; None if none is possible."""
     count, total = len(contacts.names), len(columns)
-    cost, limits = np.zeros(total), np.zeros((2 * count, total))
+    cost, limits = np.zeros(total), np.zeros((4 * count, total))
     cost[0] = sense
     mu = contacts.mu if rough else 0.0 * contacts.mu
-    for k in range(count):
-        for row, sign in ((2 * k, 1.0), (2 * k + 1, -1.0)):
-            limits[row, 1 + count + k], limits[row, 1 + k] = sign, -mu[k]
+    for block, most in enumerate((mu, contacts.rolling if rough else 0.0 * mu), 1):  # friction, rolling resistance
+        for k, sign in itertools.product(range(count), (1, -1)):
+            row = 4 * k + 2 * block - 1 - (sign > 0)
+            limits[row, 1 + block * count + k], limits[row, 1 + k] = sign, -most[k]
     free = (None, None)
     bounds = [free, *[(0.0, None)] * count, *[free] * (total - 1 - count)]
     size = float(np.abs(force).max(initial=0.0)) or 1.0
     answer = linprog(
-        cost, limits if count else None, np.zeros(2 * count) if count else None, columns.T, -force / size, bounds
+        cost, limits if count else None, np.zeros(4 * count) if count else None, columns.T, -force / size, bounds
     )
     if answer.status == 3:  # no bound
         return -sense * math.inf, ""

@@ -78,7 +78,7 @@ def begin_rubbing(m):
         finite = m.dry[n, at.DRY_LAW] >= 0 or m.dry[n, at.DRY_STATED] == 1
         if finite or (memory[n, at.DRY_HELD] == 1.0 and not moves):
             memory[n, at.IMPACT_MODE] = NONE
-        memory[n, at.IMPACT_ALONE], memory[n, at.IMPACT_FRICTION] = 0.0, 0.0
+        memory[n, at.IMPACT_ALONE], memory[n, at.IMPACT_FRICTION], memory[n, at.IMPACT_PRESS] = 0.0, 0.0, 0.0
 
 
 @compiled
@@ -179,9 +179,13 @@ def take_rubbing(m, count):
         for r in range(2 * count):
             percussion[row] -= m.multiplier_response[r, row] * side[F, r]
     for n in range(memory.shape[0]):
-        impulse = memory[n, at.IMPACT_ALONE]
+        impulse, pressing_impulse = memory[n, at.IMPACT_ALONE], 0.0
         for r in range(2 * count):
             impulse += m.dry_share[n, r] * side[F, r]
+            if r % 2 == 0 and m.active[r // 2] == m.dry[n, at.DRY_SECOND]:
+                pressing_impulse = side[F, r]
+        if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER:
+            memory[n, at.IMPACT_PRESS] = pressing_impulse
         for row in range(percussion.shape[0]):
             percussion[row] += m.dry_reaction[n, row] * memory[n, at.IMPACT_ALONE]
         change = max(change, abs(impulse - memory[n, at.IMPACT_FRICTION]))
