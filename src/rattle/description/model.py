@@ -171,6 +171,7 @@ class Joint:
     stop: Stop | None = None
     friction: JointFriction | None = None  # of a joint without play
     constants: tuple[float, ...] = ()  # [m or rad] of a kind whose rows count from the start
+    counts: bool = True  # False: of such a kind only the rows act that do not count
     wear: Wear | None = None
 
     @property
@@ -188,9 +189,21 @@ class Joint:
         numbers: list[float | LocalFunction] = []
         for key, declared in registry.kinds("joint")[self.kind].fields.items():
             numbers += pair(self.fields, key) if declared.shape == "pair" else (self.fields[key],)
+        if self.leaf.placing:
+            numbers.append(float(self.counts))
         if self.leaf.from_start:
-            numbers += self.constants or (math.nan,) * self.leaf.from_start
+            numbers += self.constants or ((math.nan if self.counts else 0.0),) * self.leaf.from_start
         return tuple(numbers)
+
+    @property
+    def from_start(self) -> int:
+        """Number of its constants that the start sets."""
+        return self.leaf.from_start if self.counts else 0
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """Units of the rows of its kind that act, m or rad."""
+        return self.leaf.rows if self.counts else self.leaf.rows[: self.leaf.placing]
 
     @property
     def leaf(self) -> type[JointKind]:

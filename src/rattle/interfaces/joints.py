@@ -72,6 +72,8 @@ class JointKind:
     rubs_with: ClassVar[Mapping[str, Field]] = {}  # what its friction needs besides its model
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
+    placing: ClassVar[int] = 0  # of such a kind: its first rows, which do not count; with friction these act alone
+    presses: ClassVar[bool] = False  # rows along the normal of a line of A, then along it: results have both forces
 
     @staticmethod
     def faults(written: Mapping[str, object], fields: Fields) -> Iterable[tuple[str, str]]:
