@@ -208,8 +208,9 @@ class Parts(FieldReader):
                 values.wrong(here, why, at_key=True)
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
-            name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear
-        )
+            name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear,
+            counts=not (friction is not None and kind.leaf.placing),
+        )  # fmt: skip
         if len(values.problems) > before:
             self.broken_joints.add(name)
 
@@ -237,7 +238,9 @@ class Parts(FieldReader):
         if "contact" in table and (sided := registry.one_sided_of(kind.name)) is not None:
             return read_contact(self, table["contact"], site_of_one_sided(sided), here)
         if "contact" in table:
-            self.values.wrong(here, "needs a clearance of the joint (radial, in m)", at_key=True)
+            play = "needs a clearance of the joint (radial, in m)"
+            both = f"a {kind.name} joint holds on both sides and has no contact; leave it out"
+            self.values.wrong(here, play if registry.play_of(kind.name) is not None else both, at_key=True)
         return None
 
     def _passing(
