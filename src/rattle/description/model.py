@@ -107,6 +107,19 @@ class Contact:
         return not self.acts and not registry.kinds("contact")[self.model].leaf.link
 
     @property
+    def restitution_law(self) -> str:
+        """Its law of restitution at impacts; "" if it has none."""
+        kind = registry.kinds("contact").get(self.model)
+        law = kind.fields.get("restitution_law") if kind is not None else None
+        return law.choices[int(self.fields["restitution_law"])] if law is not None else ""
+
+    @property
+    def shares_by_stiffness(self) -> bool:
+        """True if several contacts share the impulses of an impact by their stiffness."""
+        law = self.restitution_law
+        return law != "" and law == registry.kinds("contact")[self.model].leaf.shares_by_stiffness
+
+    @property
     def title(self) -> str:
         """The word that the user writes for the model."""
         return self.normal.kind if self.normal and self.film is None else self.model
