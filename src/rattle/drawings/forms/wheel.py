@@ -38,6 +38,7 @@ def wheel(sheet: Sheet, part: Part) -> None:
     least, most = sheet.range(way)
     start, end = (least - BEYOND * radius, 0.0), (most + BEYOND * radius, 0.0)
     colour = "black" if part.bodies[0] == GROUND else f"body {part.bodies[0]}"
-    sheet.wall(line, start, end, z=1.8, stroke=STROKE * radius, line=colour, width=1.8)
+    height = 1.8 if part.bodies[0] == GROUND else 3.1  # on the body that carries it
+    sheet.wall(line, start, end, z=height, stroke=STROKE * radius, line=colour, width=1.8)
     disc(sheet, part, radius)
     sheet.dot(part.bodies[1], part.point(1), 2.6)
