@@ -82,7 +82,7 @@ def test_elastic_balls_part_as_those_of_a_compliant_chain(case):
     assert not any("created energy" in note for note in r.trust.notes)
 
 
-def increments(masses, rates, stiffness, exponent, restitution, steps=40_000):
+def increments(masses, rates, stiffness, exponent, restitution, steps=10_000):
     """The scheme of Liu, Zhao and Brogliato: small impulses, shared by the energies of the contacts."""
     masses, stiffness, e = np.array(masses, float), np.array(stiffness, float), np.array(restitution, float)
     n = len(stiffness)
@@ -119,7 +119,7 @@ def test_losses_are_those_of_small_increments_of_impulse(masses, stiffness, rest
     rates = [1.0] + [0.0] * (len(masses) - 1)
     got, _ = after(chain(masses, rates, stiffness, 1.5, restitution))
     wanted = increments(masses, rates, stiffness, 1.5, restitution)
-    assert got == pytest.approx(wanted, abs=3e-4)  # the increments are of first order
+    assert got == pytest.approx(wanted, abs=1e-3)  # the increments are of first order
 
 
 @pytest.mark.parametrize(
