@@ -9,6 +9,7 @@ from typing import Any
 MOST = 50  # problems reported together, at most; more would not be read, and cost time with a broken file of megabytes
 LONGEST = 80  # characters of a name that a message quotes
 CANDIDATES = 1000  # names that a misspelt one is compared with
+LISTED = 16  # known names, at most, that a message lists: all kinds of joints
 ALIKE = 0.6  # share of letters in common from which on a name is a suggestion
 
 
@@ -18,14 +19,14 @@ def shown(text: str) -> str:
 
 
 def suggest(word: str, names: Iterable[str]) -> str:
-    """ "; did you mean 'x'?" when a known name is close to `word`, otherwise all known names if at most 12."""
+    """ "; did you mean 'x'?" when a known name is close to `word`, otherwise all known names if at most LISTED."""
     import difflib
 
     options = list(islice(names, CANDIDATES))
     close = difflib.get_close_matches(word[:LONGEST], [name for name in options if len(name) <= 2 * LONGEST], 3, ALIKE)
     if close:
         return "; did you mean " + " or ".join(f"'{_short(name)}'" for name in close) + "?"
-    return "; known: " + ", ".join(map(_short, options)) if 0 < len(options) <= 12 else ""
+    return "; known: " + ", ".join(map(_short, options)) if 0 < len(options) <= LISTED else ""
 
 
 def _short(name: str) -> str:

@@ -36,8 +36,9 @@ def parameters(family, kind, rng, f):
 
 
 def constants(kind, rng):
-    """What the start has made the constants of rows that count from it."""
-    return list(rng.uniform(-0.5, 0.5, kind.leaf.from_start)) if kind.leaf.from_start else []
+    """That all rows act, where some may not; what the start has made the constants of rows that count from it."""
+    whole = [1.0] if kind.leaf.placing else []
+    return whole + (list(rng.uniform(-0.5, 0.5, kind.leaf.from_start)) if kind.leaf.from_start else [])
 
 
 def evaluate(kind, q, v, p):
@@ -107,12 +108,12 @@ def joint_of(name):
 def test_rows_that_count_from_the_start_vanish_with_what_is_left_of_them_there(name):
     kind, q = registry.kinds("joint")[name], Path(rng_for(name)).q(0.3)
     p = parameters("joint", kind, rng_for(name, "p"), [])
-    own = slice(len(p) - kind.leaf.from_start, None)
+    own, counting = slice(len(p) - kind.leaf.from_start, None), slice(kind.leaf.placing, None)
     p[own] = 0.0
     d = q[B, :2] + turned(q[B, 2], p[2:4]) - q[A, :2] - turned(q[A, 2], p[:2])
-    p[own] = kind.leaf.start_constants(tuple(evaluate(kind, q, np.zeros((3, 3)), p)[:, at.RES]), tuple(d))
+    p[own] = kind.leaf.start_constants(tuple(evaluate(kind, q, np.zeros((3, 3)), p)[counting, at.RES]), tuple(d))
     assert np.abs(p[own][: len(kind.leaf.rows)]).min() > 0.01, "the case is too special to show anything"
-    np.testing.assert_allclose(evaluate(kind, q, np.zeros((3, 3)), p)[:, at.RES], 0.0, atol=1e-14)
+    np.testing.assert_allclose(evaluate(kind, q, np.zeros((3, 3)), p)[counting, at.RES], 0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", [name for name, one in registry.kinds("joint").items() if one.leaf.places])

@@ -19,8 +19,8 @@ def touching(kind, rng):
     joint = next(one for one in registry.kinds("joint").values() if kind.name in one.leaf.tangents)
     fields = dict(zip(joint.fields, field_values(joint, rng), strict=True))
     fields |= {"roller": 0.0} if "roller" in fields else {}
-    points = list(rng.uniform(-1, 1, 4))
-    return joint, np.array(packed([*points, *fields.values()])), Path(rng)
+    points, slips = list(rng.uniform(-1, 1, 4)), [0.0] if joint.leaf.placing else []
+    return joint, np.array(packed([*points, *fields.values(), *slips])), Path(rng)
 
 
 @pytest.mark.parametrize("place", range(4))

@@ -98,6 +98,67 @@ def test_a_driver_that_jumps_makes_a_jolt(method, tmp_path):
     assert work[1] - work[0] == pytest.approx(0.5 * 0.3**2 / 3 * 3.0**2, rel=1e-12)
 
 
+WHEEL = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.disc]
+points = { C = [0, 0] }
+mass = 2
+inertia = 0.01
+[joints.road]
+type = "wheel"
+connect = ["ground.O", "disc.C"]
+radius = 0.1
+friction = 0.2
+[initial.disc]
+x = 0
+vx = 1
+omega = 0
+"""
+CHAIN = """
+format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.low]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[bodies.high]
+points = { C = [0, 0] }
+mass = 2
+inertia = 1
+[joints.floor]
+type = "prismatic"
+axis = "90 deg"
+angle = 0
+connect = ["ground.O", "low.C"]
+stop.min = 0
+stop.contact = { model = "impact", restitution = 0.5, restitution_law = "lzb", stiffness = 3 }
+[joints.touch]
+type = "prismatic"
+axis = "90 deg"
+angle = 0
+connect = ["low.C", "high.C"]
+stop.min = 0.1
+stop.contact = { model = "impact", restitution = 0, restitution_law = "lzb", stiffness = 1 }
+[initial]
+low = { y = 0.2 }
+high = { y = 0.3 }
+"""
+
+
+@pytest.mark.parametrize("text", [WHEEL, CHAIN], ids=["wheel that slips", "impacts of a chain"])
+def test_models_without_an_example_take_the_steps_of_simulate(text, tmp_path):
+    said, run = (by(new(rt.loads(text), t_end=0.5)) for by in (lambda one: in_node(tmp_path, one), by_machine_code))
+    assert said["success"]
+    assert len(said["events"]) > 0
+    assert [one["kind"] for one in said["events"]] == run["events"][:, 2].tolist()
+    assert apart(run["rows"], said["rows"]) < 1e-9
+
+
 def test_jams_are_passed_at_the_same_places(tmp_path):
     said, run = (
         in_node(tmp_path, new(loose_parallelogram(1e-3, 0.3), t_end=1.0)),

@@ -116,6 +116,19 @@ class Contact:
         return not self.acts and not registry.kinds("contact")[self.model].leaf.link
 
     @property
+    def restitution_law(self) -> str:
+        """Its law of restitution at impacts; "" if it has none."""
+        kind = registry.kinds("contact").get(self.model)
+        law = kind.fields.get("restitution_law") if kind is not None else None
+        return law.choices[int(self.fields["restitution_law"])] if law is not None else ""
+
+    @property
+    def shares_by_stiffness(self) -> bool:
+        """True if several contacts share the impulses of an impact by their stiffness."""
+        law = self.restitution_law
+        return law != "" and law == registry.kinds("contact")[self.model].leaf.shares_by_stiffness
+
+    @property
     def title(self) -> str:
         """The word that the user writes for the model."""
         return self.law if self.normal and self.film is None else self.model
@@ -191,6 +204,7 @@ class Joint:
     stop: Stop | None = None
     friction: JointFriction | None = None  # of a joint without play
     constants: tuple[float, ...] = ()  # [m or rad] of a kind whose rows count from the start
+    counts: bool = True  # False: of such a kind only the rows act that do not count
     wear: Wear | None = None
     corners: Corners = field(default_factory=dict)  # points of B that may touch a surface
 
@@ -211,9 +225,21 @@ class Joint:
             if declared.shape == "labels":
                 continue
             numbers += pair(self.fields, key) if declared.shape == "pair" else (self.fields[key],)
+        if self.leaf.placing:
+            numbers.append(float(self.counts))
         if self.leaf.from_start:
-            numbers += self.constants or (math.nan,) * self.leaf.from_start
+            numbers += self.constants or ((math.nan if self.counts else 0.0),) * self.leaf.from_start
         return tuple(numbers)
+
+    @property
+    def from_start(self) -> int:
+        """Number of its constants that the start sets."""
+        return self.leaf.from_start if self.counts else 0
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """Units of the rows of its kind that act, m or rad."""
+        return self.leaf.rows if self.counts else self.leaf.rows[: self.leaf.placing]
 
     @property
     def leaf(self) -> type[JointKind]:

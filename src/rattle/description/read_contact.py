@@ -16,7 +16,7 @@ from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATERIAL, ROLLING
 from rattle.errors import suggest
-from rattle.interfaces.contacts import ContactGeometry, OneSidedKind, StopKind
+from rattle.interfaces.contacts import ContactGeometry, ContactKind, OneSidedKind, StopKind
 from rattle.interfaces.fields import Fields, LawValues
 
 ALONG = ("friction", "tangential_restitution")  # keys of what happens along a wall
@@ -211,8 +211,11 @@ def _plain(reader: FieldReader, table: Table, model: str, site: Site, path: Path
         own["friction"] = law.values.get("mu", 0.0) if law else 0.0  # set-valued Coulomb takes the mu of any law
         left = [f"friction.{key}" for key in written if key not in ("model", "mu")]
         unused += tuple(left) if law is None or "mu" in law.values else ("friction",)
+    if "stiffness" in own and "stiffness" in kind.fields:
+        own["stiffness"] = _elastic(reader, kind.fields["stiffness"], "stiffness", table, {}, path, site)
     fields = reader.fields(kind, own, path)
     _unit_interval(reader, fields, path)
+    unused += _of_shares(reader, kind, table, fields, path)
     if fields.get("restitution_law", 0.0) > 0.0 and fields.get("tangential_restitution", 0.0) > 0.0:
         other = kind.fields["restitution_law"].choices[int(fields["restitution_law"])]
         unfit = f'works with restitution_law = "newton" only, not with "{other}"'
@@ -232,6 +235,23 @@ def _rolling(reader: FieldReader, table: Table, site: Site, path: Path) -> float
         return 0.0
     rolling: float = reader.field(ROLLING, "rolling", table, {}, path)
     return rolling
+
+
+def _of_shares(
+    reader: FieldReader, kind: registry.Kind[ContactKind], table: Table, fields: Fields, path: Path
+) -> tuple[str, ...]:
+    """Refuse what a law that shares impulses by stiffness cannot take; returns keys that the other laws do not use."""
+    if not kind.leaf.shares_by_stiffness:
+        return ()
+    law = kind.fields["restitution_law"].choices[int(fields["restitution_law"])]
+    if law != kind.leaf.shares_by_stiffness:
+        return tuple(key for key in ("stiffness", "exponent") if key in table)
+    if "stiffness" not in table:
+        words = f'needs stiffness: "{law}" shares impulses among contacts by it'
+        reader.values.wrong(path, f"{words}; if all have one exponent, only its ratios matter")
+    if fields["friction"] > 0.0:
+        reader.values.wrong((*path, "friction"), f'restitution_law = "{law}" knows no friction; leave one of them out')
+    return ()
 
 
 def _unit_interval(reader: FieldReader, fields: Fields, path: Path) -> None:

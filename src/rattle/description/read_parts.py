@@ -184,6 +184,10 @@ class Parts(FieldReader):
         if kind is None:
             self.broken_joints.add(name)
             return
+        if "contact" in table and kind.leaf.lifting is not None:
+            other, renamed = kind.leaf.lifting
+            kind = registry.kinds("joint")[other]
+            table = {renamed.get(key, key): written for key, written in table.items()}
         a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
         play = registry.play_of(kind.name)
         sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
@@ -211,8 +215,9 @@ class Parts(FieldReader):
             friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
         self.joints[name] = Joint(
-            name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear, corners=corners
-        )
+            name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear, corners=corners,
+            counts=not (friction is not None and kind.leaf.placing),
+        )  # fmt: skip
         if len(values.problems) > before:
             self.broken_joints.add(name)
 
@@ -260,7 +265,9 @@ class Parts(FieldReader):
         if "contact" in table and kind.leaf.stops:
             self.values.wrong(here, f"a {kind.name} has contacts at its stop only: write it there", at_key=True)
         elif "contact" in table:
-            self.values.wrong(here, "needs a clearance of the joint (radial, in m)", at_key=True)
+            play = "needs a clearance of the joint (radial, in m)"
+            both = f"a {kind.name} joint holds on both sides and has no contact; leave it out"
+            self.values.wrong(here, play if registry.play_of(kind.name) is not None else both, at_key=True)
         return None
 
     def _passing(

@@ -29,9 +29,12 @@ def recontact(written: object, model: str) -> str | dict[str, object]:
             return _oiled(old, model)
     old = _without_oil(old)
     keys = ["bush_radius", "friction"]
-    keys += (
-        [*plain[model].fields] if model in plain else [*_elastic(old), *(laws[model].fields if model in laws else ())]
-    )
+    if model in plain:
+        shares = plain[model].leaf.shares_by_stiffness
+        unused = () if shares and old.get("restitution_law") == shares else ELASTIC
+        keys += [key for key in plain[model].fields if key not in unused]
+    else:
+        keys += [*_elastic(old), *(laws[model].fields if model in laws else ())]
     new: dict[str, object] = {"model": model, **{key: value for key, value in old.items() if key in keys}}
     friction = new.get("friction")
     if model in plain and isinstance(friction, Mapping):

@@ -25,7 +25,7 @@ def friction_table(
         if friction is None:
             continue
         a, b, first = number[joint.a.body], number[joint.b.body], joints[n][at.FIRST_ROW]
-        second = first + min(1, len(joint.leaf.rows) - 1)
+        second = first + min(1, len(joint.rows) - 1)
         form, rods = _form(joint), len(table)
         for pin, (kernel, line) in enumerate(_rows(joint)):
             place = len(values)

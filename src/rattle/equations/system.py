@@ -437,7 +437,7 @@ def _joints(model: Model, number: Mapping[str, int], values: list[float]) -> _La
             layout.watch.append(len(layout.rows))
             layout.watched.append(name)
         values += packed([*joint.a.at, *joint.b.at, *fields])
-        for unit in kind.leaf.rows if kind else ():
+        for unit in () if kind is None else joint.rows if kind.name == joint.kind else kind.leaf.rows:
             layout.rows.append(Row(name, unit, False))
             layout.row_body.append((a, b))
     return layout

@@ -33,10 +33,8 @@ from rattle.jit import layout as at
 from rattle.jit.families import call_problem
 from rattle.jit.functions import compiled, kernel
 
-EXPAND, TRACE = (
-    6,
-    7,
-)  # places in `problem_table`, after those of complementarity: see solvers.nonsmooth.impact_phases and paths
+# places in `problem_table`, after those of complementarity: see solvers.nonsmooth.impact_phases, path and chain
+EXPAND, TRACE, CHAIN = 6, 7, 9
 # ends of a run that only occur with set-valued contacts
 MOST_ROUNDS = 12  # of contacts and friction of joints by turns
 ROUNDED = 1e-9  # share of its terms below which the acceleration of a row that the joints fix counts as zero

@@ -285,4 +285,5 @@ class ContactKind:
     contacts: ClassVar[bool] = False  # True: contacts replace the rows of the joint
     link: ClassVar[bool] = False  # True: the row of a massless link replaces them, on joints that have one
     oiled: ClassVar[bool] = False  # True: an oil film in the clearance, in parallel with a compliant contact
+    shares_by_stiffness: ClassVar[str] = ""  # that of its restitution laws that shares impulses by stiffness, if any
     assumes: ClassVar[str]  # what the model takes as true and what it leaves out, in plain words for a report

@@ -72,8 +72,11 @@ class JointKind:
     tangents: ClassVar[tuple[str, ...]] = ()  # kinds of rows along which its friction acts; none: its coordinate's
     rubs_with: ClassVar[Mapping[str, Field]] = {}  # what its friction needs besides its model
     places: ClassVar[bool] = True  # False: its rows do not say where the point of B is
+    lifting: ClassVar[tuple[str, Mapping[str, str]] | None] = None  # kind that it is with `contact`, names of its keys
     touches: ClassVar[bool] = False  # True: bodies that touch and part outside of any joint, with a gap between them
     from_start: ClassVar[int] = 0  # number of constants that the start sets; they make its rows vanish there
+    placing: ClassVar[int] = 0  # of such a kind: its first rows, which do not count; with friction these act alone
+    presses: ClassVar[bool] = False  # rows along the normal of a line of A, then along it: results have both forces
 
     @staticmethod
     def faults(written: Mapping[str, object], fields: Fields) -> Iterable[tuple[str, str]]:

@@ -113,9 +113,9 @@ BOW = column("lever", "1/m", "largest second derivative by the offset of the poi
 POINTS = 4
 CLEARANCE, RADIUS, FIELDS = 4, 5, 6
 # parameters of a set-valued contact: the fields of `impact` in their order
-RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM = range(5)
+RESTITUTION, TANGENTIAL_RESTITUTION, MU, RESTITUTION_LAW, JAM, CHAIN_STIFFNESS, CHAIN_EXPONENT = range(7)
 # those of a clutch go on with these: largest torque [N*m], stiffness [N*m/rad], damping [N*m*s/rad]
-MOST_TORQUE, WIND_UP, OIL = range(5, 8)
+MOST_TORQUE, WIND_UP, OIL = range(7, 10)
 # parameters of the geometry of a ratchet after the points and the sense: pitch [rad] and k, which changes in a run
 PITCH, TOOTH = POINTS + 1, POINTS + 2
 share("signal", FIRST_CODE, END_CODE)

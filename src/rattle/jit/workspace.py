@@ -119,6 +119,7 @@ ARRAYS = {
     "multiplier_change": Array("f1", "nr", "", "z: multipliers caused by all forces f"),
     "path": Array("f2", "6, 2 nc", "", "b, d, and f, a for d alone, see `lemke`; modes, a or f of a solution"),
     "bounce": Array("f2", "7, 2 nc", "", "see `impact_path` and `impact_phases`"),
+    "chain": Array("f2", "10, 2 nc", "", "see `impact_chain`"),
     "looks": Array("f2", "looks, 4 nc + 2", "", "samples of the indicators in a step, see `event_search`"),
     "glances": Array("f2", "n, 4 nc + 2", "", "the same at the stages of a step, see `contact_samples`"),
     "held": Array("f1", "12", "", "what is known of the contact problem at hand"),

@@ -25,7 +25,7 @@ from rattle.analyses.assembly.pins import (
     with_play,
 )
 from rattle.analyses.assembly.searching import first_guess, joint_lines, joint_offsets, search_arrays
-from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants, without_counting
+from rattle.analyses.assembly.start_constants import constants_of, counting_rows, flat, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.analyses.assembly.tied_bodies import given_in_one_turn
 from rattle.analyses.assembly.without_play import ideal_model
@@ -153,21 +153,22 @@ class _Writer:
 
         def without(read: Model) -> Model:
             read = form(read)
-            return _without_contacts(read, {name for name, joint in read.joints.items() if joint.leaf.from_start})
+            return _without_contacts(read, {name for name, joint in read.joints.items() if joint.from_start})
 
         zero = dict.fromkeys(constants, 0.0)
         counting = compile_system(with_constants(without(model), zero))
-        joints = []
+        joints, counted = [], counting_rows(counting)
         for name in constants:
             leaf = model.joints[name].leaf
-            residuals = tuple(float(k + 1) for k in range(len(leaf.rows)))
+            rows = counted[name]
+            residuals = tuple(float(k + 1) for k in range(len(rows)))
             told = leaf.start_constants(residuals, OFFSET)
             polar = told == (residuals[0], math.hypot(*OFFSET), math.atan2(OFFSET[1], OFFSET[0]), 0.0)
             if not polar and told != residuals:
                 raise TraceError(f"joint '{name}' has constants of a kind that no page knows")
-            first, ends = counting.first_row(name), (model.joints[name].a.body, model.joints[name].b.body)
+            ends = (model.joints[name].a.body, model.joints[name].b.body)
             bodies = [1 + system.bodies.index(x) if x in system.bodies else 0 for x in ends]
-            joints.append([first, len(leaf.rows), polar, *bodies, counting.first_value(name)])
+            joints.append([rows.start, len(rows), polar, *bodies, counting.first_value(name)])
         vectors = {"start_counting": np.array(joints, np.int64), "start_constants": np.array(flat(constants))}
         start = consistent_start(loose, 0.0)
         return {

@@ -330,7 +330,8 @@ def _require_plain(record: Any, count: int) -> None:
     _require_plain_values(record)
     for event in record["events"]:
         _, joint, kind, *numbers = event
-        texts = isinstance(joint, str) and isinstance(kind, str)
+        corner = numbers.pop() if numbers and isinstance(numbers[-1], str) else ""  # not in results of before
+        texts = isinstance(joint, str) and isinstance(kind, str) and corner.isprintable()
         if not texts or not all(type(item) in (int, float) for item in (event[0], *numbers)):
             raise InputError("an event is a time, a joint, a kind and numbers")
     if where := misfit_of(record):

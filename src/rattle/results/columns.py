@@ -85,6 +85,8 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         sided = joint.one_sided
         if passes_moment(joint):
             watched.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
+        if joint.leaf.presses and joint.contact is None:
+            watched += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in PRESSES.items()]
         watched += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in frictions(joint)]
         if joint.stop is not None:
             watched.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
@@ -101,6 +103,9 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
         elif kind.name != joint.kind:
             watched.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
     return watched
+
+
+PRESSES = {"normal": at.JOINT_NORMAL, "tangential": at.JOINT_TANGENT}  # forces on B of a joint that presses
 
 
 def frictions(joint: Joint) -> tuple[tuple[str, int], ...]:
@@ -187,6 +192,9 @@ def _take_joint(
     taking.add(f"{name}.fy", "N", c + at.FY)
     if passes_moment(joint):
         taking.add(f"{name}.moment", "N*m", c + at.MOMENT)
+    if joint.leaf.presses and joint.contact is None:
+        for key, column in PRESSES.items():
+            taking.add(f"{name}.{key}", "N", c + column)
     for key, column in frictions(joint):
         taking.add(f"{name}.{key}", joint.friction_unit, c + column)
     if joint.stop is not None:

@@ -79,7 +79,9 @@ def write_joints(m, row, first):
         row[c + at.EX], row[c + at.EY] = dx, dy
         row[c + at.EFFORT] = -multiplier[r] if end > r else 0.0
         row[c + at.POWER] = effort_power
-        row[c + at.JOINT_NORMAL], row[c + at.JOINT_TANGENT], row[c + at.PENETRATION] = 0.0, 0.0, 0.0
+        row[c + at.JOINT_NORMAL] = -multiplier[r] if end > r else 0.0
+        row[c + at.JOINT_TANGENT] = -multiplier[r + 1] if end > r + 1 else 0.0
+        row[c + at.PENETRATION] = 0.0
         row[c + at.STOP] = 0.0
         c += at.PER_JOINT
     write_contacts(m, row, first)

@@ -129,7 +129,7 @@ def put_together(model: Model) -> System:
 
     Raises AssemblyError if the mechanism cannot be put together, or points are not at the distance that a joint needs.
     """
-    counting = [name for name, joint in model.joints.items() if joint.leaf.from_start]
+    counting = [name for name, joint in model.joints.items() if joint.from_start]
     if not counting:
         return compile_system(model)
     q = _start_without(model, counting)

@@ -28,14 +28,14 @@ def with_constants(model: Model, constants: Mapping[str, float | tuple[float, ..
     joints = dict(model.joints)
     for name, values in constants.items():
         joint = joints[name]
-        each = values if isinstance(values, tuple) else (values,) * joint.leaf.from_start
+        each = values if isinstance(values, tuple) else (values,) * joint.from_start
         joints[name] = replace(joint, constants=each)
     return replace(model, joints=joints)
 
 
 def constants_of(model: Model) -> dict[str, tuple[float, ...]]:
     """Constants [m or rad] that the start of a model has set, by joint."""
-    return {name: joint.constants for name, joint in model.joints.items() if joint.leaf.from_start}
+    return {name: joint.constants for name, joint in model.joints.items() if joint.from_start}
 
 
 def flat(constants: Mapping[str, tuple[float, ...]]) -> list[float]:
@@ -44,8 +44,22 @@ def flat(constants: Mapping[str, tuple[float, ...]]) -> list[float]:
 
 
 def without_counting(model: Model) -> Model:
-    """The model without the joints whose rows count from the start: what determines the positions there."""
-    return replace(model, joints={name: joint for name, joint in model.joints.items() if not joint.leaf.from_start})
+    """The model without the rows that count from the start: what determines the positions there."""
+    joints = {
+        name: replace(joint, counts=False, constants=()) if joint.from_start else joint
+        for name, joint in model.joints.items()
+        if not joint.from_start or joint.leaf.placing
+    }
+    return replace(model, joints=joints)
+
+
+def counting_rows(system: System) -> dict[str, range]:
+    """The rows of every joint that count from the start."""
+    rows = {}
+    for name in constants_of(system.model):
+        joint, first = system.model.joints[name], system.first_row(name)
+        rows[name] = range(first + joint.leaf.placing, first + len(joint.rows))
+    return rows
 
 
 def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
@@ -54,18 +68,15 @@ def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
     system: with all of these constants 0.
     """
     joints = system.model.joints
-    if any(joint.leaf.from_start and joint.is_loose for joint in joints.values()):  # the rows that contacts stand for
-        rows = {
-            name: replace(joint, contact=None) if joint.leaf.from_start else joint for name, joint in joints.items()
-        }
+    if any(joint.from_start and joint.is_loose for joint in joints.values()):  # the rows that contacts stand for
+        rows = {name: replace(joint, contact=None) if joint.from_start else joint for name, joint in joints.items()}
         system = compile_system(replace(system.model, joints=rows))
     workspace = system.workspace()
     open_by(workspace, 0.0, q, np.zeros_like(q))
     residual = workspace.rows[:, at.RES]
     constants = {}
-    for name in constants_of(system.model):
-        joint, first = joints[name], system.first_row(name)
-        values = tuple(residual[first : first + len(joint.leaf.rows)].tolist())
+    for name, counting in counting_rows(system).items():
+        joint, values = joints[name], tuple(residual[counting.start : counting.stop].tolist())
         x, y = point_at(system, q, joint.b) - point_at(system, q, joint.a)
         constants[name] = joint.leaf.start_constants(values, (float(x), float(y)))
     return constants

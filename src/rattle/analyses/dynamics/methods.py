@@ -69,6 +69,7 @@ def choose_stepper(
         require_friction_known(system, stepper)
         require_implicit(system, stepper)
         require_one_law(system, stepper.leaf)
+        require_frictionless_chain(system)
     settings = system.model.settings
     stated = stepper.leaf if settings.method is None else steppers[settings.method].leaf
     if (
@@ -143,10 +144,9 @@ def require_one_law(system: System, stepper: type[StepperKind]) -> None:
 
     An impact at several joints is one problem, with one law.
     """
-    choices = registry.kinds("contact")["impact"].fields["restitution_law"].choices
     joints = system.model.joints.values()
     groups = [group for joint in joints for group in contact_groups(joint) if group.contact.rigid]
-    laws = {group.path: choices[int(group.contact.fields["restitution_law"])] for group in groups}
+    laws = {group.path: group.contact.restitution_law for group in groups}
     if not laws:
         return
     first = next(iter(laws))
@@ -159,6 +159,26 @@ def require_one_law(system: System, stepper: type[StepperKind]) -> None:
         has = " or ".join(f'"{law}"' for law in stepper.restitution_laws)
         words = f'"{laws[first]}" works with method "{usual_stepper(SET_VALUED)}" only; {stepper.title} has {has}'
         raise ModelError([Problem((*first, "restitution_law"), words)])
+
+
+def require_frictionless_chain(system: System) -> None:
+    """Raise ModelError for what the distributing law does not know: friction of joints, one-way clutches."""
+    joints = system.model.joints.values()
+    groups = [group for joint in joints for group in contact_groups(joint) if group.contact.rigid]
+    chains = [group for group in groups if group.contact.shares_by_stiffness]
+    if not chains:
+        return
+    which, problems = f'restitution_law = "{chains[0].contact.restitution_law}" ({_named(chains[0].path)})', []
+    for joint in joints:
+        own = joint.leaf.own_contact(joint.fields)
+        if own is not None and own.rigid:
+            words = f"a rigid {joint.kind} has no stiffness by which {which} shares impulses; use another law"
+            problems.append(Problem(("joints", joint.name), words))
+        if joint.friction is not None and joint.friction.law is None:
+            words = f"{which} knows no dry friction of joints in impacts; use another law of either"
+            problems.append(Problem(("joints", joint.name, "friction"), words))
+    if problems:
+        raise ModelError(problems)
 
 
 def _named(path: tuple[str, ...]) -> str:

@@ -36,7 +36,8 @@ def program(model: RecordedModel) -> Program:
 def with_parameters(model: RecordedModel) -> tuple[RecordedModel, dict[str, str]]:
     """A model, recorded without parameters, with all that can be inputs; the other parameters, and why they cannot."""
     if counting := constants_of(model.system.model):
-        why = f"the start sets how {', '.join(counting)} mesh, anew with every parameter: only `rattle` can do that"
+        names = ", ".join(counting)
+        why = f"the start sets how {names} go on from there, anew with every parameter: only `rattle` can do that"
         return model, dict.fromkeys(model.values, why)
     constants = _dependent(model.document, list(model.values))
     chosen = [name for name in list(model.values) if name not in constants]

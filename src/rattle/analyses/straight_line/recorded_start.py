@@ -18,7 +18,7 @@ import numpy as np
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.assembly.loops import loops
 from rattle.analyses.assembly.outward import outward
-from rattle.analyses.assembly.start_constants import constants_of, with_constants, without_counting
+from rattle.analyses.assembly.start_constants import constants_of, counting_rows, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.description.model import Driver, Model, Point
 from rattle.equations.dense import dense_rows
@@ -95,7 +95,7 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Oper
     if not counting:
         return []
     zero = compile_system(with_constants(recorded.model, dict.fromkeys(counting, 0.0)))
-    rows = [n for n, row in enumerate(zero.rows) if row.owner in counting]
+    rows = [n for each in counting_rows(zero).values() for n in each]
 
     def residuals() -> list[Operand]:
         closing = Recording(zero, recorder).closing(0.0)

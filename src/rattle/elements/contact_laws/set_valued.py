@@ -3,12 +3,19 @@
 g >= 0, N >= 0, g N = 0;     impact (newton): u_n+ = -e_N u_n-, u_t+ = -e_T u_t- within |P_t| <= mu P_n
                                     (poisson):  P_n of expansion = e_N that of compression
                                     (energetic): work of P_n in expansion = -e_N^2 that in compression
+                                    (lzb): the same, P_n of several contacts growing as forces K delta^n of theirs
 """
 
 from __future__ import annotations
 
 from rattle.interfaces.contacts import ContactKind
+from rattle.interfaces.fields import Fields
 from rattle.registry import Field, kind
+
+
+def unstated(_: Fields) -> float:
+    """No stiffness: only the law that needs it asks for it."""
+    return 0.0
 
 
 @kind("contact", "impact")
@@ -20,6 +27,7 @@ class Impact(ContactKind):
     """
 
     contacts = True
+    shares_by_stiffness = "lzb"
     assumes = (
         "Both parts are rigid and never overlap.  They fly, collide and slide: a collision takes no time and returns"
         " the given share of the approach speed, so that there are impulses but no peak forces of collisions; between"
@@ -30,10 +38,11 @@ class Impact(ContactKind):
     friction = Field("", "coefficient of friction mu", default=0.0, least="not negative")
     restitution_law = Field(
         "",
-        "ratio of velocities (newton), of impulses (poisson) or of work (energetic: never creates energy)",
+        "ratio of velocities (newton), of impulses (poisson) or of work (energetic: never creates energy); of work,"
+        " shared among all contacts by their stiffness (lzb)",
         default="newton",
         shape="choice",
-        choices=("newton", "poisson", "energetic"),
+        choices=("newton", "poisson", "energetic", "lzb"),
     )
     jam = Field(
         "",
@@ -42,3 +51,5 @@ class Impact(ContactKind):
         shape="choice",
         choices=("stop", "impact"),
     )
+    stiffness = Field("", "K [N/m^n]; of a rigid contact by its ratio to others, with lzb", unstated, least="positive")
+    exponent = Field("", "exponent n of the force K delta^n; of a rigid contact with lzb", 1.5, least="positive")

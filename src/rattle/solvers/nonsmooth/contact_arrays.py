@@ -11,7 +11,7 @@ from rattle.equations import complementarity, contact_network, lemke, unilateral
 from rattle.equations.system import System
 from rattle.jit import functions
 from rattle.jit import layout as at
-from rattle.solvers.nonsmooth import event_search, impact_path, impact_phases, implicit_forces, uniqueness
+from rattle.solvers.nonsmooth import event_search, impact_chain, impact_path, impact_phases, implicit_forces, uniqueness
 from rattle.solvers.peaks import contact_samples
 
 
@@ -23,7 +23,12 @@ def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str,
     """
     nc, nr, nb = len(system.arrays["contact"]), system.row_count, system.body_count
     contact, solvers = system.arrays["contact"], (contact_network.KERNEL, lemke.KERNEL, uniqueness.KERNELS[0])
-    laws = (impact_phases.expand_kernel, impact_path.path_kernel, uniqueness.KERNELS[1])
+    laws = (
+        impact_phases.expand_kernel,
+        impact_path.path_kernel,
+        uniqueness.KERNELS[1],
+        impact_chain.chain_kernel,
+    )
     soft = {} if looks is not None else _soft_arrays(contact, nb, nr)
     return {
         **({} if soft or nc <= complementarity.FEW else contact_network.arrays(system.arrays["row_body"], contact)),
@@ -45,6 +50,7 @@ def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str,
         "multiplier_change": np.zeros(nr),
         "path": np.zeros((6, 2 * nc)),
         "bounce": np.zeros((7, 2 * nc)),
+        "chain": np.zeros((impact_chain.ROWS, 2 * nc)),
         "looks": np.zeros((event_search.LOOKS_KEPT, contact_samples.KINDS * nc + 2)),
         "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),

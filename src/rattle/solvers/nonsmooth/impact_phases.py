@@ -28,7 +28,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.solvers.nonsmooth.impact_path import CREATED, E, as_full_matrix
 
-NEWTON, POISSON, ENERGETIC = range(3)  # in the order of the choices of the contact table
+NEWTON, POISSON, ENERGETIC, LZB = range(4)  # in the order of the choices of the contact table
 # rows of `bounce` after those of `impact_path` that stay: impulses and rates after compression, least impulse in
 # expansion and its share of that in compression, a copy of the impulses; two columns for every active contact
 PRESSED, RATES, FLOOR, SHARE, KEPT = range(2, 7)
@@ -46,7 +46,7 @@ HALVINGS_OF_SHARE = 40  # of the common share of work in expansion
 
 @compiled
 def law_of(m, n):
-    """Restitution law of contact n: NEWTON, POISSON or ENERGETIC."""
+    """Restitution law of contact n: NEWTON, POISSON, ENERGETIC or LZB."""
     return int(m.values[m.contact[n, at.NORMAL_P] + at.RESTITUTION_LAW])
 
 

@@ -20,6 +20,7 @@ from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import OK, constraints, place
 from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.equations.unilateral import (
+    CHAIN,
     EXPAND,
     NOT_FOUND,
     NOT_UNIQUE,
@@ -48,7 +49,7 @@ from rattle.solvers.contacts.gap_search import rounding
 from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import STILL, at_rest, at_wall, motion_without
 from rattle.solvers.nonsmooth.impact_path import BEFORE, E
-from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, law_of
+from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, LZB, NEWTON, law_of
 from rattle.solvers.nonsmooth.rubbing_impacts import (
     AGREES,
     MOST_ROUNDS,
@@ -211,6 +212,8 @@ def percussions(m, count):
         if call_problem(m.problem_table[TRACE], (m, count)) > 0:
             return OK
         rates_before(m, count, law, 0, 0)
+    if law == LZB:
+        return OK if call_problem(m.problem_table[CHAIN], (m, count)) > 0 else NOT_FOUND
     if not solve_contacts(m, count) and not (law == NEWTON and clip_restitution(m, count)):
         return ending(m)
     if is_rough(m, count) and count_solutions(m, count) > 1:
