@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any, TypeVar, overload
 
 import numpy as np
@@ -286,9 +287,12 @@ class Driver:
         return f"joint '{self.joint}'" if self.point is None else f"body '{self.point.body}'"
 
 
+NUMBERS = {"connect": 4, "point": 2, "pair": 2, "triple": 3, "body": 0}  # of a field of this shape, if not one
+
+
 @dataclass(frozen=True)
 class Load:
-    """A load: values [SI] in the order of the kind's fields, without its points."""
+    """A load: values [SI] in the order of the kind's fields, with those of its points."""
 
     name: str
     kind: str
@@ -297,6 +301,13 @@ class Load:
     values: tuple[Value, ...]
     points: bool  # the kernel takes the points before the values
     law: Callable[..., object] | None = None
+    slack: Node | None = None  # that of the values which says that it is slack: it changes with the motion alone
+
+    @property
+    def fields(self) -> dict[str, tuple[Value, ...]]:
+        """Its values [SI] by the name of their field."""
+        left, fields = iter(self.values), registry.kinds("load")[self.kind].fields
+        return {key: tuple(islice(left, NUMBERS.get(field.shape, 1))) for key, field in fields.items()}
 
 
 @dataclass(frozen=True)
