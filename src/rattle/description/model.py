@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Any, TypeVar, overload
 
@@ -375,6 +375,17 @@ class Initial:
     """x, y [m] and angle [rad] per body of a start on whose branch, and in whose turn, this one is looked for."""
     near_shut: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """The same of the mechanism without play."""
+    held: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """What of `bodies` was not given: places of bodies that loads hold, see `assembly.held_bodies`."""
+
+    def given(self, body: str) -> set[str]:
+        """Which of x, y and angle of a body the user gave."""
+        return {"x", "y", "angle"} & self.bodies.get(body, {}).keys() - self.held.get(body, {}).keys()
+
+    def with_places(self, places: Mapping[str, Mapping[str, float]]) -> Initial:
+        """The same with places of such bodies, where none are given."""
+        filled = {name: {**place, **self.bodies.get(name, {})} for name, place in places.items()}
+        return replace(self, bodies={**self.bodies, **filled}, held={**self.held, **places})
 
 
 @dataclass(frozen=True)

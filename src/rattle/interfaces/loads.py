@@ -48,4 +48,5 @@ class LoadKind:
 
     drawn_as: ClassVar[str] = ""  # a form of rattle.drawings.forms; "" if it is not drawn
     record: ClassVar[LoadRecord | None] = None  # what results know of it; None: nothing besides its work
+    rests: ClassVar[bool] = False  # True if B is without force at its field `offset` in A, x, y and angle
     quantities: ClassVar[Mapping[str, LoadQuantity]] = {}  # by the key after its name, `<load>.fx`

@@ -59,6 +59,7 @@ class Bushing(LoadKind):
     """
 
     drawn_as = "bushing"
+    rests = True
     quantities = {
         "fx": LoadQuantity("N", f"sin(A.angle)*{OWN_Y} - cos(A.angle)*{OWN_X}"),
         "fy": LoadQuantity("N", f"0 - sin(A.angle)*{OWN_X} - cos(A.angle)*{OWN_Y}"),
