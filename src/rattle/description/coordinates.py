@@ -13,6 +13,7 @@ and records as signals.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache
 
 from rattle import registry
@@ -21,7 +22,7 @@ from rattle.description.model import NUMBERS, Body, Joint, Load, Point, Vector
 from rattle.description.read_values import Values
 from rattle.description.reading import Table
 from rattle.interfaces.loads import LoadRecord
-from rattle.language.expression import Name, Node, Number, names, parse, replaced
+from rattle.language.expression import Apply, Name, Node, Number, names, parse, replaced, walk
 from rattle.language.units import dimension_of
 
 POINT = {
@@ -31,17 +32,12 @@ POINT = {
     "vy": ("m/s", "B.vy + B.omega*(px*cos(B.angle) - py*sin(B.angle))"),
 }
 ACROSS = "hypot(b.x - a.x, b.y - a.y)"
-AHEAD, LEAST = 1e-100, 1e-200  # s, m: ends that coincide and move have the line of an instant later, others no rate
-LATER = tuple(f"(b.{x} - a.{x} + {AHEAD}*(b.v{x} - a.v{x}))" for x in "xy")
+COINCIDENT = 1e-150  # m: ends nearer than this have no direction, and a rate of 0, the mean of before and after
 COORDINATES = {  # key and unit of a coordinate and of its rate, and what they are between points a and b of A and B
     "angle": (("angle", "rad", "B.angle - A.angle"), ("rate", "rad/s", "B.omega - A.omega")),
     "length": (
         ("length", "m", ACROSS),
-        (
-            "rate",
-            "m/s",
-            f"({LATER[0]}*(b.vx - a.vx) + {LATER[1]}*(b.vy - a.vy))/(hypot({LATER[0]}, {LATER[1]}) + {LEAST})",
-        ),
+        ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/hypot({ACROSS}, {COINCIDENT})"),
     ),
     "position": (
         ("position", "m", "(b.x - a.x)*cos(A.angle + axis) + (b.y - a.y)*sin(A.angle + axis)"),
@@ -54,6 +50,7 @@ COORDINATES = {  # key and unit of a coordinate and of its rate, and what they a
     ),
 }
 STATE = ("x", "y", "angle", "vx", "vy", "omega")
+NOTHING, WHOLE = Number(0.0, 0), Number(1.0, 0)  # rates and angle of the ground, and the cosine of that
 
 
 # ---------------------------------------------------------------- before anything is read: names and their units
@@ -166,12 +163,12 @@ def forces(loads: Mapping[str, Load]) -> tuple[dict[str, Node], dict[str, str]]:
             continue
         parts = {**_state_between(load.a, load.b, 0.0), **_fields_of(load)}
         for key, quantity in leaf.quantities.items():
-            nodes[f"{name}.{key}"], units[f"{name}.{key}"] = replaced(_tree(quantity.formula), parts), quantity.unit
+            nodes[f"{name}.{key}"], units[f"{name}.{key}"] = _filled(quantity.formula, parts), quantity.unit
         if leaf.record is not None:
             where = _between(name, leaf.record.coordinate, load.a, load.b, 0.0, "")
             parts |= {key.partition(".")[2]: node for key, node in where.items()}
             for key, (text, unit) in _texts(load, leaf.record).items():
-                nodes[f"{name}.{key}"], units[f"{name}.{key}"] = replaced(_tree(text), parts), unit
+                nodes[f"{name}.{key}"], units[f"{name}.{key}"] = _filled(text, parts), unit
     return nodes, units
 
 
@@ -216,11 +213,38 @@ def _tree(text: str) -> Node:
     return parse(text)
 
 
+def _filled(text: str, parts: Mapping[str, Node]) -> Node:
+    """A formula with its names replaced, without what the rest of the ground leaves of it."""
+    stack: list[Node] = []
+    for part in walk(_tree(text)):
+        if isinstance(part, Apply):
+            operands = stack[-len(part.operands) :]
+            del stack[-len(operands) :]
+            stack.append(_at_rest(part.name, operands) or replace(part, operands=tuple(operands)))
+        else:
+            stack.append(parts.get(part.name, part) if isinstance(part, Name) else part)
+    return stack[0]
+
+
+def _at_rest(name: str, operands: list[Node]) -> Node | None:
+    """What an operation comes to where an operand is NOTHING or WHOLE; None if it has to be done."""
+    first, last = operands[0], operands[-1]
+    if name == "*" and (first is NOTHING or last is NOTHING):
+        return NOTHING
+    if name == "*" and (first is WHOLE or last is WHOLE):
+        return last if first is WHOLE else first
+    if name in ("+", "-") and last is NOTHING:
+        return first
+    if name == "+" and first is NOTHING:
+        return last
+    return {"sin": NOTHING, "cos": WHOLE}.get(name) if first is NOTHING else None
+
+
 def _point(point: Point, axis: str) -> Node:
     """A coordinate of a point, or of its velocity."""
     x, y = point.at
     if point.body == "ground":
-        return Number({"x": x, "y": y}.get(axis, 0.0), 0)
+        return Number({"x": x, "y": y}[axis], 0) if axis in ("x", "y") else NOTHING
     state = {f"B.{key}": Name(f"{point.body}.{key}", 0) for key in STATE}
     return replaced(_tree(POINT[axis][1]), {**state, "px": Number(x, 0), "py": Number(y, 0)})
 
@@ -229,7 +253,7 @@ def _between(owner: str, coordinate: str, a: Point, b: Point, axis: float, key: 
     """The coordinate between two points and its rate, by name; only that of `key` if it is not empty."""
     parts = _state_between(a, b, axis)
     wanted = [entry for entry in COORDINATES[coordinate] if key in ("", entry[0])]
-    return {f"{owner}.{name}": replaced(_tree(text), parts) for name, _, text in wanted}
+    return {f"{owner}.{name}": _filled(text, parts) for name, _, text in wanted}
 
 
 def _state_between(a: Point, b: Point, axis: float) -> dict[str, Node]:
@@ -237,7 +261,7 @@ def _state_between(a: Point, b: Point, axis: float) -> dict[str, Node]:
     parts: dict[str, Node] = {"axis": Number(axis, 0)}
     for letter, point in (("A", a), ("B", b)):
         ground = point.body == "ground"
-        parts |= {f"{letter}.{name}": Number(0.0, 0) if ground else Name(f"{point.body}.{name}", 0) for name in STATE}
+        parts |= {f"{letter}.{name}": NOTHING if ground else Name(f"{point.body}.{name}", 0) for name in STATE}
         parts |= {f"{letter.lower()}.{name}": _point(point, name) for name in POINT}
     return parts
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
-from rattle.description.coordinates import AHEAD, LEAST
+from rattle.description.coordinates import COINCIDENT
 from rattle.value_types import Tree
 
 POINT = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}  # of a point, with units
@@ -110,8 +110,7 @@ def value_of(rule: Rule, curve: Callable[[str], Any], cos: Any, sin: Any, hypot:
     va, vb = (_point(body, at, curve, cos, sin, True) for body, at in zip(rule.bodies, rule.points, strict=True))
     vx, vy = vb["x"] - va["x"], vb["y"] - va["y"]
     if what == "length rate":
-        dx, dy = dx + AHEAD * vx, dy + AHEAD * vy  # of ends that coincide: the line along which they part
-        return (dx * vx + dy * vy) / (hypot(dx, dy) + LEAST)
+        return (dx * vx + dy * vy) / hypot(hypot(dx, dy), COINCIDENT)
     return vx * ux + vy * uy + _of_body(a, "omega", curve) * (dy * ux - dx * uy)
 
 

@@ -130,13 +130,7 @@ def put_together(model: Model) -> System:
 
     Raises AssemblyError if the mechanism cannot be put together, or points are not at the distance that a joint needs.
     """
-    return _put_together(with_held_bodies(model, _begun))
-
-
-def _begun(model: Model) -> tuple[System, np.ndarray]:
-    """The system of a model, put together, and its positions at the start.  Raises AssemblyError."""
-    system = _put_together(model)
-    return system, consistent_start(system, 0.0).q
+    return _put_together(with_held_bodies(model, _put_together, lambda system: consistent_start(system, 0.0).q))
 
 
 def _put_together(model: Model) -> System:

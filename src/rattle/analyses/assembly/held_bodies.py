@@ -15,6 +15,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.analyses.assembly.rank import RANK, scaled_rows
+from rattle.analyses.assembly.searching import first_guess
 from rattle.analyses.assembly.start_values import KEYS, change_of_given, given_values
 from rattle.description.model import Load, Model, with_fields
 from rattle.equations.closure import open_by
@@ -25,7 +26,8 @@ from rattle.errors import AssemblyError
 from rattle.language.recorded import as_number, bare
 
 Place = Mapping[str, float]  # x, y [m] and angle [rad]
-Begin = Callable[[Model], tuple[System, np.ndarray]]  # the system of a model and its positions (3 nb,) at the start
+Make = Callable[[Model], System]  # puts a model together
+Find = Callable[[System], np.ndarray]  # positions (3 nb,) at the start
 GROUND = "ground"
 ORIGIN: Place = dict.fromkeys(KEYS[0], 0.0)  # where nothing says otherwise
 
@@ -68,8 +70,8 @@ def _without_force(load: Load, start: Place) -> Place | None:
     return {"x": at_x - (c * own_x - s * own_y), "y": at_y - (s * own_x + c * own_y), "angle": turned}
 
 
-def with_held_bodies(model: Model, begin: Begin) -> Model:
-    """The model with the places of such bodies as given ones.  begin: puts a model together.  Raises AssemblyError."""
+def with_held_bodies(model: Model, make: Make, find: Find) -> Model:
+    """The model with the places of such bodies as given ones.  Raises AssemblyError."""
     if model.initial.near or model.initial.held or not (resting := resting_places(model)):
         return model
     jointed = {end.body for joint in model.joints.values() for end in (joint.a, joint.b)}
@@ -78,12 +80,14 @@ def with_held_bodies(model: Model, begin: Begin) -> Model:
     model = _with_places(model, alone)
     if len(alone) == len(resting):
         return model
-    system, q = begin(model)
-    if not (left_open := _left_open(system, q)):
+    system = make(model)
+    if not held_by_loads(system, first_guess(system)):  # most have joints to the ground: no search for that
         return model
-    placed = _with_places(model, left_open)
     try:
-        held, there = begin(placed)
+        q = find(system)
+        placed = _with_places(model, _left_open(system, q))
+        held = make(placed)
+        there = find(held)
     except AssemblyError:
         return model
     own, every = given_values(system, 0), given_values(held, 0)
