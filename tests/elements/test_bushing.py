@@ -123,3 +123,24 @@ def test_expressions_know_its_forces():
     r = m.simulate(0.01, t_eval=[0.0])
     assert r["size"][0] == pytest.approx(2e4 * 0.01 + 1)
     assert "already used" in refused(on_ground().signal("bush", "1"))
+
+
+def test_torque_of_a_motor_against_a_bushing_and_a_cord():
+    """By inverse dynamics and by hand: I alpha, the bushing's spring and damper, the cord's pull where it is taut."""
+    m = rt.Mechanism().ground(O=[0, 0], A=[0.5, 0.2]).bar("arm", "O", "E", length=0.4, mass=1)
+    m.revolute("h", "ground.O", "arm.O").driver("d", "h", angle="sin(3*t)")
+    m.load(
+        "bush", "bushing", connect=["ground.O", "arm.O"], stiffness=[1, 1, 7], damping=[0, 0, 0.2], offset=[0, 0, 0.1]
+    )
+    cord = {"stiffness": 300, "free_length": 0.3, "damping": 5, "tension_only": True}
+    m.load("cord", "spring", connect=["ground.A", "arm.E"], **cord)
+    t = np.linspace(0, 2, 41)
+    angle, rate, change = np.sin(3 * t), 3 * np.cos(3 * t), -9 * np.sin(3 * t)
+    x, y = 0.4 * np.cos(angle), 0.4 * np.sin(angle)
+    length = np.hypot(x - 0.5, y - 0.2)
+    pull = 300 * (length - 0.3) + 5 * rate * ((y - 0.2) * x - (x - 0.5) * y) / length
+    pull = np.where(length > 0.3, np.maximum(pull, 0), 0) / length
+    torque = 0.16 / 3 * change + 7 * (angle - 0.1) + 0.2 * rate + pull * (x * (y - 0.2) - y * (x - 0.5))
+    r = m.inverse_dynamics(t)
+    np.testing.assert_allclose(r["d.torque"], torque, atol=1e-12)
+    assert 5 < r["cord.slack"].sum() < 35
