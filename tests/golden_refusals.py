@@ -74,9 +74,11 @@ JOINTS = {
 }
 LOADS = {
     "actuator": 'connect = ["ground.P", "b.P"]\nforce = "10*sin(t)"',
+    "bushing": 'connect = ["ground.P", "b.P"]\nstiffness = [1, 2, 3]\ndamping = [1, 2, "3 N*m*s/rad"]'
+    "\noffset = [0, 0, 1]",
     "force": 'at = "a.P"\nforce = [1, "sin(t)"]\nframe = "body"',
     "motor": 'connect = ["ground", "a"]\ntorque = "1 - 0.1*speed"',
-    "spring": 'connect = ["ground.P", "b.P"]\nstiffness = 100\nfree_length = "5 mm"\ndamping = 1',
+    "spring": 'connect = ["ground.P", "b.P"]\nstiffness = 100\nfree_length = "5 mm"\ndamping = 1\ntension_only = true',
     "torque": 'body = "a"\ntorque = "1 N*m"',
     "torsion-spring": 'connect = ["ground", "a"]\nstiffness = 10\nfree_angle = "5 deg"\ndamping = 1',
 }

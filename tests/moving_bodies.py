@@ -25,6 +25,8 @@ SHARES = {  # of fields that have to be smaller than others
 COUNTS = {"arcs"}  # fields that are whole numbers
 OPTIONS = {"roller"}  # fields that are also left out: 0 is another way
 
+ONE_SIDED = {"tension_only"}  # flags that a kernel is told to be 1 where the load exerts nothing
+
 
 def field_values(kind, rng):
     """One possible value of every field, in the order of the kernel; functions are yet to be packed."""
@@ -39,6 +41,10 @@ def field_values(kind, rng):
             found[key] = [float(rng.integers(3, 9))]
         elif one.shape == "number":
             found[key] = [rng.uniform(0.5, 2.0) * SHARES.get(key, 1.0)]
+        elif one.shape == "triple":
+            found[key] = list(rng.uniform(0.5, 2.0, 3))
+        elif key in ONE_SIDED:
+            found[key] = [0.0]
         elif one.shape == "pair":
             found[key] = list(rng.uniform(0.5, 2, 2) if one.least == "positive" else rng.uniform(-2, 2, 2))
         elif one.shape == "flag":

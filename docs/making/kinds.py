@@ -164,6 +164,8 @@ def unit_of(field: Any) -> str:
         return " ".join(code(one) for one in field.choices)
     if field.shape == "pair":
         return f"[{field.unit}, {field.unit}]" if field.unit else "two numbers"
+    if field.shape == "triple":
+        return f"[{field.unit}, {field.unit}, {field.turning}]"
     if field.shape == "flag":
         return f"{code('true')} {code('false')}"
     return field.unit or ("–" if field.shape == "number" else field.shape)
@@ -178,6 +180,8 @@ def default_of(field: Any, required: Any) -> str:
         return f"follows from other fields{limit}"
     if field.shape == "flag":
         return str(field.default).lower()
+    if field.shape == "triple":
+        return f"{', '.join(f'{number:g}' for number in field.default)}{limit}"
     number = isinstance(field.default, float)
     shown = (
         "no limit" if number and math.isinf(field.default) else f"{field.default:g}" if number else str(field.default)
@@ -337,6 +341,8 @@ def _value(key: str, field: Any, live: bool) -> str:
     if key == "connect":
         return ends["connect"]
     shown = _quoted(number)
+    if field.shape == "triple":
+        return f"[{shown}, {shown}, {_quoted(VALUES.get(field.turning, 1.0))}]"
     return f"[{shown}, {shown if field.least else 0}]" if field.shape == "pair" else shown
 
 

@@ -178,18 +178,93 @@ def test_the_only_value_given_that_no_position_has_is_not_called_a_contradiction
     assert change.endswith("the joints do not let it get there")
 
 
-def test_a_body_on_springs_alone_that_closing_the_joints_moves_is_named():
-    m = rt.Mechanism("floating slider-crank").ground(G=[0, 0])
+# ---------------------------------------------------------------- bodies that loads hold
+def floating(rail="base.P", mount="spring"):
+    """A slider-crank on a base that a load alone holds to the ground, with the guide on the base or the ground."""
+    m = rt.Mechanism("floating slider-crank").ground(G=[0, 0], R=[0.5, 0], S=[0, -0.05])
     m.body("base", points={"O": [0, 0.1], "P": [0, 0]}, mass=5, inertia=1).bar("crank", "O", "A", length=0.1, mass=1)
     m.bar("rod", "A", "B", length=0.4, mass=1).body("slider", points={"B": [0, 0]}, mass=1, inertia=0.1)
     m.revolute("O", "base.O", "crank.O").revolute("A", "crank.A", "rod.A").revolute("B", "rod.B", "slider.B")
-    m.prismatic("guide", "base.P", "slider.B")
-    m.load("spring", "spring", connect=["ground.G", "base.P"], stiffness=1000, free_length=0.05)
-    m.initial("crank", angle="30 deg").initial("rod", angle=0)
+    m.prismatic("guide", rail, "slider.B")
+    if mount == "spring":
+        return m.load("mount", "spring", connect=["ground.S", "base.P"], stiffness=1000, free_length=0.05)
+    offset = [0.02, 0.03, 0.1]
+    return m.load("mount", "bushing", connect=["ground.G", "base.P"], stiffness=[1e4, 1e4, 100], offset=offset)
+
+
+def place_of(m, body):
+    k = 3 * m.system.bodies.index(body)
+    return m.start.q[k : k + 3]
+
+
+@pytest.mark.parametrize("rail", ["base.P", "ground.R"])
+@pytest.mark.parametrize(("mount", "place"), [("spring", (0, 0, 0)), ("bushing", (0.02, 0.03, 0.1))])
+def test_base_that_a_load_holds_stands_at_the_origin_or_without_force_and_the_rest_is_closed_around_it(
+    rail, mount, place
+):
+    m = floating(rail, mount)
+    for more in ({}, {"angle": "30 deg"}, {"angle": "100 deg", "omega": 4}):
+        if more:
+            m.initial("crank", **more)
+        np.testing.assert_allclose(place_of(m, "base"), place, atol=1e-12)
+        assert m.start.residual < 1e-12
+        assert "base" not in "".join(m.start.changes)
+    assert m.start.changes == ()
+    assert place_of(m, "crank")[2] == pytest.approx(math.radians(100), abs=1e-12)
+
+
+def test_given_places_go_before_that_of_a_base_on_springs():
+    m = floating().initial("crank", x=0.3, y=0.2, angle="90 deg")
+    np.testing.assert_allclose(place_of(m, "crank"), [0.3, 0.2, math.pi / 2], atol=1e-12)
+    np.testing.assert_allclose(place_of(m, "base"), [0.3, 0.05, 0], atol=1e-12)  # level, below the crank's end
+    m = floating().initial("base", x=1, y=2).initial("crank", angle=1)
+    np.testing.assert_allclose(place_of(m, "base"), [1, 2, 0], atol=1e-12)
+
+
+def test_a_body_on_springs_alone_that_given_angles_have_moved_is_named():
+    m = floating().initial("crank", angle="30 deg").initial("rod", angle=0)
     for notes in (m.start.notes, m.simulate(1e-3).trust.notes):
         assert sum("closing the joints moved base to x = " in note for note in notes) == 1
+    np.testing.assert_allclose(place_of(m, "base")[:2], 0.0, atol=1e-12)
     rod = -math.asin((0.1 + 0.1 * math.sin(math.radians(30))) / 0.4)
     assert not m.initial("base", x=0, y=0, angle=0).initial("rod", angle=rod).start.changes
+
+
+def test_samples_derivatives_and_neighbours_begin_with_the_same_base():
+    m = floating(mount="bushing").parameter("l", 0.4).set({"bodies.rod.length": "l"})
+    m.initial("crank", angle="30 deg", omega=3).initial("base", vx=0, vy=0, omega=0)
+    longer = m.neighbour({"l": 0.41})
+    np.testing.assert_allclose(place_of(longer, "base"), (0.02, 0.03, 0.1), atol=1e-12)
+    runs = m.many({"l": [0.4, 0.41]}, ["final(base.x)", "at(base.angle, 0)"], 0.02, rtol=1e-10, atol=1e-12)
+    at = longer.simulate(0.02, t_eval=[0.02], rtol=1e-11, atol=1e-13)
+    assert runs["final(base.x)"][1] == pytest.approx(at["base.x"][0], abs=1e-9)
+    np.testing.assert_allclose(runs["at(base.angle, 0)"], 0.1, atol=1e-12)
+    slope = m.sensitivity(["base.x", "slider.x"], ["l"], [0, 0.02])
+    assert slope["d(base.x)/d(l)"][0] == pytest.approx(0.0, abs=1e-14)
+    assert abs(slope["d(slider.x)/d(l)"][0]) > 0.5
+
+
+def test_hinged_bodies_with_springs_and_those_that_hang_on_a_given_body_are_where_joints_place_them():
+    door = rt.Mechanism().ground(O=[1, 1], A=[0, 0]).bar("door", "O", "E", length=1, mass=1)
+    door.revolute("h", "ground.O", "door.O").load("s", "spring", connect=["ground.A", "door.E"], stiffness=100)
+    np.testing.assert_allclose(door.start.q, [1.5, 1, 0], atol=1e-12)
+    car = rt.Mechanism().ground(F=[1, 0]).body("chassis", points={"F": [1, 0]}, mass=500, inertia=100)
+    car.body("arm", points={"C": [0, 0], "P": [0.3, 0]}, mass=20, inertia=1).revolute("j", "chassis.F", "arm.P")
+    car.load("tyre", "spring", connect=["ground.F", "arm.C"], stiffness=1e5).initial("chassis", y=0.3)
+    np.testing.assert_allclose(car.start.q, [0, 0.3, 0, 0.7, 0.3, 0], atol=1e-12)
+    assert (door.start.notes, car.start.notes) == ((), ())
+
+
+def test_load_whose_ends_coincide_at_rest_is_named_where_it_would_push_in_no_direction():
+    m = rt.Mechanism().ground(O=[0, 0]).body("b", points={"P": [0, 0]}, mass=1, inertia=1)
+    m.load("push", "spring", connect=["ground.O", "b.P"], stiffness=100, free_length=0.1)
+    assert m.start.notes == (
+        "the ends of load 'push' coincide at the start: its force has no direction, and nothing is exerted until they"
+        " part; give places apart in [initial]",
+    )
+    assert m.start.notes[0] in str(m.check())
+    assert m.set({"loads.push.free_length": 0}).start.notes == ()
+    assert m.initial("b", vx=1).start.notes == ()
 
 
 def test_shipped_starts_without_rough_values_say_nothing():

@@ -58,7 +58,7 @@ def pull_slowly(t, length, rate, p):
     return pull(t, length, rate, p)
 
 
-def bushing(t, a, b, p):
+def rubber(t, a, b, p):
     """Elastic in both directions and in turning, with a force that is not along the line."""
     swing = p.twist * (b[2] - a[2]) + 0.1 * (b[5] - a[5])
     return -p.k * (b[0] - a[0]) - 0.3 * (b[3] - a[3]), -2 * p.k * (b[1] - a[1]) + math.sin(t), -swing
@@ -85,8 +85,8 @@ def laws():
     rt.load_law("pull", between="points", **spring)(pull)
     rt.load_law("pull plainly", between="points", compiled=False, **spring)(pull)
     rt.load_law("pull slowly", between="points", **spring)(pull_slowly)
-    rt.load_law("bushing", between="bodies", k="N/m", twist="N*m/rad")(bushing)
-    rt.load_law("bushing plainly", between="bodies", compiled=False, k="N/m", twist="N*m/rad")(bushing)
+    rt.load_law("rubber", between="bodies", k="N/m", twist="N*m/rad")(rubber)
+    rt.load_law("rubber plainly", between="bodies", compiled=False, k="N/m", twist="N*m/rad")(rubber)
     yield
     entries = registry.kinds("load")
     for name in entries.keys() - before.keys():
@@ -257,7 +257,7 @@ def test_spring_between_two_points_written_in_python_moves_like_the_built_in_one
         np.testing.assert_allclose(own[name], built_in[name], atol=1e-11)
 
 
-@pytest.mark.parametrize("kind", ["bushing", "bushing plainly"])
+@pytest.mark.parametrize("kind", ["rubber", "rubber plainly"])
 def test_law_between_bodies_keeps_momentum_and_angular_momentum_and_its_work_is_what_the_pair_gains(kind):
     m = pair().load("L", kind, connect=["one.P", "two.P"], k=15, twist="2 N*m/rad")
     r = m.simulate(1.0, rtol=1e-11, t_eval=np.linspace(0, 1, 5))

@@ -54,6 +54,20 @@ def test_it_takes_the_steps_of_simulate(name, tmp_path):
     assert apart(run["rows"], said["rows"]) < STEPPED_ALIKE[name]
 
 
+@pytest.mark.parametrize("method", [None, "rk4", "event"])
+def test_a_cord_and_bushings_move_alike(method, tmp_path):
+    m = rt.Mechanism(gravity=[0, -9.81]).ground(L=[-0.3, 0], O=[0, 0.6])
+    m.body("engine", mass=90, inertia=6, points={"L": [-0.3, -0.2], "C": [0, 0.05]})
+    stiffness, damping = [1e5, 6e4, 200], [300, 300, 4]
+    m.load("mount", "bushing", connect=["ground.L", "engine.L"], stiffness=stiffness, damping=damping)
+    cord = {"stiffness": 2e4, "free_length": 0.352, "damping": 50, "tension_only": True}
+    m.load("cord", "spring", connect=["ground.O", "engine.C"], **cord).initial("engine", x=0, y=0.2, vy=0.3)
+    said, run = in_node(tmp_path, new(m, method, t_end=0.3)), by_machine_code(new(m, method, t_end=0.3))
+    assert said["statistics"]["steps"] == run["statistics"]["steps"]
+    assert set(m.simulate(0.3)["cord.slack"]) == {0.0, 1.0}
+    assert apart(run["rows"], said["rows"]) < 1e-9
+
+
 @pytest.mark.parametrize("share", [1.0, 0.9])
 def test_output_times_are_those_of_simulate(share, tmp_path):
     """To the bit, whether they are equally far apart, which takes no bytes, or not."""

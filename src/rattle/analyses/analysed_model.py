@@ -106,6 +106,7 @@ class AnalysedModel(WrittenModel):
 
         mechanism = self.set()
         mechanism._near, mechanism._near_shut = near_places(self.system, start)
+        mechanism._held = self.system.model.initial.held
         return mechanism
 
     def recorded(self, parameters: Sequence[str] = ()) -> RecordedModel:

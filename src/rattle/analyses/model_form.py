@@ -168,7 +168,7 @@ def _read_at(document: Tree, values: Mapping[str, float], like: Model) -> Model 
 def beside(model: Model, other: Model) -> Model:
     """A model whose start is looked for where that of another one is."""
     initial = dataclasses.replace(model.initial, near=other.initial.near, near_shut=other.initial.near_shut)
-    return dataclasses.replace(model, initial=initial)
+    return dataclasses.replace(model, initial=initial.with_places(other.initial.held))
 
 
 # ---------------------------------------------------------------- which numbers follow

@@ -158,7 +158,10 @@ def _unit(spec: Any) -> str:
         return " | ".join((*spec.choices, *(("true", "false") if spec.flags else ())))
     if spec.shape == "flag":
         return "true | false"
-    return {"number": f"[{spec.unit or '-'}]", "pair": f"[{spec.unit}, {spec.unit}]"}.get(spec.shape, f"({spec.shape})")
+    several = {"pair": [spec.unit] * 2, "triple": [spec.unit, spec.unit, spec.turning]}.get(spec.shape)
+    if several is not None:
+        return f"[{', '.join(several)}]"
+    return f"[{spec.unit or '-'}]" if spec.shape == "number" else f"({spec.shape})"
 
 
 def _default(spec: Any, family: str) -> str:
@@ -171,6 +174,8 @@ def _default(spec: Any, family: str) -> str:
         return f" (default: no limit){more}"
     if spec.shape == "flag":
         return f" (default {str(spec.default).lower()}){more}"
+    if spec.shape == "triple":
+        return f" (default {', '.join(f'{number:g}' for number in spec.default)}){more}"
     return (
         f" (default {spec.default:g}){more}" if isinstance(spec.default, float) else f" (default {spec.default}){more}"
     )

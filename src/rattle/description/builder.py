@@ -31,6 +31,7 @@ class Building:
         self._near: Mapping[str, tuple[float, float, float]] = {}  # see `model.Initial`
         self._told = True  # whether notes on its start are made, and results hold the model
         self._near_shut: Mapping[str, tuple[float, float, float]] = {}
+        self._held: Mapping[str, Mapping[str, float]] = {}  # places of bodies that only loads hold, of that start
 
     def _enter(self, table: str, name: str, entry: dict[str, Any]) -> Self:
         entries = self._document.setdefault(table, {})

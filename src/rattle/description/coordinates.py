@@ -3,23 +3,26 @@
     <body>.<point>.x .y .vx .vy        a point in the ground frame and its velocity
     <joint>.angle .rate                where `coordinate` of the joint's kind is "angle": B relative to A
     <joint>.position .rate             where it is "position": of B's point along the line of A; "distance": of a rope
-    <load>.length .rate .force .power  of a load with a `record`, see `interfaces.loads.LoadRecord`
+    <load>.length .rate .force .power  of a load with a `record`, see `interfaces.loads.LoadRecord`; `.slack` of a cord
+    <load>.fx                          and other `quantities` of its kind
 
-Each stands for an expression over the state, but `<load>.force`, which a run evaluates and records as a signal.
+Each stands for an expression over the state, but `<load>.force`, `<load>.slack` and quantities, which a run evaluates
+and records as signals.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache
 
 from rattle import registry
 from rattle.description.dependence import describe_cycle, in_order
-from rattle.description.model import Body, Joint, Load, Point, Vector
+from rattle.description.model import NUMBERS, Body, Joint, Load, Point, Vector
 from rattle.description.read_values import Values
 from rattle.description.reading import Table
 from rattle.interfaces.loads import LoadRecord
-from rattle.language.expression import Name, Node, Number, names, parse, replaced
+from rattle.language.expression import Apply, Name, Node, Number, names, parse, replaced, walk
 from rattle.language.units import dimension_of
 
 POINT = {
@@ -29,7 +32,7 @@ POINT = {
     "vy": ("m/s", "B.vy + B.omega*(px*cos(B.angle) - py*sin(B.angle))"),
 }
 ACROSS = "hypot(b.x - a.x, b.y - a.y)"
-COINCIDENT = 1e-150  # m: ends nearer than this have no direction, and a length that does not change
+COINCIDENT = 1e-150  # m: ends nearer than this have no direction, and a rate of 0, the mean of before and after
 COORDINATES = {  # key and unit of a coordinate and of its rate, and what they are between points a and b of A and B
     "angle": (("angle", "rad", "B.angle - A.angle"), ("rate", "rad/s", "B.omega - A.omega")),
     "length": (
@@ -51,6 +54,7 @@ COORDINATES = {  # key and unit of a coordinate and of its rate, and what they a
     ),
 }
 STATE = ("x", "y", "angle", "vx", "vy", "omega")
+NOTHING, WHOLE = Number(0.0, 0), Number(1.0, 0)  # rates and angle of the ground, and the cosine of that
 
 
 # ---------------------------------------------------------------- before anything is read: names and their units
@@ -65,17 +69,26 @@ def declare(values: Values, document: Table) -> None:
         if coordinate:
             units |= {f"{name}.{key}": unit for key, unit, _ in COORDINATES[coordinate]}
     for name, entry in _entries(document, "loads"):
-        record = record_of(str(entry.get("type")))
-        if record is not None:
-            keys = {"length": "rad", "rate": "rad/s"} if record.coordinate == "angle" else {}
-            keys |= {key: unit for key, unit, _ in COORDINATES[record.coordinate]}
-            keys |= {"force": record.unit, "power": "W"}
-            keys |= {"torque": record.unit} if record.coordinate == "angle" else {}
-            units |= {f"{name}.{key}": unit for key, unit in keys.items()}
+        units |= {f"{name}.{key}": unit for key, unit in _units_of_load(entry).items()}
     for name, unit in units.items():
         values.live.setdefault(name)
         values.numbers.add(name)
         values.dimensions[name] = dimension_of(unit)
+
+
+def _units_of_load(entry: Table) -> dict[str, str]:
+    """Units of what is known of a load, by key."""
+    kind = registry.kinds("load").get(str(entry.get("type")))
+    if kind is None:
+        return {}
+    record, units = kind.leaf.record, {key: quantity.unit for key, quantity in kind.leaf.quantities.items()}
+    if record is not None:
+        units |= {"length": "rad", "rate": "rad/s"} if record.coordinate == "angle" else {}
+        units |= {key: unit for key, unit, _ in COORDINATES[record.coordinate]}
+        units |= {"force": record.unit, "power": "W"}
+        units |= {"torque": record.unit} if record.coordinate == "angle" else {}
+        units |= {"slack": ""} if record.one_sided is not None and entry.get(record.one_sided.flag) is True else {}
+    return units
 
 
 def _units_of_points(document: Table) -> dict[str, str]:
@@ -103,6 +116,12 @@ def record_of(kind: str) -> LoadRecord | None:
     """What a kind of load records; None if it has none or is not known."""
     registered = registry.kinds("load").get(kind)
     return registered.leaf.record if registered is not None else None
+
+
+def named_in_results(kind: str) -> bool:
+    """True if results and expressions know a load of this kind by its name."""
+    registered = registry.kinds("load").get(kind)
+    return registered is not None and (registered.leaf.record is not None or bool(registered.leaf.quantities))
 
 
 # ---------------------------------------------------------------- what the names stand for
@@ -142,24 +161,42 @@ def _of_load(owner: str, load: Load, record: LoadRecord, key: str) -> dict[str, 
 
 
 def forces(loads: Mapping[str, Load]) -> tuple[dict[str, Node], dict[str, str]]:
-    """`<load>.force` of every load with a record, as expressions, and their units."""
+    """What a run records of loads: `<load>.force`, `<load>.slack`, quantities of kinds; expressions and their units."""
     nodes: dict[str, Node] = {}
     units: dict[str, str] = {}
     for name, load in loads.items():
-        record = record_of(load.kind)
-        if record is None:
+        leaf = registry.kinds("load")[load.kind].leaf
+        if leaf.record is None and not leaf.quantities:
             continue
-        fields = registry.kinds("load")[load.kind].fields
-        keys = [key for key, field in fields.items() if field.shape != "connect"]
-        own = load.values[len(load.values) - len(keys) :]
-        parts = {
-            key: value if not isinstance(value, float | int) else Number(value, 0)
-            for key, value in zip(keys, own, strict=True)
-        }
-        where = _between(name, record.coordinate, load.a, load.b, 0.0, "")
-        parts |= {key.partition(".")[2]: node for key, node in where.items()}
-        nodes[f"{name}.force"], units[f"{name}.force"] = replaced(_tree(record.force), parts), record.unit
+        parts = {**_state_between(load.a, load.b, 0.0), **_fields_of(load)}
+        for key, quantity in leaf.quantities.items():
+            nodes[f"{name}.{key}"], units[f"{name}.{key}"] = _filled(quantity.formula, parts), quantity.unit
+        if leaf.record is not None:
+            where = _between(name, leaf.record.coordinate, load.a, load.b, 0.0, "")
+            parts |= {key.partition(".")[2]: node for key, node in where.items()}
+            for key, (text, unit) in _texts(load, leaf.record).items():
+                nodes[f"{name}.{key}"], units[f"{name}.{key}"] = _filled(text, parts), unit
     return nodes, units
+
+
+def _texts(load: Load, record: LoadRecord) -> dict[str, tuple[str, str]]:
+    """What is recorded of a load with a record, over its fields and its coordinate, and in which units."""
+    if load.slack is None or record.one_sided is None:
+        return {"force": (record.force, record.unit)}
+    force = f"({record.force})*(1 - {record.one_sided.flag}) + 0"  # not -0
+    return {"slack": (record.one_sided.slack, ""), "force": (force, record.unit)}
+
+
+def _fields_of(load: Load) -> dict[str, Node]:
+    """Values of the fields of a load by name; those of three numbers by `<field>.x .y .angle`."""
+    shapes = {key: field.shape for key, field in registry.kinds("load")[load.kind].fields.items()}
+    parts: dict[str, Node] = {}
+    for key, values in load.fields.items():
+        names = [f"{key}.{part}" for part in ("x", "y", "angle")] if shapes[key] == "triple" else [key]
+        if shapes[key] == "triple" or shapes[key] not in NUMBERS:
+            pairs = zip(names, values, strict=True)
+            parts |= {part: value if isinstance(value, Node) else Number(value, 0) for part, value in pairs}
+    return parts
 
 
 def ordered(
@@ -183,24 +220,57 @@ def _tree(text: str) -> Node:
     return parse(text)
 
 
+def _filled(text: str, parts: Mapping[str, Node]) -> Node:
+    """A formula with its names replaced, without what the rest of the ground leaves of it."""
+    stack: list[Node] = []
+    for part in walk(_tree(text)):
+        if isinstance(part, Apply):
+            operands = stack[-len(part.operands) :]
+            del stack[-len(operands) :]
+            stack.append(_at_rest(part.name, operands) or replace(part, operands=tuple(operands)))
+        else:
+            stack.append(parts.get(part.name, part) if isinstance(part, Name) else part)
+    return stack[0]
+
+
+def _at_rest(name: str, operands: list[Node]) -> Node | None:
+    """What an operation comes to where an operand is NOTHING or WHOLE; None if it has to be done."""
+    first, last = operands[0], operands[-1]
+    if name == "*" and (first is NOTHING or last is NOTHING):
+        return NOTHING
+    if name == "*" and (first is WHOLE or last is WHOLE):
+        return last if first is WHOLE else first
+    if name in ("+", "-") and last is NOTHING:
+        return first
+    if name == "+" and first is NOTHING:
+        return last
+    return {"sin": NOTHING, "cos": WHOLE}.get(name) if first is NOTHING else None
+
+
 def _point(point: Point, axis: str) -> Node:
     """A coordinate of a point, or of its velocity."""
     x, y = point.at
     if point.body == "ground":
-        return Number({"x": x, "y": y}.get(axis, 0.0), 0)
+        return Number({"x": x, "y": y}[axis], 0) if axis in ("x", "y") else NOTHING
     state = {f"B.{key}": Name(f"{point.body}.{key}", 0) for key in STATE}
     return replaced(_tree(POINT[axis][1]), {**state, "px": Number(x, 0), "py": Number(y, 0)})
 
 
 def _between(owner: str, coordinate: str, a: Point, b: Point, axis: float, key: str) -> dict[str, Node]:
     """The coordinate between two points and its rate, by name; only that of `key` if it is not empty."""
+    parts = _state_between(a, b, axis)
+    wanted = [entry for entry in COORDINATES[coordinate] if key in ("", entry[0])]
+    return {f"{owner}.{name}": _filled(text, parts) for name, _, text in wanted}
+
+
+def _state_between(a: Point, b: Point, axis: float) -> dict[str, Node]:
+    """What formulas between two points are over: the state of A and B, the points, the direction of a line."""
     parts: dict[str, Node] = {"axis": Number(axis, 0)}
     for letter, point in (("A", a), ("B", b)):
         ground = point.body == "ground"
-        parts |= {f"{letter}.{name}": Number(0.0, 0) if ground else Name(f"{point.body}.{name}", 0) for name in STATE}
+        parts |= {f"{letter}.{name}": NOTHING if ground else Name(f"{point.body}.{name}", 0) for name in STATE}
         parts |= {f"{letter.lower()}.{name}": _point(point, name) for name in POINT}
-    wanted = [entry for entry in COORDINATES[coordinate] if key in ("", entry[0])]
-    return {f"{owner}.{name}": replaced(_tree(text), parts) for name, _, text in wanted}
+    return parts
 
 
 def used_names(*trees: Iterable[object]) -> set[str]:

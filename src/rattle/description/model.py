@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import Any, TypeVar, overload
 
 import numpy as np
@@ -350,9 +351,12 @@ class Driver:
         return f"joint '{self.joint}'" if self.point is None else f"body '{self.point.body}'"
 
 
+NUMBERS = {"connect": 4, "point": 2, "pair": 2, "triple": 3, "body": 0}  # of a field of this shape, if not one
+
+
 @dataclass(frozen=True)
 class Load:
-    """A load: values [SI] in the order of the kind's fields, without its points."""
+    """A load: values [SI] in the order of the kind's fields, with those of its points."""
 
     name: str
     kind: str
@@ -361,6 +365,13 @@ class Load:
     values: tuple[Value, ...]
     points: bool  # the kernel takes the points before the values
     law: Callable[..., object] | None = None
+    slack: Node | None = None  # that of the values which says that it is slack: it changes with the motion alone
+
+    @property
+    def fields(self) -> dict[str, tuple[Value, ...]]:
+        """Its values [SI] by the name of their field."""
+        left, fields = iter(self.values), registry.kinds("load")[self.kind].fields
+        return {key: tuple(islice(left, NUMBERS.get(field.shape, 1))) for key, field in fields.items()}
 
 
 @dataclass(frozen=True)
@@ -428,6 +439,17 @@ class Initial:
     """x, y [m] and angle [rad] per body of a start on whose branch, and in whose turn, this one is looked for."""
     near_shut: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """The same of the mechanism without play."""
+    held: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """What of `bodies` was not given: places of bodies that loads hold, see `assembly.held_bodies`."""
+
+    def given(self, body: str) -> set[str]:
+        """Which of x, y and angle of a body the user gave."""
+        return {"x", "y", "angle"} & self.bodies.get(body, {}).keys() - self.held.get(body, {}).keys()
+
+    def with_places(self, places: Mapping[str, Mapping[str, float]]) -> Initial:
+        """The same with places of such bodies, where none are given."""
+        filled = {name: {**place, **self.bodies.get(name, {})} for name, place in places.items()}
+        return replace(self, bodies={**self.bodies, **filled}, held={**self.held, **places})
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ class FieldReader:
         if key not in table and field.default is REQUIRED:
             unit = f" [{field.unit}]" if field.unit else ""
             self.values.wrong(path, field.missing or f"needs {key}: {field.meaning}{unit}")
-            return (math.nan, math.nan) if field.shape == "pair" else math.nan
+            return (math.nan,) * MANY[field.shape] if field.shape in MANY else math.nan
         if key not in table:
             default = field.default(read) if callable(field.default) else field.default
             if field.function_of:
@@ -224,6 +224,16 @@ def _constant(values: Values, field: Field, written: object, path: Path) -> floa
     return math.nan
 
 
+def _triple(values: Values, field: Field, written: object, path: Path) -> tuple[float, ...]:
+    """Three numbers [SI], along x, along y and of the angle; nan after a problem."""
+    units = (field.unit, field.unit, field.turning)
+    if not isinstance(written, list | tuple) or len(written) != len(units):
+        values.wrong(path, f"expected [x, y, angle] in {', '.join(units)}, got {quoted(written)}")
+        return (math.nan,) * len(units)
+    parts = zip(written, units, strict=True)
+    return tuple(values.value(part, unit, (*path, n), field.least) for n, (part, unit) in enumerate(parts))
+
+
 def _each(values: Values, field: Field, written: object, path: Path) -> list[float]:
     """Two numbers [SI], one of each part; nan after a problem."""
     if not isinstance(written, list | tuple) or len(written) != 2:
@@ -285,6 +295,7 @@ def _version(values: Values, field: Field, written: object, path: Path) -> None:
 OWN = (  # shapes that depend on other parts of the model: of expressions on names, of joints on their kind
     "contact", "coordinate", "ends", "expression", "joint", "own friction", "place", "stop",
 )  # fmt: skip
+MANY = {"pair": 2, "triple": 3}  # shapes of several numbers, and how many
 SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers
     "choice": _choice,
     "constant": _constant,
@@ -307,6 +318,7 @@ SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all sh
     "text": _text,
     "texts": _texts,
     "title": _title,
+    "triple": _triple,
     "version": _version,
 }
 

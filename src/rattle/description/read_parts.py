@@ -28,7 +28,7 @@ from rattle.description.read_contact import (
     site_of_one_sided,
     site_of_stop,
 )
-from rattle.description.read_fields import FieldReader
+from rattle.description.read_fields import MANY, FieldReader
 from rattle.description.read_friction import joint_friction, rolling_friction
 from rattle.description.read_plates import read_plate
 from rattle.description.read_values import Values, is_computable, quoted
@@ -39,6 +39,7 @@ from rattle.errors import suggest
 from rattle.interfaces.contacts import ClearanceKind, Corners
 from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import DriverKind, JointKind
+from rattle.interfaces.loads import LoadKind
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
@@ -428,14 +429,26 @@ class Parts(FieldReader):
                 b = self._place(field, key, table, path)
                 points = field.shape == "point"
                 written += b.at if points else ()
-            elif field.shape == "pair":
+            elif field.shape in MANY:
                 written += self.field(field, key, table, {}, path)
             else:
                 with self.values.within(local_names(field, a, b)):
                     written.append(self.field(field, key, table, {}, path))
             if field.turns and len(self.values.problems) == before and not self.broken_joints:
                 self._can_turn(a, b, (*path, key))
-        self.loads[name] = Load(name, kind.name, a, b, tuple(written), points)
+        slack = self._slack(name, kind.leaf, table)
+        if slack is not None:
+            written[-1] = slack
+        self.loads[name] = Load(name, kind.name, a, b, tuple(written), points, None, slack)
+
+    @staticmethod
+    def _slack(name: str, leaf: type[LoadKind], table: Table) -> Node | None:
+        """What the kernel takes in place of a flag that lets a load act under a condition only; None if it is not set.
+
+        The flag is the last field.
+        """
+        one_sided = leaf.record.one_sided if leaf.record is not None else None
+        return Name(f"{name}.slack", 0) if one_sided is not None and table.get(one_sided.flag) is True else None
 
     def _can_turn(self, a: Point, b: Point, path: Path) -> None:
         """Refuse two bodies that cannot turn against each other, and two that nothing holds."""

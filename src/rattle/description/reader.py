@@ -7,7 +7,7 @@ from dataclasses import fields
 
 from rattle import registry
 from rattle.description.changes import NAMED
-from rattle.description.coordinates import declare, definitions, forces, ordered, record_of, used_names
+from rattle.description.coordinates import declare, definitions, forces, named_in_results, ordered, used_names
 from rattle.description.massless import require_mass_at_contacts
 from rattle.description.model import Driver, Initial, Model, Settings, Vector
 from rattle.description.read_fields import FieldReader
@@ -74,7 +74,7 @@ def _read(document: Table, values: Values) -> Model:
     """The whole model; it is valid only if no problem was found."""
     title = _header(document, values)
     tables = {key: _named(values, document, key) for key in NAMED}
-    recording = {name: load for name, load in tables["loads"].items() if record_of(str(load.get("type")))}
+    recording = {name: load for name, load in tables["loads"].items() if named_in_results(str(load.get("type")))}
     others = {key: document.get(key, {}) for key in ("signals", "states")}
     _one_namespace(values, {**tables, "loads": recording, **others})
     read_tables(values, document, early=True)

@@ -126,6 +126,8 @@ def _names() -> Topic:
     lines += [
         "<load>.angle [rad] .rate [rad/s] .torque [N*m] .power [W] of a torsion spring or motor; also .length .force"
     ]
+    lines += ["<load>.slack of a spring with tension_only: 1 where it is slack, 0 elsewhere"]
+    lines += ["<load>.fx .fy [N] .torque [N*m] of a bushing: on its second body at its point, in the ground frame"]
     lines += [
         "t [s]: the time",
         "pi",

@@ -46,6 +46,11 @@ def vector(unit: str, meaning: str) -> Schema:
     return {**array({"type": ["number", "string"]}, 2, 2), "description": f"{meaning} [x, y] [{unit}]"}
 
 
+def triple(units: tuple[str, str, str], meaning: str, least: str) -> Schema:
+    part: Schema = {"type": ["number", "string"], **({"minimum": 0} if least == "not negative" else {})}
+    return {**array(part, 3, 3), "description": f"{meaning} [x, y, angle] [{', '.join(units)}]"}
+
+
 def points(meaning: str) -> Schema:
     return {"type": "object", "additionalProperties": vector("m", "position"), "description": meaning}
 
@@ -110,6 +115,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     ),
     "texts": lambda field: array({"type": "string"}, 2, 2),
     "title": lambda field: {"type": "string"},
+    "triple": lambda field: triple((field.unit, field.unit, field.turning), field.meaning, field.least),
     "version": lambda field: {"const": 1},
 }
 

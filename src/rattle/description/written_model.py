@@ -51,7 +51,8 @@ class WrittenModel(Building):
             raise (model_file.point_out(error, self._text) if self._text else error) from None
         if not self._near:
             return model
-        return replace(model, initial=replace(model.initial, near=self._near, near_shut=self._near_shut))
+        initial = replace(model.initial, near=self._near, near_shut=self._near_shut)
+        return replace(model, initial=initial.with_places(self._held))
 
     @property
     def name(self) -> str:
@@ -181,6 +182,7 @@ class WrittenModel(Building):
         own = {"parameters": copied(self._document.get("parameters", {}))} if shared else copied(self._document)
         changed._document, changed._text, changed._file = self._document | own, self._text, self._file
         changed._changes, changed._near, changed._near_shut = list(self._changes), self._near, self._near_shut
+        changed._held = self._held
         for name, value in asked.items():
             if not isinstance(name, str):
                 raise WrongType(f"expected the name of a parameter or entry, as in {{'r3': '2 mm'}}; got {name!r:.60}")

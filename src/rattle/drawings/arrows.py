@@ -121,13 +121,18 @@ def _straight_ones(
     own = [(f, "black") for part in joints for f in _of_joint(sheet, part, pulls=False)]
     own += [(f, "red") for part in joints for f in _of_joint(sheet, part, pulls=True)]
     other = [f for part in loads if part.form.get("coordinate") == "length" for f in _of_load(sheet, part)]
+    other += [
+        _Force(part.at(1), sheet.curve(f"{part.name}.fx"), sheet.curve(f"{part.name}.fy"))
+        for part in loads
+        if {"fx", "fy"}.issubset(part.form.get("quantities", ()))
+    ]
     other += [_along(sheet, part, name) for name, part in driven if "axis" in part.form]
     sizes = [_sizes(f for f, _ in own), _sizes(other)]
     usual = sheet.usual(USUAL, *sizes[0], *sizes[1])
     for force, colour in [*own, *((f, "green") for f in other)]:
         way = stretched(sheet, force.x, force.y, usual, (LONG * sheet.side, MOST))
         straight(sheet, force.at, way, Style(colour), force.when)
-    titles = (("joint, on its second body", "black"), ("spring, actuator", "green"))
+    titles = (("joint, on its second body", "black"), ("spring, bushing, actuator", "green"))
     return [_scale(sheet, usual, some, *words) for some, words in zip(sizes, titles, strict=True) if some]
 
 

@@ -450,14 +450,15 @@ def _loads(
     live: list[tuple[int, int]] = []
     for name, load in model.loads.items():
         tag = registry.kinds("load")[load.kind].tag
-        start, before = len(values), len(live)
+        start, changes = len(values), False
         for n, value in enumerate(packed(load.values)):
             if isinstance(value, float | int):
                 values.append(value)
             else:
                 live.append((programs.add(value, f"loads.{name} (value {n + 1})"), len(values)))
                 values.append(0.0)
-        entries.append((tag, number[load.a.body], number[load.b.body], start, int(len(live) > before)))
+                changes = changes or value is not load.slack
+        entries.append((tag, number[load.a.body], number[load.b.body], start, int(changes)))
     return entries, live
 
 

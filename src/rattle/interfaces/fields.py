@@ -32,8 +32,9 @@ class Field:
     """One key that the user writes for a kind, or in a table of the model file.
 
     unit: SI unit of the number, "" for a plain number or angle.  meaning: a few words for help and documentation.
-    shape: number | pair | point ("body.point") | body | joint | connect | choice | flag (true, false) | material; in
-    tables also those of `rattle.description.read_fields.SHAPES`.
+    turning: unit of the last of three numbers, an angle or of an angle, where the shape is "triple".
+    shape: number | pair | triple | point ("body.point") | body | joint | connect | choice | flag (true, false) |
+    material; in tables also those of `rattle.description.read_fields.SHAPES`.
     live: the value may be an expression in t, state and signals, evaluated at every instant.
     least: "positive" or "not negative" if the number is limited.
     default: a number in SI units, or a function of the fields read so far; REQUIRED if the key must be given, None if
@@ -58,6 +59,7 @@ class Field:
     turns: bool = False
     function_of: str = ""
     of_unit: str = "rad"
+    turning: str = ""
     missing: str = ""
     like: str = ""
     fewest: int = 0

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from rattle.jit import layout as at
+from rattle.jit.choices import TINY, assume
 from rattle.jit.functions import compiled
 
 COINCIDENT = 1e-150  # distance [m] below which points have no direction: its square is near the least number
+AHEAD = 1e-100  # [s] after which coincident points have a direction, if they move: no other distance is changed by it
 
 
 @compiled
@@ -38,6 +40,19 @@ def ends(body, a, b, p, k):
     ddx = body[b, at.VX] - wb * sby - body[a, at.VX] + wa * say
     ddy = body[b, at.VY] + wb * sbx - body[a, at.VY] - wa * sax
     return sax, say, sbx, sby, dx, dy, ddx, ddy
+
+
+@compiled
+def line_of(dx, dy, ddx, ddy):
+    """Unit vector along d [m] and its length [m], from d and its rate d' [m/s], x and y each.
+
+    Coincident points part along d': their line is that of an instant later, and a zero vector if they rest.
+    """
+    assume(dx * dx + dy * dy > TINY)
+    dx, dy = dx + AHEAD * ddx, dy + AHEAD * ddy
+    length = math.sqrt(dx * dx + dy * dy)
+    inv = 1.0 / (length + COINCIDENT)
+    return dx * inv, dy * inv, length
 
 
 @compiled

@@ -6,7 +6,6 @@ bush centre, and of a block the component across its guide.  Its travel along th
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.description.coordinates import record_of
-from rattle.description.model import Joint, Load, Model, Value
+from rattle.description.model import NUMBERS, Joint, Load, Model, Value
 from rattle.equations.contact_table import contact_labels
 from rattle.equations.system import System, joint_rows
 from rattle.interfaces.joints import JointKind
@@ -337,13 +336,14 @@ def _form_of_contact(joint: Joint) -> dict[str, Any]:
 
 def _form_of_load(load: Load) -> dict[str, Any]:
     """What a drawing needs of a load."""
-    record = record_of(load.kind)
+    record, quantities = record_of(load.kind), registry.kinds("load")[load.kind].leaf.quantities
     return {
         "type": load.kind,
         "bodies": [load.a.body, load.b.body],
         "points": [list(load.a.at), list(load.b.at)],
         "fields": numbers(load_fields(load)),
         **({"coordinate": record.coordinate, "power": record.power} if record else {}),
+        **({"quantities": [*quantities]} if quantities else {}),
     }
 
 
@@ -378,14 +378,6 @@ def numbers(fields: Tree) -> dict[str, Any]:
 
 
 def load_fields(load: Load) -> dict[str, Value | str]:
-    """Values of a load [SI] by the name of their field; those of fields with two values are left out."""
-    fields: dict[str, Value | str] = {}
-    left = iter(load.values)
-    for key, field in registry.kinds("load")[load.kind].fields.items():
-        taken = list(itertools.islice(left, WIDTHS.get(field.shape, 1)))
-        if field.shape not in WIDTHS and taken:
-            fields[key] = taken[0]
-    return fields
-
-
-WIDTHS = {"connect": 4, "point": 2, "pair": 2, "body": 0}  # numbers of a load's field of this shape, if not one
+    """Values of a load [SI] by the name of their field; those of fields with several values are left out."""
+    kind = registry.kinds("load")[load.kind]
+    return {key: values[0] for key, values in load.fields.items() if kind.fields[key].shape not in NUMBERS}

@@ -56,6 +56,7 @@ class LoadForm(TypedDict):
     fields: NotRequired[dict[str, float | list[float]]]
     coordinate: NotRequired[str]
     power: NotRequired[float]
+    quantities: NotRequired[list[str]]
 
 
 class BodyForm(TypedDict):

@@ -9,7 +9,8 @@ Both take functions as they are (sine, power ...): derive first, `elementary.low
 like any other, so it can be derived again.  Zeros are folded and common parts shared, between directions too.
 
 At a switch the derivative is that of the branch that the value comes from (abs: of x at 0); what a branch that is not
-taken would give, infinite or nan, goes nowhere.  At a singular point (sqrt at 0) the formula holds: inf or nan.
+taken would give, infinite or nan, goes nowhere.  At a singular point (sqrt at 0) the formula holds: inf or nan; but
+a length (hypot) at 0 whose operands do not change does not change.
 
 Source: Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 3 (both modes).
 """
@@ -20,6 +21,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from rattle.errors import TraceError
 from rattle.jit.functions import KernelFunction
+from rattle.language.functions_of_two import HYPOT
 from rattle.language.operations import OPERATIONS
 from rattle.language.recorded import Flag, Operand
 from rattle.trace.graph import FLAGS, Graph, Symbol, select
@@ -280,11 +282,17 @@ def _by_partial(partial: KernelFunction) -> Rule:
     return lambda v, x, r: v * COPIES.of(partial.python)(x[0], x[1], r)
 
 
+def _if_moving(rule: Rule) -> Rule:
+    """A rule that has no value somewhere, as that of a length at 0, and does not count there while nothing changes."""
+    return lambda v, x, r: select(r.graph.apply("equal", v, 0.0), 0.0, rule(v, x, r))
+
+
 COPIES = Copies()
 RECORDED = [record for record in OPERATIONS.values() if record.recorded]
 RULES: dict[str, tuple[Rule, ...]] = {
     **{record.recorded: _by_slope(record.slope) for record in RECORDED if record.slope is not None},
     **{record.recorded: tuple(map(_by_partial, record.partials)) for record in RECORDED if record.partials},
+    "hypot": tuple(_if_moving(_by_partial(partial)) for partial in HYPOT.partials),
     "add": (lambda v, x, r: v, lambda v, x, r: v),
     "sub": (lambda v, x, r: v, lambda v, x, r: -v),
     "mul": (lambda v, x, r: v * x[1], lambda v, x, r: v * x[0]),

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.computable import not_finite, require_digits
+from rattle.analyses.assembly.held_bodies import with_held_bodies
 from rattle.analyses.assembly.loop_map import loop_map
 from rattle.analyses.assembly.outside import least_gaps, outside
 from rattle.analyses.assembly.pins import held_pins, holds_by_contacts, play_arrays, pressed, undetermined, with_play
@@ -129,6 +130,10 @@ def put_together(model: Model) -> System:
 
     Raises AssemblyError if the mechanism cannot be put together, or points are not at the distance that a joint needs.
     """
+    return _put_together(with_held_bodies(model, _put_together, lambda system: consistent_start(system, 0.0).q))
+
+
+def _put_together(model: Model) -> System:
     counting = [name for name, joint in model.joints.items() if joint.from_start]
     if not counting:
         return compile_system(model)

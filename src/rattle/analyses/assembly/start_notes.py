@@ -14,7 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.analyses.assembly.coincident_ends import without_direction
 from rattle.analyses.assembly.computable import finite
+from rattle.analyses.assembly.held_bodies import held_by_loads, placed_nearby
 from rattle.analyses.assembly.outward import ways_outward
 from rattle.analyses.assembly.rank import RANK, free_motions, scaled_rows
 from rattle.analyses.assembly.searching import first_guess
@@ -31,6 +33,7 @@ MOST_NAMED = 6  # joints that are named one by one, at most
 MOST_VALUES = 3  # values that a result names, at most
 SEEN = 1e-6  # least change that is reported [rad, mechanism sizes, share of the rates]
 NOTHING = 1e-12  # share of its measure below which a value is rounding, and shown as 0
+FAR = 1e-3  # the same of a body that loads hold and that given angles, which may be rounded, have moved
 SHAKE = 1e-3  # displacement along the joints' freedoms [rad, mechanism sizes]
 GUESS = math.radians(60)  # up to which an angle that selects a closing is a rough guess
 ROUGH = math.radians(10)  # the same of an angle that could have been kept if others had not been given
@@ -61,7 +64,7 @@ class StartNotes(NamedTuple):
     """What is said of a start."""
 
     all: tuple[str, ...]  # every change
-    brief: tuple[str, ...]  # at most one line on changes, and bodies that nobody has placed
+    brief: tuple[str, ...]  # at most one line on changes, bodies that nobody has placed, forces without direction
 
 
 def start_notes(system: System, shut: System, t: float, q: np.ndarray, v: np.ndarray) -> StartNotes:
@@ -70,7 +73,7 @@ def start_notes(system: System, shut: System, t: float, q: np.ndarray, v: np.nda
     shut: the mechanism without play; t: [s]; q, v: (3 nb,) assembled positions [m, m, rad] and rates [m/s, m/s, rad/s].
     """
     changes = _changes(system, shut, t, q, v)
-    adrift = _adrift(system, t, q)
+    adrift = [*_adrift(system, t, q), *without_direction(system, t, q, v)]
     return StartNotes(
         (*_lines(changes), *adrift), (*_one_line([change for change in changes if change.matters]), *adrift)
     )
@@ -191,28 +194,39 @@ def _freed_by_play(system: System, t: float, q: np.ndarray, v: np.ndarray) -> Pl
 def _adrift(system: System, t: float, q: np.ndarray) -> list[str]:
     """Bodies that no joint, driver or given value places, if closing the joints has moved them.
 
+    Those that loads hold to the ground are named too where only given angles have moved them.
     q: (3 nb,) positions at t [s].
     """
     reached = {body for body, _, _ in ways_outward(system)}
-    loose = [n for n, name in enumerate(system.bodies) if name not in reached]
+    resting = {name: place for name, place in held_by_loads(system, q).items() if not placed_nearby(system.model, name)}
+    loose = [name for name in system.bodies if name not in reached or name in resting]
     if not loose or system.row_count > LARGE:
         return []
     guess, wanted = first_guess(system, t), given_values(system, 0)
+    for name, place in resting.items():
+        guess[_places_of(system, name)] = [place[key] for key in KEYS[0]]
     size = np.tile([system.size, system.size, 1.0], system.body_count)
-    moved = np.abs(q - guess) > SEEN * size
+    moved, far = (np.abs(q - guess) > least * size for least in (SEEN, FAR))
     workspace = system.workspace()
     open_by(workspace, t, q, np.zeros_like(q))
     fixed = np.eye(len(q))[~np.isnan(wanted)]
     open_ = np.abs(free_motions(np.vstack([scaled_rows(system, workspace), fixed]))).max(axis=0, initial=0.0) > SEEN
     texts = []
-    for n in loose:
-        places = list(range(3 * n, 3 * n + 3))
-        if np.isnan(wanted[places]).all() and (moved & open_)[places].any():
+    for name in loose:
+        places = _places_of(system, name)
+        elsewhere = far[places] if name in resting else (moved & open_)[places]
+        if not system.model.initial.given(name) and elsewhere.any():
             x, y, angle = q[places].tolist()
-            texts.append(f"{system.bodies[n]} to x = {x:.6g} m, y = {y:.6g} m, angle = {math.degrees(angle):.6g} deg")
+            texts.append(f"{name} to x = {x:.6g} m, y = {y:.6g} m, angle = {math.degrees(angle):.6g} deg")
     if not texts:
         return []
     return [f"closing the joints moved {'; '.join(texts)}, which nothing places: give x, y and angle in [initial]"]
+
+
+def _places_of(system: System, body: str) -> slice:
+    """Where the coordinates of a body stand."""
+    n = 3 * system.bodies.index(body)
+    return slice(n, n + 3)
 
 
 def _freedom(system: System, t: float, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

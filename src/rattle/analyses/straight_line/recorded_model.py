@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -157,7 +157,8 @@ def _counting(model: Model, system: System, recorder: Recorder) -> Model:
         name: tuple(recorder.number(value, symbol=recorder.graph.input()) for value in each)
         for name, each in constants_of(system.model).items()
     }
-    return with_constants(model, constants)
+    initial = model.initial.with_places(system.model.initial.held)
+    return with_constants(replace(model, initial=initial), constants)
 
 
 def _dependent(recorded: System, chosen: Sequence[str]) -> dict[str, Operand]:

@@ -106,7 +106,8 @@ class Starts:
     def _beside(self, model: Model) -> Model:
         """A model whose start is on the branch of the recorded one."""
         near, shut = self._near
-        return replace(model, initial=replace(model.initial, near=near, near_shut=shut))
+        initial = replace(model.initial, near=near, near_shut=shut)
+        return replace(model, initial=initial.with_places(self.model.system.model.initial.held))
 
     @cached_property
     def _near(self) -> tuple[Places, Places]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from rattle.elements.custom.law_kernel import Law
 from rattle.jit import layout as at
 from rattle.jit.families import Kind
-from rattle.jit.geometry import COINCIDENT, ends
+from rattle.jit.geometry import ends, line_of
 from rattle.registry import Field
 from rattle.value_types import Floats as Array
 
@@ -50,9 +50,7 @@ def _on_body(law: Law, fields: Law) -> Law:
 def _along_line(law: Law, fields: Law) -> Law:
     def run(t: float, body: Array, a: int, b: int, p: Array, k: int, force: Array, energy: Array) -> None:
         sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
-        length = math.sqrt(dx * dx + dy * dy)
-        inv = 1.0 / length if length > COINCIDENT else 0.0  # coincident ends: no direction, no force
-        nx, ny = dx * inv, dy * inv
+        nx, ny, length = line_of(dx, dy, ddx, ddy)  # zero where the ends coincide and rest: no direction, no force
         kept = force[b, at.X]
         force[b, at.X] = math.nan
         try:

@@ -6,13 +6,10 @@ power F l', l = |d|, from outside                                               
 
 from __future__ import annotations
 
-import math
-
 from rattle.interfaces.loads import LoadKind, LoadRecord
 from rattle.jit import layout as at
-from rattle.jit.choices import assume
 from rattle.jit.functions import kernel
-from rattle.jit.geometry import COINCIDENT, ends
+from rattle.jit.geometry import ends, line_of
 from rattle.registry import Field, kind
 
 
@@ -20,9 +17,8 @@ from rattle.registry import Field, kind
 def actuator(t, body, a, b, p, k, force, energy):
     """Add F [N] on both bodies and its power [W]; p[k:] = two points [m], F."""
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
-    length = math.sqrt(dx * dx + dy * dy)
-    inv = 1.0 / length if assume(length > COINCIDENT) else 0.0  # coincident ends: no direction, no force
-    fx, fy = p[k + 4] * dx * inv, p[k + 4] * dy * inv
+    nx, ny, _length = line_of(dx, dy, ddx, ddy)  # zero where the ends coincide and rest: no direction, no force
+    fx, fy = p[k + 4] * nx, p[k + 4] * ny
     force[a, at.X] -= fx
     force[a, at.Y] -= fy
     force[a, at.PHI] -= sax * fy - say * fx

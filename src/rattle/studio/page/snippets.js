@@ -38,6 +38,7 @@ export const SNIPPETS = [
   ["slider", "a point slides along a line, its body does not turn", joint("slide", "prismatic")],
   ["driver", "a joint whose angle follows time", driver],
   ["spring", "a spring between two points", named("loads", "spring", (root) => ['type = "spring"', `connect = ${between(root)}`, 'stiffness = "1 kN/m"'])],
+  ["bushing", "rubber between two points: along x, along y, and for the angle", named("loads", "mount", (root) => ['type = "bushing"', `connect = ${between(root)}`, 'stiffness = ["100 kN/m", "100 kN/m", "100 N*m/rad"]'])],
   ["force", "a force at a point", named("loads", "force", (root) => ['type = "force"', `at = "${lastPoint(root)}"`, 'force = ["10 N", "0 N"]'])],
   ["play in a joint", "clearance of a pin and what happens in it", play],
   ["parameter", "a dimension that becomes a knob", parameter],
