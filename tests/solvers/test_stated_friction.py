@@ -175,3 +175,22 @@ initial.bead = { x = 0.1, vy = 0.4 }
     r = rt.loads(far).simulate(0.4, t_eval=[0, 0.4], **FINE)
     at_rest = 1 / (0.5 * 16)
     assert r["rail.position"][-1] == pytest.approx(at_rest + (0.2 - at_rest) * np.cosh(4 * 0.4), rel=1e-9)
+
+
+def test_a_jerk_sets_a_held_slider_going() -> None:
+    """1 kg at 3 m/s jerks a rope to 2 kg that 3 N hold: 1 m/s together, then 1 s and 0.5 m to rest."""
+    text = """
+format = 1
+gravity = [0, 0]
+ground.points = { O = [0, 0] }
+bodies.a = { points = { P = [0, 0] }, mass = 2, inertia = 1 }
+bodies.b = { points = { P = [0, 0] }, mass = 1, inertia = 1 }
+joints.rail = { type = "prismatic", connect = ["ground.O", "a.P"], axis = 0, friction = { force = "3 N" } }
+joints.rope = { type = "rod", connect = ["a.P", "b.P"], stop = { max = 1 } }
+initial.a = { x = 0 }
+initial.b = { x = 0.4, vx = 3 }
+"""
+    r = rt.loads(text).simulate(2.0, t_eval=[0, 0.2, 0.7, 1.2, 2.0], **FINE)
+    assert r["a.x"] == pytest.approx([0, 0, 0.375, 0.5, 0.5], abs=1e-10)
+    assert r["b.x"] == pytest.approx([0.4, 1.0, 1.375, 1.5, 1.5], abs=1e-10)
+    assert r["energy.dissipated"][-1] == pytest.approx(4.5, abs=1e-10)

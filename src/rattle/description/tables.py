@@ -284,7 +284,12 @@ WHOLE_BODIES = Field(
 )  # of kinds without points
 BODY_TO_DRIVE = Field("", "what is driven", shape="place")
 JOINT_TO_DRIVE = Field("", "the joint that is driven", shape="joint", missing="needs joint: the joint to drive")
-JOINT_FRICTION = Field("", "friction without play: by its own reaction, or a stated size", None, shape="own friction")
+JOINT_FRICTION = Field(
+    "",
+    "friction without play: by its own reaction (mu or a law), or stated, { torque } or { force }",
+    None,
+    shape="own friction",
+)
 JOINT = Form(
     {
         "connect": ENDS,

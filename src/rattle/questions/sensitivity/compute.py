@@ -138,7 +138,11 @@ def _recorded(document: Tree, system: System, begin: Assembled, parameters: Sequ
         model = record_model(document, system, begin, parameters)
     except TraceError as error:
         remedy = ""
-        if stopped := [f"joints.{name}.stop" for name, joint in system.model.joints.items() if joint.stop is not None]:
+        joints = system.model.joints.items()
+        stopped = [
+            f"joints.{name}{'' if joint.held_by_stops else '.stop'}" for name, joint in joints if joint.stop is not None
+        ]
+        if stopped:
             remedy = f"; take derivatives of the mechanism without stops (set {', '.join(stopped)} to None), or compare"
             remedy += " two runs with set()"
         elif len(system.arrays["contact"]):
