@@ -38,7 +38,7 @@ def test_these_examples_are_shipped():
         "torque_converter", "torque_converter_epicyclic", "planetary", "rolling_cart", "jansen_leg", "double_wishbone",
         "geneva", "scissor_lift", "door_closer", "ratchet", "piston_engine", "stick_slip",
         "drawer", "cam_lift_off", "gear_rattle", "belt_drive", "slider_crank_oil", "journal_falls", "stribeck",
-        "rotor_whirl", "fourbar_oil", "slider_crank_worn",
+        "rotor_whirl", "fourbar_oil", "slider_crank_worn", "dominoes", "marble_run", "rimless_wheel", "step_ladder",
     }  # fmt: skip
 
 

@@ -345,3 +345,73 @@ def test_oiled_pin_loses_what_petroff_says_and_a_little_more_beside_one_that_rat
     oil = float(np.trapezoid(r["O2.friction_power"], r.t))
     assert lost + oil < r["energy.dissipated"][-1] < 1.02 * (lost + oil)  # impacts squeeze the film for microseconds
     assert r.trust.energy_balance < 1e-4 * r["energy.kinetic"].max()
+
+
+# ---------------------------------------------------------------- on surfaces
+def test_rimless_wheel_walks_at_the_rate_of_its_fixed_point():
+    """w+ = eta w-, and the slope gives m g l (cos(a - b) - cos(a + b)) from one foot to the next."""
+    m = rt.example("rimless_wheel")
+    r = m.simulate("20 s")
+    inertia, mass, arm, half, slope = m.model.bodies["wheel"].inertia, 2.0, 0.3, math.radians(22.5), math.radians(4)
+    about_foot = inertia + mass * arm**2
+    eta = (inertia + mass * arm**2 * math.cos(2 * half)) / about_foot
+    gained = 4 * mass * G * arm * math.sin(half) * math.sin(slope) / about_foot
+    steps = [event for event in r.events if event.kind == "impact"]
+    after = math.sqrt(gained * eta**2 / (1 - eta**2))
+    # a foot comes down with the speed w- times the distance from foot to foot
+    speed = after / eta * 2 * arm * math.sin(half)
+    assert steps[-1].normal_speed == pytest.approx(speed, rel=1e-6)
+    feet = [event.contact for event in steps[:9]]
+    assert feet == ["f1", "f2", "f3", "f4", "f5", "f6", "f7", "f0", "f1"]
+    flat = m.set(slope="1 deg").simulate("12 s")  # too flat: it rests, on two feet
+    assert abs(flat["wheel.omega"][-1]) < 1e-9
+    bears = np.array([flat[f"road.f{k}.normal"][-1] for k in range(8)])
+    assert (bears > 1.0).sum() == 2
+    assert bears.sum() == pytest.approx(mass * G * math.cos(math.radians(1)), rel=1e-8)
+
+
+def test_dominoes_fall_in_turn_if_the_push_lifts_the_first_over_its_corner():
+    m = rt.example("dominoes")
+    r = m.simulate()
+    first = [next(e.t for e in r.events if e.joint == f"hit{k}{k + 1}" and e.kind == "impact") for k in range(1, 5)]
+    assert (np.diff(first) > 0.0).all()
+    assert (np.diff(first, 2) < 0.0).all()  # each sooner than the one before
+    assert r["d5.angle"][-1] == pytest.approx(-math.pi / 2, abs=1e-9)
+    leans = [r[f"d{k}.angle"][-1] for k in range(1, 5)]
+    assert all(-math.pi / 2 < angle < -1.2 for angle in leans)
+    height, width = 0.048, 0.008
+    diagonal = math.hypot(height, width)
+    needed = math.sqrt(3 * G * (diagonal - height) / diagonal**2)
+    for share, falls in ((0.99, False), (1.01, True)):
+        pushed = m.set(push=-share * needed).simulate(3.0, t_eval=[0.0, 3.0])
+        assert (pushed["d5.angle"][-1] < -1.5) == falls
+        assert (pushed["d1.angle"][-1] < -1.0) == falls
+
+
+def test_step_ladder_slides_until_its_cord_is_taut_or_stands_by_friction():
+    m = rt.example("step_ladder")
+    r = m.simulate()
+    (jerk,) = [event for event in r.events if event.kind == "impact" and event.joint == "cord"]
+    before, after = r.t < jerk.t, r.t > jerk.t + 0.1
+    assert (r["cord.force"][before] == 0.0).all()
+    assert r["cord.position"][after] == pytest.approx(0.8, abs=1e-9)
+    assert r["floor_left.normal"][-1] + r["floor_right.normal"][-1] == pytest.approx(700 + 12 * G, rel=1e-9)
+    # moments about the hinge of the right leg: N l sin q - m g l/2 sin q - S (l - r) cos q - T l cos q = 0
+    lean = math.asin(0.4 / 1.4)
+    turned = 2 * (r["floor_right.normal"][-1] - 3 * G) * math.sin(lean)
+    held = 1.4 * r["cord.force"][-1] - 2 * r["floor_right.tangential"][-1]
+    assert held * math.cos(lean) == pytest.approx(turned, rel=1e-8)
+    assert np.ptp(m.set(mu=0.3).simulate()["right.F.x"]) < 1e-9
+
+
+def test_marble_rolls_by_two_thirds_of_the_slope_less_its_resistance_and_rests_at_last():
+    r = rt.example("marble_run").simulate()
+    slope, arm, radius = math.radians(8.0), 0.8e-3, 0.01
+    on_rail = r.t < 1.0
+    down = (r["marble.x"] - r["marble.x"][0])[on_rail] / math.cos(slope)
+    pull = 2 / 3 * G * (math.sin(slope) - arm / radius * math.cos(slope))
+    assert down == pytest.approx(0.5 * pull * r.t[on_rail] ** 2, abs=1e-9)
+    assert [r["marble.vx"][-1], r["marble.omega"][-1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert r["marble.y"][-1] == pytest.approx(radius, abs=1e-10)
+    lost = 0.03 * G * (r["marble.y"][0] - r["marble.y"][-1])
+    assert r["energy.dissipated"][-1] == pytest.approx(lost, rel=1e-9)

@@ -16,6 +16,12 @@ from making.runs import SHORTER, header, run
 from making.text import paragraph, shell
 from making.tree import module_with
 
+
+def _first_impact(result: Any, joint: str) -> float:
+    """Time of the first impact at a joint."""
+    return float(next(one.t for one in result.events if one.joint == joint and one.kind == "impact"))
+
+
 NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "balanced_arm": ("Angle of the arm in equilibrium", lambda r: (r["arm.angle"][0], "rad")),
     "belt_drive": ("Tension of the tight strand at the end", lambda r: (r["belt.tight"][-1], "N")),
@@ -29,6 +35,10 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "door_closer": ("Speed at which the door meets its frame", lambda r: (r.events[0].normal_speed, "rad/s")),
     "door_hinge": ("Total rotation of the hatch", lambda r: (np.ptp(r["hatch.angle"]), "rad")),
     "double_pendulum": ("Largest energy that nothing accounts for", lambda r: (r.trust.energy_balance, "J")),
+    "dominoes": (
+        "Time from the second stone to the last",
+        lambda r: (_first_impact(r, "hit45") - _first_impact(r, "hit12"), "s"),
+    ),
     "drawer": ("Acceleration at the end", lambda r: (r["drawer.ax"][-1], "m/s^2")),
     "fourbar": ("Normal force at O4 at the start", lambda r: (r["O4.normal"][0], "N")),
     "gear_rattle": (
@@ -38,9 +48,15 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
     "geneva": ("Angle of the wheel after two turns", lambda r: (np.ptp(r["wheel.angle"]), "rad")),
     "guide_play": ("Turns of the crank in 0.2 s", lambda r: (r["crank.angle"][-1] / (2 * np.pi), "")),
     "jansen_leg": ("Length of a step", lambda r: (np.ptp(r["shank.foot.x"]), "m")),
+    "marble_run": (
+        "Time at which it stops rolling",
+        lambda r: (max(one.t for one in r.events if one.contact == "rolling"), "s"),
+    ),
     "ratchet": ("Lift in three swings", lambda r: (r["load.y"][-1] - r["load.y"][0], "m")),
+    "rimless_wheel": ("Least rate of a step at the end", lambda r: (np.abs(r["wheel.omega"][-200:]).min(), "rad/s")),
     "scissor_lift": ("Force of the cylinder at the start", lambda r: (r["cylinder.force"][0], "N")),
     "squeezer": ("Turns of the motor in 30 ms", lambda r: (r["k1.angle"][-1] / (2 * np.pi), "")),
+    "step_ladder": ("Force of the cord at rest", lambda r: (r["cord.force"][-1], "N")),
     "stick_slip": (
         "Time from one slip to the next",
         lambda r: (np.diff([one.t for one in r.events if one.kind == "slip"])[-1], "s"),
@@ -60,9 +76,13 @@ NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
 CURVES = {"squeezer": "k1.angle", "balanced_arm": ""}  # where the header has no `rattle plot` with a name
 INSTANT = {
     "chain": 0.4,
+    "dominoes": 0.5,
     "door_closer": 0.2,
     "geneva": 0.09,
+    "marble_run": 0.35,
+    "rimless_wheel": 0.2,
     "scissor_lift": 0.4,
+    "step_ladder": 0.04,
     "toggle_clamp": 0.3,
     "slider_crank": 0.09,
     "slider_crank_play": 0.09,
@@ -71,6 +91,7 @@ PATHS = {
     "five_bar": "left_forearm.pen",
     "ellipse": "coupler.P",
     "jansen_leg": "shank.foot",
+    "marble_run": "marble.C",
 }  # the path of a point shows more than a curve
 ORBITS = {"bouncing_pin": "O"}  # a single pin in its bush: its path shows more than a drawing
 WIDE, HIGH, DOTS = 8.6, 2.9, 100  # inches, inches, dots per inch
@@ -84,6 +105,7 @@ SUBJECTS: dict[str, Callable[[Any, str], bool]] = {  # by what the model and the
     "friction": lambda model, _: any(_rubs(one) for one in model.joints.values()),
     "gears, cams, slots": lambda model, _: any(one.kind in GROOVED for one in model.joints.values()),
     "clutches, stops": lambda model, _: any(one.stop or one.kind == "clutch" for one in model.joints.values()),
+    "contact anywhere": lambda model, _: any(one.kind == "surface" for one in model.joints.values()),
     "springs, motors": lambda model, _: any(
         "spring" in one.kind or one.kind in ("actuator", "motor") for one in model.loads.values()
     ),

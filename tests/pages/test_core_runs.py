@@ -39,6 +39,8 @@ STEPPED_ALIKE = {  # difference of rows
     "piston_engine": 1e-4,  # a table
     "three_plays": 1e-6,  # Moreau-Jean
     "excavator": 1e-4,  # switches of time
+    "marble_run": 1e-6,  # surfaces: bounces that end, ends of segments, resistance to rolling, rest
+    "dominoes": 1e-6,  # corners on lines and segments that move
 }
 
 
