@@ -6,6 +6,8 @@ Where they touch, a dot, and the cone within which the force may be: by atan(mu)
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number, Value, call, cos, least_of, most_of, sin
@@ -13,15 +15,14 @@ from rattle.drawings.sheet import GROUND, Colour, Frame, Part, Piece, Sheet, Spo
 
 BEYOND = 0.12  # of a line beyond the ways of what touches it, as a share of the mechanism's size
 SHELL = 1.06  # outer radius of a hollow by its own
-CONE = 0.16  # length of a cone, same share as BEYOND
+CONE = 0.1  # length of a cone, same share as BEYOND
 HALF = 0.5 * math.pi
 
 
 @drawing("surface", name_at=0.0)
 def surface(sheet: Sheet, part: Part) -> None:
     """Draw one surface and what touches it."""
-    spots = {label: sheet.at(part.bodies[1], _corner(part, label)) for label in part.form.get("corners", {})}
-    spots = spots or {"": part.at(1)}
+    spots = _spots(part)
     if part.fields.get("radius", 0.0) > 0.0:
         _disc(sheet, part)
         touching = {label: _on_disc(sheet, part, spot) for label, spot in spots.items()}
@@ -29,7 +30,7 @@ def surface(sheet: Sheet, part: Part) -> None:
             touching = {"": _on_edges(sheet, part)}
     else:
         frame = Frame(part.at(0), sheet.angle(part.bodies[0]) + part.number("fields", "axis"))
-        _line(sheet, part, frame, list(spots.values()))
+        _line(sheet, part, frame)
         touching = {label: _on_line(part, frame, spot) for label, spot in spots.items()}
     _borne(sheet, part)
     _touching(sheet, part, touching)
@@ -39,12 +40,30 @@ def _corner(part: Part, label: str) -> tuple[Number, Number]:
     return part.number("corners", label, 0), part.number("corners", label, 1)
 
 
+def _spots(part: Part) -> dict[str, Spot]:
+    """What of B touches, by its name: corners, or its point."""
+    corners = {label: part.sheet.at(part.bodies[1], _corner(part, label)) for label in part.form.get("corners", {})}
+    return corners or {"": part.at(1)}
+
+
+def _on_the_same_line(sheet: Sheet, part: Part) -> list[Part]:
+    """All surfaces whose endless line is that of this one, which is drawn once, by the first of them."""
+
+    def place(form: Mapping[str, Any]) -> tuple[object, ...]:
+        fields = form["fields"]
+        return form["bodies"][0], tuple(form["points"][0]), fields["axis"], fields["radius"], fields["length"]
+
+    surfaces = {name: form for name, form in sheet.geometry["joints"].items() if form["type"] == part.form["type"]}
+    same = [name for name, form in surfaces.items() if place(form) == place(part.form)]
+    return [Part(sheet, name, "joint", surfaces[name], False) for name in same]
+
+
 def _along(frame: Frame, spot: Spot) -> Number:
     dx, dy = spot.x - frame.at.x, spot.y - frame.at.y
     return dx * cos(frame.angle) + dy * sin(frame.angle)
 
 
-def _line(sheet: Sheet, part: Part, frame: Frame, spots: list[Spot]) -> None:
+def _line(sheet: Sheet, part: Part, frame: Frame) -> None:
     """The line as far as it is needed, or the segment; a segment that bears on both sides has no hatches."""
     body, rolls = part.bodies[0], part.fields.get("roller", 0.0) > 0.0
     colour: Colour | str = "grey" if body == GROUND else f"body {body}"
@@ -52,8 +71,11 @@ def _line(sheet: Sheet, part: Part, frame: Frame, spots: list[Spot]) -> None:
         half = 0.5 * part.number("fields", "length")
         low, high = -half, half
     else:
-        ways = [sheet.range(_along(frame, spot)) for spot in spots]
-        room = BEYOND * sheet.size + (part.number("fields", "roller") if rolls else 0.0)
+        same = _on_the_same_line(sheet, part)
+        if same[0].name != part.name:
+            return
+        ways = [sheet.range(_along(frame, spot)) for each in same for spot in _spots(each).values()]
+        room = BEYOND * sheet.size + most_of(*(each.number("fields", "roller") for each in same))
         low = least_of(0.0 * sheet.size, *(least for least, _ in ways)) - room
         high = most_of(0.0 * sheet.size, *(most for _, most in ways)) + room
     ends: list[Piece] = [(low, 0.0), (high, 0.0)]
