@@ -203,3 +203,15 @@ def test_a_start_inside_of_a_surface_is_refused_with_corner_and_depth():
     sunk = block(0.3, 0.05, impact(), start=(0.0, 0.03, 0.0, 0.0, 0.0, 0.0))
     with pytest.raises((AssemblyError, rt.ModelError), match=r"floor.*20 mm|floor.*0\.02"):
         sunk.simulate(0.1)
+
+
+def test_a_floor_stays_where_joints_lose_their_play():
+    hung = block(0.3, 0.05, impact(0, 0.4), more=LOOSE).ideal().model
+    assert hung.joints["floor"].contact.rigid
+    assert not hung.joints["pin"].is_loose
+
+
+LOOSE = """
+bodies.arm = { bar = ["A", "B"], length = 0.2, mass = 1 }
+joints.pin = { type = "revolute", connect = ["block.T", "arm.A"], clearance = 1e-3, contact = "impact" }
+"""

@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
+from rattle import registry
 from rattle.description import file as model_file
 from rattle.description.builder import Building
 from rattle.description.changes import ENTRIES, Change, copied, path_of, put, through_points
@@ -268,10 +269,16 @@ class WrittenModel(Building):
         return unit_of_quantity(text) if isinstance(text, str) else (1.0, "")
 
     def ideal(self) -> Self:
-        """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged."""
-        if not any(map(_has_contact, self._document.get("joints", {}).values())):
-            return self.set()
-        return self.with_contact("ideal")
+        """The same mechanism with all clearances set to zero; lengths of the bodies and surfaces are unchanged."""
+        from rattle.description.switch_contact import recontact
+
+        joints = self._document.get("joints", {})
+        closed = {
+            f"joints.{name}.contact": recontact(table.get("contact"), "ideal")
+            for name, table in joints.items()
+            if _has_contact(table) and not _is_surface(table)
+        }
+        return self.set(closed)
 
     def with_contact(self, model: str, joint: str | None = None) -> Self:
         """The same mechanism with another contact model in every joint with clearance or one-sided, or in one joint.
@@ -296,6 +303,12 @@ class WrittenModel(Building):
         from rattle.description.switch_contact import contact_of
 
         return contact_of(self._document, joint)
+
+
+def _is_surface(joint: Table) -> bool:
+    """True of a joint as it is written which has nothing but its contacts."""
+    known = registry.kinds("joint").get(str(joint.get("type")))
+    return known is not None and known.leaf.touches
 
 
 def _has_contact(joint: Table) -> bool:
