@@ -19,6 +19,7 @@ MAKERS = (
     "gallery",
     "pictures",
     "potential",
+    "surfaces",
     "developers",
     "citing",
 )

@@ -89,14 +89,14 @@ def _line(sheet: Sheet, part: Part, frame: Frame) -> None:
 def _disc(sheet: Sheet, part: Part) -> None:
     """The disc of A, or the shell of its hollow, with a line that shows how it turns."""
     body, point, radius = part.bodies[0], part.point(0), part.number("fields", "radius")
-    colour = "steel" if body == GROUND else f"body {body}"
+    colour, line = ("steel", "grey") if body == GROUND else (f"body {body}", f"body {body}")
     ring: list[Piece] = [sheet.arc(point, radius, count=97)]
     if part.fields.get("hollow"):
         shell: list[Piece] = [sheet.arc(point, SHELL * radius, count=97)]
-        sheet.path(body, shell, ring, z=1.0, line=colour, width=1.2, fill=Colour(colour, 0.7), closed=True)
+        sheet.path(body, shell, ring, z=1.0, line=line, width=1.2, fill=Colour(colour, 0.7), closed=True)
         sheet.hold(body, *shell)
     else:
-        sheet.path(body, ring, z=1.2, line=colour, width=1.8, fill=Colour(colour, 0.72), closed=True)
+        sheet.path(body, ring, z=1.2, line=line, width=1.8, fill=Colour(colour, 0.72), closed=True)
         sheet.hold(body, *ring)
         if body != GROUND:
             sheet.path(body, [point, (point[0] + 0.8 * radius, point[1])], z=1.3, line=colour)
