@@ -86,6 +86,7 @@ SURFACES = {  # what tells one contact of a surface from another
     "by-outline": ['radius = "50 mm"', "outline = true"],
 }  # fmt: skip
 CONTACT = 'contact = { model = "impact", restitution = 0.5 }'
+ROLLS = 'roller = "20 mm"\ncontact = { model = "impact", friction = 0.3, rolling = "0.1 mm" }'
 
 
 def pages(folder: Path) -> dict[str, str]:
@@ -226,6 +227,8 @@ def _whole_joint(catalog: Any, kind: Any) -> list[str]:
 
 def _tangent(catalog: Any, kind: Any) -> list[str]:
     rough = next(one for one in catalog.kinds("joint").values() if kind.name in one.leaf.tangents)
+    if rough.leaf.touches:
+        return [*_joint(catalog, rough), *ON_LINE, ROLLS]
     sizes = "".join(f', {key} = "2 mm"' for key, one in rough.leaf.rubs_with.items() if one.default is catalog.REQUIRED)
     return [*_joint(catalog, rough), f"friction = {{ mu = 0.1{sizes} }}" if sizes else "friction = 0.1"]
 
