@@ -15,7 +15,7 @@ from rattle.drawings.sheet import GROUND, Colour, Frame, Part, Piece, Sheet, Spo
 
 BEYOND = 0.12  # of a line beyond the ways of what touches it, as a share of the mechanism's size
 SHELL = 1.06  # outer radius of a hollow by its own
-CONE = 0.1  # length of a cone, same share as BEYOND
+CONE = 0.07  # length of a cone, same share as BEYOND
 HALF = 0.5 * math.pi
 
 
