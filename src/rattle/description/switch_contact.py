@@ -28,7 +28,7 @@ def recontact(written: object, model: str) -> str | dict[str, object]:
         if plain[model].leaf.oiled:
             return _oiled(old, model)
     old = _without_oil(old)
-    keys = ["bush_radius", "friction"]
+    keys = ["bush_radius", "friction", "rolling"]
     if model in plain:
         shares = plain[model].leaf.shares_by_stiffness
         unused = () if shares and old.get("restitution_law") == shares else ELASTIC

@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
+from rattle import registry
 from rattle.description import file as model_file
 from rattle.description.builder import Building
 from rattle.description.changes import ENTRIES, Change, copied, path_of, put, through_points
@@ -268,10 +269,12 @@ class WrittenModel(Building):
         return unit_of_quantity(text) if isinstance(text, str) else (1.0, "")
 
     def ideal(self) -> Self:
-        """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged."""
-        if not any(map(_has_contact, self._document.get("joints", {}).values())):
-            return self.set()
-        return self.with_contact("ideal")
+        """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged, surfaces stay."""
+        from rattle.description.switch_contact import recontact
+
+        joints = self._document.get("joints", {})
+        loose = [name for name, table in joints.items() if _has_contact(table) and not _touches(table)]
+        return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), "ideal") for name in loose})
 
     def with_contact(self, model: str, joint: str | None = None) -> Self:
         """The same mechanism with another contact model in every joint with clearance or one-sided, or in one joint.
@@ -296,6 +299,12 @@ class WrittenModel(Building):
         from rattle.description.switch_contact import contact_of
 
         return contact_of(self._document, joint)
+
+
+def _touches(table: Mapping[str, object]) -> bool:
+    """True of a joint whose bodies touch outside of any joint: nothing is left of it without its contact."""
+    kind = registry.kinds("joint").get(str(table.get("type")))
+    return kind is not None and (kind.leaf.touches or kind.leaf.lifting is not None)
 
 
 def _has_contact(joint: Table) -> bool:
