@@ -229,9 +229,14 @@ class OneSidedKind(ContactGeometry):
         return ()
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held | None:
-        """The joint by which contact `corner` is held where the bodies are; None of a kind that is none."""
-        return None
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
+        """The joints by which contact `corner` is held where the bodies are; sticks: it rolls or sticks too.
+
+        None of a kind that is never held.
+        """
+        return ()
 
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:

@@ -15,7 +15,7 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import at_distance
+from rattle.elements.one_sided.holding import around_disc, pinned
 from rattle.elements.one_sided.on_line import between, flat, reach_of
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
@@ -95,9 +95,14 @@ class OnDisc(OneSidedKind):
         return 0.0, 0.0, 1.0 / (fields["radius"] + fields["roller"])
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """Two centres, or a centre and a corner, at the distance of touching."""
-        return at_distance(fields["radius"] + fields["roller"], on_a, list(corners.values())[corner])
+        on_b = list(corners.values())[corner]
+        if sticks and not fields["roller"] > 0.0:
+            return (pinned(a, b, on_b),)
+        return around_disc(fields["radius"], fields["roller"], on_a, on_b, sticks)
 
 
 @kind("one-sided", "in-hollow", in_hollow)
@@ -125,6 +130,11 @@ class InHollow(OnDisc):
         return 0.0, 0.0, 0.0
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """The same in a hollow."""
-        return at_distance(fields["radius"] - fields["roller"], on_a, list(corners.values())[corner])
+        on_b = list(corners.values())[corner]
+        if sticks and not fields["roller"] > 0.0:
+            return (pinned(a, b, on_b),)
+        return around_disc(fields["radius"], -fields["roller"], on_a, on_b, sticks)

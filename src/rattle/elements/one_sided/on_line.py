@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import along_line
+from rattle.elements.one_sided.holding import along_line, pinned
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
@@ -92,6 +92,11 @@ class OnLine(OneSidedKind):
         return hypot(p[0], p[1]), p[REACH]
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """A corner on the line, or the centre of a disc beside it."""
-        return along_line(fields["axis"], fields["roller"], on_a, list(corners.values())[corner])
+        on_b = list(corners.values())[corner]
+        if sticks and not fields["roller"] > 0.0:
+            return (pinned(a, b, on_b),)
+        return (along_line(fields["axis"], fields["roller"], on_a, on_b, rolls=sticks),)

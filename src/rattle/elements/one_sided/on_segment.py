@@ -23,7 +23,7 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import along_line, at_distance, seen_from
+from rattle.elements.one_sided.holding import along_line, around_disc, pinned, seen_from
 from rattle.elements.one_sided.on_line import between, flat, reach_of
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
@@ -125,17 +125,24 @@ class OnSegment(OneSidedKind):
         return 0.0, 0.0, 1.0 / fields["roller"]
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """A point on the line, or the centre of a disc beside it, or at a distance from an end of the segment."""
         axis, half, roller = fields["axis"], 0.5 * fields["length"], fields["roller"]
         on_b = list(corners.values())[corner]
         x, y = seen_from(a, b, on_b)
         x, y = x - on_a[0], y - on_a[1]
         along, above = x * math.cos(axis) + y * math.sin(axis), y * math.cos(axis) - x * math.sin(axis)
+        if sticks and not roller > 0.0:
+            return (pinned(a, b, on_b),)
+        if above < 0.0:
+            axis, along = axis + math.pi, -along
         if abs(along) <= half or not roller > 0.0:
-            return along_line(axis, math.copysign(roller, above), on_a, on_b)
+            return (along_line(axis, roller, on_a, on_b, rolls=sticks),)
         end = math.copysign(half, along)
-        return at_distance(roller, (on_a[0] + end * math.cos(axis), on_a[1] + end * math.sin(axis)), on_b)
+        corner_of_a = (on_a[0] + end * math.cos(axis), on_a[1] + end * math.sin(axis))
+        return around_disc(0.0, roller, corner_of_a, on_b, sticks)
 
 
 @kind("one-sided", "over-segment", over_segment)
