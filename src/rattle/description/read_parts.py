@@ -262,7 +262,7 @@ class Parts(FieldReader):
             static = Choice("power", {"stiffness": law.stiffness, "exponent": 1.0})
             return Contact("compliant", normal=Choice("tension", {"damping": law.damping}), static=static)
         if "contact" in table and (sided := registry.one_sided_of(kind.name)) is not None:
-            return read_contact(self, table["contact"], site_of_one_sided(sided, fields.get("roller", 0.0) > 0.0), here)
+            return read_contact(self, table["contact"], site_of_one_sided(sided, kind.leaf.curvature(fields)), here)
         if "contact" in table and kind.leaf.stops:
             self.values.wrong(here, f"a {kind.name} has contacts at its stop only: write it there", at_key=True)
         elif "contact" in table:

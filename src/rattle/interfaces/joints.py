@@ -162,6 +162,11 @@ class JointKind:
         return ""
 
     @staticmethod
+    def curvature(fields: Fields) -> float:
+        """Relative curvature [1/m] of a disc of B and what it rolls on, of a kind that `touches`; 0 without a disc."""
+        return 0.0
+
+    @staticmethod
     def passing(fields: Fields) -> str:
         """What it is, with an article, if it consists of contacts that bodies come to and leave; "" if it holds them.
 
