@@ -44,6 +44,7 @@ from rattle.language.expression import Name, Node, Number, names, parse, replace
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
+Target = tuple[registry.Kind[DriverKind], str, Point | None, str]  # kind of driver, joint, point, what is driven
 NOWHERE = Point("", "", (math.nan, math.nan))
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
 
@@ -51,6 +52,7 @@ LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one 
 def moved_joints(driver: str = "") -> list[str]:
     """Kinds of joints that a kind of driver moves; all that can be driven if `driver` is ""."""
     kinds = registry.kinds("joint").items()
+    driver = registry.kinds("driver")[driver].leaf.rate_of or driver if driver else ""
     return sorted(name for name, kind in kinds if kind.leaf.motor and driver in ("", kind.leaf.motor.driver))
 
 
@@ -357,6 +359,8 @@ class Parts(FieldReader):
             values.wrong(path, "give a joint or a body to drive, not both")
             return
         target = self._driven_body(table, path) if "body" in table else self._driven_joint(table, path)
+        if target is not None and "speed" in table:
+            target = self._with_speed(target)
         if target is None:
             return
         kind, joint, point, what = target
@@ -368,12 +372,15 @@ class Parts(FieldReader):
         self.driven[what] = name
         wrong = [other for other in functions if other in table and other not in kind.fields]
         (key,) = kind.fields
+        if kind.leaf.rate_of in table:
+            values.wrong(path, f"give {kind.leaf.rate_of} or {key}, not both")
+            return
         for other in wrong:
             values.wrong((*path, other), f"{what} is driven by '{key}', not by '{other}'", at_key=True)
         if key in table or not wrong:
             self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, table, path)[key], point)
 
-    def _driven_joint(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, None, str] | None:
+    def _driven_joint(self, table: Table, path: Path) -> Target | None:
         """Kind of driver, joint, and what is driven, in words; None after a problem."""
         if "coordinate" in table:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
@@ -392,7 +399,12 @@ class Parts(FieldReader):
         self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; expected {drivable}")
         return None
 
-    def _driven_body(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, Point, str] | None:
+    def _with_speed(self, target: Target) -> Target:
+        """The same with the kind of driver that takes a speed, if there is one."""
+        rates = (rate for rate in registry.kinds("driver").values() if rate.leaf.rate_of == target[0].name)
+        return (next(rates, target[0]), *target[1:])
+
+    def _driven_body(self, table: Table, path: Path) -> Target | None:
         """Kind of driver, no joint, the point, and what is driven, in words; None after a problem."""
         kinds = registry.kinds("driver")
         coordinates = [name.removeprefix("body-") for name in kinds if name.startswith("body-")]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import fields
 
-from rattle import registry
 from rattle.description.changes import NAMED
 from rattle.description.coordinates import declare, definitions, forces, named_in_results, ordered, used_names
 from rattle.description.massless import require_mass_at_contacts
-from rattle.description.model import Driver, Initial, Model, Settings, Vector
+from rattle.description.model import Driver, Initial, Model, Settings, State, Value, Vector
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
@@ -19,7 +19,7 @@ from rattle.description.read_values import Chosen, TooManyProblems, Values, quot
 from rattle.description.reading import Path, Table, section
 from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
 from rattle.errors import ModelError, suggest
-from rattle.language.expression import Node, names
+from rattle.language.expression import ExpressionError, Node, Number, names, replaced, value
 from rattle.language.units import dimension_of
 from rattle.registry import REQUIRED
 
@@ -88,7 +88,7 @@ def _read(document: Table, values: Values) -> Model:
     signals, units = read_signals(values, document)
     states = read_states(values, document, starts)
     parts = Parts(values)
-    gravity = parts.part(MODEL.fields["gravity"], "gravity", document, ()) or (0.0, 0.0)
+    falls = parts.part(MODEL.fields["gravity"], "gravity", document, ()) or (0.0, 0.0)
     ground = values.table(document.get("ground", {}), ("ground",))
     parts.ground = parts.form(GROUND, ground, ("ground",))["points"] or {}
     _read_parts(parts, tables)
@@ -102,11 +102,18 @@ def _read(document: Table, values: Values) -> Model:
         used_names(signals.values(), pulls.values(), rates, of_loads),
     )  # fmt: skip
     signals = ordered(values, signals, pulls, stand_for)
-    _drivers_follow_time(values, parts.drivers, signals, states)
+    moving = _moving_names(values, signals, states)
+    for driver in parts.drivers.values():
+        path = ("drivers", driver.name, driver.key)
+        _follow_time(values, "a driver", driver.value, path, moving, driver.leaf.rate_of)
+    for k, component in enumerate(falls):
+        _follow_time(values, "gravity", component, ("gravity", k), moving)
+    gravity, falling = _gravity(values, falls, signals)
+    states |= _travels(parts.drivers)
     return Model(
         title, gravity, parameters, signals, units | of_pulls, parts.ground, parts.bodies, parts.joints, parts.drivers,
         parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
-        stand_for,
+        stand_for, falling,
     )  # fmt: skip
 
 
@@ -204,17 +211,68 @@ def _settings(parts: Parts, document: Table) -> Settings:
     return Settings(**{key: read[key] for key in settings if read[key] is not None})
 
 
-def _drivers_follow_time(
-    values: Values, drivers: Mapping[str, Driver], signals: Mapping[str, Node], states: Collection[str]
-) -> None:
-    """Refuse drivers whose function depends on the motion or a state: its exact time derivatives would not be known."""
-    moving = {name for name in values.live if "." in name} | set(states)
+def _moving_names(values: Values, signals: Mapping[str, Node], states: Collection[str]) -> dict[str, str]:
+    """Names of what changes with the motion or with a state, and why, in words."""
+    moving = {name: "depends on the motion" for name in values.live if "." in name}
+    moving |= dict.fromkeys(states, "is a state")
     for name, node in signals.items():  # in order of evaluation
-        if names(node) & moving:
-            moving.add(name)
-    for name, driver in drivers.items():
-        if not isinstance(driver.value, float):
-            for word in sorted(names(driver.value) & moving):
-                why = "is a state" if word in states else "depends on the motion"
-                path = ("drivers", name, next(iter(registry.kinds("driver")[driver.kind].fields)))
-                values.wrong(path, f"a driver must depend on time only, but '{word}' {why}")
+        if names(node) & moving.keys():
+            moving[name] = "depends on the motion"
+    return moving
+
+
+def _follow_time(
+    values: Values, what: str, function: Value, path: Path, moving: Mapping[str, str], integrated: str = ""
+) -> None:
+    """Refuse a function that depends on the motion or a state: its exact time derivatives would not be known.
+
+    integrated: what is the integral of the function, in words; "" if nothing.
+    """
+    if isinstance(function, float):
+        return
+    remedy = "; use [states] and a load for a speed that is controlled" if integrated else ""
+    for word in sorted(names(function) & moving.keys()):
+        values.wrong(path, f"{what} must depend on time only, but '{word}' {moving[word]}{remedy}")
+
+
+def _travels(drivers: Mapping[str, Driver]) -> dict[str, State]:
+    """How far drivers have come whose speed is given, as states."""
+    travels = {}
+    for driver in drivers.values():
+        if driver.travel:
+            rate = Number(driver.value, 0) if isinstance(driver.value, float) else driver.value
+            travels[driver.travel] = State(driver.travel, rate, 0.0, driver.leaf.rows[0], travel=True)
+    return travels
+
+
+def _gravity(
+    values: Values, components: tuple[Value, Value], signals: Mapping[str, Node]
+) -> tuple[Vector, tuple[Node, Node] | None]:
+    """Gravity at t = 0 [m/s^2], and as a function of t alone; None if it does not change."""
+    x, y = (_of_time(component, signals) for component in components)
+    at_start = _at_start(values, x, ("gravity", 0)), _at_start(values, y, ("gravity", 1))
+    if isinstance(x, float) and isinstance(y, float):
+        return at_start, None
+    first, second = (Number(node, 0) if isinstance(node, float) else node for node in (x, y))
+    return at_start, (first, second)
+
+
+def _of_time(function: Value, signals: Mapping[str, Node]) -> Value:
+    """A function of time without the names of signals."""
+    if isinstance(function, float):
+        return function
+    written: dict[str, Node] = {}
+    for name, node in signals.items():  # in order of evaluation
+        written[name] = replaced(node, written)
+    return replaced(function, written)
+
+
+def _at_start(values: Values, function: Value, path: Path) -> float:
+    """Value of a function of time at t = 0 [SI]; nan after a problem."""
+    if isinstance(function, float) or values.problems:
+        return function if isinstance(function, float) else math.nan
+    try:
+        return value(function, {**values.constants, "t": 0.0}, values.tables)
+    except ExpressionError as error:
+        values.in_expression(error, path)
+        return math.nan

@@ -331,7 +331,7 @@ MODEL = Form(
     {
         "format": Field("", "version of the format", shape="version"),
         "name": Field("", "title", None, shape="title"),
-        "gravity": Field("m/s^2", "acceleration of gravity", None, shape="pair"),
+        "gravity": Field("m/s^2", "acceleration of gravity, also as a function of t", None, shape="pair", live=True),
         "parameters": Named(Either((VALUE, PARAMETER)), "values that expressions use"),
         "tolerances": TOLERANCES,
         "tables": Named(TABLE, "functions of one number that expressions use: lift(x)"),

@@ -39,7 +39,10 @@ def _in_words(model: Model) -> str:
     counts = [count(len(model.bodies), "body", "bodies"), count(len(model.joints), "joint")]
     counts += [count(len(model.drivers), "driver"), count(len(model.loads), "load")]
     gx, gy = model.gravity
+    if model.falling is not None:
+        gx, gy = 0.0, 0.0
     pull = f"Gravity is {handy(math.hypot(gx, gy), 'm/s^2')}" if gx or gy else "There is no gravity"
+    pull = "Gravity is a function of time" if model.falling is not None else pull
     if gx or gy:
         way = {(0, -1): ", downwards", (0, 1): ", upwards", (-1, 0): ", to the left", (1, 0): ", to the right"}
         straight = way.get(((gx > 0) - (gx < 0), (gy > 0) - (gy < 0)))
@@ -95,7 +98,7 @@ def _moved(model: Model, written: Tree) -> str:
     rows = []
     for name, driver in model.drivers.items():
         entry = written["drivers"].get(name, {})
-        motion = next((f"{key} = {entry[key]}" for key in ("angle", "position") if key in entry), "")
+        motion = next((f"{key} = {entry[key]}" for key in ("angle", "position", "speed") if key in entry), "")
         rows.append((name, driver.on.replace("'", ""), f"{entry.get('coordinate', '')} ".lstrip() + motion))
     return table(("driver", "acts on", "motion over time t"), rows, "Drivers")
 

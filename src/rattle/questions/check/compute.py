@@ -285,10 +285,11 @@ def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], 
     running = system.workspace()
     drive(running, t)
     slots = {name: system.driver_slot(name) for name in system.model.drivers}
-    none, values = np.zeros((0, 3), np.int64), running.values.copy()
+    values = running.values.copy()
     for slot in slots.values():
         values[slot + 1 : slot + 3] = 0.0
-    frozen = replace(system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": values}).workspace()
+    none = {name: system.arrays[name][:0] for name in ("jet", "jet_signal")}
+    frozen = replace(system, arrays={**system.arrays, **none, "values": values}).workspace()
     return frozen, slots, {name: float(values[slot]) for name, slot in slots.items()}
 
 
