@@ -90,7 +90,7 @@ class Building:
         return self._enter("states", name, {"rate": rate, "start": start, **more})
 
     def ground(self, **points: Pair) -> Self:
-        """Points of the ground [m]: `m.ground(O=[0, 0], A=[1, 0])`."""
+        """Points of the ground [m], also over time: `m.ground(O=[0, 0], A=[1, "0.05*sin(40*t)"])`."""
         self._document.setdefault("ground", {}).setdefault("points", {}).update({k: list(v) for k, v in points.items()})
         self._forget()
         return self

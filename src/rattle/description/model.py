@@ -39,7 +39,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body. Points are in its frame, relative to its mass centre [m]."""
+    """A rigid body. Points are in its frame, relative to its mass centre [m].
+
+    A point of the ground that moves is a body without mass, named "ground.POINT", of which drivers set x, y and angle.
+    """
 
     name: str
     mass: float  # [kg]
@@ -47,6 +50,19 @@ class Body:
     points: Mapping[str, Vector]
     bar: bool = False
     outline: tuple[tuple[Vector, ...], ...] = ()  # of a plate: corners of its polygon, then those of each hole
+
+
+GROUND = "ground"
+
+
+def is_ground(body: str) -> bool:
+    """True for the ground, and for a point of it that moves."""
+    return body == GROUND or body.startswith(f"{GROUND}.")
+
+
+def frame_of(body: str) -> str:
+    """The ground for a point of it that moves, any other body itself: what it is in loops."""
+    return GROUND if is_ground(body) else body
 
 
 @dataclass(frozen=True)
@@ -345,6 +361,19 @@ class Driver:
     constants: tuple[float, ...] = ()  # [m or rad] of a kind that goes on from the start
 
     @property
+    def moves_ground(self) -> bool:
+        """True if it moves a point of the ground."""
+        return self.point is not None and is_ground(self.point.body)
+
+    @property
+    def path(self) -> tuple[str | int, ...]:
+        """Where it is written in the model file."""
+        if self.point is None or not self.moves_ground:
+            return ("drivers", self.name)
+        coordinate = ("body-x", "body-y").index(self.kind) if self.kind != "body-angle" else 0
+        return ("ground", "points", self.point.body.partition(".")[2], coordinate)
+
+    @property
     def leaf(self) -> type[DriverKind]:
         """The class of its kind."""
         return registry.kinds("driver")[self.kind].leaf
@@ -507,6 +536,16 @@ class Model:
     tables: Tables = NO_TABLES
     definitions: Mapping[str, Node] = field(default_factory=dict)  # what names of points, joints and loads stand for
     falling: tuple[Node, Node] | None = None  # gravity [m/s^2] as a function of t; None: it stays as it is
+
+    @property
+    def moving_bodies(self) -> list[str]:
+        """Names of all bodies but points of the ground."""
+        return [name for name in self.bodies if not is_ground(name)]
+
+    @property
+    def motors(self) -> dict[str, Driver]:
+        """All drivers but those of points of the ground."""
+        return {name: driver for name, driver in self.drivers.items() if not driver.moves_ground}
 
     @property
     def remembers(self) -> bool:

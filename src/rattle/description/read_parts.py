@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import filterfalse
 
 from rattle import registry
 from rattle.description.model import (
@@ -20,6 +21,7 @@ from rattle.description.model import (
     Stop,
     Value,
     Vector,
+    is_ground,
 )
 from rattle.description.read_contact import (
     contact_models,
@@ -93,7 +95,7 @@ class Parts(FieldReader):
 
     def __init__(self, values: Values) -> None:
         super().__init__(values)
-        self.ground: dict[str, Vector] = {}
+        self.ground: dict[str, Vector] = {}  # at t = 0
         self.bodies: dict[str, Body] = {}
         self.joints: dict[str, Joint] = {}
         self.drivers: dict[str, Driver] = {}
@@ -145,13 +147,17 @@ class Parts(FieldReader):
             return NOWHERE
         body, dot, point = written.partition(".")
         if body != "ground" and body not in self.bodies:
-            self.values.wrong(path, f"no body {quoted(body)}{suggest(body, ['ground', *self.bodies])}")
+            self.values.wrong(
+                path, f"no body {quoted(body)}{suggest(body, ['ground', *filterfalse(is_ground, self.bodies)])}"
+            )
             return NOWHERE
         points = self.ground if body == "ground" else self.bodies[body].points
         if not dot and alone:
             return Point(body, "", (0.0, 0.0))
         if point not in points and body in self.vague:
             return NOWHERE
+        if body == "ground" and f"ground.{point}" in self.bodies:
+            return Point(f"ground.{point}", "", (0.0, 0.0))
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"
@@ -174,8 +180,9 @@ class Parts(FieldReader):
         a, b = (self.point(end, (*here, k), alone) for k, end in enumerate(both))
         if bodies:
             a, b = (Point(end.body, "", (0.0, 0.0)) for end in (a, b))
-        if a.body and a.body == b.body:
-            self.values.wrong(here, f"both ends are on '{a.body}'; expected two different bodies")
+        if a.body and (a.body == b.body or (is_ground(a.body) and is_ground(b.body))):
+            same = a.body if a.body == b.body else "ground"
+            self.values.wrong(here, f"both ends are on '{same}'; expected two different bodies")
         return a, b
 
     # ------------------------------------------------------------ joints
@@ -415,9 +422,9 @@ class Parts(FieldReader):
             got = f", got {quoted(coordinate)}" if "coordinate" in table else ""
             self.values.wrong(where, f"expected coordinate = one of {', '.join(coordinates)}{got}")
             return None
-        if point.body == "ground":
+        if is_ground(point.body):
             self.values.wrong((*path, "body"), "the ground does not move; expected a body")
-        if not point.body or point.body == "ground":
+        if not point.body or is_ground(point.body):
             return None
         return kinds[f"body-{coordinate}"], "", point, f"{coordinate} of '{table['body']}'"
 
@@ -465,7 +472,7 @@ class Parts(FieldReader):
     def _can_turn(self, a: Point, b: Point, path: Path) -> None:
         """Refuse two bodies that cannot turn against each other, and two that nothing holds."""
         held = {end.body for joint in self.joints.values() for end in (joint.a, joint.b)}
-        if "ground" not in (a.body, b.body) and not held & {a.body, b.body}:
+        if not is_ground(a.body) and not is_ground(b.body) and not held & {a.body, b.body}:
             self.values.wrong(
                 path,
                 f"neither '{a.body}' nor '{b.body}' has a joint: they would spin in opposite directions and move"

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import fields
+from itertools import filterfalse
 
 from rattle.description.changes import NAMED
 from rattle.description.coordinates import declare, definitions, forces, named_in_results, ordered, used_names
 from rattle.description.massless import require_mass_at_contacts
-from rattle.description.model import Driver, Initial, Model, Settings, State, Value, Vector
+from rattle.description.model import Driver, Initial, Model, Settings, State, Value, Vector, is_ground
+from rattle.description.moving_points import drivers_of_point, moving_point
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
@@ -90,22 +92,26 @@ def _read(document: Table, values: Values) -> Model:
     parts = Parts(values)
     falls = parts.part(MODEL.fields["gravity"], "gravity", document, ()) or (0.0, 0.0)
     ground = values.table(document.get("ground", {}), ("ground",))
-    parts.ground = parts.form(GROUND, ground, ("ground",))["points"] or {}
-    _read_parts(parts, tables)
+    points: Mapping[str, tuple[Value, Value]] = parts.form(GROUND, ground, ("ground",))["points"] or {}
+    moving = _moving_names(values, signals, states)
+    parts.ground = _ground(values, points, signals, moving)
+    moving_points = {name: at for name, at in points.items() if any(isinstance(x, Node) for x in at)}
+    _read_parts(parts, tables, moving_points)
     initial, settings = _initial(values, document, parts), _settings(parts, document)
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [state.rate for state in states.values()]
     pulls, of_pulls = forces(parts.loads)
     of_loads = [value for load in parts.loads.values() for value in load.values]
     stand_for = definitions(
-        parts.ground, parts.bodies, parts.joints, parts.loads,
+        {name: at for name, at in parts.ground.items() if name not in moving_points},
+        parts.bodies, parts.joints, parts.loads,
         used_names(signals.values(), pulls.values(), rates, of_loads),
     )  # fmt: skip
     signals = ordered(values, signals, pulls, stand_for)
-    moving = _moving_names(values, signals, states)
     for driver in parts.drivers.values():
-        path = ("drivers", driver.name, driver.key)
-        _follow_time(values, "a driver", driver.value, path, moving, driver.leaf.rate_of)
+        if not driver.moves_ground:
+            path = ("drivers", driver.name, driver.key)
+            _follow_time(values, "a driver", driver.value, path, moving, driver.leaf.rate_of)
     for k, component in enumerate(falls):
         _follow_time(values, "gravity", component, ("gravity", k), moving)
     gravity, falling = _gravity(values, falls, signals)
@@ -126,8 +132,10 @@ def _enter_motion(values: Values, bodies: Iterable[str]) -> None:
             values.numbers.add(f"{name}.{key}")
 
 
-def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Table]]) -> None:
-    """Read bodies, then joints, drivers and loads, which refer to them."""
+def _read_parts(
+    parts: Parts, tables: Mapping[str, Mapping[str, Table]], moving_points: Mapping[str, tuple[Value, Value]]
+) -> None:
+    """Read bodies, then joints, drivers and loads, which refer to them, and to points of the ground that move."""
     values = parts.values
     add = {"bodies": parts.add_body, "joints": parts.add_joint, "drivers": parts.add_driver, "loads": parts.add_load}
     for key, read_part in add.items():
@@ -138,6 +146,10 @@ def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Table]]) -> None
                 parts.broken_joints.add(name)
         if key == "bodies" and not parts.bodies and not values.problems:
             values.wrong(("bodies",), "a mechanism needs at least one body")
+        if key == "bodies":
+            parts.bodies |= {body.name: body for body in map(moving_point, moving_points)}
+    for name, at in moving_points.items():
+        parts.drivers |= drivers_of_point(name, at)
 
 
 def _header(document: Table, values: Values) -> str:
@@ -188,7 +200,7 @@ def _initial(values: Values, document: Table, parts: Parts) -> Initial:
     for name, written in values.table(document.get("initial", {}), ("initial",)).items():
         path: Path = ("initial", name)
         entry = values.table(written, path)
-        if name in parts.bodies:
+        if name in parts.bodies and not is_ground(name):
             read = parts.form(START, entry, path)
             bodies[name] = {key: number for key, number in read.items() if number is not None}
         elif name in parts.joints or name in parts.broken_joints:
@@ -198,7 +210,7 @@ def _initial(values: Values, document: Table, parts: Parts) -> Initial:
             elif "offset" in entry:
                 offsets[name] = parts.read(OFFSET, entry, path)["offset"]
         else:
-            near = suggest(name, [*parts.bodies, *play])
+            near = suggest(name, [*filterfalse(is_ground, parts.bodies), *play])
             values.wrong(path, f"no body or clearance joint {quoted(name)}{near}", at_key=True)
     return Initial(bodies, offsets)
 
@@ -255,6 +267,21 @@ def _gravity(
         return at_start, None
     first, second = (Number(node, 0) if isinstance(node, float) else node for node in (x, y))
     return at_start, (first, second)
+
+
+def _ground(
+    values: Values, points: Mapping[str, tuple[Value, Value]], signals: Mapping[str, Node], moving: Mapping[str, str]
+) -> dict[str, Vector]:
+    """Places of the points of the ground at t = 0 [m]."""
+    places = {}
+    for name, coordinates in points.items():
+        at = []
+        for k, coordinate in enumerate(coordinates):
+            path = ("ground", "points", name, k)
+            _follow_time(values, "a point of the ground", coordinate, path, moving)
+            at.append(_at_start(values, _of_time(coordinate, signals), path))
+        places[name] = at[0], at[1]
+    return places
 
 
 def _of_time(function: Value, signals: Mapping[str, Node]) -> Value:

@@ -73,8 +73,8 @@ class OfKinds:
 Part = Field | Form | Either | Named | OfKinds
 
 
-def _points(meaning: str) -> Field:
-    return Field("m", meaning, None, shape="points")
+def _points(meaning: str, live: bool = False) -> Field:
+    return Field("m", meaning, None, shape="points", live=live)
 
 
 # ---------------------------------------------------------------- bodies and ground
@@ -115,7 +115,7 @@ BODY = Form(
     },
     "a rigid body",
 )  # fmt: skip
-GROUND = Form({"points": _points("points of the ground")})
+GROUND = Form({"points": _points("points of the ground, also as functions of t", live=True)})
 
 # ---------------------------------------------------------------- names that expressions use
 LIKELY = Field(

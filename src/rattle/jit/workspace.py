@@ -193,6 +193,7 @@ ARRAYS = {
     "start_rates": Array("f1", "3 nb", "m/s, rad/s", "given rates, nan if not given"),
     "start_least": Array("f1", "nc", "m or rad", "least gaps"),
     "start_ways": Array("i2", "n, 9", "", "joints from the ground outwards"),
+    "start_moving": Array("i2", "n, 3", "", "points of the ground that move, and where x and y stand in `values`"),
     "start_offsets": Array("f2", "joints, 2", "m", "offsets of joints"),
     "start_lines": Array("f2", "joints, 3", "rad, m, rad", "direction of their line on A, distance of points, angle"),
     "start_held": Array("f2", "pins, 4", "m", "pins that can be held: point on A, offset in ground axes"),

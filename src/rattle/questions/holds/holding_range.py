@@ -54,6 +54,11 @@ class HoldingRange:
     def _size(self) -> float:
         return max((abs(value) for value in (self.low, self.high, self.free) if math.isfinite(value)), default=0.0)
 
+    @property
+    def _smooth(self) -> str:
+        """The value that balances without friction, in words; "" if none does."""
+        return "" if math.isnan(self.free) else f" ({self._said(self.free)} without friction)"
+
     def _said(self, value: float) -> str:
         value = 0.0 if abs(value) <= ROUNDING * self._size else value
         return f"{value:.6g} {self.unit}" if self.unit else f"{value:.6g} times"
@@ -75,18 +80,14 @@ class HoldingRange:
 
     def __str__(self) -> str:
         if self.low == -math.inf and self.high == math.inf:
-            sentences = [f"rests for every value of {self.load} ({self._said(self.free)} without friction)"]
+            sentences = [f"rests for every value of {self.load}{self._smooth}"]
         elif self.low == -math.inf:
-            sentences = [
-                f"rests for {self.load} up to {self._said(self.high)} ({self._said(self.free)} without friction)"
-            ]
+            sentences = [f"rests for {self.load} up to {self._said(self.high)}{self._smooth}"]
         elif self.high == math.inf:
-            sentences = [
-                f"rests for {self.load} from {self._said(self.low)} on ({self._said(self.free)} without friction)"
-            ]
+            sentences = [f"rests for {self.load} from {self._said(self.low)} on{self._smooth}"]
         else:
             ends = f"{self._said(self.low)} and {self._said(self.high)}"
-            sentences = [f"rests for {self.load} between {ends} ({self._said(self.free)} without friction)"]
+            sentences = [f"rests for {self.load} between {ends}{self._smooth}"]
         if not math.isnan(self.value):
             side = (
                 "" if self.rests else f": it moves, as the load is too {'large' if self.value > self.high else 'small'}"
@@ -110,7 +111,8 @@ class HoldingRange:
         for way, (end, share) in ways.items():
             so = f"however large {self.load} is{way}"
             if math.isinf(end):
-                sentences.append(f"jams: {so}, it does not move (from {share:.4g} times this friction on)")
+                since = f" (from {share:.4g} times this friction on)" if math.isfinite(share) else ""
+                sentences.append(f"jams: {so}, it does not move{since}")
             elif share <= 1.0:
                 sentences.append(
                     f"jams again farther out: {so}, it may not move (from {share:.4g} times this friction on)"

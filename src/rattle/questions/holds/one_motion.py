@@ -189,7 +189,7 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
     arm = values[p + at.DRY_ARM]
     rods = dry[:, at.DRY_FORM] == at.DRY_ROD
     reach = np.where(rods | (dry[:, at.DRY_FORM] == at.DRY_PIN), math.nan, values[p + at.DRY_REACH])
-    held = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0)
+    held, stated = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0), dry[:, at.DRY_STATED] == 1
     press = np.where(dry[:, at.DRY_FORM] == at.DRY_SURFACE, workspace.dry_rows[held, at.NU], 1.0)[:, None]
     rate = motion.coordinate @ motion.z
     largest = float(np.linalg.norm(motion.z / motion.scale)) * np.linalg.norm(motion.coordinate * motion.scale, axis=1)
@@ -206,6 +206,7 @@ def impending(system: System, workspace: Workspace, motion: Motion, sense: float
         response = np.moveaxis((acting @ motion.inverse.T)[:, motion.rows] * press * beside, 0, 2)
         response[:, 1] -= sense * motion.across * (way * arm)
         bare = (others + alone)[motion.rows] * press * beside
+        response[stated], bare[stated] = 0.0, (1.0, 0.0)  # N = 1, whatever the joint bears
         rubbing = Rubbing(values[p + at.DRY_MU_STATIC], reach, bare, response, slip, rounding)
         at_limit = limit(rubbing, far)
         more = math.inf if np.isinf(at_limit.x).any() else float(slip @ at_limit.x)
