@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import filterfalse
 
 from rattle import registry
 from rattle.description.model import (
@@ -20,6 +21,7 @@ from rattle.description.model import (
     Stop,
     Value,
     Vector,
+    is_ground,
 )
 from rattle.description.read_contact import (
     contact_models,
@@ -44,6 +46,7 @@ from rattle.language.expression import Name, Node, Number, names, parse, replace
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
+Target = tuple[registry.Kind[DriverKind], str, Point | None, str]  # kind of driver, joint, point, what is driven
 NOWHERE = Point("", "", (math.nan, math.nan))
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
 
@@ -51,6 +54,7 @@ LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one 
 def moved_joints(driver: str = "") -> list[str]:
     """Kinds of joints that a kind of driver moves; all that can be driven if `driver` is ""."""
     kinds = registry.kinds("joint").items()
+    driver = registry.kinds("driver")[driver].leaf.rate_of or driver if driver else ""
     return sorted(name for name, kind in kinds if kind.leaf.motor and driver in ("", kind.leaf.motor.driver))
 
 
@@ -91,7 +95,7 @@ class Parts(FieldReader):
 
     def __init__(self, values: Values) -> None:
         super().__init__(values)
-        self.ground: dict[str, Vector] = {}
+        self.ground: dict[str, Vector] = {}  # at t = 0
         self.bodies: dict[str, Body] = {}
         self.joints: dict[str, Joint] = {}
         self.drivers: dict[str, Driver] = {}
@@ -143,13 +147,17 @@ class Parts(FieldReader):
             return NOWHERE
         body, dot, point = written.partition(".")
         if body != "ground" and body not in self.bodies:
-            self.values.wrong(path, f"no body {quoted(body)}{suggest(body, ['ground', *self.bodies])}")
+            self.values.wrong(
+                path, f"no body {quoted(body)}{suggest(body, ['ground', *filterfalse(is_ground, self.bodies)])}"
+            )
             return NOWHERE
         points = self.ground if body == "ground" else self.bodies[body].points
         if not dot and alone:
             return Point(body, "", (0.0, 0.0))
         if point not in points and body in self.vague:
             return NOWHERE
+        if body == "ground" and f"ground.{point}" in self.bodies:
+            return Point(f"ground.{point}", "", (0.0, 0.0))
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"
@@ -172,8 +180,9 @@ class Parts(FieldReader):
         a, b = (self.point(end, (*here, k), alone) for k, end in enumerate(both))
         if bodies:
             a, b = (Point(end.body, "", (0.0, 0.0)) for end in (a, b))
-        if a.body and a.body == b.body:
-            self.values.wrong(here, f"both ends are on '{a.body}'; expected two different bodies")
+        if a.body and (a.body == b.body or (is_ground(a.body) and is_ground(b.body))):
+            same = a.body if a.body == b.body else "ground"
+            self.values.wrong(here, f"both ends are on '{same}'; expected two different bodies")
         return a, b
 
     # ------------------------------------------------------------ joints
@@ -357,6 +366,8 @@ class Parts(FieldReader):
             values.wrong(path, "give a joint or a body to drive, not both")
             return
         target = self._driven_body(table, path) if "body" in table else self._driven_joint(table, path)
+        if target is not None and "speed" in table:
+            target = self._with_speed(target)
         if target is None:
             return
         kind, joint, point, what = target
@@ -368,12 +379,15 @@ class Parts(FieldReader):
         self.driven[what] = name
         wrong = [other for other in functions if other in table and other not in kind.fields]
         (key,) = kind.fields
+        if kind.leaf.rate_of in table:
+            values.wrong(path, f"give {kind.leaf.rate_of} or {key}, not both")
+            return
         for other in wrong:
             values.wrong((*path, other), f"{what} is driven by '{key}', not by '{other}'", at_key=True)
         if key in table or not wrong:
             self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, table, path)[key], point)
 
-    def _driven_joint(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, None, str] | None:
+    def _driven_joint(self, table: Table, path: Path) -> Target | None:
         """Kind of driver, joint, and what is driven, in words; None after a problem."""
         if "coordinate" in table:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
@@ -392,7 +406,12 @@ class Parts(FieldReader):
         self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; expected {drivable}")
         return None
 
-    def _driven_body(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, Point, str] | None:
+    def _with_speed(self, target: Target) -> Target:
+        """The same with the kind of driver that takes a speed, if there is one."""
+        rates = (rate for rate in registry.kinds("driver").values() if rate.leaf.rate_of == target[0].name)
+        return (next(rates, target[0]), *target[1:])
+
+    def _driven_body(self, table: Table, path: Path) -> Target | None:
         """Kind of driver, no joint, the point, and what is driven, in words; None after a problem."""
         kinds = registry.kinds("driver")
         coordinates = [name.removeprefix("body-") for name in kinds if name.startswith("body-")]
@@ -403,9 +422,9 @@ class Parts(FieldReader):
             got = f", got {quoted(coordinate)}" if "coordinate" in table else ""
             self.values.wrong(where, f"expected coordinate = one of {', '.join(coordinates)}{got}")
             return None
-        if point.body == "ground":
+        if is_ground(point.body):
             self.values.wrong((*path, "body"), "the ground does not move; expected a body")
-        if not point.body or point.body == "ground":
+        if not point.body or is_ground(point.body):
             return None
         return kinds[f"body-{coordinate}"], "", point, f"{coordinate} of '{table['body']}'"
 
@@ -453,7 +472,7 @@ class Parts(FieldReader):
     def _can_turn(self, a: Point, b: Point, path: Path) -> None:
         """Refuse two bodies that cannot turn against each other, and two that nothing holds."""
         held = {end.body for joint in self.joints.values() for end in (joint.a, joint.b)}
-        if "ground" not in (a.body, b.body) and not held & {a.body, b.body}:
+        if not is_ground(a.body) and not is_ground(b.body) and not held & {a.body, b.body}:
             self.values.wrong(
                 path,
                 f"neither '{a.body}' nor '{b.body}' has a joint: they would spin in opposite directions and move"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from rattle import registry
-from rattle.description.model import Choice, Contact, Joint, Model
+from rattle.description.model import Choice, Contact, Joint, Model, is_ground
 from rattle.interfaces.contacts import ContactGeometry, OwnContact
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
@@ -235,7 +235,7 @@ def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
     """
     light = 0.0
     for end in (joint.a, joint.b):
-        if end.body in model.bodies:
+        if not is_ground(end.body):
             body, arm = model.bodies[end.body], hypot(*end.at)
             light += 1.0 / (body.inertia + body.mass * (arm * arm) if angular else body.mass)
     return 1.0 / light

@@ -120,8 +120,9 @@ MOST_TORQUE, WIND_UP, OIL = range(7, 10)
 PITCH, TOOTH = POINTS + 1, POINTS + 2
 share("signal", FIRST_CODE, END_CODE)
 TARGET = column("signal", "", "where its value goes: place in `signals`, `values` or `element_rate`")
-for _other in ("jet", "jet_signal", "live", "state_rate"):
+for _other in ("jet", "jet_signal", "live", "state_rate", "falling"):
     share(_other, FIRST_CODE, END_CODE, TARGET)
+TRAVEL = column("jet", "", "number of the state that is its integral, which counts then; -1: it counts itself")
 share("switch", FIRST_CODE, END_CODE, OWN_CODE)
 OPERANDS = column("switch", "", "number of operands of the switching function, 1 or 2")
 
