@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.compliant import add_contact_forces, locate_contacts
+from rattle.equations.compliant import add_contact_forces, locate_contacts, locate_near
 from rattle.equations.dry_friction import add_dry_friction, end_dry_friction
 from rattle.equations.massless import take_out
 from rattle.equations.schur import WEAK, factorise, solve
@@ -138,7 +138,10 @@ def loads(m, t):
             rate += energy[at.ELASTIC]
     power[at.POTENTIAL_ENERGY], power[at.WORK_RATE], power[at.LOSS_RATE] = potential, rate, lost
     if m.contact.shape[0] > 0:
-        locate_contacts(m)
+        if m.power[at.CULLS] == 1.0:
+            locate_near(m)
+        else:
+            locate_contacts(m)
         add_contact_forces(m)
 
 

@@ -52,6 +52,7 @@ DISSIPATED = column("energy", "W", "power lost")
 POTENTIAL_ENERGY = column("power", "J", "of gravity and loads")
 WORK_RATE = column("power", "W", "power of loads from outside")
 LOSS_RATE = column("power", "W", "power dissipated by loads")
+CULLS = column("power", "", "1 while contacts that are far apart are left out, as within a step")
 PIVOT_SHARE = column("power", "", "least pivot / its diagonal since it was set to 1")
 
 SHARE_NOW = column("pivots_of_row", "", "pivot / its diagonal, as factored last; 0 if the row is redundant")
@@ -93,6 +94,7 @@ FILM_LAW = column("contact", "", "kernel of the oil film in the clearance; -1: n
 FILM_P = column("contact", "", "its first parameter")
 WORN = column("contact", "", "1 for a pin and a bush with profiles of wear on an elastic foundation")
 OWN_COLUMN = column("contact", "", "number of the column of an output row that is its N alone; -1: none")
+SPAN = column("contact", "", "number of contacts from this one on whose gaps its kernel bounds together; 0: none")
 BY_FORCE = column("contact", "", "1 for a compliant contact that ends where its force does, 0: where its gap opens")
 
 ARM_A = column("lever", "m", "longest arm on A to its contact points")
