@@ -16,6 +16,7 @@ from rattle.description.model import (
     Contact,
     Driver,
     Joint,
+    JointFriction,
     Load,
     Point,
     Stop,
@@ -49,6 +50,14 @@ from rattle.registry import Field
 Target = tuple[registry.Kind[DriverKind], str, Point | None, str]  # kind of driver, joint, point, what is driven
 NOWHERE = Point("", "", (math.nan, math.nan))
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
+
+
+def _lifting(kind: registry.Kind[JointKind], table: Table) -> tuple[registry.Kind[JointKind], Table]:
+    """The kind that a joint is with a contact, which lets it lift off, and its table with the keys of that kind."""
+    if "contact" not in table or kind.leaf.lifting is None:
+        return kind, table
+    other, renamed = kind.leaf.lifting
+    return registry.kinds("joint")[other], {renamed.get(key, key): written for key, written in table.items()}
 
 
 def moved_joints(driver: str = "") -> list[str]:
@@ -194,10 +203,7 @@ class Parts(FieldReader):
         if kind is None:
             self.broken_joints.add(name)
             return
-        if "contact" in table and kind.leaf.lifting is not None:
-            other, renamed = kind.leaf.lifting
-            kind = registry.kinds("joint")[other]
-            table = {renamed.get(key, key): written for key, written in table.items()}
+        kind, table = _lifting(kind, table)
         a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
         play = registry.play_of(kind.name)
         sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
@@ -213,14 +219,8 @@ class Parts(FieldReader):
         stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
         dimensions = self._dimensions(sizes, table, play, contact, path)
         corners = self._corners(kind, fields, b, path) if len(values.problems) == before else {}
-        friction = None
-        if "friction" in table and "friction" not in kind.fields:
-            sound, block = fields if len(values.problems) == before else None, next(iter(dimensions.values()), ())
-            here = (*path, "friction")
-            friction = joint_friction(self, table["friction"], kind, sound, block, clearance > 0.0, here)
-            lifts = contact is not None and contact.acts and not clearance > 0.0
-            if why := LIFTS.format(kind.name) if lifts else kind.leaf.friction_fault(fields):
-                values.wrong(here, why, at_key=True)
+        sound, block = len(values.problems) == before, next(iter(dimensions.values()), ())
+        friction = self._friction(table, kind, (fields, sound), block, (clearance, contact), path)
         if contact is not None and contact.rolling > 0.0:
             friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
@@ -230,6 +230,22 @@ class Parts(FieldReader):
         )  # fmt: skip
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _friction(
+        self, table: Table, kind: registry.Kind[JointKind], read: tuple[Fields, bool], block: Sequence[float],
+        play: tuple[float, Contact | None], path: Path,
+    ) -> JointFriction | None:  # fmt: skip
+        """The friction of a joint without play; read: fields, and if they are sound; play: clearance [m], contact."""
+        if "friction" not in table or "friction" in kind.fields:
+            return None
+        (fields, sound), (clearance, contact), here = read, play, (*path, "friction")
+        friction = joint_friction(
+            self, table["friction"], kind, fields if sound else None, block, clearance > 0.0, here
+        )
+        lifts = contact is not None and contact.acts and not clearance > 0.0
+        if why := LIFTS.format(kind.name) if lifts else kind.leaf.friction_fault(fields):
+            self.values.wrong(here, why, at_key=True)
+        return friction
 
     def _corners(self, kind: registry.Kind[JointKind], fields: Fields, b: Point, path: Path) -> Corners:
         """What of B may touch: the points that are named, the corners of its plate, or its point."""

@@ -318,15 +318,15 @@ def _form_of_joint(joint: Joint) -> dict[str, Any]:
         ends = (joint.stop.minimum, joint.stop.maximum)
         form["stop"] = [end if -math.inf < end < math.inf else None for end in ends]
     form |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
-    if joint.leaf.touches:
-        form["corners"] = {label: list(corner) for label, corner in joint.corners.items()}
-        form["mu"] = joint.contact.mu if joint.contact is not None else 0.0
     return form | _form_of_contact(joint)
 
 
 def _form_of_contact(joint: Joint) -> dict[str, Any]:
-    """Oil and bush of a joint, as far as it has them."""
+    """Oil, bush, corners and friction of the contact of a joint, as far as it has them."""
     form: dict[str, Any] = {}
+    if joint.leaf.touches:
+        form["corners"] = {label: list(corner) for label, corner in joint.corners.items()}
+        form["mu"] = joint.contact.mu if joint.contact is not None else 0.0
     if joint.contact and (film := joint.contact.film) is not None:
         form["oil"] = {key: getattr(film, key) for key in ("boundary", "density", "specific_heat")}
     if joint.contact and joint.contact.bush_radius:
