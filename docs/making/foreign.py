@@ -88,7 +88,7 @@ def _differing(cases: Sequence[Any]) -> str:
 
 def _at_largest(each: Any) -> tuple[str, str]:
     """Theirs and ours where they differ most, with as many digits as tell them apart, if that is not rounding."""
-    n = int(np.abs(each.difference).argmax())
+    n = int(np.abs(each.difference if each.largest else each.curve.values).argmax())
     size = max(abs(each.curve.values[n]), abs(each.measured[n]))
     apart = np.ceil(np.log10(size / each.largest)) + 2 if 0 < each.largest < size else FEW
     digits = int(apart) if FEW <= apart <= MANY else FEW
@@ -200,7 +200,8 @@ def _draw(path: Path, case: Any) -> None:
         ax.title.set_fontsize(9)
         ax.xaxis.label.set_fontsize(8)
         ax.tick_params(labelsize=8)
-    axes[0].locator_params(axis="x", nbins=4)
+    (left, right), (low, high) = axes[0].get_xlim(), axes[0].get_ylim()
+    axes[0].locator_params(axis="x", nbins=4 if right - left > 0.8 * (high - low) else 2)  # numbers side by side
     axes[0].figure.savefig(path, dpi=DOTS)
 
 
