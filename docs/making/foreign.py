@@ -201,7 +201,8 @@ def _draw(path: Path, case: Any) -> None:
         ax.xaxis.label.set_fontsize(8)
         ax.tick_params(labelsize=8)
     (left, right), (low, high) = axes[0].get_xlim(), axes[0].get_ylim()
-    axes[0].locator_params(axis="x", nbins=4 if right - left > 0.8 * (high - low) else 2)  # numbers side by side
+    nbins = 4 if right - left > 0.8 * (high - low) else 2  # numbers side by side
+    axes[0].locator_params(axis="x", nbins=nbins, min_n_ticks=1)
     axes[0].figure.savefig(path, dpi=DOTS)
 
 
