@@ -2,7 +2,8 @@
 
 One file in `foreign/data/<source>/` for each case: a model in our words, numbers as their authors printed them, how far
 ours may be off and why.  `foreign/sources.toml` says where they come from.  One list for two readers: the tests hold
-every curve to its tolerance, the documentation shows what was measured.  No number in these files was computed here.
+every curve to its tolerance, the documentation shows what was measured.  The numbers are
+as printed, or follow from a formula that the case names; none comes from this program.
 """
 
 from __future__ import annotations

@@ -69,6 +69,8 @@ JOINTS = {
     "rack": 'axis = 0.1\nradius = "10 mm"\nfriction = { mu = 0.1, module = "1 mm", pressure_angle = "20 deg" }',
     "rod": 'length = "0.1 m"\nfriction = { mu = 0.1, mu_static = 0.2, pin_radius = "5 mm" }',
     "slot": 'axis = 0.1\nlength = "50 mm"\nopen = "both"\nclearance = "0.1 mm"\ncontact = "impact"',
+    "surface": 'axis = 0.1\nlength = "1 m"\ncorners = ["O", "P"]\n'
+    'contact = { model = "impact", restitution = 0.5, friction = 0.3 }',
     "wheel": 'axis = 0.1\nradius = "50 mm"\nfriction = { mu = 0.1, mu_static = 0.2 }',
     "revolute": 'stop = { min = "-10 deg", max = 1, contact = { model = "impact", restitution = 0.5 } }',
 }

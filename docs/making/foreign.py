@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,16 @@ from making.tree import module_with
 from making.validation import module_of_tests, power
 
 LINE = 300  # instants of a drawn curve
-WIDE, HIGH, DOTS = 9.0, 2.1, 90  # inches, inches, dots per inch
+WIDE, HIGH, DOTS = 6.6, 2.4, 100  # inches, inches of a row, dots per inch: as wide as the text
+CONSTANT = 1e-6  # range over size below which a curve is a constant
+LEANEST = 0.6  # of its longer side, the shorter one of a drawn mechanism's axes
+FEW, MANY = 6, 10  # digits of numbers side by side; with more of them columns grow too wide
+NAMED = 5  # differences with a legend; more would cover them
 LEAST = 1e-9  # share of what is allowed below which a difference is drawn as this
 
 
 def pages(folder: Path) -> dict[str, str]:
-    """The summary, what is wrong in the sources, and a page for each source; pictures go into `folder`/pictures."""
+    """The summary, where we differ, and a page for each source; pictures go into `folder`/pictures."""
     for name in ("pictures", "foreign"):
         (folder / name).mkdir(exist_ok=True)
     cases = module_of_tests("foreign_cases").CASES
@@ -30,7 +34,7 @@ def pages(folder: Path) -> dict[str, str]:
     for case in cases:
         by_source.setdefault(case.source, []).append(case)
     texts = {f"foreign/{source.key}": _source_page(source, group) for source, group in by_source.items()}
-    return {"foreign": _summary(by_source), "foreign-wrong": _wrong(cases), **texts}
+    return {"foreign": _summary(by_source), "foreign-differing": _differing(cases), **texts}
 
 
 def _refuse_what_is_off(case: Any) -> None:
@@ -50,54 +54,80 @@ def _summary(by_source: dict[Any, list[Any]]) -> str:
         counts = len(cases), len(compared), sum(len(each.curve.t) for each in compared)
         total = [a + b for a, b in zip(total, counts, strict=True)]
         link = f"[{paragraph(source.name)}](generated/foreign/{source.key}.md)"
-        rows.append((link, *map(str, counts), f"{np.median(shares):.1g}", f"{max(shares):.2f}"))
-    rows.append(("all", *map(str, total), "", ""))
-    head = ("source", "cases", "curves", "numbers", "median of difference over allowed", "largest")
-    return f"{table(head, rows)}\n"
+        rows.append((link, _counted(counts), f"{power(float(np.median(shares)))}; {_share(max(shares))}"))
+    rows.append(("all", _counted(total), ""))
+    return f"{table(('source', 'compared', 'difference over allowed: median; largest'), rows)}\n"
 
 
-def _wrong(cases: Sequence[Any]) -> str:
-    """Every number of a source that is not right, with ours and the reason."""
+def _share(value: float) -> str:
+    return f"{value:.2f}" if value >= 0.01 else power(value)
+
+
+def _counted(counts: Sequence[int]) -> str:
+    return ", ".join(
+        f"{n} {word}{'s' if n > 1 else ''}" for n, word in zip(counts, ("case", "curve", "number"), strict=True)
+    )
+
+
+def _differing(cases: Sequence[Any]) -> str:
+    """Every curve whose difference is larger than allowed, with the reason that we see."""
     rows = [
         (
-            f"[{paragraph(case.title)}](generated/foreign/{case.source.key}.md#{anchor(case.title)})",
-            paragraph(f"{each.curve.theirs}: {_at_largest(each, each.curve.values)}"),
-            _at_largest(each, each.measured),
+            f"[{paragraph(case.title)}](generated/foreign/{case.source.key}.md#{anchor(case.title)}), "
+            f"{paragraph(each.curve.theirs)}",
+            *_at_largest(each),
+            f"{power(each.largest)}, allowed {power(each.curve.tolerance)}",
             paragraph(each.curve.wrong),
         )
         for case in cases
         for each in case.compared
         if each.curve.wrong
     ]
-    return f"{table(('case', 'source', 'here', 'why'), rows)}\n"
+    return f"{_stacked(('case', 'theirs', 'ours', 'difference', 'what we see'), rows)}\n"
 
 
-def _at_largest(each: Any, values: Any) -> str:
-    return f"{values[int(np.abs(each.difference).argmax())]:.8g} {each.curve.unit}".strip()
+def _at_largest(each: Any) -> tuple[str, str]:
+    """Theirs and ours where they differ most, with as many digits as tell them apart, if that is not rounding."""
+    n = int(np.abs(each.difference if each.largest else each.curve.values).argmax())
+    size = max(abs(each.curve.values[n]), abs(each.measured[n]))
+    apart = np.ceil(np.log10(size / each.largest)) + 2 if 0 < each.largest < size else FEW
+    digits = int(apart) if FEW <= apart <= MANY else FEW
+    theirs, ours = (f"{number:.{digits}g} {each.curve.unit}" for number in (each.curve.values[n], each.measured[n]))
+    return theirs.strip(), ours.strip()
 
 
 def _source_page(source: Any, cases: list[Any]) -> str:
     facts = [
-        ("where", f"<{source.address}>" if source.address.startswith("http") else paragraph(source.address)),
-        ("commit or edition", paragraph(source.commit)),
-        ("licence", paragraph(source.licence)),
-        ("what it has", paragraph(source.what)),
-        ("what stands here", paragraph(source.kept)),
+        ("Where", f"<{source.address}>" if source.address.startswith("http") else paragraph(source.address)),
+        ("Commit or edition", paragraph(source.commit)),
+        ("Licence", paragraph(source.licence)),
+        ("What it has", paragraph(source.what)),
+        ("What stands here", paragraph(source.kept)),
     ]
-    back = "[Validation](../../validation.md)"
-    parts = [f"# {paragraph(source.name)}", table(("", ""), facts), *map(_case, cases), back]
+    parts = [
+        f"# {paragraph(source.name)}",
+        "\n".join(f"* **{title}**: {text}" for title, text in facts),
+        READ,
+        *map(_case, cases),
+        "[Validation](../../validation.md)",
+    ]
     return "\n\n".join(parts) + "\n"
 
 
+READ = (
+    "Models are written in our words; where they differ from those of the source, it is said. Tables show both numbers "
+    "where they are farthest apart, and the largest difference of all numbers of a curve, beside what may be expected "
+    "of the two programs. Dots are theirs, lines are ours. Should we have misread something, we are glad to hear of it."
+)
+
+
 def _case(case: Any) -> str:
-    rows = [_row(each) for each in case.compared]
-    head = ("here", "there", "numbers", "largest", "difference", "allowed", "because")
     parts = [
         f"## {paragraph(case.title)}",
         f"{paragraph(case.file)}. {paragraph(case.says)}",
         paragraph(case.note),
         f"![{case.title}: mechanism, curves and differences](../pictures/{_picture(case)})",
-        table(head, rows),
+        _stacked(("curve", "theirs", "ours", "difference", "allowed, and why"), map(_row, case.compared)),
         _dropdown("The model", fence(case.model.strip(), "toml")),
         _dropdown("All numbers", fence("\n\n".join(map(_numbers, case.compared)))),
     ]
@@ -106,11 +136,17 @@ def _case(case: Any) -> str:
 
 def _row(each: Any) -> tuple[str, ...]:
     curve = each.curve
-    because = f"**theirs is not right**: {paragraph(curve.wrong)}" if curve.wrong else paragraph(curve.why)
+    count = f"{len(curve.t)} numbers" if len(curve.t) > 1 else "one number"
     unit = f" {curve.unit}" if curve.unit else ""
-    size = f"{np.abs(curve.values).max():.6g}{unit}"
-    numbers = str(len(curve.t)), size, power(each.largest), power(curve.tolerance)
-    return (f"`{_formula(curve)}`", paragraph(curve.theirs), *numbers, because)
+    why = f"{power(curve.tolerance)}{unit}: {paragraph(curve.why)}"
+    seen = f". **Differs**: {paragraph(curve.wrong)}" if curve.wrong else ""
+    name = f"`{_formula(curve)}`, theirs: {paragraph(curve.theirs)}; {count}"
+    return name, *_at_largest(each), f"{power(each.largest)}{unit}", why + seen
+
+
+def _stacked(head: Sequence[str], rows: Iterable[tuple[str, ...]]) -> str:
+    """A table whose rows become blocks on a narrow screen."""
+    return f"::::{{div}} compared\n{table(head, rows)}\n::::"
 
 
 def _formula(curve: Any) -> str:
@@ -144,33 +180,73 @@ def _draw(path: Path, case: Any) -> None:
 
     plot = module_with("robust_limits", "tidy")
     drawn = [each for each in case.compared if each.curve.over_time]
-    shown = [drawn[0], drawn[-1]] if len(drawn) > 1 else drawn
-    figure = Figure(
-        figsize=(WIDE, HIGH)
-    )  # with margins of our own: a layout that is searched for takes as long as the rest
-    left, *middle, right = figure.subplots(1, 2 + len(shown), squeeze=False).flat
     result = case.run(_between(case))
-    mechanism_to_scale(left, result, 0.0)
-    for ax, each in zip(middle, shown, strict=True):
+    if len(result.t) < 2:
+        drawn = []  # nothing but an instant
+    shown = [drawn[0], drawn[-1]] if len(drawn) > 1 else drawn
+    single = shown and all(len(each.curve.t) == 1 for each in case.compared)  # the table says it all
+    axes = _axes(Figure(), 1 + len(shown) + (not single))
+    mechanism_to_scale(axes[0], result, 0.0)
+    _widen(axes[0])
+    for ax, each in zip(axes[1:], shown, strict=False):
         curve = each.curve
         plot.tidy(ax).plot(result.t, curve.times * result[curve.name] + curve.plus, color=plot.BLUE, linewidth=1)
         ax.plot(curve.t, curve.values, "o", color=plot.ORANGE, markersize=3.5)
         ax.set(xlabel="t [s]", title=f"{_formula(curve)} [{curve.unit}]" if curve.unit else _formula(curve))
-    plot.tidy(right)
-    for each in case.compared:
-        share = np.maximum(np.abs(each.difference) / each.curve.tolerance, LEAST)
-        right.plot(each.curve.t, share, ".-", linewidth=0.7, markersize=4)
-    right.axhline(1.0, color="0.3", linewidth=0.8, linestyle="--")
-    right.set(yscale="log", title="difference over allowed", ylim=(LEAST / 2, None))
-    for ax in (*middle, right):
-        ax.title.set_fontsize(8)
-        ax.tick_params(labelsize=7)
-    left.tick_params(labelsize=7)
-    left.locator_params(axis="x", nbins=3)
-    for ax in (left, *middle):
+        _leave_rounding_out(ax)
+    if not single:
+        _draw_differences(plot.tidy(axes[-1]), case)
+    for ax in axes:
+        ax.title.set_fontsize(9)
         ax.xaxis.label.set_fontsize(8)
-    figure.subplots_adjust(left=0.045, right=0.99, bottom=0.2, top=0.88, wspace=0.3)
-    figure.savefig(path, dpi=DOTS)
+        ax.tick_params(labelsize=8)
+    (left, right), (low, high) = axes[0].get_xlim(), axes[0].get_ylim()
+    nbins = 4 if right - left > 0.8 * (high - low) else 2  # numbers side by side
+    axes[0].locator_params(axis="x", nbins=nbins, min_n_ticks=1)
+    axes[0].figure.savefig(path, dpi=DOTS)
+
+
+def _axes(figure: Any, count: int) -> list[Any]:
+    """So many axes in rows of two, a last one alone as wide as both; margins are our own, a search takes longer."""
+    rows = (count + 1) // 2
+    figure.set_size_inches(WIDE, HIGH * rows)
+    cells = figure.add_gridspec(rows, 2)
+    axes = [figure.add_subplot(cells[divmod(n, 2)]) for n in range(count - count % 2)]
+    if count % 2:
+        axes.append(figure.add_subplot(cells[-1, :]))
+    down = 0.46 / (HIGH * rows)  # [of the height] for the labels of an axis
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=down, top=1 - 0.6 * down, wspace=0.22, hspace=0.45)
+    return axes
+
+
+def _leave_rounding_out(ax: Any) -> None:
+    """What is constant but for rounding is drawn as a constant."""
+    low, high = ax.get_ylim()
+    middle = (low + high) / 2
+    if high - low < CONSTANT * abs(middle):
+        ax.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
+
+
+def _widen(ax: Any) -> None:
+    """Room beside a mechanism that is all height, or above one that is all length: its numbers would run together."""
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    wide, tall = max(right - left, LEANEST * (high - low)), max(high - low, LEANEST * (right - left))
+    ax.set_xlim((left + right - wide) / 2, (left + right + wide) / 2)
+    ax.set_ylim((low + high - tall) / 2, (low + high + tall) / 2)
+
+
+def _draw_differences(ax: Any, case: Any) -> None:
+    """Differences over what is allowed: of curves over time, or else of lists of numbers."""
+    over_time = [each for each in case.compared if each.curve.over_time]
+    drawn = over_time or case.compared
+    for each in drawn:
+        share = np.maximum(np.abs(each.difference) / each.curve.tolerance, LEAST)
+        ax.plot(each.curve.t, share, ".-", linewidth=0.7, markersize=4, label=_formula(each.curve))
+    ax.axhline(1.0, color="0.3", linewidth=0.8, linestyle="--")
+    ax.set(yscale="log", title="difference over allowed", ylim=(LEAST / 2, None))
+    ax.set_xlabel("t [s]" if over_time else "number")
+    if len(drawn) <= NAMED:
+        ax.legend(fontsize=7, loc="lower right", framealpha=0.7, borderpad=0.2, labelspacing=0.2)
 
 
 def _between(case: Any) -> Any:

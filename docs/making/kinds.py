@@ -86,7 +86,6 @@ SURFACES = {  # what tells one contact of a surface from another
     "by-outline": ['radius = "50 mm"', "outline = true"],
 }  # fmt: skip
 CONTACT = 'contact = { model = "impact", restitution = 0.5 }'
-ROLLS = 'roller = "20 mm"\ncontact = { model = "impact", friction = 0.3, rolling = "0.1 mm" }'
 
 
 def pages(folder: Path) -> dict[str, str]:
@@ -227,14 +226,16 @@ def _whole_joint(catalog: Any, kind: Any) -> list[str]:
 
 def _tangent(catalog: Any, kind: Any) -> list[str]:
     rough = next(one for one in catalog.kinds("joint").values() if kind.name in one.leaf.tangents)
-    if rough.leaf.touches:
-        return [*_joint(catalog, rough), *ON_LINE, ROLLS]
+    if rough.leaf.touches:  # a contact bears it, not the joint
+        disc = [*ON_LINE, 'roller = "20 mm"']
+        return [*_joint(catalog, rough), *disc, 'contact = { model = "impact", restitution = 0.5, rolling = "0.1 mm" }']
     sizes = "".join(f', {key} = "2 mm"' for key, one in rough.leaf.rubs_with.items() if one.default is catalog.REQUIRED)
     return [*_joint(catalog, rough), f"friction = {{ mu = 0.1{sizes} }}" if sizes else "friction = 0.1"]
 
 
 def _driver(catalog: Any, kind: Any) -> list[str]:
-    moved = [one for one in catalog.kinds("joint").values() if one.leaf.motor and one.leaf.motor.driver == kind.name]
+    driven = kind.name.removesuffix("-speed")  # a speed drives what a position drives
+    moved = [one for one in catalog.kinds("joint").values() if one.leaf.motor and one.leaf.motor.driver == driven]
     if moved:
         joint = _joint(catalog, moved[0])
         return [*joint, "", "[drivers.motor]", 'joint = "hinge"', *_needed(catalog, kind, live=True)]

@@ -32,7 +32,7 @@ def parameters(family, kind, rng, f):
     if family == "joint":
         return np.array(packed(points + field_values(kind, rng) + constants(kind, rng)))
     line = [rng.uniform(0.5, 2.0)] if kind.leaf.along_line else []
-    return np.array(points + line + f)
+    return np.array(points + line + list(rng.uniform(-0.5, 0.5, kind.leaf.from_start)) + f)
 
 
 def constants(kind, rng):

@@ -86,6 +86,33 @@ def test_equal_steps_of_another_method(tmp_path):
     assert apart(run["rows"], said["rows"]) < 1e-9
 
 
+OVER_TIME = """
+format = 1
+gravity = [0, "-9.81 - 3*step(t - 0.1)"]
+ground.points = { O = [0, 0], A = [0.4, "0.02*sin(w*t)"] }
+parameters.w = 5.0
+bodies.crank = { bar = ["O", "B"], length = 0.1, mass = 1 }
+bodies.rod = { bar = ["B", "C"], length = 0.35, mass = 1 }
+bodies.rocker = { bar = ["C", "A"], length = 0.25, mass = 1 }
+joints.O = { type = "revolute", connect = ["ground.O", "crank.O"] }
+joints.B = { type = "revolute", connect = ["crank.B", "rod.B"] }
+joints.C = { type = "revolute", connect = ["rod.C", "rocker.C"] }
+joints.A = { type = "revolute", connect = ["ground.A", "rocker.A"], clearance = "0.2 mm", contact = CONTACT }
+drivers.m = { joint = "O", speed = "w if t < 0.2 else 2*w" }
+initial.crank = { angle = 0.7 }
+"""
+
+
+def test_speeds_and_moving_ground_under_changing_gravity(tmp_path):
+    m = rt.loads(OVER_TIME.replace("CONTACT", '{ model = "impact", restitution = 0.3 }'))
+    said, run = in_node(tmp_path, new(m, t_end=0.4)), by_machine_code(new(m, t_end=0.4))
+    assert said["success"]
+    assert said["statistics"]["steps"] == run["statistics"]["steps"]
+    assert [one["kind"] for one in said["events"]] == run["events"][:, 2].tolist()
+    assert apart(run["rows"], said["rows"]) < 1e-6
+    assert len(run["jolts"]) == 1
+
+
 LEVER = """
 format = 1
 [ground.points]

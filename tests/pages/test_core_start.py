@@ -3,6 +3,7 @@
 import shutil
 from importlib import resources
 
+import numpy as np
 import pytest
 
 import rattle as rt
@@ -67,6 +68,28 @@ def test_a_mechanism_that_cannot_be_closed_is_told_and_the_next_one_found(tmp_pa
     assert (own["q"], own["error"]) == (m.start.q.tolist(), None)
     assert other == near
     assert again == open_
+
+
+def test_speeds_begin_where_the_page_puts_the_mechanism_together(tmp_path):
+    m = rt.Mechanism("four-bar", gravity=[0, -9.81])
+    m.parameter("a", "0.4 m").parameter("w", 3.0)
+    m.ground(O=[0, 0], C=["a + 0.1*sin(w*t)", 0])
+    for name, length in (("crank", "0.1 m"), ("coupler", "0.35 m"), ("rocker", "0.3 m")):
+        m.bar(name, "A", "B", length=length, mass=1)
+    m.revolute("O", "ground.O", "crank.A")
+    m.revolute("P", "crank.B", "coupler.A")
+    m.revolute("Q", "coupler.B", "rocker.B")
+    m.revolute("C", "ground.C", "rocker.A")
+    m.driver("motor", "C", speed="w*cos(t)")
+    m.initial("crank", angle="60 deg")
+    for (a, w), start in zip(
+        [(0.4, 3.0), (0.42, 4.0)], found_in_node(tmp_path, m, [[0.4, 3.0], [0.42, 4.0]]), strict=True
+    ):
+        own = m.set(a=a, w=w).start
+        assert start["error"] is None
+        np.testing.assert_allclose(start["q"], own.q, atol=1e-12)
+        np.testing.assert_allclose(start["v"], own.v, atol=1e-10)
+        np.testing.assert_allclose(start["constants"], [own.q[8]], atol=1e-12)  # the angle of the rocker
 
 
 def test_a_driver_without_a_value_is_told_and_the_next_start_found(tmp_path):

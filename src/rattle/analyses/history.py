@@ -75,8 +75,8 @@ def acting_states(model: Model) -> list[str]:
 
 def require_no_states(model: Model, what: str) -> None:
     """Raise ModelError if the model has states: an analysis of single positions does not know their history."""
-    if model.states:
-        first = next(iter(model.states))
+    if model.remembers:
+        first = next(name for name, state in model.states.items() if not state.travel)
         text = f"a state depends on all that was before, and {what} takes every position by itself; use simulate:"
         raise ModelError([Problem(("states", first), f"{text} what is driven moves there in the same way")])
 

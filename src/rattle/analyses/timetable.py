@@ -111,7 +111,7 @@ def _require_no_leap(system: System, leap: np.ndarray) -> None:
                 driver=name, size=row[at.LEAP_SIZE], unit=unit, t=row[at.LEAP_AT],
                 more=f" (and {more} more times)" if more else "",
             )  # fmt: skip
-            problems.append(Problem(("drivers", name), words))
+            problems.append(Problem(system.model.drivers[name].path, words))
     if problems:
         raise ModelError(problems)
 

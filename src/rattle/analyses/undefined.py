@@ -57,7 +57,7 @@ def left_a_table(system: System, workspace: Workspace, first: int, t: float) -> 
 def driver_left_a_table(system: System, workspace: Workspace, driver: str, t: float) -> str:
     """Which table the function of a driver leaves at time t [s], in words; "" if none."""
     slot = system.driver_slot(driver)
-    for first, _, place in system.arrays["jet"]:
+    for first, _, place, _ in system.arrays["jet"]:
         if place == slot and (left := left_a_table(system, workspace, int(first), t)):
             return f"driver '{driver}' has no value at t = {t:.6g} s: {left}"
     return ""
@@ -66,9 +66,9 @@ def driver_left_a_table(system: System, workspace: Workspace, driver: str, t: fl
 def evaluated(system: System, workspace: Workspace) -> Iterator[tuple[int, np.ndarray]]:
     """First row in `code`, and present values [SI], of every expression."""
     where = {"jet_signal": ("jets", 0), "jet": ("values", 3), "signal": ("signals", 1), "live": ("values", 1)}
-    where["state_rate"] = ("element_rate", 1)
+    where |= {"state_rate": ("element_rate", 1), "falling": ("values", 3)}
     for table, (array, count) in where.items():
-        for first, _, place in system.arrays[table]:
+        for first, _, place, *_ in system.arrays[table]:
             values = getattr(workspace, array)
             present = values[place] if count == 0 else values[place : place + count]
             yield int(first), np.atleast_1d(present)

@@ -158,6 +158,8 @@ def _unit(spec: Any) -> str:
         return " | ".join((*spec.choices, *(("true", "false") if spec.flags else ())))
     if spec.shape == "flag":
         return "true | false"
+    if spec.shape == "labels":
+        return "[name, ...]"
     several = {"pair": [spec.unit] * 2, "triple": [spec.unit, spec.unit, spec.turning]}.get(spec.shape)
     if several is not None:
         return f"[{', '.join(several)}]"

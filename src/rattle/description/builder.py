@@ -90,7 +90,7 @@ class Building:
         return self._enter("states", name, {"rate": rate, "start": start, **more})
 
     def ground(self, **points: Pair) -> Self:
-        """Points of the ground [m]: `m.ground(O=[0, 0], A=[1, 0])`."""
+        """Points of the ground [m], also over time: `m.ground(O=[0, 0], A=[1, "0.05*sin(40*t)"])`."""
         self._document.setdefault("ground", {}).setdefault("points", {}).update({k: list(v) for k, v in points.items()})
         self._forget()
         return self
@@ -161,7 +161,8 @@ class Building:
     def driver(self, name: str, joint: str | None = None, **function: Any) -> Self:
         """Prescribe the motion of a joint, or of a coordinate of a body, as a function of time t [s].
 
-        `m.driver("motor", "O1", angle="10*t")` in rad; position=... in m on a prismatic joint;
+        `m.driver("motor", "O1", angle="10*t")` in rad; position=... in m on a prismatic joint; speed=... in rad/s or
+        m/s, whose integral goes on from the start;
         `m.driver("push", body="slider", coordinate="x", position="0.1*t")`, or with coordinate "y" or "angle".
         """
         return self._enter("drivers", name, {"joint": joint, **function})

@@ -102,7 +102,7 @@ def _units_of_points(document: Table) -> dict[str, str]:
     ground = document.get("ground", {})
     fixed = ground.get("points", {}) if isinstance(ground, Mapping) else {}
     for point in fixed if isinstance(fixed, Mapping) else ():
-        units |= {f"ground.{point}.{key}": "m" for key in ("x", "y")}
+        units |= {f"ground.{point}.{key}": unit for key, (unit, _) in POINT.items()}
     return units
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rattle.description.model import Body, Joint
+from rattle.description.model import Body, Joint, is_ground
 from rattle.description.read_values import Values
 
 MOST = 50  # bodies without mass or inertia
@@ -12,6 +12,7 @@ MOST = 50  # bodies without mass or inertia
 
 def require_mass_at_contacts(values: Values, bodies: Mapping[str, Body], joints: Mapping[str, Joint]) -> None:
     """Refuse bodies without mass or inertia on which contacts with force laws act: these need the masses they move."""
+    bodies = {name: body for name, body in bodies.items() if not is_ground(name)}  # drivers hold those, in all
     without = [name for name, body in bodies.items() if body.mass == 0.0 or body.inertia == 0.0]
     if not without or values.problems:  # fields of joints with problems have no values
         return

@@ -39,7 +39,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body. Points are in its frame, relative to its mass centre [m]."""
+    """A rigid body. Points are in its frame, relative to its mass centre [m].
+
+    A point of the ground that moves is a body without mass, named "ground.POINT", of which drivers set x, y and angle.
+    """
 
     name: str
     mass: float  # [kg]
@@ -47,6 +50,19 @@ class Body:
     points: Mapping[str, Vector]
     bar: bool = False
     outline: tuple[tuple[Vector, ...], ...] = ()  # of a plate: corners of its polygon, then those of each hole
+
+
+GROUND = "ground"
+
+
+def is_ground(body: str) -> bool:
+    """True for the ground, and for a point of it that moves."""
+    return body == GROUND or body.startswith(f"{GROUND}.")
+
+
+def frame_of(body: str) -> str:
+    """The ground for a point of it that moves, any other body itself: what it is in loops."""
+    return GROUND if is_ground(body) else body
 
 
 @dataclass(frozen=True)
@@ -332,18 +348,50 @@ class Joint:
 
 @dataclass(frozen=True)
 class Driver:
-    """A joint's degree of freedom, or a coordinate of a body, as a function of time: angle [rad] or position [m]."""
+    """A joint's degree of freedom, or a coordinate of a body, as a function of time: angle [rad] or position [m].
+
+    For a kind that integrates, `value` is its rate.
+    """
 
     name: str
     kind: str
     joint: str  # "" if a body is driven
     value: Value
     point: Point | None = None  # the driven point of a body
+    constants: tuple[float, ...] = ()  # [m or rad] of a kind that goes on from the start
+
+    @property
+    def moves_ground(self) -> bool:
+        """True if it moves a point of the ground."""
+        return self.point is not None and is_ground(self.point.body)
+
+    @property
+    def path(self) -> tuple[str | int, ...]:
+        """Where it is written in the model file."""
+        if self.point is None or not self.moves_ground:
+            return ("drivers", self.name)
+        coordinate = ("body-x", "body-y").index(self.kind) if self.kind != "body-angle" else 0
+        return ("ground", "points", self.point.body.partition(".")[2], coordinate)
+
+    @property
+    def leaf(self) -> type[DriverKind]:
+        """The class of its kind."""
+        return registry.kinds("driver")[self.kind].leaf
 
     @property
     def sets_angle(self) -> bool:
         """True if its function is the angle of B relative to A."""
-        return registry.kinds("driver")[self.kind].leaf.sets_angle
+        return self.leaf.sets_angle
+
+    @property
+    def key(self) -> str:
+        """The key of its function in the model file."""
+        return next(iter(registry.kinds("driver")[self.kind].fields))
+
+    @property
+    def travel(self) -> str:
+        """Name of the state that is the integral of its speed; "" if it is driven by angle or position."""
+        return f"{self.name}.travel" if self.leaf.rate_of else ""
 
     @property
     def on(self) -> str:
@@ -382,6 +430,7 @@ class State:
     rate: Node
     start: float
     unit: str  # SI unit, "" if it cannot be told
+    travel: bool = False  # it is how far a driver has come whose speed is given: a function of time alone
 
 
 @dataclass(frozen=True)
@@ -469,7 +518,7 @@ class Model:
     """All content of a model file, in SI units."""
 
     name: str
-    gravity: Vector
+    gravity: Vector  # [m/s^2], at t = 0
     parameters: Mapping[str, Parameter]
     signals: Mapping[str, Node]  # in order of evaluation
     signal_units: Mapping[str, str]
@@ -486,6 +535,27 @@ class Model:
     states: Mapping[str, State] = field(default_factory=dict)
     tables: Tables = NO_TABLES
     definitions: Mapping[str, Node] = field(default_factory=dict)  # what names of points, joints and loads stand for
+    falling: tuple[Node, Node] | None = None  # gravity [m/s^2] as a function of t; None: it stays as it is
+
+    @property
+    def moving_bodies(self) -> list[str]:
+        """Names of all bodies but points of the ground."""
+        return [name for name in self.bodies if not is_ground(name)]
+
+    @property
+    def motors(self) -> dict[str, Driver]:
+        """All drivers but those of points of the ground."""
+        return {name: driver for name, driver in self.drivers.items() if not driver.moves_ground}
+
+    @property
+    def remembers(self) -> bool:
+        """True if it has states of its own, on which all that was before has an influence."""
+        return not all(state.travel for state in self.states.values())
+
+    @property
+    def falls(self) -> bool:
+        """True if there is gravity at some time."""
+        return self.falling is not None or any(self.gravity)
 
     @property
     def recorded(self) -> dict[str, str]:
@@ -509,8 +579,9 @@ def driven_ends(model: Model, driver: Driver) -> tuple[Point, Point, tuple[float
     """Points A and B between which a driver acts, and the numbers [SI] that its kernel takes before its function."""
     if driver.point is not None:
         return Point("ground", "", (0.0, 0.0)), driver.point, ()
-    joint = model.joints[driver.joint]
-    return joint.a, joint.b, before_function(joint, registry.kinds("driver")[driver.kind])
+    joint, leaf = model.joints[driver.joint], driver.leaf
+    constants = driver.constants or (math.nan,) * leaf.from_start
+    return joint.a, joint.b, (*before_function(joint, registry.kinds("driver")[driver.kind]), *constants)
 
 
 def before_function(joint: Joint, driver: registry.Kind[DriverKind]) -> tuple[float, ...]:

@@ -18,7 +18,10 @@ from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATER
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactGeometry, ContactKind, OneSidedKind, StopKind
 from rattle.interfaces.fields import Fields, LawValues
+from rattle.language.materials import contact_modulus
+from rattle.language.recorded import sqrt
 
+POINT = "sphere"  # the formula of a point contact
 ALONG = ("friction", "tangential_restitution")  # keys of what happens along a wall
 GEOMETRY = ("bush_material", "pin_material", "length", "geometry")
 
@@ -35,7 +38,7 @@ class Site(NamedTuple):
     leaf: type[ContactGeometry]  # class of its geometry
     models: list[str]  # names that `contact` may have there
     clearance: float = 0.0  # [m]
-    rolls: bool = False  # True: a disc of B rolls there
+    curvature: float = 0.0  # of a disc of B that rolls there, against what it rolls on [1/m]; 0: none does
 
     def unit(self, unit: str) -> str:
         """Unit of a number of a contact law here: of an angle and a moment where the gap is an angle."""
@@ -70,9 +73,9 @@ def site_of_clearance(joint: str, clearance: float) -> Site:
     )
 
 
-def site_of_one_sided(kind: registry.Kind[OneSidedKind], rolls: bool = False) -> Site:
+def site_of_one_sided(kind: registry.Kind[OneSidedKind], curvature: float = 0.0) -> Site:
     """The contact of a joint without clearance that is one-sided."""
-    return Site(f"a {kind.leaf.joint} joint", kind.leaf, contact_models(kind.leaf.joint), rolls=rolls)
+    return Site(f"a {kind.leaf.joint} joint", kind.leaf, contact_models(kind.leaf.joint), curvature=curvature)
 
 
 def site_of_stop(stop: registry.Kind[StopKind]) -> Site:
@@ -229,7 +232,7 @@ def _rolling(reader: FieldReader, table: Table, site: Site, path: Path) -> float
     """Lever arm of rolling resistance [m], 0 without."""
     if "rolling" not in table:
         return 0.0
-    if not site.rolls:
+    if not site.curvature > 0.0:
         why = "only a disc that rolls on a surface resists so: give the surface a roller"
         reader.values.wrong((*path, "rolling"), why, at_key=True)
         return 0.0
@@ -268,30 +271,38 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     own, damped = [key for key in static.fields if key != "bush_radius"], ""
     if "damping" in table and "damping" not in law.fields:
         law, damped = registry.damped_law(), model
-    used = [
-        "model",
-        "rolling",
-        "friction",
-        "bush_radius",
-        "geometry" if by_geometry else "stiffness",
-        *law.fields,
-        *own,
-    ]
+    elastic_keys = ["geometry" if by_geometry else "stiffness", *law.fields, *own]
+    used = ["model", "rolling", "friction", "bush_radius", *elastic_keys]
     unused = _unused(reader, table, used, site, path)
     needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""
     radius = _radius(reader, table, site, needed, path)
     elastic: dict[str, float | str | Mapping[str, float]] = {"clearance": site.clearance, "bush_radius": radius}
     for key in own:
         elastic[key] = _elastic(reader, static.fields[key], key, table, elastic, path, site)
+    static_law = Choice(name, elastic)
+    if by_geometry and site.curvature > 0.0 and not reader.values.problems:
+        static_law = _point_contact(elastic, site.curvature)
     normal = reader.fields(law, table, path, site.unit)
     _unit_interval(reader, normal, path)
     friction = _friction(reader, table["friction"], (*path, "friction")) if "friction" in table else None
-    laws = Choice(law.name, normal), Choice(name, elastic), friction
+    laws = Choice(law.name, normal), static_law, friction
     rolling = _rolling(reader, table, site, path)
     contact = Contact("compliant", {}, radius, *laws, unused, word=damped, rolling=rolling)
     _pack(reader, "stiffness", contact.static, path)
     _pack(reader, "friction", friction, path)
     return contact
+
+
+def _point_contact(elastic: LawValues, curvature: float) -> Choice:
+    """F = K delta^1.5 of two spheres of this relative curvature [1/m], K = 4/3 E* / sqrt(curvature).
+
+    Source: Johnson, Contact Mechanics (1985), eq. 4.23.
+    """
+    a, b = elastic["bush_material"], elastic["pin_material"]
+    assert not isinstance(a, float), "a material is no number"
+    assert not isinstance(b, float), "a material is no number"
+    stiffness = 4.0 / 3.0 * contact_modulus(a, b) / sqrt(curvature)
+    return Choice("power", {"stiffness": stiffness, "exponent": 1.5})
 
 
 def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) -> str:
@@ -305,8 +316,12 @@ def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) ->
     elif not by_geometry:
         values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
     elif name := reader.field(FORMULA, "geometry", {"geometry": "sphere", **table}, {}, path):
-        if site.leaf.from_materials:
+        if site.leaf.from_materials or (site.curvature > 0.0 and name == POINT):
             return str(name)
+        if site.curvature > 0.0:
+            point = f'a disc on a surface touches in a point: geometry = "{POINT}", or give a stiffness'
+            values.wrong((*path, "geometry"), point)
+            return ""
         needs = "needs stiffness and exponent: these formulas are for pins in bushes"
         values.wrong((*path, "geometry"), f"{site.leaf.wall} {needs}")
     return ""

@@ -309,7 +309,7 @@ SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all sh
     "numbers": _numbers,
     "pair": lambda values, field, written, path: values.vector(written, field.unit, path, field.live, field.least),
     "quantity": lambda values, field, written, path: values.any_number(written, path),
-    "points": lambda values, field, written, path: values.points(written, path),
+    "points": lambda values, field, written, path: values.points(written, path, field.live),
     "ring": _ring,
     "rings": _rings,
     "labels": _labels,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import filterfalse
 
 from rattle import registry
 from rattle.description.model import (
@@ -15,11 +16,13 @@ from rattle.description.model import (
     Contact,
     Driver,
     Joint,
+    JointFriction,
     Load,
     Point,
     Stop,
     Value,
     Vector,
+    is_ground,
 )
 from rattle.description.read_contact import (
     contact_models,
@@ -44,13 +47,23 @@ from rattle.language.expression import Name, Node, Number, names, parse, replace
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
+Target = tuple[registry.Kind[DriverKind], str, Point | None, str]  # kind of driver, joint, point, what is driven
 NOWHERE = Point("", "", (math.nan, math.nan))
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
+
+
+def _lifting(kind: registry.Kind[JointKind], table: Table) -> tuple[registry.Kind[JointKind], Table]:
+    """The kind that a joint is with a contact, which lets it lift off, and its table with the keys of that kind."""
+    if "contact" not in table or kind.leaf.lifting is None:
+        return kind, table
+    other, renamed = kind.leaf.lifting
+    return registry.kinds("joint")[other], {renamed.get(key, key): written for key, written in table.items()}
 
 
 def moved_joints(driver: str = "") -> list[str]:
     """Kinds of joints that a kind of driver moves; all that can be driven if `driver` is ""."""
     kinds = registry.kinds("joint").items()
+    driver = registry.kinds("driver")[driver].leaf.rate_of or driver if driver else ""
     return sorted(name for name, kind in kinds if kind.leaf.motor and driver in ("", kind.leaf.motor.driver))
 
 
@@ -91,7 +104,7 @@ class Parts(FieldReader):
 
     def __init__(self, values: Values) -> None:
         super().__init__(values)
-        self.ground: dict[str, Vector] = {}
+        self.ground: dict[str, Vector] = {}  # at t = 0
         self.bodies: dict[str, Body] = {}
         self.joints: dict[str, Joint] = {}
         self.drivers: dict[str, Driver] = {}
@@ -143,13 +156,17 @@ class Parts(FieldReader):
             return NOWHERE
         body, dot, point = written.partition(".")
         if body != "ground" and body not in self.bodies:
-            self.values.wrong(path, f"no body {quoted(body)}{suggest(body, ['ground', *self.bodies])}")
+            self.values.wrong(
+                path, f"no body {quoted(body)}{suggest(body, ['ground', *filterfalse(is_ground, self.bodies)])}"
+            )
             return NOWHERE
         points = self.ground if body == "ground" else self.bodies[body].points
         if not dot and alone:
             return Point(body, "", (0.0, 0.0))
         if point not in points and body in self.vague:
             return NOWHERE
+        if body == "ground" and f"ground.{point}" in self.bodies:
+            return Point(f"ground.{point}", "", (0.0, 0.0))
         if point not in points:
             hint = suggest(point, points)
             whose = "the ground" if body == "ground" else f"body '{body}'"
@@ -172,8 +189,9 @@ class Parts(FieldReader):
         a, b = (self.point(end, (*here, k), alone) for k, end in enumerate(both))
         if bodies:
             a, b = (Point(end.body, "", (0.0, 0.0)) for end in (a, b))
-        if a.body and a.body == b.body:
-            self.values.wrong(here, f"both ends are on '{a.body}'; expected two different bodies")
+        if a.body and (a.body == b.body or (is_ground(a.body) and is_ground(b.body))):
+            same = a.body if a.body == b.body else "ground"
+            self.values.wrong(here, f"both ends are on '{same}'; expected two different bodies")
         return a, b
 
     # ------------------------------------------------------------ joints
@@ -185,10 +203,7 @@ class Parts(FieldReader):
         if kind is None:
             self.broken_joints.add(name)
             return
-        if "contact" in table and kind.leaf.lifting is not None:
-            other, renamed = kind.leaf.lifting
-            kind = registry.kinds("joint")[other]
-            table = {renamed.get(key, key): written for key, written in table.items()}
+        kind, table = _lifting(kind, table)
         a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
         play = registry.play_of(kind.name)
         sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
@@ -204,14 +219,8 @@ class Parts(FieldReader):
         stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
         dimensions = self._dimensions(sizes, table, play, contact, path)
         corners = self._corners(kind, fields, b, path) if len(values.problems) == before else {}
-        friction = None
-        if "friction" in table and "friction" not in kind.fields:
-            sound, block = fields if len(values.problems) == before else None, next(iter(dimensions.values()), ())
-            here = (*path, "friction")
-            friction = joint_friction(self, table["friction"], kind, sound, block, clearance > 0.0, here)
-            lifts = contact is not None and contact.acts and not clearance > 0.0
-            if why := LIFTS.format(kind.name) if lifts else kind.leaf.friction_fault(fields):
-                values.wrong(here, why, at_key=True)
+        sound, block = len(values.problems) == before, next(iter(dimensions.values()), ())
+        friction = self._friction(table, kind, (fields, sound), block, (clearance, contact), path)
         if contact is not None and contact.rolling > 0.0:
             friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
@@ -221,6 +230,22 @@ class Parts(FieldReader):
         )  # fmt: skip
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _friction(
+        self, table: Table, kind: registry.Kind[JointKind], read: tuple[Fields, bool], block: Sequence[float],
+        play: tuple[float, Contact | None], path: Path,
+    ) -> JointFriction | None:  # fmt: skip
+        """The friction of a joint without play; read: fields, and if they are sound; play: clearance [m], contact."""
+        if "friction" not in table or "friction" in kind.fields:
+            return None
+        (fields, sound), (clearance, contact), here = read, play, (*path, "friction")
+        friction = joint_friction(
+            self, table["friction"], kind, fields if sound else None, block, clearance > 0.0, here
+        )
+        lifts = contact is not None and contact.acts and not clearance > 0.0
+        if why := LIFTS.format(kind.name) if lifts else kind.leaf.friction_fault(fields):
+            self.values.wrong(here, why, at_key=True)
+        return friction
 
     def _corners(self, kind: registry.Kind[JointKind], fields: Fields, b: Point, path: Path) -> Corners:
         """What of B may touch: the points that are named, the corners of its plate, or its point."""
@@ -262,7 +287,7 @@ class Parts(FieldReader):
             static = Choice("power", {"stiffness": law.stiffness, "exponent": 1.0})
             return Contact("compliant", normal=Choice("tension", {"damping": law.damping}), static=static)
         if "contact" in table and (sided := registry.one_sided_of(kind.name)) is not None:
-            return read_contact(self, table["contact"], site_of_one_sided(sided, fields.get("roller", 0.0) > 0.0), here)
+            return read_contact(self, table["contact"], site_of_one_sided(sided, kind.leaf.curvature(fields)), here)
         if "contact" in table and kind.leaf.stops:
             self.values.wrong(here, f"a {kind.name} has contacts at its stop only: write it there", at_key=True)
         elif "contact" in table:
@@ -357,6 +382,8 @@ class Parts(FieldReader):
             values.wrong(path, "give a joint or a body to drive, not both")
             return
         target = self._driven_body(table, path) if "body" in table else self._driven_joint(table, path)
+        if target is not None and "speed" in table:
+            target = self._with_speed(target)
         if target is None:
             return
         kind, joint, point, what = target
@@ -368,12 +395,15 @@ class Parts(FieldReader):
         self.driven[what] = name
         wrong = [other for other in functions if other in table and other not in kind.fields]
         (key,) = kind.fields
+        if kind.leaf.rate_of in table:
+            values.wrong(path, f"give {kind.leaf.rate_of} or {key}, not both")
+            return
         for other in wrong:
             values.wrong((*path, other), f"{what} is driven by '{key}', not by '{other}'", at_key=True)
         if key in table or not wrong:
             self.drivers[name] = Driver(name, kind.name, joint, self.fields(kind, table, path)[key], point)
 
-    def _driven_joint(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, None, str] | None:
+    def _driven_joint(self, table: Table, path: Path) -> Target | None:
         """Kind of driver, joint, and what is driven, in words; None after a problem."""
         if "coordinate" in table:
             self.values.wrong((*path, "coordinate"), "only a driven body has a coordinate", at_key=True)
@@ -392,7 +422,12 @@ class Parts(FieldReader):
         self.values.wrong(here, f"a {self.joints[joint].kind} joint has nothing to drive; expected {drivable}")
         return None
 
-    def _driven_body(self, table: Table, path: Path) -> tuple[registry.Kind[DriverKind], str, Point, str] | None:
+    def _with_speed(self, target: Target) -> Target:
+        """The same with the kind of driver that takes a speed, if there is one."""
+        rates = (rate for rate in registry.kinds("driver").values() if rate.leaf.rate_of == target[0].name)
+        return (next(rates, target[0]), *target[1:])
+
+    def _driven_body(self, table: Table, path: Path) -> Target | None:
         """Kind of driver, no joint, the point, and what is driven, in words; None after a problem."""
         kinds = registry.kinds("driver")
         coordinates = [name.removeprefix("body-") for name in kinds if name.startswith("body-")]
@@ -403,9 +438,9 @@ class Parts(FieldReader):
             got = f", got {quoted(coordinate)}" if "coordinate" in table else ""
             self.values.wrong(where, f"expected coordinate = one of {', '.join(coordinates)}{got}")
             return None
-        if point.body == "ground":
+        if is_ground(point.body):
             self.values.wrong((*path, "body"), "the ground does not move; expected a body")
-        if not point.body or point.body == "ground":
+        if not point.body or is_ground(point.body):
             return None
         return kinds[f"body-{coordinate}"], "", point, f"{coordinate} of '{table['body']}'"
 
@@ -453,7 +488,7 @@ class Parts(FieldReader):
     def _can_turn(self, a: Point, b: Point, path: Path) -> None:
         """Refuse two bodies that cannot turn against each other, and two that nothing holds."""
         held = {end.body for joint in self.joints.values() for end in (joint.a, joint.b)}
-        if "ground" not in (a.body, b.body) and not held & {a.body, b.body}:
+        if not is_ground(a.body) and not is_ground(b.body) and not held & {a.body, b.body}:
             self.values.wrong(
                 path,
                 f"neither '{a.body}' nor '{b.body}' has a joint: they would spin in opposite directions and move"

@@ -431,8 +431,8 @@ class Values:
         x, y = (self.value(part, unit, (*path, k), least, live) for k, part in enumerate(written))
         return x, y
 
-    def points(self, written: object, path: Path) -> dict[str, Vector]:
-        """A table of named points [m]."""
+    def points(self, written: object, path: Path, live: bool) -> Mapping[str, tuple[Value, Value]]:
+        """A table of named points [m]; if `live`, each coordinate may be a Node."""
         points = {}
         for name, at in self.table(written, path).items():
             if not name.isidentifier():
@@ -441,7 +441,7 @@ class Values:
                     f"{quoted(name)} is not a name; expected letters, digits and _, not starting with a digit",
                     at_key=True,
                 )
-            points[name] = self.vector(at, "m", (*path, name))
+            points[name] = self.vector(at, "m", (*path, name), live, "")
         return points
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import fields
+from itertools import filterfalse
 
-from rattle import registry
 from rattle.description.changes import NAMED
 from rattle.description.coordinates import declare, definitions, forces, named_in_results, ordered, used_names
 from rattle.description.massless import require_mass_at_contacts
-from rattle.description.model import Driver, Initial, Model, Settings, Vector
+from rattle.description.model import Driver, Initial, Model, Settings, State, Value, Vector, is_ground
+from rattle.description.moving_points import drivers_of_point, moving_point
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
@@ -19,7 +21,7 @@ from rattle.description.read_values import Chosen, TooManyProblems, Values, quot
 from rattle.description.reading import Path, Table, section
 from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
 from rattle.errors import ModelError, suggest
-from rattle.language.expression import Node, names
+from rattle.language.expression import ExpressionError, Node, Number, names, replaced, value
 from rattle.language.units import dimension_of
 from rattle.registry import REQUIRED
 
@@ -88,25 +90,36 @@ def _read(document: Table, values: Values) -> Model:
     signals, units = read_signals(values, document)
     states = read_states(values, document, starts)
     parts = Parts(values)
-    gravity = parts.part(MODEL.fields["gravity"], "gravity", document, ()) or (0.0, 0.0)
+    falls = parts.part(MODEL.fields["gravity"], "gravity", document, ()) or (0.0, 0.0)
     ground = values.table(document.get("ground", {}), ("ground",))
-    parts.ground = parts.form(GROUND, ground, ("ground",))["points"] or {}
-    _read_parts(parts, tables)
+    points: Mapping[str, tuple[Value, Value]] = parts.form(GROUND, ground, ("ground",))["points"] or {}
+    moving = _moving_names(values, signals, states)
+    parts.ground = _ground(values, points, signals, moving)
+    moving_points = {name: at for name, at in points.items() if any(isinstance(x, Node) for x in at)}
+    _read_parts(parts, tables, moving_points)
     initial, settings = _initial(values, document, parts), _settings(parts, document)
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [state.rate for state in states.values()]
     pulls, of_pulls = forces(parts.loads)
     of_loads = [value for load in parts.loads.values() for value in load.values]
     stand_for = definitions(
-        parts.ground, parts.bodies, parts.joints, parts.loads,
+        {name: at for name, at in parts.ground.items() if name not in moving_points},
+        parts.bodies, parts.joints, parts.loads,
         used_names(signals.values(), pulls.values(), rates, of_loads),
     )  # fmt: skip
     signals = ordered(values, signals, pulls, stand_for)
-    _drivers_follow_time(values, parts.drivers, signals, states)
+    for driver in parts.drivers.values():
+        if not driver.moves_ground:
+            path = ("drivers", driver.name, driver.key)
+            _follow_time(values, "a driver", driver.value, path, moving, driver.leaf.rate_of)
+    for k, component in enumerate(falls):
+        _follow_time(values, "gravity", component, ("gravity", k), moving)
+    gravity, falling = _gravity(values, falls, signals)
+    states |= _travels(parts.drivers)
     return Model(
         title, gravity, parameters, signals, units | of_pulls, parts.ground, parts.bodies, parts.joints, parts.drivers,
         parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
-        stand_for,
+        stand_for, falling,
     )  # fmt: skip
 
 
@@ -119,8 +132,10 @@ def _enter_motion(values: Values, bodies: Iterable[str]) -> None:
             values.numbers.add(f"{name}.{key}")
 
 
-def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Table]]) -> None:
-    """Read bodies, then joints, drivers and loads, which refer to them."""
+def _read_parts(
+    parts: Parts, tables: Mapping[str, Mapping[str, Table]], moving_points: Mapping[str, tuple[Value, Value]]
+) -> None:
+    """Read bodies, then joints, drivers and loads, which refer to them, and to points of the ground that move."""
     values = parts.values
     add = {"bodies": parts.add_body, "joints": parts.add_joint, "drivers": parts.add_driver, "loads": parts.add_load}
     for key, read_part in add.items():
@@ -131,6 +146,10 @@ def _read_parts(parts: Parts, tables: Mapping[str, Mapping[str, Table]]) -> None
                 parts.broken_joints.add(name)
         if key == "bodies" and not parts.bodies and not values.problems:
             values.wrong(("bodies",), "a mechanism needs at least one body")
+        if key == "bodies":
+            parts.bodies |= {body.name: body for body in map(moving_point, moving_points)}
+    for name, at in moving_points.items():
+        parts.drivers |= drivers_of_point(name, at)
 
 
 def _header(document: Table, values: Values) -> str:
@@ -181,7 +200,7 @@ def _initial(values: Values, document: Table, parts: Parts) -> Initial:
     for name, written in values.table(document.get("initial", {}), ("initial",)).items():
         path: Path = ("initial", name)
         entry = values.table(written, path)
-        if name in parts.bodies:
+        if name in parts.bodies and not is_ground(name):
             read = parts.form(START, entry, path)
             bodies[name] = {key: number for key, number in read.items() if number is not None}
         elif name in parts.joints or name in parts.broken_joints:
@@ -191,7 +210,7 @@ def _initial(values: Values, document: Table, parts: Parts) -> Initial:
             elif "offset" in entry:
                 offsets[name] = parts.read(OFFSET, entry, path)["offset"]
         else:
-            near = suggest(name, [*parts.bodies, *play])
+            near = suggest(name, [*filterfalse(is_ground, parts.bodies), *play])
             values.wrong(path, f"no body or clearance joint {quoted(name)}{near}", at_key=True)
     return Initial(bodies, offsets)
 
@@ -204,17 +223,83 @@ def _settings(parts: Parts, document: Table) -> Settings:
     return Settings(**{key: read[key] for key in settings if read[key] is not None})
 
 
-def _drivers_follow_time(
-    values: Values, drivers: Mapping[str, Driver], signals: Mapping[str, Node], states: Collection[str]
-) -> None:
-    """Refuse drivers whose function depends on the motion or a state: its exact time derivatives would not be known."""
-    moving = {name for name in values.live if "." in name} | set(states)
+def _moving_names(values: Values, signals: Mapping[str, Node], states: Collection[str]) -> dict[str, str]:
+    """Names of what changes with the motion or with a state, and why, in words."""
+    moving = {name: "depends on the motion" for name in values.live if "." in name}
+    moving |= dict.fromkeys(states, "is a state")
     for name, node in signals.items():  # in order of evaluation
-        if names(node) & moving:
-            moving.add(name)
-    for name, driver in drivers.items():
-        if not isinstance(driver.value, float):
-            for word in sorted(names(driver.value) & moving):
-                why = "is a state" if word in states else "depends on the motion"
-                path = ("drivers", name, next(iter(registry.kinds("driver")[driver.kind].fields)))
-                values.wrong(path, f"a driver must depend on time only, but '{word}' {why}")
+        if names(node) & moving.keys():
+            moving[name] = "depends on the motion"
+    return moving
+
+
+def _follow_time(
+    values: Values, what: str, function: Value, path: Path, moving: Mapping[str, str], integrated: str = ""
+) -> None:
+    """Refuse a function that depends on the motion or a state: its exact time derivatives would not be known.
+
+    integrated: what is the integral of the function, in words; "" if nothing.
+    """
+    if isinstance(function, float):
+        return
+    remedy = "; use [states] and a load for a speed that is controlled" if integrated else ""
+    for word in sorted(names(function) & moving.keys()):
+        values.wrong(path, f"{what} must depend on time only, but '{word}' {moving[word]}{remedy}")
+
+
+def _travels(drivers: Mapping[str, Driver]) -> dict[str, State]:
+    """How far drivers have come whose speed is given, as states."""
+    travels = {}
+    for driver in drivers.values():
+        if driver.travel:
+            rate = Number(driver.value, 0) if isinstance(driver.value, float) else driver.value
+            travels[driver.travel] = State(driver.travel, rate, 0.0, driver.leaf.rows[0], travel=True)
+    return travels
+
+
+def _gravity(
+    values: Values, components: tuple[Value, Value], signals: Mapping[str, Node]
+) -> tuple[Vector, tuple[Node, Node] | None]:
+    """Gravity at t = 0 [m/s^2], and as a function of t alone; None if it does not change."""
+    x, y = (_of_time(component, signals) for component in components)
+    at_start = _at_start(values, x, ("gravity", 0)), _at_start(values, y, ("gravity", 1))
+    if isinstance(x, float) and isinstance(y, float):
+        return at_start, None
+    first, second = (Number(node, 0) if isinstance(node, float) else node for node in (x, y))
+    return at_start, (first, second)
+
+
+def _ground(
+    values: Values, points: Mapping[str, tuple[Value, Value]], signals: Mapping[str, Node], moving: Mapping[str, str]
+) -> dict[str, Vector]:
+    """Places of the points of the ground at t = 0 [m]."""
+    places = {}
+    for name, coordinates in points.items():
+        at = []
+        for k, coordinate in enumerate(coordinates):
+            path = ("ground", "points", name, k)
+            _follow_time(values, "a point of the ground", coordinate, path, moving)
+            at.append(_at_start(values, _of_time(coordinate, signals), path))
+        places[name] = at[0], at[1]
+    return places
+
+
+def _of_time(function: Value, signals: Mapping[str, Node]) -> Value:
+    """A function of time without the names of signals."""
+    if isinstance(function, float):
+        return function
+    written: dict[str, Node] = {}
+    for name, node in signals.items():  # in order of evaluation
+        written[name] = replaced(node, written)
+    return replaced(function, written)
+
+
+def _at_start(values: Values, function: Value, path: Path) -> float:
+    """Value of a function of time at t = 0 [SI]; nan after a problem."""
+    if isinstance(function, float) or values.problems:
+        return function if isinstance(function, float) else math.nan
+    try:
+        return value(function, {**values.constants, "t": 0.0}, values.tables)
+    except ExpressionError as error:
+        values.in_expression(error, path)
+        return math.nan

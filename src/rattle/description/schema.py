@@ -108,7 +108,8 @@ def _joint(kind: Kind[JointKind], keys: Form) -> Schema:
 def _may_have(joint: Kind[JointKind], key: str) -> bool:
     """True if a kind of joint may have one of the keys that joints have in common."""
     able = {
-        "clearance": not joint.leaf.bodies, "contact": not joint.leaf.bodies, "wear": kind_wears(joint),
+        "clearance": not joint.leaf.bodies and not joint.leaf.touches, "contact": not joint.leaf.bodies,
+        "wear": kind_wears(joint),
         "stop": registry.stop_of(joint.name) is not None, "friction": joint.leaf.rubs,
     }  # fmt: skip
     return able.get(key, True)
@@ -125,11 +126,12 @@ def _ends(joint: Kind[JointKind]) -> Schema:
 
 def _contact_of(joint: Kind[JointKind]) -> Schema:
     """The contact of a joint: of its clearance, or of a joint that is one-sided with it."""
-    sided = registry.one_sided_of(joint.name)
+    name = joint.leaf.lifting[0] if joint.leaf.lifting is not None else joint.name
+    sided = registry.one_sided_of(name)
     if sided is None:
         return _contact()
     without = () if sided.leaf.slides else ALONG
-    return _contact(contact_models(joint.name), without, "contact model: the joint is then one-sided")
+    return _contact(contact_models(name), without, "contact model: the joint is then one-sided")
 
 
 def _stop(joint: Kind[JointKind]) -> Schema:

@@ -28,13 +28,7 @@ def recontact(written: object, model: str) -> str | dict[str, object]:
         if plain[model].leaf.oiled:
             return _oiled(old, model)
     old = _without_oil(old)
-    keys = ["bush_radius", "friction"]
-    if model in plain:
-        shares = plain[model].leaf.shares_by_stiffness
-        unused = () if shares and old.get("restitution_law") == shares else ELASTIC
-        keys += [key for key in plain[model].fields if key not in unused]
-    else:
-        keys += [*_elastic(old), *(laws[model].fields if model in laws else ())]
+    keys = ["bush_radius", "friction", "rolling", *_own_keys(old, model)]
     new: dict[str, object] = {"model": model, **{key: value for key, value in old.items() if key in keys}}
     friction = new.get("friction")
     if model in plain and isinstance(friction, Mapping):
@@ -44,6 +38,16 @@ def recontact(written: object, model: str) -> str | dict[str, object]:
     if "restitution" in new and model in laws and laws[model].fields["restitution"].default == 1.0:
         del new["restitution"]  # a law without loss
     return new if len(new) > 1 else model
+
+
+def _own_keys(old: Table, model: str) -> list[str]:
+    """Keys of a contact that another model has too, besides those of all."""
+    plain, laws = registry.kinds("contact"), registry.kinds("normal")
+    if model not in plain:
+        return [*_elastic(old), *(laws[model].fields if model in laws else ())]
+    shares = plain[model].leaf.shares_by_stiffness
+    unused = () if shares and old.get("restitution_law") == shares else ELASTIC
+    return [key for key in plain[model].fields if key not in unused]
 
 
 def _without_oil(old: Table) -> Table:

@@ -73,8 +73,8 @@ class OfKinds:
 Part = Field | Form | Either | Named | OfKinds
 
 
-def _points(meaning: str) -> Field:
-    return Field("m", meaning, None, shape="points")
+def _points(meaning: str, live: bool = False) -> Field:
+    return Field("m", meaning, None, shape="points", live=live)
 
 
 # ---------------------------------------------------------------- bodies and ground
@@ -115,7 +115,7 @@ BODY = Form(
     },
     "a rigid body",
 )  # fmt: skip
-GROUND = Form({"points": _points("points of the ground")})
+GROUND = Form({"points": _points("points of the ground, also as functions of t", live=True)})
 
 # ---------------------------------------------------------------- names that expressions use
 LIKELY = Field(
@@ -331,7 +331,7 @@ MODEL = Form(
     {
         "format": Field("", "version of the format", shape="version"),
         "name": Field("", "title", None, shape="title"),
-        "gravity": Field("m/s^2", "acceleration of gravity", None, shape="pair"),
+        "gravity": Field("m/s^2", "acceleration of gravity, also as a function of t", None, shape="pair", live=True),
         "parameters": Named(Either((VALUE, PARAMETER)), "values that expressions use"),
         "tolerances": TOLERANCES,
         "tables": Named(TABLE, "functions of one number that expressions use: lift(x)"),

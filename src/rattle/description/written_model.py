@@ -269,16 +269,12 @@ class WrittenModel(Building):
         return unit_of_quantity(text) if isinstance(text, str) else (1.0, "")
 
     def ideal(self) -> Self:
-        """The same mechanism with all clearances set to zero; lengths of the bodies and surfaces are unchanged."""
+        """The same mechanism with all clearances set to zero; lengths of the bodies are unchanged, surfaces stay."""
         from rattle.description.switch_contact import recontact
 
         joints = self._document.get("joints", {})
-        closed = {
-            f"joints.{name}.contact": recontact(table.get("contact"), "ideal")
-            for name, table in joints.items()
-            if _has_contact(table) and not _is_surface(table)
-        }
-        return self.set(closed)
+        loose = [name for name, table in joints.items() if _has_contact(table) and not _touches(table)]
+        return self.set({f"joints.{name}.contact": recontact(joints[name].get("contact"), "ideal") for name in loose})
 
     def with_contact(self, model: str, joint: str | None = None) -> Self:
         """The same mechanism with another contact model in every joint with clearance or one-sided, or in one joint.
@@ -305,10 +301,10 @@ class WrittenModel(Building):
         return contact_of(self._document, joint)
 
 
-def _is_surface(joint: Table) -> bool:
-    """True of a joint as it is written which has nothing but its contacts."""
-    known = registry.kinds("joint").get(str(joint.get("type")))
-    return known is not None and known.leaf.touches
+def _touches(table: Mapping[str, object]) -> bool:
+    """True of a joint whose bodies touch outside of any joint: nothing is left of it without its contact."""
+    kind = registry.kinds("joint").get(str(table.get("type")))
+    return kind is not None and (kind.leaf.touches or kind.leaf.lifting is not None)
 
 
 def _has_contact(joint: Table) -> bool:

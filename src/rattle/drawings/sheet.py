@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from itertools import filterfalse
 from typing import Any, NamedTuple
 
 from rattle.drawings.numbers import Number, Tape, Value, call, cos, sin
@@ -207,13 +208,13 @@ class Sheet:
         """A name beside a point, on a little paper."""
         self._add("text", frame, z, when, path=self._written([point]), text=text, line=_colour(line), bold=bold)
 
-    def foot(self, point: tuple[Value, Value]) -> None:
-        """The usual symbol of a fixed pivot."""
+    def foot(self, ground: str, point: tuple[Value, Value]) -> None:
+        """The usual symbol of a fixed pivot on the ground, or on a point of it that moves."""
         x, y = point
         s = self._clamped(FOOT)
         corners: list[Piece] = [(x, y), (x - 0.62 * s, y - s), (x + 0.62 * s, y - s)]
-        self.path(GROUND, corners, z=2.1, fill=Colour("steel", 0.3), width=1.3, closed=True)
-        self.wall(GROUND, (x - s, y - s), (x + s, y - s), z=2.1, stroke=0.34 * s, width=1.3)
+        self.path(ground, corners, z=2.1, fill=Colour("steel", 0.3), width=1.3, closed=True)
+        self.wall(ground, (x - s, y - s), (x + s, y - s), z=2.1, stroke=0.34 * s, width=1.3)
 
     def _clamped(self, size: tuple[float, float, float]) -> Number:
         """A share of the mechanism's size that is neither too small nor too large on its picture [m]."""
@@ -223,13 +224,13 @@ class Sheet:
     def feet(self, part: Part) -> None:
         """Feet of those ends of a part that are on the ground."""
         for end, body in enumerate(part.bodies):
-            if body == GROUND:
-                self.foot(part.point(end))
+            if on_ground(body):
+                self.foot(body, part.point(end))
 
     def bodies(self) -> None:
         """Bars through two points, plates through more with round corners; outlines as they are, with their holes."""
         half = 0.5 * self._clamped(BAR)
-        for body in self.geometry["bodies"]:
+        for body in filterfalse(on_ground, self.geometry["bodies"]):
             line, fill = f"body {body}", Colour(f"body {body}", 0.6)
             rings: list[list[Piece]] = [[self.given("bodies", body, "outline", k)] for k in range(self.rings(body))]
             points: list[Piece] = [*self.points(body), (0.0, 0.0)]
@@ -281,6 +282,11 @@ class Sheet:
         """The list as plain data."""
         drawn = in_order(self.drawn)
         return {"numbers": self.tape.nodes, "drawn": drawn, "within": self.within, **self.layers}
+
+
+def on_ground(body: str) -> bool:
+    """True for the ground, and for a point of it that moves."""
+    return body == GROUND or body.startswith(f"{GROUND}.")
 
 
 def in_order(drawn: list[dict[str, Any]]) -> list[dict[str, Any]]:

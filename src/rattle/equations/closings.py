@@ -105,7 +105,7 @@ def add_terms(m):
             into[term[of.PLUS]] = -1.0
         else:
             value = m.start_given[term[of.PLUS]] if kind == of.GIVEN else m.values[term[of.PLUS]]
-            into[term[of.MINUS]] -= value
+            into[term[of.MINUS]] -= sign * value
 
 
 # ---------------------------------------------------------------- what is known at a node

@@ -47,6 +47,33 @@ def locate_contacts(m):
 
 
 @native("void", "h")
+def locate_near(m):
+    """The same, but contacts of a surface that are all open and apart get a bound for their gaps instead."""
+    contact, kinematics, table, n = m.contact, m.contact_kinematics, m.clearance_table, 0
+    while n < contact.shape[0]:
+        a, b, p, span = contact[n, at.A_BODY], contact[n, at.B_BODY], contact[n, at.SHAPE_P], contact[n, at.SPAN]
+        if span > 0 and all_open(m, n, span):
+            call_clearance(table[contact[n, at.SHAPE]], (m.body, a, b, m.values, p, -1, n, kinematics))
+            least = kinematics[n, at.GAP]
+            if least > 0.0:
+                for k in range(n, n + span):
+                    kinematics[k, at.GAP] = least
+                n += span
+                continue
+        call_clearance(table[contact[n, at.SHAPE]], (m.body, a, b, m.values, p, contact[n, at.CORNER], n, kinematics))
+        n += 1
+
+
+@compiled
+def all_open(m, first, count):
+    """True if none of these contacts is closed."""
+    for n in range(first, first + count):
+        if m.contact_memory[n, at.CLOSED] != at.OPEN:
+            return False
+    return True
+
+
+@native("void", "h")
 def add_contact_forces(m):
     """Add the forces of all compliant contacts to Q [N, N m]; N, T and rates go to `contact_kinematics`."""
     contact, values, kinematics, memory, force = m.contact, m.values, m.contact_kinematics, m.contact_memory, m.force

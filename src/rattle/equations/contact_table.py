@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from rattle import registry
-from rattle.description.model import Choice, Contact, Joint, Model
+from rattle.description.model import Choice, Contact, Joint, Model, is_ground
 from rattle.interfaces.contacts import ContactGeometry, OwnContact
 from rattle.jit import layout as at
 from rattle.language.local_function import packed
@@ -31,6 +31,7 @@ CONTACT_TABLES = {
 }
 
 NO_FILM = (-1, -1)
+FEWEST = 3  # contacts of one kind of a surface from which on a bound for all of them saves time
 
 
 class ContactGroup(NamedTuple):
@@ -129,6 +130,7 @@ def contact_table(
                     *film,
                     leaf.worn,
                     own_columns if labels else -1,
+                    len(corners) if leaf.bounded and len(corners) >= FEWEST and corner == corners[0] else 0,
                     int(contact.ends_by_force),
                 )
                 own_columns += 1 if labels else 0
@@ -151,6 +153,7 @@ def contact_table(
                 *NO_FILM,
                 0,
                 -1,
+                0,
                 0,
             )
             table.append((entry[0], a, b, *entry[1:], *owned))
@@ -235,7 +238,7 @@ def effective_mass(model: Model, joint: Joint, angular: bool) -> float:
     """
     light = 0.0
     for end in (joint.a, joint.b):
-        if end.body in model.bodies:
+        if not is_ground(end.body):
             body, arm = model.bodies[end.body], hypot(*end.at)
             light += 1.0 / (body.inertia + body.mass * (arm * arm) if angular else body.mass)
     return 1.0 / light

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.compliant import add_contact_forces, locate_contacts
+from rattle.equations.compliant import add_contact_forces, locate_contacts, locate_near
 from rattle.equations.dry_friction import add_dry_friction, end_dry_friction
 from rattle.equations.massless import take_out
 from rattle.equations.schur import WEAK, factorise, solve
@@ -25,6 +25,7 @@ from rattle.equations.state import (
     states_at,
     take_states,
 )
+from rattle.equations.travel import travel_to
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.choices import select, usually
 from rattle.jit.families import call_closed_contacts, call_joint, call_load
@@ -56,14 +57,19 @@ def drive(m, t):
     """Functions of time t [s]: value and exact first and second derivative of every driver [m or rad, s]."""
     jet_signal, jet, out = m.jet_signal, m.jet, m.jet_out
     code, const, jets, stack, values = m.code, m.const, m.jets, m.jet_stack, m.values
+    if m.travelled.shape[0] > 0 and m.travelled[0] == m.travelled[0]:
+        travel_to(m, t)
     for n in range(jet_signal.shape[0]):
         evaluate_jet(code, const, jet_signal[n, at.FIRST_CODE], jet_signal[n, at.END_CODE], t, jets, stack, out)
         k = jet_signal[n, at.TARGET]
         jets[k, 0], jets[k, 1], jets[k, 2] = out[0], out[1], out[2]
     for n in range(jet.shape[0]):
         evaluate_jet(code, const, jet[n, at.FIRST_CODE], jet[n, at.END_CODE], t, jets, stack, out)
-        k = jet[n, at.TARGET]
-        values[k], values[k + 1], values[k + 2] = out[0], out[1], out[2]
+        k, state = jet[n, at.TARGET], jet[n, at.TRAVEL]
+        if state < 0:
+            values[k], values[k + 1], values[k + 2] = out[0], out[1], out[2]
+        else:
+            values[k], values[k + 1], values[k + 2] = m.signals[state], out[0], out[1]
 
 
 @compiled
@@ -108,6 +114,12 @@ def loads(m, t):
             code, const, state_rate[n, at.FIRST_CODE], state_rate[n, at.END_CODE], t, body, signals, stack
         )
     gx, gy = gravity[0], gravity[1]
+    if m.falling.shape[0] > 0:
+        fall(m, t)
+        k, n = m.falling[0, at.TARGET], m.falling[1, at.TARGET]
+        gx, gy = values[k], values[n]
+        for i in range(body.shape[0]):
+            rate -= mass[i, 0] * (values[k + 1] * body[i, at.X] + values[n + 1] * body[i, at.Y])
     for i in range(body.shape[0]):
         force[i, 0] = mass[i, 0] * gx
         force[i, 1] = mass[i, 0] * gy
@@ -126,8 +138,32 @@ def loads(m, t):
             rate += energy[at.ELASTIC]
     power[at.POTENTIAL_ENERGY], power[at.WORK_RATE], power[at.LOSS_RATE] = potential, rate, lost
     if m.contact.shape[0] > 0:
-        locate_contacts(m)
+        if m.power[at.CULLS] == 1.0:
+            locate_near(m)
+        else:
+            locate_contacts(m)
         add_contact_forces(m)
+
+
+@native("void", "h", "f")
+def fall(m, t):
+    """Gravity at t [s], a function of time, and its rates."""
+    falling, values, out = m.falling, m.values, m.jet_out
+    for n in range(falling.shape[0]):
+        first, last, k = falling[n, at.FIRST_CODE], falling[n, at.END_CODE], falling[n, at.TARGET]
+        evaluate_jet(m.code, m.const, first, last, t, m.jets, m.jet_stack, out)
+        values[k], values[k + 1], values[k + 2] = out[0], out[1], out[2]
+
+
+@compiled
+def potential_of_fall(m, t, y):
+    """Potential energy [J] in gravity that is a function of time, at the state y and t [s]."""
+    fall(m, t)
+    energy = 0.0
+    for i in range(1, m.body.shape[0]):
+        for n in range(2):
+            energy -= m.mass[i, 0] * m.values[m.falling[n, at.TARGET]] * y[3 * i - 3 + n]
+    return energy
 
 
 @compiled

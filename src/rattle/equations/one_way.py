@@ -28,7 +28,7 @@ def passes(m, n, slight):
     if row[at.PHASE] == at.ASLEEP:
         row[at.PHASE] = at.AWAKE
     elif row[at.ABOVE] < -BELOW * slight:
-        row[at.PHASE] = at.ASLEEP
+        row[at.PHASE], m.contact_memory[n, at.LEFT_END] = at.ASLEEP, 1.0
     else:
         return False
     locate_contacts(m)
@@ -61,6 +61,8 @@ def follow_sides(m):
         asleep = row[at.PHASE] == at.ASLEEP
         if (asleep and row[at.ABOVE] > 0.0) or (not asleep and row[at.ABOVE] < 0.0 and row[at.BEYOND] > 0.0):
             row[at.PHASE], changed = at.AWAKE if asleep else at.ASLEEP, True
+            if not asleep:
+                m.contact_memory[n, at.LEFT_END] = 1.0
     if changed:
         locate_contacts(m)
 

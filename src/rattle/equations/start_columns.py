@@ -30,6 +30,8 @@ WAY_BODY, PARENT, WAY_A, WAY_B, WAY_P, WAY_JOINT, FREEDOM, WAY_UNKNOWN, ISLAND =
 FIXED, ALONG_LINE, ABOUT_POINT = range(3)
 DIRECTION, DISTANCE, KEPT_ANGLE = range(3)  # columns of `start_lines`
 
+MOVING_POINT, POINT_X, POINT_Y = range(3)  # columns of `start_moving`: a body, places in `values`
+
 PIN, PIN_JOINT = range(2)  # columns of `start_missing`: row of `start_held`, joint
 
 # rows of `start_bodies`: how far a body is ahead of its group, its angle as given or passed on; of groups: where angles

@@ -71,6 +71,9 @@ def place_outward(m, q, closing):
     for k in range(q.shape[0]):
         if k % 3 < 2:
             q[k] = prescribed[k] if prescribed[k] == prescribed[k] else 0.0
+    for n in range(m.start_moving.shape[0]):
+        k = 3 * m.start_moving[n, of.MOVING_POINT] - 3
+        q[k], q[k + 1] = m.values[m.start_moving[n, of.POINT_X]], m.values[m.start_moving[n, of.POINT_Y]]
     for n in range(ways.shape[0]):
         k, sign = 3 * ways[n, of.WAY_BODY] - 3, 1.0 if ways[n, of.WAY_BODY] == ways[n, of.WAY_B] else -1.0
         x, y, own_x, own_y = points_of(m, q, ways, n)

@@ -12,6 +12,7 @@ find their values at the head of `signals`.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,6 +57,21 @@ def take_states(m, y):
         states[k] = y[first + k]
     for k in range(own):
         signals[k] = y[first + of_elements + k]
+    if m.travelled.shape[0] > 0:
+        m.travelled[0] = math.nan
+
+
+@compiled
+def take_travels(m, y):
+    """Copy how far drivers have come whose speed is given from y to `signals`, where `drive` reads it."""
+    if m.travelled.shape[0] == 0:
+        return
+    first = states_at(m) + m.element_state.shape[0] - m.state_rate.shape[0]
+    for n in range(m.jet.shape[0]):
+        state = m.jet[n, at.TRAVEL]
+        if state >= 0:
+            m.signals[state] = y[first + state]
+    m.travelled[0] = math.nan
 
 
 @compiled

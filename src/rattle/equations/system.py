@@ -176,6 +176,7 @@ class System:
         nm = len(self.arrays["massless"])
         others = {
             "signals": (ns,),
+            "travelled": (int(np.any(self.arrays["jet"][:, at.TRAVEL] >= 0)),),
             "jets": (ns, 3),
             "stack": (self.depth,),
             "jet_stack": (3 * self.depth,),
@@ -317,19 +318,23 @@ class _Programs:
 
 def _drivers(
     model: Model, number: Mapping[str, int], values: list[float], programs: _Programs, layout: _Layout
-) -> list[tuple[int, int]]:
-    """Add the drivers to the joints; returns programs of drivers and the places of their values."""
-    jets = []
+) -> list[tuple[int, int, int]]:
+    """Add the drivers to the joints; returns programs of drivers, the places of their values and of their travels."""
+    jets, states = [], list(model.states)
     for name, driver in model.drivers.items():
         kind = registry.kinds("driver")[driver.kind]
         end_a, end_b, fields = driven_ends(model, driver)
         a, b = number[end_a.body], number[end_b.body]
         layout.joint.append((len(registry.kinds("joint")) + kind.tag, a, b, len(values), len(layout.rows)))
         values += [*end_a.at, *end_b.at, *fields]
-        if isinstance(driver.value, float):
+        if driver.travel:
+            rate = model.states[driver.travel].rate
+            jets.append((programs.add(rate, f"drivers.{name}.speed"), len(values), states.index(driver.travel)))
+            values += [0.0, 0.0, 0.0]
+        elif isinstance(driver.value, float):
             values += [driver.value, 0.0, 0.0]
         else:
-            jets.append((programs.add(driver.value, f"drivers.{name}.{driver.kind}"), len(values)))
+            jets.append((programs.add(driver.value, f"drivers.{name}.{driver.kind}"), len(values), -1))
             values += [0.0, 0.0, 0.0]
         for unit in kind.leaf.rows:
             layout.rows.append(Row(name, unit, True))
@@ -338,24 +343,36 @@ def _drivers(
 
 
 def _expressions(
-    model: Model, programs: _Programs, jets: Sequence[tuple[int, int]], live: Sequence[tuple[int, int]], of_laws: int
+    model: Model,
+    programs: _Programs,
+    jets: Sequence[tuple[int, int, int]],
+    live: Sequence[tuple[int, int]],
+    of_laws: int,
+    values: list[float],
 ) -> tuple[dict[str, np.ndarray], list[Switch], np.ndarray, int]:
     """Arrays of all expressions, their switches, their first rows of code and the depth of the stack.
 
-    jets, live: programs of drivers and of loads, and the places of their values; of_laws: number of states of laws.
+    jets, live: programs of drivers and of loads, and the places of their values; of_laws: number of states of laws;
+    values: to which those of gravity are added.
     """
+    falling = []
+    for n, node in enumerate(model.falling or ()):
+        falling.append((programs.add(node, f"gravity[{n}]"), len(values)))
+        values += [0.0, 0.0, 0.0]
     signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
     rates = [programs.add(state.rate, f"states.{name}.rate") for name, state in model.states.items()]
     code, const, first, depth = concatenate(programs.programs, model.tables)
-    needed = _needed_by_drivers(programs, [program for program, _ in jets], signals)
+    needed = _needed_by_drivers(programs, [program for program, *_ in jets], signals)
     spans = [(int(first[n]), int(first[n + 1]), k) for k, n in signals.items()]
     plain = np.array([bare(number) for number in const], dtype=float)
     compiled = Signals(code, plain, spans, [programs.names[n] for n in signals.values()], len(rates))
-    switches = _switches(programs, compiled, first, [n for n, _ in jets], [*(n for n, _ in live), *rates])
+    of_time = [*(n for n, *_ in jets), *(n for n, _ in falling)]
+    switches = _switches(programs, compiled, first, of_time, [*(n for n, _ in live), *rates])
     arrays = {
         "code": code,
         "const": const,
-        "jet": _table([(first[n], first[n + 1], slot) for n, slot in jets], 3),
+        "jet": _table([(first[n], first[n + 1], slot, state) for n, slot, state in jets], 4),
+        "falling": _table([(first[n], first[n + 1], slot) for n, slot in falling], 3),
         "jet_signal": _table([(first[signals[k]], first[signals[k] + 1], k) for k in needed], 3),
         "signal": _table(spans, 3),
         "live": _table([(first[n], first[n + 1], slot) for n, slot in live], 3),
@@ -388,7 +405,7 @@ def compile_system(model: Model, length: float | None = None) -> System:
     dry = friction_table(model, number, values, layout.joint, contact)
     load, live = _loads(model, number, values, programs)
     of_laws = sum(row[at.STATES] for row in contact) + sum(row[at.DRY_STATES] for row in dry)
-    expressions, switches, first, depth = _expressions(model, programs, jets, live, of_laws)
+    expressions, switches, first, depth = _expressions(model, programs, jets, live, of_laws, values)
     starts = [*(entry[at.FIRST_ROW] for entry in layout.joint), len(layout.rows)]
     pattern = schur.analyse(layout.row_body, [range(a, b) for a, b in pairwise(starts) if b > a])
     mass = array_of([[0.0] * 3] + [[body.mass, body.mass, body.inertia] for body in model.bodies.values()])
@@ -465,7 +482,7 @@ def _loads(
 def _switches(
     programs: _Programs, signals: Signals, first: np.ndarray, drivers: Sequence[int], acting: Sequence[int]
 ) -> list[Switch]:
-    """Switches of all expressions on which the motion depends: those of drivers, and others that act on it."""
+    """Switches of all expressions on which the motion depends: those of drivers and gravity, others that act on it."""
     names = programs.names
     used = [(int(first[n]), int(first[n + 1]), names[n], n in drivers) for n in (*drivers, *acting)]
     return find_switches(signals, used)

@@ -34,6 +34,7 @@ class ContactGeometry:
     turning: ClassVar[int] = at.A_BODY  # the body whose walls turn: at.A_BODY or at.B_BODY
     rounded: ClassVar[bool] = True  # True: a curved wall, whose normal turns as B moves; its speed is in touch[ACROSS]
     wall: ClassVar[str]  # what bears, in messages, with an article
+    bounded: ClassVar[bool] = False  # True: its kernel writes a bound of the gaps of all its contacts for corner -1
     one_way: ClassVar[bool] = False  # True: it bears on one side of a segment, on which corners come from its end too
     angular: ClassVar[bool] = False  # True: the gap is an angle [rad], N a moment [N m]
     slides: ClassVar[bool] = True  # True: it has a tangential row, on which friction acts
@@ -229,9 +230,14 @@ class OneSidedKind(ContactGeometry):
         return ()
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held | None:
-        """The joint by which contact `corner` is held where the bodies are; None of a kind that is none."""
-        return None
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
+        """The joints by which contact `corner` is held where the bodies are; sticks: it rolls or sticks too.
+
+        None of a kind that is never held.
+        """
+        return ()
 
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:

@@ -162,6 +162,11 @@ class JointKind:
         return ""
 
     @staticmethod
+    def curvature(fields: Fields) -> float:
+        """Relative curvature [1/m] of a disc of B and what it rolls on, of a kind that `touches`; 0 without a disc."""
+        return 0.0
+
+    @staticmethod
     def passing(fields: Fields) -> str:
         """What it is, with an article, if it consists of contacts that bodies come to and leave; "" if it holds them.
 
@@ -208,3 +213,5 @@ class DriverKind:
     effort: ClassVar[tuple[str, str]]  # name and unit of the force or moment on B
     sets_angle: ClassVar[bool] = False  # its function is the angle of B relative to A
     along_line: ClassVar[bool] = False  # its parameters begin with the direction of the joint's line
+    rate_of: ClassVar[str] = ""  # the kind whose function is the integral of what is written; "": this kind's own
+    from_start: ClassVar[int] = 0  # number of constants that the start sets; they stand before the function

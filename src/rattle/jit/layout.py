@@ -52,6 +52,7 @@ DISSIPATED = column("energy", "W", "power lost")
 POTENTIAL_ENERGY = column("power", "J", "of gravity and loads")
 WORK_RATE = column("power", "W", "power of loads from outside")
 LOSS_RATE = column("power", "W", "power dissipated by loads")
+CULLS = column("power", "", "1 while contacts that are far apart are left out, as within a step")
 PIVOT_SHARE = column("power", "", "least pivot / its diagonal since it was set to 1")
 
 SHARE_NOW = column("pivots_of_row", "", "pivot / its diagonal, as factored last; 0 if the row is redundant")
@@ -93,6 +94,7 @@ FILM_LAW = column("contact", "", "kernel of the oil film in the clearance; -1: n
 FILM_P = column("contact", "", "its first parameter")
 WORN = column("contact", "", "1 for a pin and a bush with profiles of wear on an elastic foundation")
 OWN_COLUMN = column("contact", "", "number of the column of an output row that is its N alone; -1: none")
+SPAN = column("contact", "", "number of contacts from this one on whose gaps its kernel bounds together; 0: none")
 BY_FORCE = column("contact", "", "1 for a compliant contact that ends where its force does, 0: where its gap opens")
 
 ARM_A = column("lever", "m", "longest arm on A to its contact points")
@@ -120,8 +122,9 @@ MOST_TORQUE, WIND_UP, OIL = range(7, 10)
 PITCH, TOOTH = POINTS + 1, POINTS + 2
 share("signal", FIRST_CODE, END_CODE)
 TARGET = column("signal", "", "where its value goes: place in `signals`, `values` or `element_rate`")
-for _other in ("jet", "jet_signal", "live", "state_rate"):
+for _other in ("jet", "jet_signal", "live", "state_rate", "falling"):
     share(_other, FIRST_CODE, END_CODE, TARGET)
+TRAVEL = column("jet", "", "number of the state that is its integral, which counts then; -1: it counts itself")
 share("switch", FIRST_CODE, END_CODE, OWN_CODE)
 OPERANDS = column("switch", "", "number of operands of the switching function, 1 or 2")
 
@@ -183,6 +186,7 @@ SLIPS = column("contact_memory", "", "1 for a clutch that slips at its largest t
 SLIPPED = column("contact_memory", "", "the same before the present event")
 IDLE = column("contact_memory", "",
     "1 for a contact at rest without a force: joints or other contacts hold it, whatever its force")
+LEFT_END = column("contact_memory", "", "1 once its corner has left the end of its segment, or gone under it")
 UNSURE = column("contact_memory", "", "1 once its force could have been another with the same motion")
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
 RELEASED = 3.0  # inside the wall without force, once the damper of a contact would pull as its spring pushes

@@ -41,7 +41,7 @@ ARRAYS = {
         "f2", "nb + 1, 3", "1/kg, 1/kg, 1/(kg*m^2)", "1 / mass, zero for the ground; 1 / e where there is no mass"
     ),
     "massless": Array("i2", "n, 2", "", "bodies and coordinates (0, 1, 2) without inertia, see `equations.massless`"),
-    "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall"),
+    "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall, at t = 0 where it is a function of time"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
     "contact": Array("i2", "nc, 23", "", "geometry and laws of every contact point"),
@@ -50,10 +50,11 @@ ARRAYS = {
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
     ),
     "const": Array("f1", "numbers", "SI", "numbers in them"),
-    "jet": Array("i2", "drivers, 3", "", "program of every driver's function"),
+    "jet": Array("i2", "drivers, 4", "", "program of every driver's function, or of its speed"),
     "jet_signal": Array("i2", "signals, 3", "", "program of every signal that a driver uses"),
     "signal": Array("i2", "ns, 3", "", "program of every signal"),
     "live": Array("i2", "values, 3", "", "program of every changing value of a load"),
+    "falling": Array("i2", "0 or 2, 3", "", "programs of gravity along x and y, where it is a function of time"),
     "state_rate": Array("i2", "states of the model, 3", "", "program of the rate of every state of the model"),
     "switch": Array("i2", "switches, 4", "", "switches of expressions that depend on the state"),
     "watch": Array("i1", "nw", "", "rows whose force must not become negative (massless links)"),
@@ -74,6 +75,9 @@ ARRAYS = {
     # this instant, in the order in which it is filled
     "values": Array("f1", "np", "SI", "parameters of joints, drivers, loads and contacts"),
     "signals": Array("f1", "ns", "SI", "states of the model, then values of signals"),
+    "travelled": Array(
+        "f1", "0 or 1", "s", "when the travels in `signals` are those of drivers; nan: they are those of a state y"
+    ),
     "jets": Array("f2", "ns, 3", "SI", "value, first and second derivative of the signals that drivers use"),
     "stack": Array("f1", "depth", "SI", "scratch of expressions"),
     "jet_stack": Array("f1", "3 depth", "SI", "the same for expressions with derivatives"),
@@ -189,6 +193,7 @@ ARRAYS = {
     "start_rates": Array("f1", "3 nb", "m/s, rad/s", "given rates, nan if not given"),
     "start_least": Array("f1", "nc", "m or rad", "least gaps"),
     "start_ways": Array("i2", "n, 9", "", "joints from the ground outwards"),
+    "start_moving": Array("i2", "n, 3", "", "points of the ground that move, and where x and y stand in `values`"),
     "start_offsets": Array("f2", "joints, 2", "m", "offsets of joints"),
     "start_lines": Array("f2", "joints, 3", "rad, m, rad", "direction of their line on A, distance of points, angle"),
     "start_held": Array("f2", "pins, 4", "m", "pins that can be held: point on A, offset in ground axes"),

@@ -132,7 +132,7 @@ def motion_figures(s: Study) -> list[str]:
     names = [s.output, *(f"{body}.{rate}" for rate in RATES[key])]
     words = {"angle": "angle", "x": "position of the mass centre along x", "y": "position of the mass centre along y"}
     figures = [figure(panels(s, names), f"Motion of {body}: {words[key]}, speed and acceleration{_marks(s)}.")]
-    others = [motion_of(run, other) for other in model.bodies if other != body and other not in s.driven]
+    others = [motion_of(run, other) for other in model.moving_bodies if other != body and other not in s.driven]
     others = [name for name in others if np.ptp(run[name]) > (TURNS if name.endswith(".angle") else 0.0)]
     figures += _in_one(run, others, "Motion of the other bodies")
     if tracks := _points(s):
@@ -234,7 +234,7 @@ def driver_figures(s: Study) -> list[str]:
     if run is None or len(run.t) < 2:
         return []
     figures = []
-    for name, driver in list(s.m.model.drivers.items())[:MOST]:
+    for name, driver in list(s.m.model.motors.items())[:MOST]:
         effort = registry.kinds("driver")[driver.kind].leaf.effort[0]
         curves = [curve for curve in (f"{name}.{effort}", f"{name}.power") if curve in run]
         if curves:
@@ -308,7 +308,7 @@ def path_figure(s: Study) -> str:
     path = s.path
     if path is None or not len(path.t):
         return ""
-    names = [f"{name}.{_effort(driver.kind)}" for name, driver in s.m.model.drivers.items()]
+    names = [f"{name}.{_effort(driver.kind)}" for name, driver in s.m.model.motors.items()]
     names += [f"{name}.advantage" for name in s.m.model.loads]
     names = [name for name in names if name in path and np.isfinite(path[name]).any()]
     if not names:
@@ -325,7 +325,7 @@ def _effort(kind: str) -> str:
 
 def drawing(s: Study) -> str:
     """The mechanism as put together, or as guessed with what does not close."""
-    if not s.m.model.bodies:
+    if not s.m.model.moving_bodies:
         return ""
     picture = plot_model(s.m, sheet=SHEET)
     assert isinstance(picture, Page), "without axes given it is a new figure"

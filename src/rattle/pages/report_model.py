@@ -36,10 +36,13 @@ def model_section(s: Study) -> Section:
 
 
 def _in_words(model: Model) -> str:
-    counts = [count(len(model.bodies), "body", "bodies"), count(len(model.joints), "joint")]
-    counts += [count(len(model.drivers), "driver"), count(len(model.loads), "load")]
+    counts = [count(len(model.moving_bodies), "body", "bodies"), count(len(model.joints), "joint")]
+    counts += [count(len(model.motors), "driver"), count(len(model.loads), "load")]
     gx, gy = model.gravity
+    if model.falling is not None:
+        gx, gy = 0.0, 0.0
     pull = f"Gravity is {handy(math.hypot(gx, gy), 'm/s^2')}" if gx or gy else "There is no gravity"
+    pull = "Gravity is a function of time" if model.falling is not None else pull
     if gx or gy:
         way = {(0, -1): ", downwards", (0, 1): ", upwards", (-1, 0): ", to the left", (1, 0): ", to the right"}
         straight = way.get(((gx > 0) - (gx < 0), (gy > 0) - (gy < 0)))
@@ -50,7 +53,8 @@ def _in_words(model: Model) -> str:
 
 def _bodies(model: Model) -> str:
     rows = []
-    for name, body in model.bodies.items():
+    for name in model.moving_bodies:
+        body = model.bodies[name]
         form = "uniform bar" if body.bar else "plate" if body.outline else ""
         points = ", ".join(f"{point} ({handy(x, 'm')}, {handy(y, 'm')})" for point, (x, y) in body.points.items())
         rows.append((name, form, handy(body.mass, "kg"), handy(body.inertia, "kg*m^2"), points))
@@ -93,9 +97,9 @@ def _stop(joint: Joint) -> str:
 
 def _moved(model: Model, written: Tree) -> str:
     rows = []
-    for name, driver in model.drivers.items():
+    for name, driver in model.motors.items():
         entry = written["drivers"].get(name, {})
-        motion = next((f"{key} = {entry[key]}" for key in ("angle", "position") if key in entry), "")
+        motion = next((f"{key} = {entry[key]}" for key in ("angle", "position", "speed") if key in entry), "")
         rows.append((name, driver.on.replace("'", ""), f"{entry.get('coordinate', '')} ".lstrip() + motion))
     return table(("driver", "acts on", "motion over time t"), rows, "Drivers")
 
@@ -186,13 +190,13 @@ def _of_bodies(model: Model) -> list[str]:
         taken.append(
             f"Uniform slender bars, from whose length and mass the moment of inertia follows: {enumerated(bars)}."
         )
-    if light := [name for name, body in model.bodies.items() if body.mass == 0.0 or body.inertia == 0.0]:
+    if light := [name for name in model.moving_bodies if 0.0 in (model.bodies[name].mass, model.bodies[name].inertia)]:
         taken.append(f"Without mass or moment of inertia: {enumerated(light)}.")
     return taken
 
 
 def _of_drivers(model: Model) -> list[str]:
-    names = list(model.drivers)
+    names = list(model.motors)
     if not names:
         return ["No motion is prescribed: loads, gravity and the start decide what happens."]
     verb = "keeps its" if len(names) == 1 else "keep their"

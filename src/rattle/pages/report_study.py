@@ -69,7 +69,7 @@ class Study:
         run = self.run
         if run is None:
             return ""
-        every = list(self.m.model.bodies)
+        every = self.m.model.moving_bodies
         bodies = [body for body in every[::-1] if body not in self.driven] or every
         moving = (motion_of(run, body) for body in bodies)
         return next((name for name in moving if np.ptp(run[name]) > 0.0), f"{bodies[0]}.angle" if bodies else "")

@@ -29,7 +29,7 @@ def _numbers(s: Study) -> list[Headline]:
     if run is None or not len(run.t):
         return []
     numbers = _largest_force(s, run)
-    for name, driver in list(s.m.model.drivers.items())[:1]:
+    for name, driver in list(s.m.model.motors.items())[:1]:
         effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
         if effort in run and not readable(run, effort):
             numbers.append((f"Peak effort of {name}", NOT_READ, why_unread(run, effort)))

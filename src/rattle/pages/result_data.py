@@ -131,7 +131,7 @@ NEEDED = {  # columns of arrays of a run that become parts of a result
         *("MOST_KINETIC", "MOST_WORK", "MOST_POTENTIAL", "LEAST_POTENTIAL", "FLOOR", "MOST_UNREST", "OPEN_LENGTH"),
         *("OPEN_ANGLE", "OPENNESS", "OPEN_ROW", "UNREST", "UNREST_LIMIT", "CORRECTION", "SUNK"),
     ),
-    "contact_memory": ("CLOSED", "SHUT", "SINCE", "SPEED", "PEAK", "IMPULSE_0", "LOSS_0", "UNSURE", "OPEN"),
+    "contact_memory": ("CLOSED", "SHUT", "SINCE", "SPEED", "PEAK", "IMPULSE_0", "LOSS_0", "UNSURE", "LEFT_END", "OPEN"),
     "timed": ("OWN_CODE", "RESOLVED", "FIRST_FOUND"),
     "switchings": ("SIDE_AFTER",),
     "passage": ("PASSED", "PASSED_AT", "PASSED_FROM", "PASSED_UNTIL"),

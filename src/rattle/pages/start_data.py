@@ -159,6 +159,9 @@ class _Writer:
         counting = compile_system(with_constants(without(model), zero))
         joints, counted = [], counting_rows(counting)
         for name in constants:
+            if name in model.drivers:
+                joints.append([counting.first_row(name), len(model.drivers[name].leaf.rows), False, 0, 0, 0])
+                continue
             leaf = model.joints[name].leaf
             rows = counted[name]
             residuals = tuple(float(k + 1) for k in range(len(rows)))

@@ -13,7 +13,7 @@ from rattle import registry
 from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.assembly.start_constants import as_guessed
 from rattle.analyses.load_forces import load_forces
-from rattle.description.model import Driver, Model
+from rattle.description.model import Driver, Model, is_ground
 from rattle.drawings.arrows import Style, Way, straight, turning
 from rattle.drawings.forms import drawing_of
 from rattle.drawings.played import Stage
@@ -130,7 +130,7 @@ def plot_model(m: AnalysedModel, ax: Axes | None = None, sheet: Sheet | None = N
 
 def drawing(m: AnalysedModel) -> str:
     """The drawing as an SVG element of a page; "" of a mechanism without bodies."""
-    if not m.model.bodies:
+    if not m.model.moving_bodies:
         return ""
     figure = plot_model(m)
     assert isinstance(figure, Page), "without axes given it is a new figure"
@@ -201,7 +201,7 @@ def _shared(places: list[Place], spot: Array, reach: float) -> Place:
 
 def _bodies(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
     """Bodies by name at their mass centres, which are marked."""
-    for body in scene.bodies:
+    for body in position.system.model.moving_bodies:
         x, y = position.point(body, (0.0, 0.0))
         ax.plot(
             [x],
@@ -220,7 +220,9 @@ def _bodies(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
 def _points(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
     """Named points that no joint has, as dots."""
     model = position.system.model
-    taken = {(end.body, end.name) for joint in model.joints.values() for end in (joint.a, joint.b)}
+    ends = [end for joint in model.joints.values() for end in (joint.a, joint.b)]
+    taken = {(end.body, end.name) for end in ends}
+    taken |= {("ground", end.body.partition(".")[2]) for end in ends if is_ground(end.body)}
     every = [("ground", name, spot) for name, spot in model.ground.items()]
     every += [(body, name, spot) for body, its in model.bodies.items() for name, spot in its.points.items()]
     for body, name, spot in every:
@@ -236,7 +238,7 @@ def _drivers(arrows: Arrows, position: Position) -> Iterator[Label]:
     system = position.system
     workspace = system.workspace()
     open_by(workspace, 0.0, position.q, position.v)
-    for name, driver in system.model.drivers.items():
+    for name, driver in system.model.motors.items():
         spot = _driven_point(position, driver)
         row = workspace.rows[system.first_row(name)]
         way = np.array([row[at.BX], row[at.BY]])
@@ -268,7 +270,7 @@ def _loads(arrows: Arrows, position: Position) -> Iterator[Label]:
         fields = registry.kinds("load")[load.kind].fields.values()
         turns = any(field.unit == "N*m" for field in fields) and not any(field.unit == "N" for field in fields)
         for k, end in enumerate((load.b, load.a)):
-            if end.body == "ground":
+            if is_ground(end.body):
                 continue
             effect = exerted[name][1 + system.bodies.index(end.body)]
             if k and not np.any(effect):
@@ -350,17 +352,17 @@ def _open_joints(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
 def _say(ax: Axes, position: Position, free: tuple[str, ...], sheet: Sheet | None) -> None:
     """The title, below it what there is and what moves; below the picture why it does not close."""
     model = position.system.model
-    counts = [_count(len(model.bodies), "body", "bodies"), _count(len(model.joints), "joint", "joints")]
+    counts = [_count(len(model.moving_bodies), "body", "bodies"), _count(len(model.joints), "joint", "joints")]
     text = ", ".join(counts)
-    if model.drivers:
-        text += "; driven: " + ", ".join(_driven(model, name, driver) for name, driver in model.drivers.items())
+    if model.motors:
+        text += "; driven: " + ", ".join(_driven(model, name, driver) for name, driver in model.motors.items())
     if free:
         many = f" and {len(free) - MANY} more" if len(free) > MANY else ""
         text += f"; {_count(len(free), 'degree', 'degrees')} of freedom: {', '.join(free[:MANY])}{many}"
     elif position.reason:
         text += "; not put together: bodies as first guessed"
     elif position.system.row_count <= LARGE:
-        text += "; nothing else is free" if model.drivers else "; no degree of freedom"
+        text += "; nothing else is free" if model.motors else "; no degree of freedom"
     wide = WIDE if sheet is None else int(WIDE * 0.8 * sheet.wide / OWN.wide)
     lines = fill(text, wide)
     ax.annotate(

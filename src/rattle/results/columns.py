@@ -75,32 +75,32 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
             effort = registry.kinds("driver")[system.model.drivers[name].kind].leaf.effort[0]
             watched += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
             continue
-        joint = system.model.joints[name]
-        if joint.leaf.bodies:
-            watched.append((f"{name}.torque", at.OF_SIZE, c + at.EFFORT))
-            continue
-        kind = joint_rows(joint)[0]
-        watched.append((f"{name}.force", at.OF_VECTOR, c + at.FX))
-        sided = joint.one_sided
-        if passes_moment(joint):
-            watched.append((f"{name}.moment", at.OF_SIZE, c + at.MOMENT))
-        if joint.leaf.presses and joint.contact is None:
-            watched += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in PRESSES.items()]
-        watched += [(f"{name}.{key}", at.OF_SIZE, c + column) for key, column in frictions(joint)]
-        if joint.stop is not None:
-            watched.append((f"{name}.stop", at.OF_SIZE, c + at.STOP))
-        if joint.contact is None or (sided is not None and sided.records):
-            if joint.is_loose and sided is not None:
-                watched.append((f"{name}.{sided.records[0]}", at.OF_LARGER, c + at.JOINT_NORMAL))
-            continue
-        if kind is None:
-            watched.append((f"{name}.normal", at.OF_VALUE, c + at.JOINT_NORMAL))
-            watched.append((f"{name}.tangential", at.OF_SIZE, c + at.JOINT_TANGENT))
-            watched.append((f"{name}.penetration", at.OF_VALUE, c + at.PENETRATION))
-            if joint.contact.film is not None:
-                watched.append((f"{name}.offset", at.OF_VECTOR, c + at.EX))
-        elif kind.name != joint.kind:
-            watched.append((f"{name}.pressing", at.OF_NEGATIVE, c + at.EFFORT))
+        watched += [(f"{name}.{key}", how, c + column) for key, how, column in _watched(system.model.joints[name])]
+    return watched
+
+
+def _watched(joint: Joint) -> list[tuple[str, int, int]]:
+    """Those of a joint: what each is called, how it is formed, its column among those of the joint."""
+    if joint.leaf.bodies:
+        return [("torque", at.OF_SIZE, at.EFFORT)]
+    kind, sided = joint_rows(joint)[0], joint.one_sided
+    watched = [("force", at.OF_VECTOR, at.FX)]
+    if passes_moment(joint):
+        watched.append(("moment", at.OF_SIZE, at.MOMENT))
+    if joint.leaf.presses and joint.contact is None:
+        watched += [(key, at.OF_SIZE, column) for key, column in PRESSES.items()]
+    watched += [(key, at.OF_SIZE, column) for key, column in frictions(joint)]
+    if joint.stop is not None:
+        watched.append(("stop", at.OF_SIZE, at.STOP))
+    if joint.contact is None or (sided is not None and sided.records):
+        if joint.is_loose and sided is not None:
+            watched.append((sided.records[0], at.OF_LARGER, at.JOINT_NORMAL))
+    elif kind is None:
+        watched += [("normal", at.OF_VALUE, at.JOINT_NORMAL), ("tangential", at.OF_SIZE, at.JOINT_TANGENT)]
+        watched += [("penetration", at.OF_VALUE, at.PENETRATION)]
+        watched += [("offset", at.OF_VECTOR, at.EX)] if joint.contact.film is not None else []
+    elif kind.name != joint.kind:
+        watched.append(("pressing", at.OF_NEGATIVE, at.EFFORT))
     return watched
 
 
@@ -318,15 +318,15 @@ def _form_of_joint(joint: Joint) -> dict[str, Any]:
         ends = (joint.stop.minimum, joint.stop.maximum)
         form["stop"] = [end if -math.inf < end < math.inf else None for end in ends]
     form |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
-    if joint.leaf.touches:
-        form["corners"] = {label: list(corner) for label, corner in joint.corners.items()}
-        form["mu"] = joint.contact.mu if joint.contact is not None else 0.0
     return form | _form_of_contact(joint)
 
 
 def _form_of_contact(joint: Joint) -> dict[str, Any]:
-    """Oil and bush of a joint, as far as it has them."""
+    """Oil, bush, corners and friction of the contact of a joint, as far as it has them."""
     form: dict[str, Any] = {}
+    if joint.leaf.touches:
+        form["corners"] = {label: list(corner) for label, corner in joint.corners.items()}
+        form["mu"] = joint.contact.mu if joint.contact is not None else 0.0
     if joint.contact and (film := joint.contact.film) is not None:
         form["oil"] = {key: getattr(film, key) for key in ("boundary", "density", "specific_heat")}
     if joint.contact and joint.contact.bush_radius:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.motion import derivative
-from rattle.equations.state import states_at
+from rattle.equations.state import WORK, states_at
 from rattle.jit.functions import compiled, kernel
 from rattle.solvers.peaks.samples import gauge
 from rattle.solvers.projection import project_on_constraints
@@ -60,7 +60,8 @@ def write_end(m, h):
 def error_of(m, h, rtol, atol):
     """Error of the step relative to the tolerance; without an estimate 0, or inf if the state at its end is not finite.
 
-    Energies and impulses are integrated without error control; states of elements are controlled.
+    Energies and impulses are integrated without error control, but for the work of gravity that is a function of time,
+    which goes on where nothing moves; states of elements are controlled.
     """
     y, y_new, dense, errors = m.state, m.state_new, m.dense, m.end_weights.shape[0] - 1
     nq, first_state = 2 * m.change.shape[0], states_at(m)
@@ -68,7 +69,7 @@ def error_of(m, h, rtol, atol):
     for n in range(y.shape[0]):
         if errors == 0 and not abs(y_new[n]) < math.inf:
             return math.inf
-        if errors > 0 and (n < nq or n >= first_state):
+        if errors > 0 and (n < nq or n >= first_state or (n == nq + WORK and m.falling.shape[0] > 0)):
             scale = atol + rtol * max(abs(y[n]), abs(y_new[n]))
             first += (dense[ERRORS, n] / scale) ** 2
             if errors == 2:

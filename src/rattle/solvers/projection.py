@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rattle.equations.motion import constraints, correct, drive, place, rate_residual, residual
 from rattle.equations.schur import factorise
+from rattle.equations.state import take_travels
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.step_audit import note_drift, openness
@@ -22,6 +23,7 @@ def project_on_constraints(m, t, y, unused):
     nq = change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
     place(m, q, v)
+    take_travels(m, y)
     drive(m, t)
     constraints(m)
     lost = factorise(m)
@@ -65,6 +67,7 @@ def close_joints(m, t, y):
     """One correction of positions and rates onto the joint constraints."""
     change, nq = m.change, m.change.shape[0]
     q, v = y[:nq], y[nq : 2 * nq]
+    take_travels(m, y)
     drive(m, t)
     constraints(m)
     factorise(m)

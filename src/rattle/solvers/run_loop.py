@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 
-from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL
+from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, potential_of_fall
+from rattle.equations.state import WORK, energies_at
 from rattle.equations.unilateral import LOCKED, NO_SOLUTION
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
@@ -273,7 +274,11 @@ def pass_instant(m, t, t_end, h_max, t_out, out):
     before_break(m, t, m.state)
     if jolted:
         speeds(m, t, rows[BEFORE])
+    falls = m.falling.shape[0] > 0
+    held = potential_of_fall(m, t, m.state) if falls else 0.0
     take_piece(m, int(m.course[at.PIECE]) + 1)
+    if falls:  # gravity may jump
+        m.state[energies_at(m) + WORK] += potential_of_fall(m, t, m.state) - held
     if jolted:
         speeds(m, t, rows[AFTER])
         status = jolt(m, t, rows[BEFORE], rows[PERCUSSION])

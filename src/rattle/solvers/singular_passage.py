@@ -25,6 +25,7 @@ import numpy as np
 
 from rattle.equations.motion import constraints, drive, place
 from rattle.equations.schur import PIVOT, WEAK, factorise
+from rattle.equations.state import take_travels
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.dense_output import interpolate, prepare_dense
@@ -80,6 +81,7 @@ def root_at(m, t, y):
     """The root at the positions of y at t [s]; 0 if more rows than usual are dependent."""
     nq, share = m.change.shape[0], m.power[at.PIVOT_SHARE]
     place(m, y[:nq], y[nq : 2 * nq])
+    take_travels(m, y)
     drive(m, t)
     constraints(m)
     m.power[at.PIVOT_SHARE] = 1.0

@@ -183,7 +183,9 @@ def try_step(m, t, h, last, rtol, atol, h_max):
     tally, power, stepper = m.tally, m.power, m.stepper
     power[at.PIVOT_SHARE] = 1.0
     watch_pivots(m)
+    m.power[at.CULLS] = 1.0
     error, changed = call_stepper(m.stepper_table[at.STEP], (m, t, h, rtol, atol, tally[at.TAME]))
+    m.power[at.CULLS] = 0.0
     tally[at.EVALUATIONS] += stepper[at.STAGES] - 1
     m.passage[at.ROOT_WITHIN] = math.sqrt(power[at.PIVOT_SHARE])
     laid = m.passage[at.TRIED_AT] == t  # across a singular position

@@ -23,7 +23,7 @@ def facts(m: Mechanism, document: Mapping[str, object]) -> dict[str, Json]:
         "knobs": [_knob(m, document, lent, name) for name in m.model.parameters],
         "contacts": _contacts(document),
         "settings": _settings(m, document),
-        "names": {"bodies": list(m.model.bodies), "joints": list(m.model.joints), "loads": list(m.model.loads)},
+        "names": {"bodies": m.model.moving_bodies, "joints": list(m.model.joints), "loads": list(m.model.loads)},
         "wear": [name for name, joint in m.model.joints.items() if joint.wear is not None],
         "oil": [name for name, joint in m.model.joints.items() if joint.contact and joint.contact.film is not None],
         "tolerances": [name for name, parameter in m.model.parameters.items() if parameter.tol],

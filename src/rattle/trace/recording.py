@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rattle.equations import motion, schur
+from rattle.equations import motion, schur, state
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import choices, layout
@@ -177,6 +177,7 @@ class Recording:
         y, closing = y.copy(), self.closing(t)
         nq = 3 * self.system.body_count
         q, v = y[:nq], y[nq : 2 * nq]
+        closing.take_travels(y)
         closing.begin(q, v)
         closing.correct(q, v)
         closing.correct(q, v)
@@ -211,6 +212,10 @@ class Closing:
         self._run(motion.place, q, v)
         self._prepare(self.workspace)
         self._run(motion.constraints)
+
+    def take_travels(self, y: np.ndarray) -> None:
+        """How far drivers have come whose speed is given, from a state y."""
+        self._run(state.take_travels, y)
 
     def begin(self, q: np.ndarray, v: np.ndarray) -> None:
         """Constraint rows and their factor at a state."""

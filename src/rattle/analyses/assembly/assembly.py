@@ -134,7 +134,7 @@ def put_together(model: Model) -> System:
 
 
 def _put_together(model: Model) -> System:
-    counting = [name for name, joint in model.joints.items() if joint.from_start]
+    counting = list(constants_of(model))
     if not counting:
         return compile_system(model)
     q = _start_without(model, counting)

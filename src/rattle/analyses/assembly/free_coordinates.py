@@ -8,7 +8,7 @@ import numpy as np
 
 from rattle import registry
 from rattle.analyses.assembly.rank import RANK, scaled_rows
-from rattle.description.model import Joint
+from rattle.description.model import Joint, is_ground
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.placement import point_at, pose, turned
@@ -68,7 +68,9 @@ def _independent(changes: Array) -> list[int]:
 
 def coordinates(system: System) -> Iterator[tuple[str, Coordinate]]:
     """Coordinates by name: of joints, those on the ground first, then of play, then of bodies."""
-    joints = sorted(system.model.joints.values(), key=lambda joint: "ground" not in (joint.a.body, joint.b.body))
+    joints = sorted(
+        system.model.joints.values(), key=lambda joint: not (is_ground(joint.a.body) or is_ground(joint.b.body))
+    )
     for joint in joints:
         motor = joint.leaf.motor
         if motor is not None:

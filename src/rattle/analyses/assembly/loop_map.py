@@ -15,7 +15,7 @@ import numpy as np
 
 from rattle.analyses.assembly.outward import leaves_place, ways_outward
 from rattle.analyses.assembly.tied_bodies import GROUND, Tie, passed_ways, tied_ways
-from rattle.description.model import Joint, Model
+from rattle.description.model import Joint, Model, frame_of
 from rattle.equations import start_columns as of
 from rattle.equations.closings import MOST_NODES
 from rattle.equations.dense import LARGE
@@ -76,7 +76,10 @@ class _Writer:
         turns = _turns(len(free) if self.system.row_count <= LARGE else 0)
         form = np.zeros(9, np.int64)
         form[[of.SMALL, of.LOOPED, of.ANGLES]] = self.system.row_count <= LARGE, looped, self.angles
-        arrays = {**self._map(), "start_ways": self._ways(), "start_turns": turns, "start_form": form}
+        arrays = {
+            **self._map(), "start_ways": self._ways(), "start_moving": self._moving(), "start_turns": turns,
+            "start_form": form,
+        }  # fmt: skip
         return LoopMap(arrays, self._rooms())
 
     def _map(self) -> dict[str, np.ndarray]:
@@ -116,6 +119,12 @@ class _Writer:
         slot = self.system.driver_slot(tie.driver) if tie.driver else -1
         joint = self.joint[tie.joint] if tie.joint else 0
         return [self.number[tie.to], self.number[tie.origin], joint, slot, tie.sign]
+
+    def _moving(self) -> np.ndarray:
+        """`start_moving`."""
+        points = [name for name in self.number if name != frame_of(name)]
+        slots = {name: [self.system.driver_slot(f"{name}.{key}") for key in "xy"] for name in points}
+        return np.array([[self.number[name], *slots[name]] for name in points], np.int64).reshape(-1, 3)
 
     def _ways(self) -> np.ndarray:
         """`start_ways`."""
@@ -163,7 +172,7 @@ class _Writer:
         for steps in _cycles(self.model, near):
             self._chain(of.LOOPS, steps, -1, {})
         for name, driver in self.model.drivers.items():
-            if driver.point is not None and driver.kind in ("body-x", "body-y"):
+            if driver.point is not None and driver.kind in ("body-x", "body-y") and not driver.moves_ground:
                 place = {"xy".index(driver.kind[-1]): (of.DRIVEN, self.system.driver_slot(name))}
                 if driver.point.body in ways:
                     self._chain(of.LOOPS, ways[driver.point.body], self.system.first_value(name) + 2, place)
@@ -211,18 +220,33 @@ class _Writer:
             else:
                 terms.append([slide(self.count, 0), of.AXIS, 0, axis, 0, 1])
                 self.count += 1
-        here = -1
+
+        def between(begin: str, here: int, end: str, own: int) -> None:
+            """From a point of one body to one of another, which is the same or, as it, the ground."""
+            if begin == end:
+                point(end, own, here)
+                return
+            point(begin, -1, here)
+            point(end, own, -1)
+            for body, sense in ((begin, 1), (end, -1)):
+                for axis, key in enumerate("xy") if body != frame_of(body) else ():
+                    terms.append([into(0), of.DRIVEN, 0, self.system.driver_slot(f"{body}.{key}"), axis, sense])
+
+        here, arrived = -1, steps[0][1]
         for joint, body, _ in steps:
             p, number = self.system.first_value(joint.name), self.joint[joint.name]
-            own, far, sign = (p, p + 2, 1) if joint.a.body == body else (p + 2, p, -1)
-            point(body, own, here)
+            forth = frame_of(joint.a.body) == body
+            own, far, sign = (p, p + 2, 1) if forth else (p + 2, p, -1)
+            near, beyond = (joint.a, joint.b) if forth else (joint.b, joint.a)
+            between(arrived, here, near.body, own)
+            arrived = beyond.body
             if joint.line is not None:
                 row = slide(self.unknown[joint.name], self.number[self.group[joint.a.body]])
                 terms.append([row, of.LINE, self.number[joint.a.body], number, 0, sign])
             elif joint.distance > 0.0:
                 terms.append([into(self.unknown[joint.name]), of.ROD, 0, number, 0, sign])
             here = far
-        point(steps[-1][2], last, here)
+        between(arrived, here, steps[-1][2], last)
         rows[part].append([begun[0], len(vectors), begun[1], len(slides)])
 
 
@@ -242,8 +266,9 @@ def _neighbours(model: Model) -> Neighbours:
     near: Neighbours = {}
     for joint in model.joints.values():
         if _ties(joint):
-            near.setdefault(joint.a.body, []).append((joint, joint.b.body))
-            near.setdefault(joint.b.body, []).append((joint, joint.a.body))
+            a, b = frame_of(joint.a.body), frame_of(joint.b.body)
+            near.setdefault(a, []).append((joint, b))
+            near.setdefault(b, []).append((joint, a))
     return near
 
 
@@ -269,18 +294,19 @@ def _cycles(model: Model, near: Neighbours) -> list[list[tuple[Joint, str, str]]
 
     The shortest independent loops are among them (Horton 1987).
     """
-    roots = [GROUND, *model.bodies] if len(model.joints) <= MOST_JOINTS else [GROUND]
+    roots = [GROUND, *model.moving_bodies] if len(model.joints) <= MOST_JOINTS else [GROUND]
     every: dict[frozenset[str], list[tuple[Joint, str, str]]] = {}
     for root in roots:
         ways = _trees(near, root)
         for joint in model.joints.values():
-            if joint.a.body not in ways or joint.b.body not in ways or not (joint.places and not joint.leaf.bodies):
+            a, b = frame_of(joint.a.body), frame_of(joint.b.body)
+            if a not in ways or b not in ways or not (joint.places and not joint.leaf.bodies):
                 continue
-            out, home = ways[joint.a.body], ways[joint.b.body]
+            out, home = ways[a], ways[b]
             passed = [step.name for step, _, _ in (*out, *home)]
             stations = [body for _, _, body in (*out, *home)]
             if joint.name in passed or len(set(stations)) < len(stations):
                 continue
             back = [(step, end, begin) for step, begin, end in reversed(home)]
-            every.setdefault(frozenset((*passed, joint.name)), [*out, (joint, joint.a.body, joint.b.body), *back])
+            every.setdefault(frozenset((*passed, joint.name)), [*out, (joint, a, b), *back])
     return sorted(every.values(), key=len)

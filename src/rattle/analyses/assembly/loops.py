@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from rattle.description.model import Joint, Model
+from rattle.description.model import GROUND, Joint, Model, frame_of
 
 
 def tree_path(model: Model, start: str, end: str, without: str) -> list[str] | None:
@@ -12,8 +12,9 @@ def tree_path(model: Model, start: str, end: str, without: str) -> list[str] | N
     near: dict[str, list[tuple[str, str]]] = {}
     for name, joint in model.joints.items():
         if name != without and not joint.held_by_stops:
-            near.setdefault(joint.a.body, []).append((name, joint.b.body))
-            near.setdefault(joint.b.body, []).append((name, joint.a.body))
+            a, b = frame_of(joint.a.body), frame_of(joint.b.body)
+            near.setdefault(a, []).append((name, b))
+            near.setdefault(b, []).append((name, a))
     came: dict[str, tuple[str, str] | None] = {start: None}
     queue = deque([start])
     while queue:
@@ -34,18 +35,18 @@ def tree_path(model: Model, start: str, end: str, without: str) -> list[str] | N
 
 def describe_loop(model: Model, joint: Joint, path: list[str]) -> str:
     """ "ground -O1- crank -O2- coupler -O3- ground" for the loop that `joint` closes over `path`."""
-    body = joint.a.body
+    body = frame_of(joint.a.body)
     text = body
     for name in path:
-        link = model.joints[name]
-        body = link.b.body if link.a.body == body else link.a.body
+        a, b = (frame_of(end.body) for end in (model.joints[name].a, model.joints[name].b))
+        body = b if a == body else a
         text += f" -{name}- {body}"
-    return f"{text} -{joint.name}- {joint.a.body}"
+    return f"{text} -{joint.name}- {frame_of(joint.a.body)}"
 
 
 def loops(model: Model) -> list[tuple[Joint, list[str]]]:
     """Independent loops, one per joint that closes a loop of the spanning tree: the joint, and the path it closes."""
-    group = {name: name for name in ("ground", *model.bodies)}
+    group = {name: frame_of(name) for name in (GROUND, *model.bodies)}
 
     def find(body: str) -> str:
         while group[body] != body:
@@ -69,7 +70,7 @@ def loops(model: Model) -> list[tuple[Joint, list[str]]]:
     tree = replace(model, joints=kept)
     closed = []
     for joint in closing:
-        path = tree_path(tree, joint.a.body, joint.b.body, without="")
+        path = tree_path(tree, frame_of(joint.a.body), frame_of(joint.b.body), without="")
         if path is not None:
             closed.append((joint, path))
     return closed

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle.description.model import Joint
+from rattle.description.model import Joint, is_ground
 from rattle.equations.contact_table import contact_labels
 from rattle.equations.start import first_outside
 from rattle.equations.system import System
@@ -60,7 +60,7 @@ def _inside_surface(system: System, workspace: Workspace, n: int) -> str:
     name, corner = contact_labels(system.model)[n]
     joint, row = system.model.joints[name], workspace.contact_kinematics[n]
     depth, x, y = -float(row[at.GAP]), -float(row[at.NX]), -float(row[at.NY])
-    moved, sign = (joint.b.body, 1.0) if joint.b.body != "ground" else (joint.a.body, -1.0)
+    moved, sign = (joint.b.body, 1.0) if not is_ground(joint.b.body) else (joint.a.body, -1.0)
     with_corner = f" with corner '{corner}'" if corner else ""
     return (
         f"joint '{name}' starts {1e3 * depth:.4g} mm inside the surface{with_corner}: move '{moved}' by"

@@ -6,7 +6,7 @@ import heapq
 import itertools
 from typing import Any
 
-from rattle.description.model import Joint, Model
+from rattle.description.model import GROUND, Joint, Model, is_ground
 from rattle.equations.system import System
 
 
@@ -21,7 +21,8 @@ def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]
     order: list[tuple[str, str, Joint]] = []
     done = set()
     number = itertools.count()
-    queue: list[Any] = [(0, 0, next(number), "ground", "", None)]
+    grounds = [GROUND, *(name for name in model.bodies if is_ground(name))]
+    queue: list[Any] = [(0, 0, next(number), name, "", None) for name in grounds]
     roots = _places_given_first(model) if islands else []
     while True:
         if not queue:

@@ -24,22 +24,26 @@ FITS = 1e-6  # share by which the distance may be missed that a joint cannot do 
 
 
 def with_constants(model: Model, constants: Mapping[str, float | tuple[float, ...]]) -> Model:
-    """The model with constants [m or rad] of joints whose rows count from the start; one number for all of a joint."""
-    joints = dict(model.joints)
+    """The model with constants [m or rad] of what counts from the start; one number for all of a joint or driver."""
+    joints, drivers = dict(model.joints), dict(model.drivers)
     for name, values in constants.items():
-        joint = joints[name]
-        each = values if isinstance(values, tuple) else (values,) * joint.from_start
-        joints[name] = replace(joint, constants=each)
-    return replace(model, joints=joints)
+        count = joints[name].from_start if name in joints else drivers[name].leaf.from_start
+        each = values if isinstance(values, tuple) else (values,) * count
+        if name in joints:
+            joints[name] = replace(joints[name], constants=each)
+        else:
+            drivers[name] = replace(drivers[name], constants=each)
+    return replace(model, joints=joints, drivers=drivers)
 
 
 def constants_of(model: Model) -> dict[str, tuple[float, ...]]:
-    """Constants [m or rad] that the start of a model has set, by joint."""
-    return {name: joint.constants for name, joint in model.joints.items() if joint.from_start}
+    """Constants [m or rad] that the start of a model has set, by joint and driver."""
+    joints = {name: joint.constants for name, joint in model.joints.items() if joint.from_start}
+    return joints | {name: driver.constants for name, driver in model.drivers.items() if driver.leaf.from_start}
 
 
 def flat(constants: Mapping[str, tuple[float, ...]]) -> list[float]:
-    """All constants [m or rad] in the order of the joints."""
+    """All constants [m or rad] in the order of the joints and drivers."""
     return [value for each in constants.values() for value in each]
 
 
@@ -50,20 +54,24 @@ def without_counting(model: Model) -> Model:
         for name, joint in model.joints.items()
         if not joint.from_start or joint.leaf.placing
     }
-    return replace(model, joints=joints)
+    drivers = {name: driver for name, driver in model.drivers.items() if not driver.leaf.from_start}
+    return replace(model, joints=joints, drivers=drivers)
 
 
 def counting_rows(system: System) -> dict[str, range]:
-    """The rows of every joint that count from the start."""
-    rows = {}
+    """The rows of every joint and driver that count from the start."""
+    joints, drivers, rows = system.model.joints, system.model.drivers, {}
     for name in constants_of(system.model):
-        joint, first = system.model.joints[name], system.first_row(name)
-        rows[name] = range(first + joint.leaf.placing, first + len(joint.rows))
+        first = system.first_row(name)
+        if name in drivers:
+            rows[name] = range(first, first + len(drivers[name].leaf.rows))
+        else:
+            rows[name] = range(first + joints[name].leaf.placing, first + len(joints[name].rows))
     return rows
 
 
 def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
-    """Constants [m or rad], by joint, with which its rows vanish at q (3 nb,) [m, m, rad].
+    """Constants [m or rad], by joint and driver, with which its rows vanish at q (3 nb,) [m, m, rad].
 
     system: with all of these constants 0.
     """
@@ -76,7 +84,11 @@ def constants_at(system: System, q: np.ndarray) -> dict[str, tuple[float, ...]]:
     residual = workspace.rows[:, at.RES]
     constants = {}
     for name, counting in counting_rows(system).items():
-        joint, values = joints[name], tuple(residual[counting.start : counting.stop].tolist())
+        values = tuple(residual[counting.start : counting.stop].tolist())
+        if name not in joints:
+            constants[name] = values
+            continue
+        joint = joints[name]
         x, y = point_at(system, q, joint.b) - point_at(system, q, joint.a)
         constants[name] = joint.leaf.start_constants(values, (float(x), float(y)))
     return constants

@@ -80,12 +80,16 @@ def _of_importance(model: Model) -> Model:
         for name, joint in model.joints.items()
         if not joint.passing
     }
+    drivers = {
+        name: replace(driver, constants=()) if driver.constants else driver for name, driver in model.drivers.items()
+    }
     values = [driver.value for driver in model.drivers.values()]
+    values += model.falling or ()
     values += [value for load in model.loads.values() for value in load.values]
     values += [state.rate for state in model.states.values()]
     used = {name for node in (*values, *model.signals.values()) if isinstance(node, Node) for name in names(node)}
     constants = {name: value for name, value in model.constants.items() if name in used}
-    return replace(model, joints=joints, constants=constants, parameters={}, remarks=(), groups=())
+    return replace(model, joints=joints, drivers=drivers, constants=constants, parameters={}, remarks=(), groups=())
 
 
 def along_reactions(

@@ -19,6 +19,7 @@ from rattle.analyses.dynamics.soundness import energy_share, fast_links, loose, 
 from rattle.analyses.grip import grip_notes
 from rattle.analyses.timetable import jolt_events, jolt_notes
 from rattle.analyses.travel import out_of_place, places
+from rattle.equations.contact_table import contact_labels
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -42,6 +43,8 @@ SENTENCES = {  # of notes, also in pages
     "more_series": "{count} infinite series of bounces were",
     "held_friction": "{joints}: friction in a joint that the others keep from moving is not unique; 0 is listed"
     " meanwhile",
+    "left_ends": "{joints}: a corner has left the end of its segment; what is between the corners does not bear there,"
+    " the edges of a plate do with outline = true",
 }
 
 
@@ -72,6 +75,7 @@ def report(run: Run, reach: Reach | None) -> Result:
         *grip_notes(system, run.t_eval[:n], places(system, run.raw[:n]), data, names),
         *_series_notes(run),
         *_unsure_friction(run),
+        *_left_ends(run),
         *run.remarks(),
     )
     balance = float(np.abs(curve["balance"]).max()) if n else math.nan
@@ -145,6 +149,14 @@ def _unsure_friction(run: Run) -> tuple[str, ...]:
     if not names:
         return ()
     return (SENTENCES["held_friction"].format(joints=names),)
+
+
+def _left_ends(run: Run) -> tuple[str, ...]:
+    """Note on corners that have passed the end of their segment while others of the body bear."""
+    left = run.workspace.contact_memory[:, at.LEFT_END] == 1.0
+    owners = zip(contact_labels(run.system.model), left, strict=True)
+    names = dict.fromkeys(name for (name, label), passed in owners if passed and label)
+    return (SENTENCES["left_ends"].format(joints=", ".join(names)),) if names else ()
 
 
 def _series_notes(run: Run) -> tuple[str, ...]:

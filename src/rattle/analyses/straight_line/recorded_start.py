@@ -185,7 +185,7 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
 def _left_at_zero(system: System, now: np.ndarray, wanted: np.ndarray) -> list[int]:
     """Angles that are not given and that assembly leaves at 0, because no loop could need another one."""
     model = system.model
-    if any(driver.point is not None for driver in model.drivers.values()):
+    if any(driver.point is not None and not driver.moves_ground for driver in model.drivers.values()):
         return []
     closing = {name for joint, path in loops(model) for name in (joint.name, *path)}
     moved = {body for name in closing for body in (model.joints[name].a.body, model.joints[name].b.body)}

@@ -15,12 +15,13 @@ import functools
 import importlib
 import pkgutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import filterfalse
 from typing import Any, NamedTuple
 
 from rattle import registry
 from rattle.drawings.arrows import draw_forces
 from rattle.drawings.magnified import draw_magnified
-from rattle.drawings.sheet import Part, Sheet
+from rattle.drawings.sheet import Part, Sheet, on_ground
 
 Draw = Callable[[Sheet, Part], None]
 
@@ -116,5 +117,5 @@ def _name_pins(pins: Iterable[Part]) -> None:
 
 
 def _name_bodies(sheet: Sheet) -> None:
-    for body in sheet.geometry["bodies"]:
+    for body in filterfalse(on_ground, sheet.geometry["bodies"]):
         sheet.text(body, (0.0, 0.0), body, line=f"body {body}")

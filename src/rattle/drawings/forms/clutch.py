@@ -6,13 +6,13 @@ import math
 
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number
-from rattle.drawings.sheet import GROUND, Frame, Part, Sheet, polar
+from rattle.drawings.sheet import Frame, Part, Sheet, on_ground, polar
 
 
 def hub(bodies: list[str]) -> str:
     """The body around which the arrow is drawn: B, or A if B is the ground."""
     a, b = bodies
-    return a if b == GROUND else b
+    return a if on_ground(b) else b
 
 
 @drawing("clutch", name_at=1.0)

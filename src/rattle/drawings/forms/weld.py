@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rattle.drawings.forms import drawing
-from rattle.drawings.sheet import GROUND, Part, Sheet
+from rattle.drawings.sheet import Part, Sheet, on_ground
 
 HALF = 0.045  # of the hatched line, as a share of the mechanism's size
 
@@ -12,7 +12,9 @@ HALF = 0.045  # of the hatched line, as a share of the mechanism's size
 def weld(sheet: Sheet, part: Part) -> None:
     """Draw one fixed joint."""
     sheet.dot(part.bodies[0], part.point(0), 5.0, fill="black", square=True)
-    if GROUND in part.bodies:
-        x, y = part.point(part.bodies.index(GROUND))
+    for end, body in enumerate(part.bodies):
+        if not on_ground(body):
+            continue
+        x, y = part.point(end)
         half = HALF * sheet.size
-        sheet.wall(GROUND, (x - half, y), (x + half, y))
+        sheet.wall(body, (x - half, y), (x + half, y))

@@ -9,8 +9,11 @@
               nu = f',  gamma = f'' + i . s_B w_B^2
     body angle: as angle, A the ground                                                       [rad]
 
-Parameters: the two points [m], the direction of the joint's line in A [rad] if it has one, then f, f', f'', which are
-evaluated exactly before the rows.
+    speed:    as angle or position, with f = c + X, X' = s(t), X = 0 at t = 0; f' = s, f'' = s'
+
+Parameters: the two points [m], the direction of the joint's line in A [rad] if it has one, for a speed s the constant c
+[rad or m] with which the row vanishes at the start, then f, f', f'' (X, s, s'), which are evaluated before the rows:
+X is a state of the run, all others are exact.
 """
 
 from __future__ import annotations
@@ -32,6 +35,18 @@ def driver_angle(body, a, b, p, k, row, rows):
 def driver_position(body, a, b, p, k, row, rows):
     """Write the row of a driven position [m]; p[k + 4:] = direction of the line [rad], f, f', f''."""
     position_row(body, a, b, p, k, p[k + 4], p[k + 5], p[k + 6], p[k + 7], row, rows)
+
+
+@kernel("joint")
+def driver_angle_speed(body, a, b, p, k, row, rows):
+    """Write the row of an angle driven at a speed [rad]; p[k + 4:] = c, X, s, s'."""
+    angle_row(body, a, b, p[k + 4] + p[k + 5], p[k + 6], p[k + 7], row, rows)
+
+
+@kernel("joint")
+def driver_position_speed(body, a, b, p, k, row, rows):
+    """Write the row of a position driven at a speed [m]; p[k + 4:] = direction of the line [rad], c, X, s, s'."""
+    position_row(body, a, b, p, k, p[k + 4], p[k + 5] + p[k + 6], p[k + 7], p[k + 8], row, rows)
 
 
 @kernel("joint")
@@ -124,3 +139,35 @@ class DriverBodyAngle(DriverKind):
     drives = "body"
     effort = ("torque", "N*m")
     angle = Field("rad", "angle in the ground frame as a function of t", live=True)
+
+
+@kind("driver", "angle-speed", driver_angle_speed)
+class DriverAngleSpeed(DriverKind):
+    """The angle of a revolute joint goes on from the start at a rate that is a function of time.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
+    """
+
+    rows = ("rad",)
+    sets_angle = True
+    drives = "joint"
+    rate_of = "angle"
+    from_start = 1
+    effort = ("torque", "N*m")
+    speed = Field("rad/s", "rate of the angle of B relative to A as a function of t", live=True)
+
+
+@kind("driver", "position-speed", driver_position_speed)
+class DriverPositionSpeed(DriverKind):
+    """The position of a prismatic joint goes on from the start at a speed that is a function of time.
+
+    Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
+    """
+
+    rows = ("m",)
+    drives = "joint"
+    rate_of = "position"
+    from_start = 1
+    along_line = True
+    effort = ("force", "N")
+    speed = Field("m/s", "speed along the line as a function of t", live=True)

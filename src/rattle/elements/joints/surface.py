@@ -95,6 +95,14 @@ class Surface(JointKind):
             yield "roller", f"roller = {roller:g} m does not fit in a hollow of radius = {radius:g} m"
 
     @staticmethod
+    def curvature(fields: Fields) -> float:
+        """1/r on a line, 1/r + 1/R on a disc, 1/r - 1/R in a hollow."""
+        if not fields["roller"] > 0.0:
+            return 0.0
+        other = 1.0 / fields["radius"] if fields["radius"] > 0.0 else 0.0
+        return 1.0 / fields["roller"] + (-other if fields["hollow"] else other)
+
+    @staticmethod
     def bears(fields: Fields) -> str:
         """A line, a segment, a disc or its hollow."""
         if fields["radius"] > 0.0:

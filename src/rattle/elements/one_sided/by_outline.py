@@ -18,7 +18,7 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import along_line, at_distance, seen_from
+from rattle.elements.one_sided.holding import along_line, around_disc, pinned, seen_from
 from rattle.elements.one_sided.on_line import flat, reach_of
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
@@ -170,7 +170,9 @@ class ByOutline(OneSidedKind):
         return 0.0, 0.0, 1.0 / (fields["radius"] if fields["radius"] > 0.0 else SMALL * fields["length"])
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """The centre of a disc beside an edge, or at a distance from a corner."""
         ring, chains, radius = list(around(corners).values()), chains_of(corners), fields["radius"]
         half = 0.5 * fields["length"] * (1.0 if corner < len(chains) else -1.0)
@@ -181,5 +183,8 @@ class ByOutline(OneSidedKind):
         (u, v), (s, t) = min(sides, key=lambda side: math.dist(_nearest(side[0], side[1], (x, y)), (x, y)))
         axis, along = math.atan2(t - v, s - u), ((x - u) * (s - u) + (y - v) * (t - v)) / math.dist((u, v), (s, t))
         if 0.0 <= along <= math.dist((u, v), (s, t)):
-            return along_line(axis, -radius, centre, (u, v), turned=True)
-        return at_distance(radius, centre, (s, t) if along > 0.0 else (u, v))
+            if sticks and not radius > 0.0:
+                return (pinned(a, b, (x, y)),)
+            return (along_line(axis + math.pi, radius, centre, (u, v), turned=True, rolls=sticks),)
+        vertex = (s, t) if along > 0.0 else (u, v)
+        return (pinned(a, b, vertex),) if sticks else around_disc(radius, 0.0, centre, vertex, False)

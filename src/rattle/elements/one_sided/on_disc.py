@@ -15,8 +15,8 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import at_distance
-from rattle.elements.one_sided.on_line import between, flat, reach_of
+from rattle.elements.one_sided.holding import around_disc, pinned
+from rattle.elements.one_sided.on_line import between, between_centres, flat, reach_of
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
@@ -43,13 +43,21 @@ def write_round(body, a, b, p, k, corner, side, row, kinematics):
 
 @kernel("clearance")
 def on_disc(body, a, b, p, k, corner, row, kinematics):
-    """Write the row of a corner or disc outside of a disc of A."""
+    """Write the row of a corner or disc outside of a disc of A; of corner -1 the gap that none is below."""
+    if corner < 0:
+        dx, dy = between_centres(body, a, b, p, k)
+        kinematics[row, at.GAP] = math.sqrt(dx * dx + dy * dy) - p[k + RADIUS] - p[k + ROLLER] - p[k + REACH]
+        return
     write_round(body, a, b, p, k, corner, 1.0, row, kinematics)
 
 
 @kernel("clearance")
 def in_hollow(body, a, b, p, k, corner, row, kinematics):
-    """Write the row of a corner or disc in a hollow of A."""
+    """Write the row of a corner or disc in a hollow of A; of corner -1 the gap that none is below."""
+    if corner < 0:
+        dx, dy = between_centres(body, a, b, p, k)
+        kinematics[row, at.GAP] = p[k + RADIUS] - p[k + ROLLER] - p[k + REACH] - math.sqrt(dx * dx + dy * dy)
+        return
     kinematics[row, at.ACROSS] = write_round(body, a, b, p, k, corner, -1.0, row, kinematics)
 
 
@@ -62,6 +70,7 @@ class OnDisc(OneSidedKind):
 
     joint = "surface"
     wall = "a surface"
+    bounded = True
     slides = True
 
     @staticmethod
@@ -95,9 +104,14 @@ class OnDisc(OneSidedKind):
         return 0.0, 0.0, 1.0 / (fields["radius"] + fields["roller"])
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """Two centres, or a centre and a corner, at the distance of touching."""
-        return at_distance(fields["radius"] + fields["roller"], on_a, list(corners.values())[corner])
+        on_b = list(corners.values())[corner]
+        if sticks and not fields["roller"] > 0.0:
+            return (pinned(a, b, on_b),)
+        return around_disc(fields["radius"], fields["roller"], on_a, on_b, sticks)
 
 
 @kind("one-sided", "in-hollow", in_hollow)
@@ -125,6 +139,11 @@ class InHollow(OnDisc):
         return 0.0, 0.0, 0.0
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """The same in a hollow."""
-        return at_distance(fields["radius"] - fields["roller"], on_a, list(corners.values())[corner])
+        on_b = list(corners.values())[corner]
+        if sticks and not fields["roller"] > 0.0:
+            return (pinned(a, b, on_b),)
+        return around_disc(fields["radius"], -fields["roller"], on_a, on_b, sticks)

@@ -13,18 +13,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import along_line
+from rattle.elements.one_sided.holding import along_line, pinned
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.geometry import direction, turn_x, turn_y
+from rattle.jit.geometry import turn_x, turn_y
 from rattle.language.local_function import LocalFunction
-from rattle.language.recorded import hypot
+from rattle.language.recorded import cos, hypot, sin
 from rattle.registry import kind
 
-AXIS, ROLLER, REACH = range(at.POINTS, at.POINTS + 3)
-CORNERS = at.POINTS + 3  # x and y of every corner [m], from the mass centre of B
+ALONG_X, ALONG_Y, ROLLER, REACH = range(at.POINTS, at.POINTS + 4)
+CORNERS = at.POINTS + 4  # x and y of every corner [m], from the mass centre of B
 
 
 def reach_of(corners: Corners) -> float:
@@ -45,11 +45,22 @@ def between(body, a, b, p, k, corner):
     return sax, say, sbx, sby, body[b, at.X] + sbx - body[a, at.X] - sax, body[b, at.Y] + sby - body[a, at.Y] - say
 
 
+@compiled
+def between_centres(body, a, b, p, k):
+    """From the point p[k: k + 2] of A to the mass centre of B [m], x and y."""
+    x = body[b, at.X] - body[a, at.X] - turn_x(body, a, p[k], p[k + 1])
+    return x, body[b, at.Y] - body[a, at.Y] - turn_y(body, a, p[k], p[k + 1])
+
+
 @kernel("clearance")
 def on_line(body, a, b, p, k, corner, row, kinematics):
-    """Write the row of a corner or disc of B on the line."""
+    """Write the row of a corner or disc of B on the line; of corner -1 the gap that none is below."""
+    ux, uy = turn_x(body, a, p[k + ALONG_X], p[k + ALONG_Y]), turn_y(body, a, p[k + ALONG_X], p[k + ALONG_Y])
+    if corner < 0:
+        dx, dy = between_centres(body, a, b, p, k)
+        kinematics[row, at.GAP] = ux * dy - uy * dx - p[k + ROLLER] - p[k + REACH]
+        return
     sax, say, sbx, sby, dx, dy = between(body, a, b, p, k, k + CORNERS + 2 * corner)
-    ux, uy = direction(body, a, p[k + AXIS])
     gap = ux * dy - uy * dx - p[k + ROLLER]
     write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, uy, -ux, gap, p[k + ROLLER], 0.0, row, kinematics)
 
@@ -64,6 +75,7 @@ class OnLine(OneSidedKind):
     joint = "surface"
     wall = "a surface"
     walls_turn = True
+    bounded = True
     slides = True
 
     @staticmethod
@@ -84,7 +96,8 @@ class OnLine(OneSidedKind):
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """Direction of the line, radius of the disc, corners."""
-        return (fields["axis"], fields["roller"], reach_of(corners), *flat(corners))
+        axis = fields["axis"]
+        return (cos(axis), sin(axis), fields["roller"], reach_of(corners), *flat(corners))
 
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
@@ -92,6 +105,11 @@ class OnLine(OneSidedKind):
         return hypot(p[0], p[1]), p[REACH]
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """A corner on the line, or the centre of a disc beside it."""
-        return along_line(fields["axis"], fields["roller"], on_a, list(corners.values())[corner])
+        on_b = list(corners.values())[corner]
+        if sticks and not fields["roller"] > 0.0:
+            return (pinned(a, b, on_b),)
+        return (along_line(fields["axis"], fields["roller"], on_a, on_b, rolls=sticks),)

@@ -23,19 +23,20 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import along_line, at_distance, seen_from
-from rattle.elements.one_sided.on_line import between, flat, reach_of
+from rattle.elements.one_sided.holding import along_line, around_disc, pinned, seen_from
+from rattle.elements.one_sided.on_line import between, between_centres, flat, reach_of
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
-from rattle.jit.geometry import COINCIDENT, direction
+from rattle.jit.geometry import COINCIDENT, turn_x, turn_y
 from rattle.language.local_function import LocalFunction
-from rattle.language.recorded import hypot
+from rattle.language.recorded import cos, hypot, sin
 from rattle.registry import kind
 
-AXIS, HALF, ROLLER, REACH = range(at.POINTS, at.POINTS + 4)
-CORNERS = at.POINTS + 4  # x and y of every corner [m], from the mass centre of B
+ALONG_X, ALONG_Y, HALF, ROLLER, REACH = range(at.POINTS, at.POINTS + 5)
+CORNERS = at.POINTS + 5  # x and y of every corner [m], from the mass centre of B
+FLUSH = 1e-10  # share of a segment by which a corner may be beyond its end: those that are flush stay borne
 NEAREST = 1e-3  # share of a segment as near as which its end turns the direction of the gap of a corner that passes
 
 
@@ -47,9 +48,13 @@ def over_end(x, half):
 
 @kernel("clearance")
 def on_segment(body, a, b, p, k, corner, row, kinematics):
-    """Write the row of a disc of B on a segment."""
+    """Write the row of a disc of B on a segment; of corner -1 the gap that none is below."""
+    if corner < 0:
+        dx, dy = between_centres(body, a, b, p, k)
+        kinematics[row, at.GAP] = math.sqrt(dx * dx + dy * dy) - p[k + HALF] - p[k + ROLLER] - p[k + REACH]
+        return
     sax, say, sbx, sby, dx, dy = between(body, a, b, p, k, k + CORNERS + 2 * corner)
-    ux, uy = direction(body, a, p[k + AXIS])
+    ux, uy = turn_x(body, a, p[k + ALONG_X], p[k + ALONG_Y]), turn_y(body, a, p[k + ALONG_X], p[k + ALONG_Y])
     over, side = over_end(ux * dx + uy * dy, p[k + HALF])
     y = ux * dy - uy * dx
     x = side * max(over, 0.0)
@@ -64,10 +69,17 @@ def on_segment(body, a, b, p, k, corner, row, kinematics):
 
 @kernel("clearance")
 def over_segment(body, a, b, p, k, corner, row, kinematics):
-    """Write the row of a corner of B over a segment, by its PHASE, with how far it is ABOVE it and BEYOND its end."""
+    """Write the row of a corner of B over a segment, by its PHASE, with how far it is ABOVE it and BEYOND its end.
+
+    Of corner -1 the gap that none is below.
+    """
+    if corner < 0:
+        dx, dy = between_centres(body, a, b, p, k)
+        kinematics[row, at.GAP] = math.sqrt(dx * dx + dy * dy) - p[k + HALF] - p[k + REACH]
+        return
     sax, say, sbx, sby, dx, dy = between(body, a, b, p, k, k + CORNERS + 2 * corner)
-    ux, uy = direction(body, a, p[k + AXIS])
-    over, side = over_end(ux * dx + uy * dy, p[k + HALF])
+    ux, uy = turn_x(body, a, p[k + ALONG_X], p[k + ALONG_Y]), turn_y(body, a, p[k + ALONG_X], p[k + ALONG_Y])
+    over, side = over_end(ux * dx + uy * dy, (1.0 + FLUSH) * p[k + HALF])
     y, phase = ux * dy - uy * dx, kinematics[row, at.PHASE]
     gap, nx, ny, bent = y, uy, -ux, 0.0
     if phase == at.ASLEEP:
@@ -92,6 +104,7 @@ class OnSegment(OneSidedKind):
     joint = "surface"
     wall = "a surface"
     walls_turn = True
+    bounded = True
     slides = True
 
     @staticmethod
@@ -112,7 +125,8 @@ class OnSegment(OneSidedKind):
     @staticmethod
     def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
         """Direction and half length of the segment, radius of the disc, corners."""
-        return (fields["axis"], 0.5 * fields["length"], fields["roller"], reach_of(corners), *flat(corners))
+        axis = fields["axis"]
+        return (cos(axis), sin(axis), 0.5 * fields["length"], fields["roller"], reach_of(corners), *flat(corners))
 
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
@@ -125,17 +139,24 @@ class OnSegment(OneSidedKind):
         return 0.0, 0.0, 1.0 / fields["roller"]
 
     @staticmethod
-    def held(fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose) -> Held:
+    def held(
+        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+    ) -> tuple[Held, ...]:
         """A point on the line, or the centre of a disc beside it, or at a distance from an end of the segment."""
         axis, half, roller = fields["axis"], 0.5 * fields["length"], fields["roller"]
         on_b = list(corners.values())[corner]
         x, y = seen_from(a, b, on_b)
         x, y = x - on_a[0], y - on_a[1]
         along, above = x * math.cos(axis) + y * math.sin(axis), y * math.cos(axis) - x * math.sin(axis)
+        if sticks and not roller > 0.0:
+            return (pinned(a, b, on_b),)
+        if above < 0.0:
+            axis, along = axis + math.pi, -along
         if abs(along) <= half or not roller > 0.0:
-            return along_line(axis, math.copysign(roller, above), on_a, on_b)
+            return (along_line(axis, roller, on_a, on_b, rolls=sticks),)
         end = math.copysign(half, along)
-        return at_distance(roller, (on_a[0] + end * math.cos(axis), on_a[1] + end * math.sin(axis)), on_b)
+        corner_of_a = (on_a[0] + end * math.cos(axis), on_a[1] + end * math.sin(axis))
+        return around_disc(0.0, roller, corner_of_a, on_b, sticks)
 
 
 @kind("one-sided", "over-segment", over_segment)

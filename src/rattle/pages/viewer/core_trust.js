@@ -117,8 +117,15 @@ function notesOf(run, data, p, result, trust, message, grips) {
     ...swiftLinks(run, data, result), ...told.doubts.map(written), ...slips(data, result, grips),
     ...(series ? [fill(said.report.series, { count: counted, low: limits.LOW })] : []),
     ...(held.length ? [fill(said.report.held_friction, { joints: held.join(", ") })] : []),
-    ...ofContacts(run, data),
+    ...leftEnds(run, data), ...ofContacts(run, data),
   ];
+}
+
+// corners that have passed the end of their segment
+function leftEnds(run, data) {
+  const left = (n) => run.m.row(run.m.arrays.contact_memory, n).data[data.at.contact_memory.LEFT_END] === 1;
+  const names = run.labels.flatMap((label, n) => (n < data.contacts && label && left(n) ? [run.owners[n]] : []));
+  return names.length ? [fill(data.told.sentences.report.left_ends, { joints: [...new Set(names)].join(", ") })] : [];
 }
 
 function singularNote(run, data) {

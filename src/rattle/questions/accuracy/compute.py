@@ -238,7 +238,7 @@ def _loaded(
     model = system.model
     rigid = rigid_model(without_guide_play(system))
     pins = [joint for joint in shown.joints if joint.leaf.massless]
-    if rigid is None or not (model.loads or any(model.gravity)) or shown.output.rpartition(".")[2] in RATES:
+    if rigid is None or not (model.loads or model.falls) or shown.output.rpartition(".")[2] in RATES:
         return curves
     problem, hard = StaticProblem(ideal, times[0]), StaticProblem(rigid, times[0])
     conjugate = _conjugate(shown)
@@ -289,7 +289,7 @@ def _in_frame(shown: Displaced, node: np.ndarray, joint: Joint, e: np.ndarray) -
 def _conjugate(shown: Displaced) -> str:
     """The only load, if its virtual work is load times change of the output; "" otherwise."""
     model = shown.system.model
-    if any(model.gravity) or len(model.loads) != 1:
+    if model.falls or len(model.loads) != 1:
         return ""
     ((name, load),) = model.loads.items()
     return name if load.kind == "torque" and shown.output == f"{load.b.body}.angle" else ""

@@ -15,7 +15,7 @@ from rattle.analyses.assembly.rank import nonunique_reactions, rank
 from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
 from rattle.analyses.travel import out_of_place, stop_lines, with_ends, with_stops
-from rattle.description.model import Joint, Model
+from rattle.description.model import Joint, Model, is_ground
 from rattle.equations.closure import close_position, close_rate, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.contact_table import contact_labels
@@ -62,6 +62,7 @@ class Check:
     residual: float  # largest constraint residual after assembly [m or rad]
     plates: tuple[str, ...] = ()  # what follows from their polygons
     massless: tuple[str, ...] = ()  # bodies without mass or inertia
+    moving_ground: tuple[str, ...] = ()  # points of the ground that are functions of time
     parameters: tuple[str, ...] = ()  # those with a label or a description: what the model file says of them
 
     def __repr__(self) -> str:
@@ -79,6 +80,7 @@ class Check:
             lines.append(f"free: {', '.join(self.freedoms[:MOST_SHOWN])}{more}")
         lines += [*_listed("parameter", self.parameters), *_listed("plate", self.plates)]
         lines += [f"without mass or inertia: {', '.join(self.massless)}"] if self.massless else []
+        lines += [f"moves over time: {', '.join(self.moving_ground)}"] if self.moving_ground else []
         lines += _listed("loop", self.loops[:MOST_SHOWN])
         if len(self.loops) > MOST_SHOWN:
             lines.append(f"... and {len(self.loops) - MOST_SHOWN} more loops")
@@ -124,7 +126,7 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         reach += [f"the {what} of {names} are left out of the range" for what, names in left_out.items() if names]
     return Check(
         name=model.name,
-        bodies=system.body_count,
+        bodies=len(model.moving_bodies),
         joints=len(model.joints),
         mobility=3 * system.body_count - independent,
         redundant=redundant,
@@ -145,7 +147,10 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         residual=start.residual,
         plates=tuple(_plates(model)),
         parameters=tuple(_parameters(model, written)),
-        massless=tuple(name for name, body in model.bodies.items() if body.mass == 0.0 or body.inertia == 0.0),
+        massless=tuple(
+            name for name in model.moving_bodies if 0.0 in (model.bodies[name].mass, model.bodies[name].inertia)
+        ),
+        moving_ground=tuple(name for name in model.bodies if is_ground(name)),
     )
 
 
@@ -225,7 +230,7 @@ def _branches(system: System, start: Assembled) -> list[str]:
                 not pins
                 or len({outer, middle, last}) < 3
                 or middle in driven
-                or "ground" in (model.joints[middle].a.body, model.joints[middle].b.body)
+                or any(is_ground(end.body) for end in (model.joints[middle].a, model.joints[middle].b))
             ):
                 continue
             first, second = at[middle] - at[outer], at[last] - at[outer]
@@ -241,7 +246,7 @@ def _branches(system: System, start: Assembled) -> list[str]:
 def _reach(system: System, start: Assembled) -> list[str]:
     """How far each driver can be moved from its start, with the others fixed and all clearances closed."""
     model = system.model
-    if not model.drivers or system.row_count > LARGE:
+    if not model.motors or system.row_count > LARGE:
         return []
     links = any(is_link(joint) or joint.stop for joint in model.joints.values())
     ideal = ideal_system(model) if links else system
@@ -284,11 +289,12 @@ def _hold_drivers(system: System, t: float) -> tuple[Workspace, dict[str, int], 
 
     running = system.workspace()
     drive(running, t)
-    slots = {name: system.driver_slot(name) for name in system.model.drivers}
-    none, values = np.zeros((0, 3), np.int64), running.values.copy()
+    slots = {name: system.driver_slot(name) for name in system.model.motors}
+    values = running.values.copy()
     for slot in slots.values():
         values[slot + 1 : slot + 3] = 0.0
-    frozen = replace(system, arrays={**system.arrays, "jet": none, "jet_signal": none, "values": values}).workspace()
+    none = {name: system.arrays[name][:0] for name in ("jet", "jet_signal")}
+    frozen = replace(system, arrays={**system.arrays, **none, "values": values}).workspace()
     return frozen, slots, {name: float(values[slot]) for name, slot in slots.items()}
 
 

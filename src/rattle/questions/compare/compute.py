@@ -268,7 +268,7 @@ def _too_soft(m: Mechanism, loose: list[str], r: Result, assumed: list[str]) -> 
 
 def _motion(m: Mechanism, ideal: Result) -> str:
     """Name of the angle of the last body, or of its larger motion if it does not turn."""
-    body = list(m.model.bodies)[-1]
+    body = m.model.moving_bodies[-1]
     turned = ideal[f"{body}.angle"]
     if float(turned.max() - turned.min()) > STILL:
         return f"{body}.angle"

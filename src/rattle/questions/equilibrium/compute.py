@@ -393,11 +393,14 @@ def _sorted(members: list[Equilibrium], start: np.ndarray) -> list[Equilibrium]:
     return sorted(members, key=key)
 
 
-def static_problem(system: System, rest: Equilibrium) -> StaticProblem:
-    """The equilibrium problem to which an equilibrium belongs, with rigid or with compliant pins, held at its stops."""
+def static_problem(system: System, rest: Equilibrium, sticks: bool = False) -> StaticProblem:
+    """The equilibrium problem to which an equilibrium belongs, with rigid or with compliant pins, held at its stops.
+
+    sticks: bodies stick to or roll on surfaces with friction.
+    """
     system = without_guide_play(system)
     if rest.touching:
-        system = held_system(system, rest.q, rest.touching)
+        system = held_system(system, rest.q, rest.touching, sticks)
     if with_stops(system.model):
         system = resting_system(system, rest.resting)
     rigid = rigid_model(system)

@@ -40,7 +40,7 @@ def _angles(rest: Equilibrium) -> str:
     """Angles of the first bodies, by which equilibria can be told apart."""
     from rattle.results.display import scale, zeroed
 
-    bodies = list(rest.table.geometry["bodies"])
+    bodies = rest.table.bodies
     factor, unit = scale("rad", 1.0)
     shown = ", ".join(f"{body} {zeroed(rest[f'{body}.angle'], ZERO) * factor:.4g}" for body in bodies[:MOST_BODIES])
     return f"at {shown}{', ...' if len(bodies) > MOST_BODIES else ''} {unit}"
@@ -52,14 +52,16 @@ def _position(m: Mechanism, rest: Equilibrium) -> str:
 
     lines = ["equilibrium 1:"]
     floor = ZERO * m.system.size
-    factor, unit = scale("m", max((abs(rest[f"{body}.{key}"]) for body in m.model.bodies for key in "xy"), default=0.0))
-    for body in m.model.bodies:
+    factor, unit = scale(
+        "m", max((abs(rest[f"{body}.{key}"]) for body in m.model.moving_bodies for key in "xy"), default=0.0)
+    )
+    for body in m.model.moving_bodies:
         x, y = (zeroed(rest[f"{body}.{key}"], floor) for key in "xy")
         angle = zeroed(rest[f"{body}.angle"], ZERO)
         lines.append(
             f"  {body}: x {factor * x:.6g} {unit}, y {factor * y:.6g} {unit}, angle {quantity(angle, 'rad', 6)}"
         )
-    for driver in m.model.drivers:
+    for driver in m.model.motors:
         name = next(n for n in rest.names if n.startswith(f"{driver}.") and not n.endswith(".power"))
         lines.append(f"  {name}: {quantity(rest[name], rest.unit(name), 6)}")
     if rest.nonunique:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.arguments import MOST_EFFORT
+from rattle.description.model import is_ground
 from rattle.errors import InputError
 from rattle.jit.choices import TINY
 from rattle.results.display import card, quantity, table
@@ -35,6 +36,11 @@ class Table(NamedTuple):
     pins: tuple[tuple[str, int], ...]  # joints with clearance, and the columns of their normal forces
     geometry: Tree
     provenance: Tree
+
+    @property
+    def bodies(self) -> list[str]:
+        """Names of all bodies but points of the ground."""
+        return [name for name in self.geometry["bodies"] if not is_ground(name)]
 
 
 @dataclass(repr=False)
@@ -114,15 +120,15 @@ class Equilibrium:
         return not self.nonunique
 
     def __repr__(self) -> str:
-        bodies = self.table.geometry["bodies"]
-        angles = ", ".join(f"{name}.angle {quantity(self[f'{name}.angle'], 'rad')}" for name in list(bodies)[:4])
+        bodies = self.table.bodies
+        angles = ", ".join(f"{name}.angle {quantity(self[f'{name}.angle'], 'rad')}" for name in bodies[:4])
         more = ", ..." if len(bodies) > 4 else ""
         kind = f"{'stable' if self.stable else 'not stable'}, {'' if self.admissible else 'not '}admissible"
         return f"<rattle.Equilibrium at t = {self.t:g} s: {kind}; {angles}{more}>"
 
     def _repr_html_(self) -> str:
         rows = []
-        for body in self.table.geometry["bodies"]:
+        for body in self.table.bodies:
             x, y, angle = (
                 quantity(self[f"{body}.{key}"], unit, 6) for key, unit in (("x", "m"), ("y", "m"), ("angle", "rad"))
             )
@@ -245,9 +251,7 @@ class Equilibria(list[Equilibrium]):
     def _repr_html_(self) -> str:
         rows = []
         for n, member in enumerate(self):
-            angles = ", ".join(
-                f"{name} {quantity(member[f'{name}.angle'], 'rad')}" for name in member.table.geometry["bodies"]
-            )
+            angles = ", ".join(f"{name} {quantity(member[f'{name}.angle'], 'rad')}" for name in member.table.bodies)
             rows.append(
                 (str(n), "yes" if member.stable else "no", "yes" if member.admissible else "no", angles, str(member))
             )

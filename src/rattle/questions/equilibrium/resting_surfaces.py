@@ -14,6 +14,7 @@ import numpy as np
 
 from rattle.analyses.load_forces import load_forces
 from rattle.description.model import Choice, Contact, Joint, Point
+from rattle.equations.closure import open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.contact_table import contact_groups, contact_labels
 from rattle.equations.motion import place
@@ -58,21 +59,35 @@ def soft_surfaces(system: System, t: float, q: np.ndarray) -> System:
     return compile_system(replace(system.model, joints=joints))
 
 
-def held_system(soft: System, q: np.ndarray, touching: Touching) -> System:
-    """The mechanism in which joints hold what touches at q (3 nb,) [m, m, rad], and other surfaces are left out."""
+def held_system(soft: System, q: np.ndarray, touching: Touching, sticks: bool = False) -> System:
+    """The mechanism in which joints hold what touches at q (3 nb,) [m, m, rad], and other surfaces are left out.
+
+    sticks: contacts with friction stick or roll.
+    """
     joints = {name: joint for name, joint in soft.model.joints.items() if name not in touching}
     for name, corners in touching.items():
         joint = soft.model.joints[name]
+        rough = sticks and joint.contact is not None and joint.contact.mu > 0.0
         for number in corners:
             leaf, corner = _contact(joint, number)
             a, b = (pose(soft, q, end.body) for end in (joint.a, joint.b))
-            held = leaf.held(joint.fields, joint.a.at, joint.corners, corner, a, b)
-            assert held is not None, f"a {joint.kind} joint is not held"
-            on_a, on_b = Point(joint.a.body, "", held.on_a), Point(joint.b.body, "", held.on_b)
-            first, second = (on_b, on_a) if held.turned else (on_a, on_b)
-            key = f"{HELD_BY}{name} {number}"
-            joints[key] = Joint(key, held.kind, first, second, held.fields)
+            for part, held in enumerate(leaf.held(joint.fields, joint.a.at, joint.corners, corner, a, b, rough)):
+                on_a, on_b = Point(joint.a.body, "", held.on_a), Point(joint.b.body, "", held.on_b)
+                first, second = (on_b, on_a) if held.turned else (on_a, on_b)
+                key = f"{HELD_BY}{name} {number}" + (f" {part}" if part else "")
+                joints[key] = _counted(soft, q, Joint(key, held.kind, first, second, held.fields))
     return compile_system(replace(soft.model, joints=joints))
+
+
+def _counted(soft: System, q: np.ndarray, joint: Joint) -> Joint:
+    """A joint whose rows that count from the start are zero at q (3 nb,)."""
+    if not joint.from_start:
+        return joint
+    joint = replace(joint, constants=(0.0,) * joint.from_start)
+    alone = compile_system(replace(soft.model, joints={joint.name: joint}, drivers={}, loads={}))
+    workspace = alone.workspace()
+    open_by(workspace, 0.0, q, np.zeros_like(q))
+    return replace(joint, constants=tuple(float(value) for value in workspace.rows[-joint.from_start :, at.RES]))
 
 
 def _contact(joint: Joint, number: int) -> tuple[type[OneSidedKind], int]:

@@ -46,7 +46,7 @@ def _row(k: int, rest: Equilibrium) -> tuple[str, str]:
 
 
 def _free(m: Mechanism) -> list[str]:
-    return list(m.model.bodies)[:5]
+    return m.model.moving_bodies[:5]
 
 
 def _cells(m: Mechanism, row: tuple[str, str], rest: Equilibrium) -> tuple[str, ...]:

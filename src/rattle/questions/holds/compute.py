@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from rattle import registry
-from rattle.analyses.load_forces import load_forces
+from rattle.analyses.load_forces import gravity_over, load_forces
 from rattle.analyses.travel import with_stops, without_stops
 from rattle.equations.dense import dense_rows
 from rattle.equations.placement import point_at
@@ -70,7 +70,7 @@ def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.nda
     if name == GRAVITY and name not in model.loads:
         mass = system.arrays["mass"][1:, :1]
         weight = np.zeros((system.body_count, 3))
-        weight[:, :2] = mass * system.arrays["gravity"]
+        weight[:, :2] = mass * gravity_over(system, np.array([t]))[0]
         return _scaled(name, weight.ravel(), "", 1.0)
     if name not in model.loads:
         names = [*model.loads, *model.drivers, GRAVITY]

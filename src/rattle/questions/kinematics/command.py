@@ -22,5 +22,5 @@ def kinematics(asked: Asked, t_end: float | None, points: int) -> Shown:
     Example:  rattle kinematics path_generator --ideal --points 361
     """
     m = asked.model()
-    curves = [f"{body}.{key}" for body in m.model.bodies for key in ("x", "y", "angle", "omega")]
+    curves = [f"{body}.{key}" for body in m.model.moving_bodies for key in ("x", "y", "angle", "omega")]
     return moved(asked, m, "kinematics", t_end, points, m.kinematics, lambda result: [ranges(m, result, curves)])

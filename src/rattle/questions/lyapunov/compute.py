@@ -145,7 +145,7 @@ def _slope(growth: np.ndarray) -> float:
 def _require_mobility(m: Mechanism) -> None:
     """Raise InputError for a mechanism without a degree of freedom in which motions could separate."""
     system, workspace = m.system, m.system.workspace()
-    if len(system.arrays["contact"]) or system.row_count > LARGE or system.model.states:
+    if len(system.arrays["contact"]) or system.row_count > LARGE or system.model.remembers:
         return
     open_by(workspace, m.start.t, m.start.q, m.start.v)
     if rank(system, workspace) == 3 * system.body_count:

@@ -37,4 +37,4 @@ def modes(m: Mechanism, t: Seconds = 0.0, equilibrium: Equilibrium | None = None
         return modes(own_problem(m.system, equilibrium), equilibrium)
     equilibria = m.equilibrium(seconds(t, "t"), effort=effort)
     first = equilibria.first_at(seconds(t, "t"))
-    return modes(static_problem(m.system, first), first, equilibria.note)
+    return modes(static_problem(m.system, first, sticks=True), first, equilibria.note)

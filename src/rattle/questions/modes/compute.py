@@ -268,7 +268,7 @@ def own_problem(system: System, rest: Equilibrium) -> StaticProblem:
             f"the equilibrium is one of another mechanism: it has the bodies {', '.join(bodies)}, this one"
             f" {', '.join(mine)}; take one of m.equilibrium()"
         )
-    problem = static_problem(system, rest)
+    problem = static_problem(system, rest, sticks=True)
     assessed = problem.assess(rest.q, 0)
     open_by, unbalanced = assessed.gap, assessed.residual
     if open_by > max(OTHER * system.size, rest.gap) or not unbalanced <= max(

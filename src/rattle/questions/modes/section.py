@@ -32,7 +32,7 @@ def gather(study: Study) -> None:
     run = study.run
     check = study.answer("check", Check)
     fully = check is not None and check.mobility == 0
-    if run is not None and fully and m.model.loads and not m.model.states and not study.loose:
+    if run is not None and fully and m.model.loads and not m.model.remembers and not study.loose:
         times = np.linspace(0.0, run.trust.t_end, POSITIONS)
         study.path = tried(study, "quasi-static", "computing the quasi-static motion", lambda: m.equilibrium(times))
 

@@ -165,8 +165,8 @@ class Power:
         end = min(float(self._settings.t_end), self.result.trust.t_end)
         if not 0.0 <= t[0] <= t[-1] <= end * (1.0 + PAST):
             raise InputError(f"expected a time within the run, from 0 to {end:g} s, got {t[0]:g} s")
-        rows = rows_at(self._mechanism, self._settings, np.minimum(t, end))
-        return self._ports.flow(rows).ports
+        t = np.minimum(t, end)
+        return self._ports.flow(t, rows_at(self._mechanism, self._settings, t)).ports
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write `table` as CSV, in SI units; if `--units` asks for others, the header names them.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rattle.errors import SolverError
 from rattle.mechanism import Mechanism
 from rattle.questions.power.ports import Flow, Ports
-from rattle.questions.power.steps import GAUSS, Settings, Steps, steps_between
+from rattle.questions.power.steps import GAUSS, Settings, Steps, points_of, steps_between
 
 Array = NDArray[np.float64]
 _legendre = np.polynomial.legendre
@@ -43,7 +43,7 @@ def cycle(m: Mechanism, ports: Ports, settings: Settings, t0: float, t1: float) 
     sums = np.zeros((3, len(ports.elements)))
     residual = 0.0
     for steps in steps_between(m, settings, t0, t1):
-        steps, flow = _known(ports, steps, t1 - t0)
+        steps, flow = _known(ports, steps, settings.points, t1 - t0)
         half = 0.5 * (steps.end - steps.start)
         values = flow.ports.reshape(len(half), len(settings.points), -1)
         positive, net, extreme = parts(values, half)
@@ -61,12 +61,12 @@ def cycle(m: Mechanism, ports: Ports, settings: Settings, t0: float, t1: float) 
     return Cycle(t0, t1, into, out, peak, supplied, lost, stored, residual)
 
 
-def _known(ports: Ports, steps: Steps, span: float) -> tuple[Steps, Flow]:
-    """The steps at whose points all powers are known, and these; span: of the window [s].
+def _known(ports: Ports, steps: Steps, points: Array, span: float) -> tuple[Steps, Flow]:
+    """The steps at whose points all powers are known, and these; points: from -1 to 1, span: of the window [s].
 
     Steps shrink to rounding before a run ends where no force is a solution.  Raises SolverError if more is unknown.
     """
-    flow = ports.flow(steps.rows.reshape(-1, steps.rows.shape[-1]))
+    flow = ports.flow(points_of(steps, points), steps.rows.reshape(-1, steps.rows.shape[-1]))
     finite = np.isfinite(flow.unbalanced) & np.isfinite(flow.lost + flow.stored + flow.supplied).all(axis=1)
     usable = finite.reshape(len(steps.start), -1).all(axis=1)
     if usable.all():
@@ -75,7 +75,7 @@ def _known(ports: Ports, steps: Steps, span: float) -> tuple[Steps, Flow]:
         raise SolverError(f"forces have no value at t = {steps.start[~usable][0]:.6g} s: give times before it", None)
     moved, closed = steps.moved[usable], steps.closed[usable]
     left = Steps(steps.start[usable], steps.end[usable], steps.rows[usable], steps.impulses, moved, closed)
-    return left, ports.flow(left.rows.reshape(-1, left.rows.shape[-1]))
+    return left, ports.flow(points_of(left, points), left.rows.reshape(-1, left.rows.shape[-1]))
 
 
 def parts(values: Array, half: Array) -> tuple[Array, Array, Array]:

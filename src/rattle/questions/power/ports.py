@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.analyses.load_forces import gravity_over
 from rattle.equations.system import System
 from rattle.jit import layout as at
 from rattle.results.columns import width
@@ -76,16 +77,17 @@ class Ports:
         """(elements,) True for drivers."""
         return np.array([element.name in self.system.model.drivers for element in self.elements], bool)
 
-    def flow(self, rows: Array) -> Flow:
-        """Powers in rows (n, width with ports) of a run [SI]."""
+    def flow(self, t: Array, rows: Array) -> Flow:
+        """Powers at the times t (n,) [s], from rows (n, width with ports) of a run [SI]."""
         nb = len(self.bodies)
         motion = rows[:, : at.PER_BODY * nb].reshape(-1, nb, 3, 3)
         rate, acceleration = motion[:, :, 1], motion[:, :, 2]
         mass = self.system.arrays["mass"][1:]
-        weight = mass[:, :1] * np.array([*self.system.arrays["gravity"], 0.0])
+        gravity, change = gravity_over(self.system, t)
+        fall = np.pad(gravity, ((0, 0), (0, 1)))
         powers = np.zeros((len(rows), len(self.list)))
         for k, port in enumerate(self.list):
-            force = rows[:, port.column : port.column + 3] if port.column >= 0 else weight[port.body - 1]
+            force = rows[:, port.column : port.column + 3] if port.column >= 0 else mass[port.body - 1, 0] * fall
             powers[:, k] = (force * rate[:, port.body - 1]).sum(axis=1)
         left = -(mass * rate * acceleration).sum(axis=2)
         for k, port in enumerate(self.list):
@@ -95,7 +97,10 @@ class Ports:
         for values, column in zip(kinds, (at.SUPPLIED, at.WASTED, at.KEPT), strict=True):
             values[:, : self._acting] = own[:, :, column]
         if len(self.elements) > self._acting:
-            kinds[2][:, self._acting] = -powers[:, self.of_element == self._acting].sum(axis=1)
+            kinds[0][:, self._acting] = -((motion[:, :, 0, :2] @ change[:, :, None])[:, :, 0] @ mass[:, 0])
+            kinds[2][:, self._acting] = kinds[0][:, self._acting] - powers[:, self.of_element == self._acting].sum(
+                axis=1
+            )
         supplied, lost, stored = kinds
         return Flow(powers, supplied, lost, stored, np.abs(left).max(axis=1, initial=0.0))
 
@@ -118,6 +123,6 @@ def _elements(system: System) -> tuple[Element, ...]:
         elements.append(Element(name, kind, (int(joint[n, at.END_A]), int(joint[n, at.END_B]))))
     for n, (name, source) in enumerate(model.loads.items()):
         elements.append(Element(name, source.kind, (int(load[n, at.END_A]), int(load[n, at.END_B]))))
-    if np.any(system.arrays["gravity"]):
+    if model.falls:
         elements.append(Element(GRAVITY, GRAVITY, (0, 0)))
     return tuple(elements)

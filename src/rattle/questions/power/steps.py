@@ -86,7 +86,7 @@ def steps_between(m: Mechanism, settings: Settings, t0: float, t1: float) -> Ite
         start, end = np.clip(ends[:-1], t0, t1), np.clip(ends[1:], t0, t1)
         inside = end > start
         middle, half = 0.5 * (start + end)[inside], 0.5 * (end - start)[inside]
-        behind.t_eval = np.ravel(middle[:, None] + half[:, None] * settings.points)
+        behind.t_eval = _within(middle, half, settings.points)
         behind.raw = np.zeros((len(behind.t_eval), behind.raw.shape[1]))
         behind.tally[at.OUTPUTS] = 0
         while status == PAUSED and behind.tally[at.STEPS] < ahead.run.tally[at.STEPS]:
@@ -99,6 +99,15 @@ def steps_between(m: Mechanism, settings: Settings, t0: float, t1: float) -> Ite
             continue
         rows = behind.raw.reshape(-1, len(settings.points), behind.raw.shape[1])
         yield Steps(start[inside], end[inside], rows, impulses, moved[inside], closed[inside])
+
+
+def points_of(steps: Steps, points: Array) -> Array:
+    """The times [s] of the rows of some steps, one after the other; points: from -1 to 1."""
+    return _within(0.5 * (steps.start + steps.end), 0.5 * (steps.end - steps.start), points)
+
+
+def _within(middle: Array, half: Array, points: Array) -> Array:
+    return np.ravel(middle[:, None] + half[:, None] * points)
 
 
 class _Ahead:

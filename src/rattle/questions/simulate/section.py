@@ -120,7 +120,7 @@ def _late_note(rows: Sequence[Sequence[str]]) -> str:
 
 def _drivers(s: Study, run: Result) -> str:
     rows = []
-    for name, driver in s.m.model.drivers.items():
+    for name, driver in s.m.model.motors.items():
         effort = f"{name}.{registry.kinds('driver')[driver.kind].leaf.effort[0]}"
         if effort not in run:
             continue

@@ -96,7 +96,8 @@ def contact_time(m, n):
     if contact[n, at.LEVEL] == 1:
         return 0.0
     q = 2 if m.lever[n, at.ANGULAR] > 0.0 else 0
-    light = mass[b, q] if a == 0 else (mass[a, q] if b == 0 else min(mass[a, q], mass[b, q]))
+    of_a, of_b = float(mass[a, q]), float(mass[b, q])  # 0 of the ground, and of points of it that move
+    light = of_b if of_a == 0.0 else (of_a if of_b == 0.0 else min(of_a, of_b))
     if speed <= 0.0:
         return 0.0
     return contact_duration(m.stiffness_table[contact[n, at.STATIC]], m.values, contact[n, at.STATIC_P], light, speed)

@@ -40,7 +40,9 @@ def inside_wall(m):
     contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
     for n in range(contact.shape[0]):
         free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else memory[n, at.CLOSED] == at.OPEN
-        if free and not kinematics[n, at.GAP] >= min(memory[n, at.GAP_0], 0.0) - DEEP * scale_of(m, n):
+        deep = DEEP * scale_of(m, n)
+        aside = m.lever[n, at.ONE_WAY] > 0.0 and kinematics[n, at.BEYOND] >= -deep  # it just comes from the side
+        if free and not aside and not kinematics[n, at.GAP] >= min(memory[n, at.GAP_0], 0.0) - deep:
             return True
     return False
 

@@ -103,7 +103,7 @@ def handle_event(m, t, y, who, what):
         who, what = -1, NOTHING
     if what == LET_GO and off_end(m, who):
         release(m, t, y, who)
-        m.mode[who] = OFF
+        m.mode[who], m.contact_memory[who, at.LEFT_END] = OFF, 1.0
         hold(m, who, False)
         locate_contacts(m)
         who, what = -1, NOTHING

@@ -17,7 +17,7 @@ from rattle.equations.compliant import locate_contacts
 from rattle.equations.massless import take_out_of_change
 from rattle.equations.motion import OK, constraints, correct, drive, place, rate_residual
 from rattle.equations.schur import factorise
-from rattle.equations.state import WORK, energies_at
+from rattle.equations.state import WORK, energies_at, take_travels
 from rattle.equations.unilateral import (
     NOT_UNIQUE,
     add_forces,
@@ -46,6 +46,7 @@ def speeds(m, t, out):
     """nu of every row [m/s or rad/s] at t and the state y into out (nr,), on the present branches of switches."""
     y, nq, rows = m.state, m.change.shape[0], m.rows
     place(m, y[:nq], y[nq : 2 * nq])
+    take_travels(m, y)
     drive(m, t)
     constraints(m)
     for r in range(rows.shape[0]):
@@ -66,6 +67,7 @@ def jolt(m, t, before, percussion):
     for k in range(nq):
         old[k] = v[k]
     place(m, q, v)
+    take_travels(m, y)
     drive(m, t)
     constraints(m)
     factorise(m)

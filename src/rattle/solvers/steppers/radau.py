@@ -30,7 +30,7 @@ from __future__ import annotations
 import math
 
 from rattle.equations.motion import derivative
-from rattle.equations.state import states_at
+from rattle.equations.state import WORK, energies_at, states_at
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel, native
 from rattle.registry import kind
@@ -213,7 +213,10 @@ def solve_stages(m, t, h, rtol, atol, tame):
 
 @compiled
 def error_of(m, f, h, rtol, atol):
-    """e of the step of length h [s] relative to the tolerances, and into row ERROR; f: derivative at its start."""
+    """e of the step of length h [s] relative to the tolerances, and into row ERROR; f: derivative at its start.
+
+    The work of gravity that is a function of time counts too, as it goes on where nothing moves.
+    """
     y, y_new, z, count = m.state, m.state_new, m.newton, numbers_acting(m)
     for c in range(count):
         k = acting(m, c)
@@ -223,6 +226,10 @@ def error_of(m, f, h, rtol, atol):
     for c in range(count):
         k = acting(m, c)
         total += (z[ERROR, k] / (atol + rtol * max(abs(y[k]), abs(y_new[k])))) ** 2
+    if m.falling.shape[0] > 0:
+        k = energies_at(m) + WORK
+        off = (h * f[k] + E[0] * z[0, k] + E[1] * z[1, k] + E[2] * z[2, k]) / REAL
+        total += (off / (atol + rtol * max(abs(y[k]), abs(y_new[k])))) ** 2
     return math.sqrt(total / count)
 
 
