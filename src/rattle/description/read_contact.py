@@ -52,10 +52,13 @@ def contact_models(joint: str = "") -> list[str]:
         return [*models, *registry.kinds("normal")]
     if registry.play_of(joint) is None and registry.one_sided_of(joint) is None:
         return []
-    massless = registry.kinds("joint")[joint].leaf.massless
-    play = registry.play_of(joint)
+    leaf, play = registry.kinds("joint")[joint].leaf, registry.play_of(joint)
     dry = play is None or not play.leaf.holds_oil
-    left = (name for name, kind in models.items() if (massless or not kind.leaf.link) and not (dry and kind.leaf.oiled))
+    unfit = (
+        (kind.leaf.link and not leaf.massless) or (dry and kind.leaf.oiled) or (leaf.touches and not kind.leaf.contacts)
+        for kind in models.values()
+    )
+    left = (name for name, without in zip(models, unfit, strict=True) if not without)
     return [*left, *registry.kinds("normal")]
 
 

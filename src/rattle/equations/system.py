@@ -505,9 +505,15 @@ def _table(entries: Sequence[Sequence[int]], width: int) -> np.ndarray:
 
 
 def _lengths_of(model: Model) -> list[float]:
-    """Distances [m] of points from the mass centre of their body, or from the origin, and those that joints keep."""
+    """Distances [m] of points from the mass centre of their body, or from the origin, and those that joints keep.
+
+    Of surfaces the corners that touch them, and the sizes of discs.
+    """
     points = [p for body in model.bodies.values() for p in body.points.values()] + list(model.ground.values())
-    return [abs(x) + abs(y) for x, y in points] + [joint.distance for joint in model.joints.values()]
+    touching = [joint for joint in model.joints.values() if joint.leaf.touches]
+    points += [corner for joint in touching for corner in joint.corners.values()]
+    sizes = [joint.fields[key] for joint in touching for key in ("radius", "roller")]
+    return [abs(x) + abs(y) for x, y in points] + [joint.distance for joint in model.joints.values()] + sizes
 
 
 def length_of(model: Model) -> float:

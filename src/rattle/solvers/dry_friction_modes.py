@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.complementarity import OFF
 from rattle.equations.dependent_rows import fixed_value
 from rattle.equations.dry_friction import REST, along, eliminate, lasting, limit, mobility, rounding
 from rattle.equations.motion import solve_motion
@@ -295,6 +296,9 @@ def tell(m, t, n):
     mode, before, k = memory[n, at.DRY_MODE], memory[n, at.DRY_BEFORE], tally[at.EVENT_COUNT]
     if mode == before or m.dry[n, at.DRY_LAW] >= 0 or k >= events.shape[0]:
         return
+    c = m.dry[n, at.DRY_SECOND]
+    if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER and m.contact[c, at.IMPACT] == 1 and m.mode[c] == OFF:
+        return  # a disc in the air rolls on nothing
     for column in range(events.shape[1]):
         events[k, column] = 0.0
     events[k, at.EVENT_T] = t

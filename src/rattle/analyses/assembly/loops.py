@@ -57,7 +57,7 @@ def loops(model: Model) -> list[tuple[Joint, list[str]]]:
     closing = []
     kept: dict[str, Joint] = {}
     for joint in model.joints.values():
-        if joint.leaf.bodies or joint.held_by_stops:
+        if joint.leaf.bodies or joint.held_by_stops or joint.leaf.touches:
             continue
         a, b = find(joint.a.body), find(joint.b.body)
         if a == b:
