@@ -69,7 +69,7 @@ coverage: $(VENV)/.ready-dev ## lines of the package that the tests reach, machi
 	$(BIN)/coverage report
 
 bench: $(VENV)/.ready-bench ## speed, as ratios to yardsticks measured in the same run
-	$(BIN)/python benchmarks/run.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/run.py --keep docs/making/scoreboard.toml
 
 clean: ## remove .venv and everything made here
 	rm -rf $(VENV) $(OLDEST) $(WHEEL) build dist docs/generated .*_cache .benchmarks .coverage .hypothesis rattle-demo

@@ -1,7 +1,7 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact chain kinematics pressing startup assembly lanes oil wear pages]
-                             [--repeats 7]
+    python benchmarks/run.py [fourbar exudyn contact stack chain kinematics pressing startup assembly lanes oil wear
+                              pages peers] [--repeats 7] [--keep docs/making/scoreboard.toml]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
@@ -9,6 +9,8 @@ A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio 
 from __future__ import annotations
 
 import argparse
+from functools import partial
+from pathlib import Path
 
 import assembly
 import contact
@@ -16,8 +18,10 @@ import kinematics
 import lubrication
 import measure
 import pages
+import peers
 import pressing
 import rhs
+import stack
 import startup
 import straight_line
 import versus_exudyn
@@ -28,6 +32,7 @@ SECTIONS = {
     "planetary": rhs.planetary_rows,
     "exudyn": versus_exudyn.rows,
     "contact": contact.rows,
+    "stack": stack.rows,
     "chain": rhs.chain_rows,
     "kinematics": kinematics.kinematics_rows,
     "pressing": pressing.rows,
@@ -37,6 +42,7 @@ SECTIONS = {
     "oil": lubrication.rows,
     "wear": wear.rows,
     "pages": pages.rows,
+    "peers": peers.rows,
 }
 
 
@@ -45,11 +51,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("section", nargs="*", help=f"any of {', '.join(SECTIONS)}; default all")
     parser.add_argument("--repeats", type=int, default=7, help="repetitions of which the median is taken")
+    parser.add_argument("--keep", type=Path, help="file for the results of peers, which the documentation shows")
     asked = parser.parse_args()
     unknown = [name for name in asked.section if name not in SECTIONS]
     if unknown:
         parser.error(f"no section {unknown[0]!r}; wanted any of {', '.join(SECTIONS)}")
-    rows = [row for name in asked.section or SECTIONS for row in SECTIONS[name](asked.repeats)]
+    sections = {**SECTIONS, "peers": partial(peers.rows, kept=asked.keep)}
+    rows = [row for name in asked.section or sections for row in sections[name](asked.repeats)]
     measure.show(rows)
 
 

@@ -1,4 +1,4 @@
-"""Pages made from the code: kinds, commands, names in Python, validation, live pages, gallery, map, citation.
+"""Pages made from the code: kinds, commands, names in Python, validation, scoreboard, live pages, gallery, map.
 
 Each module returns Markdown texts by file name; pages in docs/ include them.
 """
@@ -15,6 +15,7 @@ MAKERS = (
     "interface",
     "validation",
     "foreign",
+    "scoreboard",
     "live",
     "gallery",
     "pictures",
