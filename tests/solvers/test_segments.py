@@ -70,3 +70,50 @@ def test_a_turning_bar_never_falls_through_a_segment(case):
     high, along = rise(r, axis)
     through = (high[:-1] > 1e-9) & (high[1:] < -1e-9) & (np.abs(along[:-1]) < 0.29) & (np.abs(along[1:]) < 0.29)
     assert not through.any()
+
+
+SQUARE = """
+format = 1
+gravity = [0, {gravity}]
+ground.points = {{ T = [-0.5, 0] }}
+bodies.box = {{ polygon = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]], points = {{ C = [0, 0] }}, mass = 1 }}
+initial.box = {{ x = {x}, y = {y}, angle = {angle}, vx = {vx}, vy = {vy}, omega = {omega} }}
+
+[joints.table]
+type = "surface"
+connect = ["ground.T", "box.C"]
+axis = 0
+length = 1.0
+outline = true
+contact = {{ model = "impact", restitution = {restitution} }}
+"""
+
+
+def box(restitution=0.5, **values):
+    numbers = {"gravity": -G, "x": 0, "y": 0, "angle": 0, "vx": 0, "vy": 0, "omega": 0}
+    return rt.loads(SQUARE.format(**(numbers | values), restitution=restitution))
+
+
+def test_an_edge_slides_over_an_end_until_its_corner():
+    """A box without weight, tilted by 45 degrees, touches the right end with its edge and moves on straight."""
+    a, v = math.pi / 4, 1.0
+    along, across = np.array([math.cos(a), math.sin(a)]), np.array([-math.sin(a), math.cos(a)])
+    # its lower left edge runs up to the left: the end, at the origin, is 0.02 m from the upper end of it
+    x, y = 0.1 * along - 0.08 * across
+    r = box(x=x, y=y, angle=a, vx=-v * across[0], vy=-v * across[1], gravity=0).simulate(0.5, t_eval=[0, 0.1, 0.3, 0.5])
+    assert r.success, r.message
+    assert r["box.x"] == pytest.approx(x - v * across[0] * r.t, abs=1e-12)
+    assert r["box.y"] == pytest.approx(y - v * across[1] * r.t, abs=1e-12)
+    assert r["box.omega"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("case", range(12))
+def test_a_box_that_slides_and_tips_over_an_end_loses_no_energy_but_by_impacts(case):
+    """Without friction; edge and corner pass the end in contact, where the direction of the contact jumps."""
+    rng = np.random.default_rng(case)
+    start = {"x": rng.uniform(-0.15, 0.02), "y": 0.1 * math.sqrt(2) + 0.02, "angle": rng.uniform(-1, 1)}
+    r = box(0.0, **start, vx=rng.uniform(0.2, 1.5), omega=rng.uniform(-3, 3)).simulate(0.7, rtol=1e-9)
+    assert r.success, r.message
+    energy = r["energy.kinetic"] + r["energy.potential"]
+    assert np.diff(energy).max() < 1e-9
+    assert np.abs(r["energy.balance"]).max() < 1e-8

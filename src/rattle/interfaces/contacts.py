@@ -35,7 +35,7 @@ class ContactGeometry:
     rounded: ClassVar[bool] = True  # True: a curved wall, whose normal turns as B moves; its speed is in touch[ACROSS]
     wall: ClassVar[str]  # what bears, in messages, with an article
     bounded: ClassVar[bool] = False  # True: its kernel writes a bound of the gaps of all its contacts for corner -1
-    one_way: ClassVar[bool] = False  # True: it bears on one side of a segment, on which corners come from its end too
+    one_way: ClassVar[bool] = False  # True: it bears on one side of a segment or edge, and ends at its end
     angular: ClassVar[bool] = False  # True: the gap is an angle [rad], N a moment [N m]
     slides: ClassVar[bool] = True  # True: it has a tangential row, on which friction acts
     column: ClassVar[int] = at.JOINT_NORMAL  # of an output row of its joint: N of its contacts is added there
