@@ -117,3 +117,36 @@ def test_a_box_that_slides_and_tips_over_an_end_loses_no_energy_but_by_impacts(c
     energy = r["energy.kinetic"] + r["energy.potential"]
     assert np.diff(energy).max() < 1e-9
     assert np.abs(r["energy.balance"]).max() < 1e-8
+
+
+def passage(rng):
+    """Length, speed and slope of a straight way down past the right end of a segment; how far beyond it, in lengths."""
+    return 10 ** rng.uniform(-2, 0.5), 10 ** rng.uniform(-1, 3), rng.uniform(0.2, 1.3), 10 ** rng.uniform(-7, -2)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("case", range(30))
+def test_no_corner_that_nicks_an_end_is_missed_and_none_that_passes_it_is_caught(case, side):
+    length, speed, slope, beside = passage(np.random.default_rng(case))
+    vx, vy, before = speed * math.cos(slope), -speed * math.sin(slope), 0.37
+    start = {"x": length * (0.5 + side * beside) - vx * before, "y": -vy * before}
+    r = table(half=0.0, gravity=0, length=length, vx=vx, vy=vy, **start).simulate(0.8)
+    assert r.success, r.message
+    hits = [event for event in r.events if event.kind == "impact"]
+    assert len(hits) == (1 if side < 0 else 0)
+    assert all(event.t == pytest.approx(before, rel=1e-9) for event in hits)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("case", range(20))
+def test_no_end_that_nicks_a_corner_of_a_plate_is_missed(case, side):
+    """The lowest corner of a square on its corner flies level past the left end of a table, or just through it."""
+    rng = np.random.default_rng(case)
+    speed, beside = 10 ** rng.uniform(-1, 3), 10 ** rng.uniform(-7, -3)
+    low, before = 0.1 * math.sqrt(2), 0.37
+    start = {"x": -1.0 - speed * before, "y": low + side * beside, "angle": math.pi / 4}
+    r = box(gravity=0, vx=speed, **start).simulate(before + 0.5 / speed)
+    assert r.success, r.message
+    hits = [event for event in r.events if event.kind == "impact"]
+    assert bool(hits) == (side < 0)
+    assert all(abs(event.t - before) * speed < 2 * beside + 1e-9 for event in hits[:1])

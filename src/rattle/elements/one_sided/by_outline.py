@@ -157,7 +157,11 @@ class ByOutline(OneSidedKind):
     walls_turn = True
     turning = at.B_BODY
     slides = True
-    one_way = True
+
+    @classmethod
+    def one_way(cls, fields: Fields) -> bool:
+        """An edge on an end, not on a disc."""
+        return not fields["radius"]
 
     @staticmethod
     def suits(fields: Fields) -> bool:
