@@ -94,19 +94,6 @@ def box(restitution=0.5, **values):
     return rt.loads(SQUARE.format(**(numbers | values), restitution=restitution))
 
 
-def test_an_edge_slides_over_an_end_until_its_corner():
-    """A box without weight, tilted by 45 degrees, touches the right end with its edge and moves on straight."""
-    a, v = math.pi / 4, 1.0
-    along, across = np.array([math.cos(a), math.sin(a)]), np.array([-math.sin(a), math.cos(a)])
-    # its lower left edge runs up to the left: the end, at the origin, is 0.02 m from the upper end of it
-    x, y = 0.1 * along - 0.08 * across
-    r = box(x=x, y=y, angle=a, vx=-v * across[0], vy=-v * across[1], gravity=0).simulate(0.5, t_eval=[0, 0.1, 0.3, 0.5])
-    assert r.success, r.message
-    assert r["box.x"] == pytest.approx(x - v * across[0] * r.t, abs=1e-12)
-    assert r["box.y"] == pytest.approx(y - v * across[1] * r.t, abs=1e-12)
-    assert r["box.omega"] == pytest.approx(0.0, abs=1e-12)
-
-
 @pytest.mark.parametrize("case", range(12))
 def test_a_box_that_slides_and_tips_over_an_end_loses_no_energy_but_by_impacts(case):
     """Without friction; edge and corner pass the end in contact, where the direction of the contact jumps."""
