@@ -76,7 +76,7 @@ class Pushed:
 
     def touch(self, corner):
         """Move B along the normal until one gap is closed at the time 0.3 s."""
-        for _ in range(3 if self.leaf.one_way else 0):  # over the segment
+        for _ in range(3 if self.leaf.one_way(self.fields) else 0):  # over the segment
             here = self.at(0.3)[corner]
             self.shift[B, :2] += (self.path.q(0.3) + self.shift)[A, :2] - (self.path.q(0.3) + self.shift)[B, :2]
             self.shift[B, :2] += turned(self.path.q(0.3)[A, 2], self.points[:2]) - here[[at.PBX, at.PBY]]

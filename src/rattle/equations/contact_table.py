@@ -136,7 +136,7 @@ def contact_table(
                 own_columns += 1 if labels else 0
                 table.append((_tag(kind), a, b, place, corner, *laws, *owned))
                 states += own
-                lever = (*arms, turning, leaf.curved(corner), float(leaf.angular), float(leaf.one_way))
+                lever = (*arms, turning, leaf.curved(corner), float(leaf.angular), float(leaf.one_way(joint.fields)))
                 levers.append((*lever, leaf.scale_at(corner, parameters, size), size, *bends))
         alone = joint.leaf.own_contact(joint.fields)
         if alone is not None:
@@ -203,7 +203,8 @@ def _own_contact(own: OwnContact, joint: Joint, values: list[float]) -> tuple[tu
     values += [0.0] * at.MOST_TORQUE  # no restitution, no friction
     values += own.law
     leaf = kind.leaf
-    lever = (*leaf.levers(parameters), *map(float, (_turning(leaf), leaf.rounded, leaf.angular, leaf.one_way)))
+    flags = (_turning(leaf), leaf.rounded, leaf.angular, leaf.one_way(joint.fields))
+    lever = (*leaf.levers(parameters), *map(float, flags))
     return (_tag(kind), place, 0, -1, -1, -1, law, -1, -1), (
         *lever,
         kind.leaf.scale(parameters, 1.0),

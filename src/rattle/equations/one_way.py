@@ -11,9 +11,19 @@ from rattle.equations.compliant import locate_contacts
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
 
-BELOW = 10.0  # times the rounding of a gap: a corner farther below a segment has come from its side
+BELOW = 10.0  # times the rounding of a gap: a corner not farther below a segment is on it
+AT_END = 1e-6  # share of the segment: a corner deeper than it is over it, and no more than that, has come from its side
 LEAST = 1e-300  # force [N] that counts as negative
 START_BELOW = 0.01  # share of the segment, the same at the start of a run, where a corner may be inside by mistake
+
+
+@compiled
+def from_side(m, n):
+    """True if open contact n has just come under its segment from beside it, not from above: its gap has jumped."""
+    if m.lever[n, at.ONE_WAY] == 0.0 or m.contact_kinematics[n, at.PHASE] != at.AWAKE:
+        return False
+    depth, over = -m.contact_kinematics[n, at.ABOVE], -m.contact_kinematics[n, at.BEYOND]
+    return 0.0 <= over < depth and over <= AT_END * m.lever[n, at.GAP_SCALE]
 
 
 @compiled
@@ -27,7 +37,7 @@ def passes(m, n, slight):
     row = m.contact_kinematics[n]
     if row[at.PHASE] == at.ASLEEP:
         row[at.PHASE] = at.AWAKE
-    elif row[at.ABOVE] < -BELOW * slight:
+    elif row[at.ABOVE] < -BELOW * slight and from_side(m, n):
         row[at.PHASE], m.contact_memory[n, at.LEFT_END] = at.ASLEEP, 1.0
     else:
         return False

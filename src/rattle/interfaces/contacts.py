@@ -35,7 +35,6 @@ class ContactGeometry:
     rounded: ClassVar[bool] = True  # True: a curved wall, whose normal turns as B moves; its speed is in touch[ACROSS]
     wall: ClassVar[str]  # what bears, in messages, with an article
     bounded: ClassVar[bool] = False  # True: its kernel writes a bound of the gaps of all its contacts for corner -1
-    one_way: ClassVar[bool] = False  # True: it bears on one side of a segment, on which corners come from its end too
     angular: ClassVar[bool] = False  # True: the gap is an angle [rad], N a moment [N m]
     slides: ClassVar[bool] = True  # True: it has a tangential row, on which friction acts
     column: ClassVar[int] = at.JOINT_NORMAL  # of an output row of its joint: N of its contacts is added there
@@ -43,6 +42,11 @@ class ContactGeometry:
     holds_oil: ClassVar[bool] = False  # True: a round pin in a round bush, between which a film of oil can be
     worn: ClassVar[int] = 0  # 1: its force is that of a foundation between two profiles, see `equations.worn_contact`
     from_materials: ClassVar[bool] = False  # True: stiffness from materials, by the formulas for a pin in a bush
+
+    @classmethod
+    def one_way(cls, fields: Fields) -> bool:
+        """True: it bears on one side of a segment or edge, and ends at its end, a point."""
+        return False
 
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:

@@ -102,7 +102,7 @@ ARM_B = column("lever", "m", "longest arm on B")
 WALLS_TURN = column("lever", "", "1 if straight walls turn with A, 2 if with B")
 ROUNDED = column("lever", "", "1 if a wall is curved around B, 2 if B is outside of it, 0 if it is not curved")
 ANGULAR = column("lever", "", "1 if the gap is an angle, N a moment")
-ONE_WAY = column("lever", "", "1 if a contact bears on one side of a segment, see `equations.one_way`")
+ONE_WAY = column("lever", "", "1 if a contact bears on one side and ends at an end, see `equations.one_way`")
 GAP_SCALE = column("lever", "m or rad",
     "size of the gap by which tolerances are set: the clearance, the range between two stops")
 GAP_SIZE = column("lever", "m or rad", "typical length of the mechanism, or 1 rad")
@@ -148,10 +148,12 @@ STORE = column("contact_kinematics", "W", "power taken from the motion and store
 ACROSS = column("contact_kinematics", "m/s", "speed of a pin's centre along t")
 TURN = column("contact_kinematics", "",
     "couple of the normal: the moment on B is -N TURN besides that of the force; alone (n = 0) for an angular gap")
-PHASE = column("contact_kinematics", "", "of a corner over a segment: AWAKE, ASLEEP or HELD; no kernel changes it")
+PHASE = column("contact_kinematics", "",
+    "of a corner over a segment, or an end at an edge: AWAKE, ASLEEP or HELD; no kernel changes it")
 ABOVE = column("contact_kinematics", "m", "how far it is above the segment")
 BEYOND = column("contact_kinematics", "m", "how far it is beyond the nearer end; negative: over the segment")
 AWAKE, ASLEEP, HELD = 0.0, 1.0, 2.0
+EDGE = column("contact_kinematics", "", "of an end and an outline: the edge of a chain that was nearest, -1: a corner")
 FILM_X = column("contact_kinematics", "N", "force of the oil film on B at its point")
 FILM_Y = column("contact_kinematics", "N", "the same along y")
 FILM_A = column("contact_kinematics", "N*m",

@@ -44,8 +44,8 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall, at t = 0 where it is a function of time"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
-    "contact": Array("i2", "nc, 23", "", "geometry and laws of every contact point"),
-    "lever": Array("f2", "nc, 10", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
+    "contact": Array("i2", "nc, 25", "", "geometry and laws of every contact point"),
+    "lever": Array("f2", "nc, 11", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"
     ),
@@ -86,7 +86,7 @@ ARRAYS = {
     "rows": Array("f2", "nr, 9", "m or rad", "residual, nu, gamma and Jacobian of every constraint row"),
     "force": Array("f2", "nb + 1, 3", "N, N, N*m", "applied forces Q"),
     "energy": Array("f1", "4", "J, W", "of one load"),
-    "power": Array("f1", "4", "", "of all loads, and how sound the factor is"),
+    "power": Array("f1", "5", "", "of all loads, and how sound the factor is"),
     "schur": Array("f1", "nr + entries of L", "", "Schur complement and its factor"),
     "inverse": Array("f1", "nr", "", "1 / pivot, in the order of elimination"),
     "redundant": Array("i1", "nr", "", "1 if a row is redundant, in the order of elimination"),
@@ -95,13 +95,13 @@ ARRAYS = {
     "multiplier": Array("f1", "nr", "N or N*m", "lambda"),
     "acceleration": Array("f2", "nb + 1, 3", "m/s^2, rad/s^2", "of every body"),
     "change": Array("f1", "3 nb", "m, rad or m/s, rad/s", "a correction of positions or rates"),
-    "contact_kinematics": Array("f2", "nc, 22", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
+    "contact_kinematics": Array("f2", "nc, 26", "m, m/s, N or rad, rad/s, N*m", "geometry and forces of every contact"),
     "turning": Array(
         "f1", "nb + 1", "rad/s", "rates that oil films see besides those of the motion: in statics, those of drivers"
     ),
     "film_force": Array("f1", "5", "N, N*m, W", "of one oil film, scratch"),
     "bin_sums": Array("f1", "8", "N, N*m, W", "sums over the bins of one worn contact, scratch"),
-    "contact_memory": Array("f2", "nc, 26", "", "memory of every contact"),
+    "contact_memory": Array("f2", "nc, 27", "", "memory of every contact"),
     "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),
     "element_rate": Array("f1", "all states", "SI/s", "their rates"),
     # set-valued contacts; two rows (normal, tangential) for each active contact
@@ -164,7 +164,7 @@ ARRAYS = {
     "massless_impulse": Array("f1", "nr or 0", "", "scratch"),
     # dry friction of joints without play, see `equations.dry_friction`
     "dry": Array("i2", "nd, 13", "", "joints without play that have friction"),
-    "dry_memory": Array("f2", "nd, 16", "N, m/s or N*m, rad/s", "their modes and friction forces"),
+    "dry_memory": Array("f2", "nd, 18", "N, m/s or N*m, rad/s", "their modes and friction forces"),
     "dry_rows": Array("f2", "nd, 9", "m or rad", "rows of their free coordinates, as `rows`"),
     "dry_response": Array("f2", "nd, 3 nb + 3", "", "Y: accelerations of all bodies caused by unit forces"),
     "dry_reaction": Array("f2", "nd, nr", "", "Z: multipliers caused by unit forces"),

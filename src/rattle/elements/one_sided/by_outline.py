@@ -8,8 +8,12 @@ disc, in B; v: corners
     nearest at a corner v                                       g = |q - v| - R,        n = (q - v)/|q - v|,  -1/|q - v|
 
 A chain that is seen through the plate is behind its back: there g = |distance| - R.  Where the nearest place passes
-from an edge to a corner g and n are continuous, so that it is one contact.  See `elements.disc_contact` for the rows,
-with the disc on A.
+from an edge to a corner g and n are continuous, so that it is one contact.  Not so where R = 0: an end that slides
+along an edge leaves it at its corner, as a corner of B does the end of a segment.  So a closed contact of an end has
+
+    held        g = m . (q - v), also beyond the edge: it ends there, see `equations.one_way`
+
+See `elements.disc_contact` for the rows, with the disc on A.
 """
 
 from __future__ import annotations
@@ -37,11 +41,12 @@ FAR = 1e300
 
 @compiled
 def nearest(p, corners, count, first, edges, x, y):
-    """The place of `edges` edges from corner `first` on that is nearest to (x, y): distance, normal, bent, and behind.
+    """Of `edges` edges from corner `first` on, what is nearest to (x, y): distance, normal, bent, behind, and the edge.
 
-    The normal points to (x, y) from a corner, outwards from an edge; behind: 1 if (x, y) is on the inner side.
+    The normal points to (x, y) from a corner, outwards from an edge; behind: 1 if (x, y) is on the inner side; the edge
+    is its number in the chain, -1 at a corner.
     """
-    best, nx, ny, bent, behind = FAR, 1.0, 0.0, 0.0, 0
+    best, nx, ny, bent, behind, edge = FAR, 1.0, 0.0, 0.0, 0, -1
     for e in range(edges):
         i, j = corners + 2 * ((first + e) % count), corners + 2 * ((first + e + 1) % count)
         ex, ey = p[j] - p[i], p[j + 1] - p[i + 1]
@@ -50,14 +55,29 @@ def nearest(p, corners, count, first, edges, x, y):
         along, off = (ex * rx + ey * ry) / length, (ey * rx - ex * ry) / length
         if 0.0 <= along <= length:
             if abs(off) < best:
-                best, nx, ny, bent, behind = abs(off), ey / length, -ex / length, 0.0, 1 if off < 0.0 else 0
+                best, nx, ny, bent, behind, edge = abs(off), ey / length, -ex / length, 0.0, 1 if off < 0.0 else 0, e
             continue
         if along > length:
             rx, ry = x - p[j], y - p[j + 1]
         far = math.sqrt(rx * rx + ry * ry)
         if far < best and far > COINCIDENT:
-            best, nx, ny, bent, behind = far, rx / far, ry / far, -1.0 / far, 0
-    return best, nx, ny, bent, behind
+            best, nx, ny, bent, behind, edge = far, rx / far, ry / far, -1.0 / far, 0, -1
+    return best, nx, ny, bent, behind, edge
+
+
+@compiled
+def beside_edge(p, corners, count, first, edges, edge, x, y):
+    """Distance of (x, y) from the line of an edge, its normal outwards, and how far beyond that edge it is.
+
+    At the end of a chain the next one begins, along which nothing slides off.
+    """
+    i, j = corners + 2 * ((first + edge) % count), corners + 2 * ((first + edge + 1) % count)
+    ex, ey, rx, ry = p[j] - p[i], p[j + 1] - p[i + 1], x - p[i], y - p[i + 1]
+    length = math.sqrt(ex * ex + ey * ey)
+    along, whole = (ex * rx + ey * ry) / length, edges == count
+    before = -along if whole or edge > 0 else -length
+    after = along - length if whole or edge < edges - 1 else -length
+    return (ey * rx - ex * ry) / length, ey / length, -ex / length, max(before, after)
 
 
 @kernel("clearance")
@@ -72,13 +92,20 @@ def by_outline(body, a, b, p, k, corner, row, kinematics):
     qx, qy = cos_b * sbx + sin_b * sby, cos_b * sby - sin_b * sbx
     place = k + FIRST + 2 * (corner % chains)
     corners = k + FIRST + 2 * chains
-    far, nx, ny, bent, behind = nearest(p, corners, count, int(p[place]), int(p[place + 1]), qx, qy)
-    if behind == 1:
-        whole, _, _, _, inside = nearest(p, corners, count, 0, count, qx, qy)
-        if inside == 1 and whole >= far:
-            far = -far
-        else:
-            nx, ny = -nx, -ny
+    first, edges, edge, beyond = int(p[place]), int(p[place + 1]), int(kinematics[row, at.EDGE]), 0.0
+    if p[k + RADIUS] == 0.0 and kinematics[row, at.PHASE] == at.HELD and edge >= 0:
+        bent = 0.0
+        far, nx, ny, beyond = beside_edge(p, corners, count, first, edges, edge, qx, qy)
+    else:
+        far, nx, ny, bent, behind, edge = nearest(p, corners, count, first, edges, qx, qy)
+        kinematics[row, at.EDGE] = edge
+        if behind == 1:
+            whole, _, _, _, inside, _ = nearest(p, corners, count, 0, count, qx, qy)
+            if inside == 1 and whole >= far:
+                far = -far
+            else:
+                nx, ny = -nx, -ny
+    kinematics[row, at.ABOVE], kinematics[row, at.BEYOND] = 0.0, beyond
     nx, ny = turn_x(body, b, nx, ny), turn_y(body, b, nx, ny)
     gap = far - p[k + RADIUS]
     write_disc(body, a, b, False, sax, say, sbx, sby, nx, ny, gap, p[k + RADIUS], bent, row, kinematics)
@@ -130,6 +157,11 @@ class ByOutline(OneSidedKind):
     walls_turn = True
     turning = at.B_BODY
     slides = True
+
+    @classmethod
+    def one_way(cls, fields: Fields) -> bool:
+        """An edge on an end, not on a disc."""
+        return not fields["radius"]
 
     @staticmethod
     def suits(fields: Fields) -> bool:

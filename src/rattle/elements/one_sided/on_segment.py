@@ -166,7 +166,10 @@ class OverSegment(OnSegment):
     Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
     """
 
-    one_way = True
+    @classmethod
+    def one_way(cls, fields: Fields) -> bool:
+        """It does."""
+        return True
 
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:

@@ -20,6 +20,12 @@ A point outside a round of radius c (ROUNDED = 2: the least distance of two poin
 gap bends more, but then the chord of its way passes through the round, and the bound on what is below the samples
 holds.
 
+Where a contact ends at a point (ONE_WAY) BOW bounds the gap as long as it is more than 1/BOW.  Nearer to that point
+there is no such bound, but what is touched is convex: the gap is not less than the distance from the tangent at either
+sample, so that it is above both
+
+    g_0 + g_0' t - E t^2 / 2,        g_1 - g_1' (dt - t) - E (dt - t)^2 / 2
+
 A gap that is an angle between two bodies has |g''| <= |alpha_B - alpha_A| = E.
 
 Accelerations are bounded by those of the stages of the step plus their spread.
@@ -115,16 +121,21 @@ def apart(m, y, a, b, k):
 
 @compiled
 def bounds(m, h, n):
-    """E [m/s^2 or rad/s^2] and the largest angular velocity W [rad/s] of contact n over the step of length h [s]."""
+    """Of contact n over the step of length h [s]: E with BOW and without it, the largest angular velocity W, and |e'|.
+
+    In m/s^2 or rad/s^2, rad/s, m/s; |e'| is 0 where it is not needed.
+    """
     contact, lever, y, y_new = m.contact, m.lever, m.state, m.state_new
     a, b, s_a, s_b = contact[n, at.A_BODY], contact[n, at.B_BODY], lever[n, at.ARM_A], lever[n, at.ARM_B]
     wa, alpha_a = fastest(m, h, a)
     wb, alpha_b = fastest(m, h, b)
     if lever[n, at.ANGULAR] > 0.0:
-        return largest(m, a, b, 2), max(wa, wb)
+        alone = largest(m, a, b, 2)
+        return alone, alone, max(wa, wb), 0.0
     ax, ay = largest(m, a, b, 0), largest(m, a, b, 1)
     linear = math.sqrt(ax * ax + ay * ay)
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
+    bow_bend, speed = 0.0, 0.0
     w, alpha = (wb, alpha_b) if lever[n, at.WALLS_TURN] > 1.5 else (wa, alpha_a)
     walls, bow, turning = lever[n, at.WALLS_TURN] > 0.0 and w + alpha > 0.0, lever[n, at.BOW], max(wa, wb)
     if lever[n, at.ROUNDED] == OUTSIDE:
@@ -136,10 +147,28 @@ def bounds(m, h, n):
         if walls:
             bend += (w * w + alpha) * away + 2.0 * w * speed
             speed += w * away
-        bend += bow * speed * speed
+        bow_bend = bow * speed * speed
         turning = max(turning, BOW_TURNS * bow * speed)
     bend += lever[n, at.SLOPE] * (alpha_a + alpha_b) + lever[n, at.CURVE] * (wa + wb) * (wa + wb)
-    return bend, turning
+    return bend + bow_bend, bend, turning, speed
+
+
+@compiled
+def near_point(m, n, side, gap, end, speed, dt):
+    """True if contact n may come nearer than 1/BOW to the point at which it ends, in an interval of length dt [s]."""
+    bow = m.lever[n, at.BOW]
+    return m.lever[n, at.ONE_WAY] > 0.0 and side > 0.0 and (0.5 * (gap + end) - 0.5 * speed * dt) * bow < 1.0
+
+
+@compiled
+def least_outside(gap, rate, end, end_rate, dt, bend):
+    """Least gap of two convex things in an interval of length dt [s], by the tangents at its ends."""
+    before, after = gap - end + end_rate * dt + 0.5 * bend * dt * dt, rate - end_rate - bend * dt
+    low = min(gap, end)
+    if after != 0.0 and 0.0 < -before / after < dt:
+        t = -before / after
+        low = min(low, gap + t * (rate - 0.5 * bend * t))
+    return low
 
 
 @compiled
@@ -164,7 +193,9 @@ def may_reach(m, h, n, side):
     least = min(gap, 0.0) - slight
     if end < least:
         return True
-    bend, _ = bounds(m, h, n)
+    bend, plain, _, speed = bounds(m, h, n)
+    if near_point(m, n, side, gap, end, speed, h):
+        return least_outside(gap, rate, end, end_rate, h, plain) < least
     round_, distance = sweep(m, n, bend, h, max(abs(gap), abs(end)) if side > 0.0 else 0.0)
     curve = bend + round_ * round_ * distance
     if min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * h * h >= least:
@@ -305,7 +336,7 @@ def search(m, h, n, side, until):
     the start of the step in `contact_memory`.  A gap that starts negative (by rounding) must become more negative.
     """
     memory, t = m.contact_memory[n], m.clock[0]
-    bend, turning = bounds(m, h, n)
+    bend, plain, turning, speed = bounds(m, h, n)
     slight = rounding(m, n)
     left, gap, rate, right = 0.0, side * memory[at.GAP_0], side * memory[at.DGAP_0], until
     least = min(gap, 0.0) - slight  # of all samples: between two a slow gap may fall by less than rounding
@@ -315,18 +346,22 @@ def search(m, h, n, side, until):
         dt = (right - left) * h
         tiny = is_tiny(right - left, h, t)
         below, free, curve, wide = judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least)
+        near = near_point(m, n, side, gap, end, speed, dt)
+        if near and not below:
+            free = tiny or least_outside(gap, rate, end, end_rate, dt, plain) >= least
         if below:
             return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)
         if end < least or not free:
             middle = 0.5 * (left + right)
             value, slope = signed_gap(m, middle, n, side)
-            sampled = end >= least and value >= least and wide <= WHOLE_TURN
+            sampled = end >= least and value >= least and wide <= WHOLE_TURN and not near
             if not sampled or not cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
                 right, end, end_rate = middle, value, slope
                 continue
         if right >= until:
             return NONE
-        step = (2.0 if wide <= 0.5 * WHOLE_TURN or min(gap, end) > bend * dt * dt else 1.0) * (right - left)
+        longer = near or wide <= 0.5 * WHOLE_TURN or min(gap, end) > bend * dt * dt
+        step = (2.0 if longer else 1.0) * (right - left)
         left, gap, rate = right, end, end_rate
         if gap > 0.0 or rate > 0.0:
             begin, at_begin, rate_begin = left, gap, rate

@@ -5,6 +5,7 @@ from __future__ import annotations
 from rattle.equations.complementarity import OFF
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import place
+from rattle.equations.one_way import from_side
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 
@@ -40,9 +41,8 @@ def inside_wall(m):
     contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
     for n in range(contact.shape[0]):
         free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else memory[n, at.CLOSED] == at.OPEN
-        deep = DEEP * scale_of(m, n)
-        aside = m.lever[n, at.ONE_WAY] > 0.0 and kinematics[n, at.BEYOND] >= -deep  # it just comes from the side
-        if free and not aside and not kinematics[n, at.GAP] >= min(memory[n, at.GAP_0], 0.0) - deep:
+        deepest_gap = min(memory[n, at.GAP_0], 0.0) - DEEP * scale_of(m, n)
+        if free and not kinematics[n, at.GAP] >= deepest_gap and not from_side(m, n):
             return True
     return False
 

@@ -1,0 +1,139 @@
+"""Corners and segments: what falls on a segment is caught, what comes from its side or from below passes it."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+
+G = 9.81
+
+TABLE = """
+format = 1
+gravity = [0, {gravity}]
+ground.points = {{ T = [0, 0] }}
+bodies.bar = {{ points = {{ P = [{half}, 0], C = [0, 0] }}, center = [0, 0], mass = 1, inertia = 0.02 }}
+initial.bar = {{ x = {x}, y = {y}, angle = {angle}, vx = {vx}, vy = {vy}, omega = {omega} }}
+[joints.table]
+type = "surface"
+connect = ["ground.T", "bar.P"]
+axis = {axis}
+length = {length}
+contact = {contact}
+"""
+RIGID = '{ model = "impact", restitution = 0.5 }'
+SOFT = '{ model = "kelvin-voigt", stiffness = 1e5, restitution = 0.5 }'
+
+
+def table(contact=RIGID, **values):
+    numbers = {"gravity": -G, "half": 0.2, "x": 0, "y": 0, "angle": 0, "vx": 0, "vy": 0, "omega": 0}
+    return rt.loads(TABLE.format(**(numbers | {"axis": 0, "length": 1.0} | values), contact=contact))
+
+
+@pytest.mark.parametrize("contact", [RIGID, SOFT])
+def test_a_corner_that_comes_under_a_segment_from_its_side_flies_on(contact):
+    """It flies under the table, up through it, and falls on it afterwards: a parabola until then."""
+    r = table(contact, half=0.0, x=-1.0, y=-0.6, vx=1.0, vy=4.5).simulate(2.0, t_eval=np.linspace(0, 2, 201), rtol=1e-9)
+    assert r.success, r.message
+    hit = (4.5 + math.sqrt(4.5**2 - 2 * G * 0.6)) / G
+    events = [event.t for event in r.events if event.kind in ("impact", "contact")]
+    assert events[0] == pytest.approx(hit, abs=1e-8)
+    before = r.t < hit
+    assert r["bar.y"][before] == pytest.approx(-0.6 + 4.5 * r.t[before] - 0.5 * G * r.t[before] ** 2, abs=1e-8)
+    assert -1.0 + hit > -0.5  # it comes from the side and is under the table as it turns up
+
+
+@pytest.mark.parametrize("depth", [1e-6, 1e-3, 0.3])
+def test_a_corner_that_passes_below_a_segment_touches_nothing(depth):
+    r = table(half=0.0, gravity=0, x=-0.7, y=-depth, vx=2.0).simulate(1.0)
+    assert r.success, r.message
+    assert not r.events
+    assert r["bar.x"][-1] == pytest.approx(1.3, abs=1e-9)
+
+
+def rise(r, axis, half=0.2):
+    """Height of the end of the bar over the line of the table, and its place along it [m]."""
+    x, y = r["bar.x"] + half * np.cos(r["bar.angle"]), r["bar.y"] + half * np.sin(r["bar.angle"])
+    return math.cos(axis) * y - math.sin(axis) * x, math.cos(axis) * x + math.sin(axis) * y
+
+
+@pytest.mark.parametrize("case", range(25))
+def test_a_turning_bar_never_falls_through_a_segment(case):
+    """Seen by its heights at 4001 times: whoever is over the table and comes below it has come from its side."""
+    rng = np.random.default_rng(case)
+    axis = rng.uniform(-0.6, 0.6)
+    start = {"x": rng.uniform(-0.3, 0.3), "y": rng.uniform(0.3, 0.6), "angle": rng.uniform(-3, 3)}
+    rates = {"vx": rng.uniform(-1, 1), "vy": rng.uniform(-3, 0), "omega": rng.uniform(-30, 30)}
+    r = table(axis=axis, length=0.6, **start, **rates).simulate(0.6, t_eval=np.linspace(0, 0.6, 4001), rtol=1e-9)
+    assert r.success, r.message
+    high, along = rise(r, axis)
+    through = (high[:-1] > 1e-9) & (high[1:] < -1e-9) & (np.abs(along[:-1]) < 0.29) & (np.abs(along[1:]) < 0.29)
+    assert not through.any()
+
+
+SQUARE = """
+format = 1
+gravity = [0, {gravity}]
+ground.points = {{ T = [-0.5, 0] }}
+bodies.box = {{ polygon = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]], points = {{ C = [0, 0] }}, mass = 1 }}
+initial.box = {{ x = {x}, y = {y}, angle = {angle}, vx = {vx}, vy = {vy}, omega = {omega} }}
+
+[joints.table]
+type = "surface"
+connect = ["ground.T", "box.C"]
+axis = 0
+length = 1.0
+outline = true
+contact = {{ model = "impact", restitution = {restitution} }}
+"""
+
+
+def box(restitution=0.5, **values):
+    numbers = {"gravity": -G, "x": 0, "y": 0, "angle": 0, "vx": 0, "vy": 0, "omega": 0}
+    return rt.loads(SQUARE.format(**(numbers | values), restitution=restitution))
+
+
+@pytest.mark.parametrize("case", range(12))
+def test_a_box_that_slides_and_tips_over_an_end_loses_no_energy_but_by_impacts(case):
+    """Without friction; edge and corner pass the end in contact, where the direction of the contact jumps."""
+    rng = np.random.default_rng(case)
+    start = {"x": rng.uniform(-0.15, 0.02), "y": 0.1 * math.sqrt(2) + 0.02, "angle": rng.uniform(-1, 1)}
+    r = box(0.0, **start, vx=rng.uniform(0.2, 1.5), omega=rng.uniform(-3, 3)).simulate(0.7, rtol=1e-9)
+    assert r.success, r.message
+    energy = r["energy.kinetic"] + r["energy.potential"]
+    assert np.diff(energy).max() < 1e-9
+    assert np.abs(r["energy.balance"]).max() < 1e-8
+
+
+def passage(rng):
+    """Length, speed and slope of a straight way down past the right end of a segment; how far beyond it, in lengths."""
+    return 10 ** rng.uniform(-2, 0.5), 10 ** rng.uniform(-1, 3), rng.uniform(0.2, 1.3), 10 ** rng.uniform(-7, -2)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("case", range(30))
+def test_no_corner_that_nicks_an_end_is_missed_and_none_that_passes_it_is_caught(case, side):
+    length, speed, slope, beside = passage(np.random.default_rng(case))
+    vx, vy, before = speed * math.cos(slope), -speed * math.sin(slope), 0.37
+    start = {"x": length * (0.5 + side * beside) - vx * before, "y": -vy * before}
+    r = table(half=0.0, gravity=0, length=length, vx=vx, vy=vy, **start).simulate(0.8)
+    assert r.success, r.message
+    hits = [event for event in r.events if event.kind == "impact"]
+    assert len(hits) == (1 if side < 0 else 0)
+    assert all(event.t == pytest.approx(before, rel=1e-9) for event in hits)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("case", range(20))
+def test_no_end_that_nicks_a_corner_of_a_plate_is_missed(case, side):
+    """The lowest corner of a square on its corner flies level past the left end of a table, or just through it."""
+    rng = np.random.default_rng(case)
+    speed, beside = 10 ** rng.uniform(-1, 3), 10 ** rng.uniform(-7, -3)
+    low, before = 0.1 * math.sqrt(2), 0.37
+    start = {"x": -1.0 - speed * before, "y": low + side * beside, "angle": math.pi / 4}
+    r = box(gravity=0, vx=speed, **start).simulate(before + 0.5 / speed)
+    assert r.success, r.message
+    hits = [event for event in r.events if event.kind == "impact"]
+    assert bool(hits) == (side < 0)
+    assert all(abs(event.t - before) * speed < 2 * beside + 1e-9 for event in hits[:1])
