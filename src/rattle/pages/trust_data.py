@@ -97,6 +97,7 @@ def trust_data(run: Run, asked: str | None) -> dict[str, Json]:
         "laws": list(_of_laws(system.model)),
         "timed": [switch.name for switch in system.switches if switch.timed],
         **_at_the_start(run),
+        "cornered": report.cornered_surfaces(system),
         "dry": list(system.dry_joints),
         "rough": list(system.rough_joints),
         "other": f"method {stepper_of(TIME_STEPPING)}",

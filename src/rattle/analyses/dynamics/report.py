@@ -151,11 +151,17 @@ def _unsure_friction(run: Run) -> tuple[str, ...]:
     return (SENTENCES["held_friction"].format(joints=names),)
 
 
+def cornered_surfaces(system: System) -> list[str]:
+    """Names of surfaces on which named corners of a body bear, and not its edges."""
+    joints = system.model.joints.items()
+    return [name for name, joint in joints if joint.leaf.touches and not joint.fields["outline"]]
+
+
 def _left_ends(run: Run) -> tuple[str, ...]:
     """Note on corners that have passed the end of their segment while others of the body bear."""
     left = run.workspace.contact_memory[:, at.LEFT_END] == 1.0
-    owners = zip(contact_labels(run.system.model), left, strict=True)
-    names = dict.fromkeys(name for (name, label), passed in owners if passed and label)
+    owners, cornered = zip(contact_labels(run.system.model), left, strict=True), cornered_surfaces(run.system)
+    names = dict.fromkeys(name for (name, label), passed in owners if passed and label and name in cornered)
     return (SENTENCES["left_ends"].format(joints=", ".join(names)),) if names else ()
 
 

@@ -124,7 +124,7 @@ function notesOf(run, data, p, result, trust, message, grips) {
 // corners that have passed the end of their segment
 function leftEnds(run, data) {
   const left = (n) => run.m.row(run.m.arrays.contact_memory, n).data[data.at.contact_memory.LEFT_END] === 1;
-  const names = run.labels.flatMap((label, n) => (n < data.contacts && label && left(n) ? [run.owners[n]] : []));
+  const names = run.labels.flatMap((label, n) => (n < data.contacts && label && left(n) && data.told.cornered.includes(run.owners[n]) ? [run.owners[n]] : []));
   return names.length ? [fill(data.told.sentences.report.left_ends, { joints: [...new Set(names)].join(", ") })] : [];
 }
 
