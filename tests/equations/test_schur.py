@@ -44,7 +44,7 @@ def system(joints, rows, weight):
         "redundant": np.zeros(nr, np.int64),
         "pivots_of_row": np.zeros((nr, at.width("pivots_of_row"))),
         "solution": np.zeros(nr),
-        "power": np.ones(4),
+        "power": np.ones(at.width("power")),
     }
     return Workspace(arrays), dense[:, 3:], pattern
 

@@ -33,7 +33,7 @@ def test_numbers_are_those_of_the_result():
         np.testing.assert_array_equal(column, r[name].astype(np.float32))
     assert run["units"] == [r.unit(name) for name in run["names"]]
     assert run["trust"]["text"] == str(r.trust).splitlines()
-    assert run["events"] == [[0.01, "O", "impact", 0.5, 0.0, 0.0, 0.25, 0.0]]
+    assert run["events"] == [[0.01, "O", "impact", 0.5, 0.0, 0.0, 0.25, 0.0, ""]]
 
 
 def test_a_long_result_is_thinned_and_it_is_said():

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.language.recorded import Recorded
+from rattle.language.recorded import Recorded, bare
 
 Vector = tuple[float, float]
 Ring = Sequence[Vector]  # corners in order around, each once
@@ -68,7 +68,7 @@ def _moments(ring: Ring) -> Figure:
 # ---------------------------------------------------------------- what can be wrong with it
 def fault(ring: Ring) -> str:
     """What is wrong with the corners of one ring, "" if nothing; corners count from 1."""
-    corners = np.array([(float(x), float(y)) for x, y in ring])
+    corners = np.array([(bare(x), bare(y)) for x, y in ring])
     n = len(corners)
     if n < 3:
         return f"{n} corner{'s' * (n != 1)}; a polygon has three or more"
@@ -89,7 +89,7 @@ def fault(ring: Ring) -> str:
 
 def fault_of_holes(outline: Ring, holes: Sequence[Ring]) -> tuple[int, str] | None:
     """Number of the first hole that is not inside of the outline and apart from the others, and why."""
-    rings = [np.array([(float(x), float(y)) for x, y in ring]) for ring in (outline, *holes)]
+    rings = [np.array([(bare(x), bare(y)) for x, y in ring]) for ring in (outline, *holes)]
     size = float(np.ptp(rings[0], axis=0).max())
     for k, hole in enumerate(rings[1:]):
         if _meeting(rings[0], hole, size) is not None or not _is_inside(rings[0], hole[0]):
@@ -113,7 +113,7 @@ def watch(rings: Sequence[Ring]) -> None:
         for j, (m, h, c, d, _) in enumerate(edges[:i]):
             if (moving[i] or moving[j]) and not (n == m and (k - h) % count in (1, count - 1)):
                 p, q = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)
-                if max(float(p), float(q)) > 0.0:
+                if max(bare(p), bare(q)) > 0.0:
                     _ = (p + abs(p)) + (q + abs(q)) > 0.0  # one of the two is positive: this is kept
 
 

@@ -11,6 +11,7 @@ from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import Values, is_computable
 from rattle.description.reading import Path, Table
 from rattle.description.tables import PLATE
+from rattle.language.recorded import bare
 
 FOLLOW = {"center": "the mass centre", "inertia": "the inertia"}  # what the polygon says
 
@@ -33,10 +34,10 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
         return Body(name, math.nan, math.nan, points)
     watch((outline, *holes))
     figure = figure_of(outline, holes)
-    mass = per_area * figure.area if math.isnan(mass) else mass
+    mass = per_area * figure.area if math.isnan(bare(mass)) else mass
     inertia = mass / figure.area * figure.second
     for what, number, unit in (("mass", mass, "kg"), ("inertia", inertia, "kg*m^2")):
-        if not is_computable(number) and not math.isnan(number):
+        if not is_computable(number) and not math.isnan(bare(number)):
             values.wrong(path, f"its {what} = {number:g} {unit} is out of range")
             break
     cx, cy = figure.centre

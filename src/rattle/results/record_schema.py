@@ -45,6 +45,8 @@ class JointForm(TypedDict):
     stop: NotRequired[tuple[float | None, float | None]]
     oil: NotRequired[Oil]
     bush_radius: NotRequired[float]
+    corners: NotRequired[dict[str, Pair]]
+    mu: NotRequired[float]
 
 
 class LoadForm(TypedDict):

@@ -12,7 +12,9 @@ from rattle.errors import ModelError, TraceError
 
 SHARES = (0.0, 1e-7, -0.003, 0.05, -0.05, 0.3, -0.3)  # changes of a parameter, in shares of it
 ULPS = 8.0  # of an entry: functions of a graph are not those of Python
-LOST = {"cam_lift_off": ("R", "h")}  # the outline of a cam is looked at as a whole
+LOST = {  # the outline of a cam is looked at as a whole; edges of a star lie on one line with others, by rounding
+    "cam_lift_off": ("R", "h"), "rimless_wheel": ("l", "hub", "a"),
+}  # fmt: skip
 WHOLE = ("ratchet",)  # its number of teeth has to be one
 RARE = (("ratchet", "teeth"), ("bouncing_pin", "mu"))  # whole numbers alone; 0 alone, where there is no friction
 OF_TABLE = 1e-13  # of the largest entry: coefficients of splines, of logarithms that processors round otherwise

@@ -30,7 +30,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, turn_x, turn_y
 from rattle.language.local_function import LocalFunction
-from rattle.language.recorded import bare, cos, hypot, sin
+from rattle.language.recorded import cos, hypot, sin
 from rattle.registry import kind
 
 REACH_X, REACH_Y, RADIUS, REACH, CHAINS, SIDES = range(at.POINTS, at.POINTS + 6)
@@ -113,7 +113,7 @@ def by_outline(body, a, b, p, k, corner, row, kinematics):
 
 def around(corners: Corners) -> Corners:
     """The corners with the inside to the left."""
-    places = [(bare(x), bare(y)) for x, y in corners.values()]
+    places = list(corners.values())
     after = [*places[1:], places[0]]
     area = sum(x * v - u * y for (x, y), (u, v) in zip(places, after, strict=True))
     return corners if area > 0.0 else dict(reversed(list(corners.items())))
@@ -121,7 +121,7 @@ def around(corners: Corners) -> Corners:
 
 def chains_of(corners: Corners) -> list[tuple[int, int]]:
     """First corner and number of edges of every chain between concave corners; of a convex plate all edges."""
-    places = [(bare(x), bare(y)) for x, y in around(corners).values()]
+    places = list(around(corners).values())
     count = len(places)
     concave = [n for n in range(count) if _turn(places[n - 1], places[n], places[(n + 1) % count]) < 0.0]
     if not concave:
