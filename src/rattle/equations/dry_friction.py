@@ -140,7 +140,7 @@ def bearing(m, n, multiplier, column):
     """What joint n bears: its multipliers, or force along a rod and across it by the frictions in `column`."""
     q = m.dry[n, at.DRY_SECOND]
     if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER:
-        return m.dry_memory[n, at.IMPACT_PRESS if column == at.IMPACT_FRICTION else at.DRY_PRESS], 0.0
+        return m.dry_memory[n, at.IMPACT_PRESS] if column == at.IMPACT_FRICTION else m.dry_memory[n, at.DRY_PRESS], 0.0
     if m.dry[n, at.DRY_FORM] == at.DRY_ROD:
         across = m.dry_rows[n, at.NU] * (m.dry_memory[n, column] - m.dry_memory[q, column])
         return multiplier[m.dry[n, at.DRY_ROW]], across
