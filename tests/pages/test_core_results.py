@@ -19,7 +19,8 @@ TYPICAL = (
 )
 NOT_RECORDED = ("cam_lift_off",)  # no page computes it: the form of its cam is checked with numbers
 EXAMPLES = {path.stem for path in (Path(rt.__file__).parent / "examples").glob("*.toml")}
-OTHERS = sorted(EXAMPLES - {*TYPICAL, *NOT_RECORDED})
+LEAN = ("dominoes",)  # at rest they lean on each other: whether forces are told to be unique is rounding
+OTHERS = sorted(EXAMPLES - {*TYPICAL, *NOT_RECORDED, *LEAN})
 CLOSE = 1e-12  # share of a column's largest value: sines of NumPy and of the page, and powers as products
 SAME_RESULTS = """
 import json, re, sys
@@ -80,7 +81,7 @@ for name in sys.argv[3:]:
         for one, mine in zip(want.stored, got["columns"], strict=True):
             theirs, mine = want[one], np.array([nan(x) for x in mine])
             of = {one.replace("penetration", "ex"), one.replace("penetration", "ey"), one}  # it may be rounding
-            size = max(np.abs(want[each][np.isfinite(want[each])]).max(initial=0.0) for each in of)
+            size = max(np.abs(want[each][np.isfinite(want[each])]).max(initial=0.0) for each in of & {*want.names})
             bound = 1e-9 if one.endswith("film_pressure") else close  # next to the bush it grows with rounding
             if not np.allclose(mine, theirs, rtol=0.0, atol=bound * size, equal_nan=True):
                 wrong.append(one)

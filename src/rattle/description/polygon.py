@@ -109,11 +109,12 @@ def watch(rings: Sequence[Ring]) -> None:
     moving = [any(isinstance(x, Recorded) for end in edge[2:4] for x in end) for edge in edges]
     if sum(moving) * len(edges) > MOST_PAIRS:
         return
+    size = max(abs(bare(x)) for ring in rings for corner in ring for x in corner)
     for i, (n, k, a, b, count) in enumerate(edges):
         for j, (m, h, c, d, _) in enumerate(edges[:i]):
             if (moving[i] or moving[j]) and not (n == m and (k - h) % count in (1, count - 1)):
                 p, q = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)
-                if max(bare(p), bare(q)) > 0.0:
+                if max(bare(p), bare(q)) > CLOSE * size**4:  # edges may lie on one line, but for rounding
                     _ = (p + abs(p)) + (q + abs(q)) > 0.0  # one of the two is positive: this is kept
 
 

@@ -20,7 +20,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import turn_x, turn_y
 from rattle.language.local_function import LocalFunction
-from rattle.language.recorded import cos, hypot, sin
+from rattle.language.recorded import cos, hypot, largest, sin
 from rattle.registry import kind
 
 ALONG_X, ALONG_Y, ROLLER, REACH = range(at.POINTS, at.POINTS + 4)
@@ -29,7 +29,7 @@ CORNERS = at.POINTS + 4  # x and y of every corner [m], from the mass centre of 
 
 def reach_of(corners: Corners) -> float:
     """Largest distance of a corner from the mass centre of B [m]."""
-    return max(hypot(x, y) for x, y in corners.values())
+    return largest(*(hypot(x, y) for x, y in corners.values()))
 
 
 def flat(corners: Corners) -> list[float]:
