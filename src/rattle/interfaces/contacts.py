@@ -233,9 +233,9 @@ class OneSidedKind(ContactGeometry):
         """What its contacts are called in results and events, each; none if a joint has one contact only."""
         return ()
 
-    @staticmethod
+    @classmethod
     def held(
-        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
+        cls, fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
     ) -> tuple[Held, ...]:
         """The joints by which contact `corner` is held where the bodies are; sticks: it rolls or sticks too.
 

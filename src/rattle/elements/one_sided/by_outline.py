@@ -22,8 +22,8 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
+from rattle.elements.one_sided.corner_surface import flat, reach_of
 from rattle.elements.one_sided.holding import along_line, around_disc, pinned, seen_from
-from rattle.elements.one_sided.on_line import flat, reach_of
 from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at

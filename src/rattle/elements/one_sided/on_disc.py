@@ -15,19 +15,18 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import around_disc, pinned
-from rattle.elements.one_sided.on_line import between, between_centres, flat, reach_of
-from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
+from rattle.elements.one_sided.corner_surface import REACH, ROLLER, SHAPE, CornerSurface, between, between_centres
+from rattle.elements.one_sided.holding import Vector, around_disc
+from rattle.interfaces.contacts import Held
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT
 from rattle.language.local_function import LocalFunction
-from rattle.language.recorded import hypot
 from rattle.registry import kind
 
-RADIUS, ROLLER, REACH = range(at.POINTS, at.POINTS + 3)
-CORNERS = at.POINTS + 3  # x and y of every corner [m], from the mass centre of B
+RADIUS = SHAPE
+CORNERS = SHAPE + 1
 
 
 @compiled
@@ -62,41 +61,21 @@ def in_hollow(body, a, b, p, k, corner, row, kinematics):
 
 
 @kind("one-sided", "on-disc", on_disc)
-class OnDisc(OneSidedKind):
+class OnDisc(CornerSurface):
     """Points, corners or a disc of B outside of a disc of A.
 
     Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
     """
-
-    joint = "surface"
-    wall = "a surface"
-    bounded = True
-    slides = True
 
     @staticmethod
     def suits(fields: Fields) -> bool:
         """A disc, but not against the edges of a plate."""
         return fields["radius"] > 0.0 and not fields["hollow"] and not fields["outline"]
 
-    @classmethod
-    def count(cls, fields: Fields, corners: Corners) -> int:
-        """One of every corner."""
-        return len(corners)
-
-    @classmethod
-    def labels(cls, fields: Fields, corners: Corners) -> tuple[str, ...]:
-        """Names of the corners, if there are several."""
-        return tuple(corners) if len(corners) > 1 else ()
-
     @staticmethod
-    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
-        """Radii of both discs, corners."""
-        return (fields["radius"], fields["roller"], reach_of(corners), *flat(corners))
-
-    @staticmethod
-    def levers(p: Sequence[float]) -> tuple[float, float]:
-        """Arms [m] of A's point and of the farthest corner."""
-        return hypot(p[0], p[1]), p[REACH]
+    def shape(fields: Fields) -> tuple[float | LocalFunction, ...]:
+        """Radius of the disc of A."""
+        return (fields["radius"],)
 
     @staticmethod
     def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:
@@ -104,14 +83,9 @@ class OnDisc(OneSidedKind):
         return 0.0, 0.0, 1.0 / (fields["radius"] + fields["roller"])
 
     @staticmethod
-    def held(
-        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
-    ) -> tuple[Held, ...]:
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
         """Two centres, or a centre and a corner, at the distance of touching."""
-        on_b = list(corners.values())[corner]
-        if sticks and not fields["roller"] > 0.0:
-            return (pinned(a, b, on_b),)
-        return around_disc(fields["radius"], fields["roller"], on_a, on_b, sticks)
+        return around_disc(fields["radius"], fields["roller"], on_a, on_b, rolls)
 
 
 @kind("one-sided", "in-hollow", in_hollow)
@@ -139,11 +113,6 @@ class InHollow(OnDisc):
         return 0.0, 0.0, 0.0
 
     @staticmethod
-    def held(
-        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
-    ) -> tuple[Held, ...]:
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
         """The same in a hollow."""
-        on_b = list(corners.values())[corner]
-        if sticks and not fields["roller"] > 0.0:
-            return (pinned(a, b, on_b),)
-        return around_disc(fields["radius"], -fields["roller"], on_a, on_b, sticks)
+        return around_disc(fields["radius"], -fields["roller"], on_a, on_b, rolls)

@@ -23,9 +23,9 @@ import math
 from collections.abc import Sequence
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.one_sided.holding import along_line, around_disc, pinned, seen_from
-from rattle.elements.one_sided.on_line import between, between_centres, flat, reach_of
-from rattle.interfaces.contacts import Corners, Held, OneSidedKind, Pose
+from rattle.elements.one_sided.corner_surface import REACH, ROLLER, SHAPE, CornerSurface, between, between_centres
+from rattle.elements.one_sided.holding import Vector, along_line, around_disc
+from rattle.interfaces.contacts import Held
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
@@ -34,8 +34,8 @@ from rattle.language.local_function import LocalFunction
 from rattle.language.recorded import cos, hypot, sin
 from rattle.registry import kind
 
-ALONG_X, ALONG_Y, HALF, ROLLER, REACH = range(at.POINTS, at.POINTS + 5)
-CORNERS = at.POINTS + 5  # x and y of every corner [m], from the mass centre of B
+ALONG_X, ALONG_Y, HALF = range(SHAPE, SHAPE + 3)
+CORNERS = SHAPE + 3
 FLUSH = 1e-10  # share of a segment by which a corner may be beyond its end: those that are flush stay borne
 NEAREST = 1e-3  # share of a segment as near as which its end turns the direction of the gap of a corner that passes
 
@@ -95,38 +95,23 @@ def over_segment(body, a, b, p, k, corner, row, kinematics):
 
 
 @kind("one-sided", "on-segment", on_segment)
-class OnSegment(OneSidedKind):
+class OnSegment(CornerSurface):
     """A disc of B on a segment of A, on both sides and at its ends.
 
     Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 2.
     """
 
-    joint = "surface"
-    wall = "a surface"
     walls_turn = True
-    bounded = True
-    slides = True
 
     @staticmethod
     def suits(fields: Fields) -> bool:
         """A segment against a disc."""
         return fields["length"] > 0.0 and fields["roller"] > 0.0
 
-    @classmethod
-    def count(cls, fields: Fields, corners: Corners) -> int:
-        """One of every corner."""
-        return len(corners)
-
-    @classmethod
-    def labels(cls, fields: Fields, corners: Corners) -> tuple[str, ...]:
-        """Names of the corners, if there are several."""
-        return tuple(corners) if len(corners) > 1 else ()
-
     @staticmethod
-    def parameters(fields: Fields, constants: Sequence[float], corners: Corners) -> Sequence[float | LocalFunction]:
-        """Direction and half length of the segment, radius of the disc, corners."""
-        axis = fields["axis"]
-        return (cos(axis), sin(axis), 0.5 * fields["length"], fields["roller"], reach_of(corners), *flat(corners))
+    def shape(fields: Fields) -> tuple[float | LocalFunction, ...]:
+        """Direction and half length of the segment."""
+        return cos(fields["axis"]), sin(fields["axis"]), 0.5 * fields["length"]
 
     @staticmethod
     def levers(p: Sequence[float]) -> tuple[float, float]:
@@ -139,24 +124,16 @@ class OnSegment(OneSidedKind):
         return 0.0, 0.0, 1.0 / fields["roller"]
 
     @staticmethod
-    def held(
-        fields: Fields, on_a: tuple[float, float], corners: Corners, corner: int, a: Pose, b: Pose, sticks: bool
-    ) -> tuple[Held, ...]:
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
         """A point on the line, or the centre of a disc beside it, or at a distance from an end of the segment."""
         axis, half, roller = fields["axis"], 0.5 * fields["length"], fields["roller"]
-        on_b = list(corners.values())[corner]
-        x, y = seen_from(a, b, on_b)
-        x, y = x - on_a[0], y - on_a[1]
-        along, above = x * math.cos(axis) + y * math.sin(axis), y * math.cos(axis) - x * math.sin(axis)
-        if sticks and not roller > 0.0:
-            return (pinned(a, b, on_b),)
-        if above < 0.0:
-            axis, along = axis + math.pi, -along
-        if abs(along) <= half or not roller > 0.0:
-            return (along_line(axis, roller, on_a, on_b, rolls=sticks),)
-        end = math.copysign(half, along)
-        corner_of_a = (on_a[0] + end * math.cos(axis), on_a[1] + end * math.sin(axis))
-        return around_disc(0.0, roller, corner_of_a, on_b, sticks)
+        (x, y), c, s = above, math.cos(axis), math.sin(axis)
+        along = x * c + y * s
+        if roller > 0.0 and abs(along) > half:
+            end = math.copysign(half, along)
+            return around_disc(0.0, roller, (on_a[0] + end * c, on_a[1] + end * s), on_b, rolls)
+        below = y * c - x * s < 0.0
+        return (along_line(axis + math.pi if below else axis, roller, on_a, on_b, rolls=rolls),)
 
 
 @kind("one-sided", "over-segment", over_segment)
