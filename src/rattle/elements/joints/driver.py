@@ -73,101 +73,99 @@ def driver_y(body, a, b, p, k, row, rows):
     rows[row, at.BX], rows[row, at.BY], rows[row, at.BP] = 0.0, 1.0, sbx
 
 
+class Turning(DriverKind):
+    """What the drivers of an angle share."""
+
+    rows = ("rad",)
+    sets_angle = True
+    effort = ("torque", "N*m")
+
+
+class Sliding(DriverKind):
+    """What the drivers of a length share."""
+
+    rows = ("m",)
+    effort = ("force", "N")
+
+
 @kind("driver", "angle", driver_angle)
-class DriverAngle(DriverKind):
+class DriverAngle(Turning):
     """The angle phi_B - phi_A of a revolute joint follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
-    rows = ("rad",)
-    sets_angle = True
     drives = "joint"
-    effort = ("torque", "N*m")
     angle = Field("rad", "angle of B relative to A as a function of t", live=True)
 
 
 @kind("driver", "position", driver_position)
-class DriverPosition(DriverKind):
+class DriverPosition(Sliding):
     """The position of a prismatic joint's point of B along the line follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
-    rows = ("m",)
     drives = "joint"
     along_line = True
-    effort = ("force", "N")
     position = Field("m", "distance along the line from the point of A as a function of t", live=True)
 
 
 @kind("driver", "body-x", driver_x)
-class DriverBodyX(DriverKind):
+class DriverBodyX(Sliding):
     """The x coordinate of a body's mass centre, or of a point of it, follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
-    rows = ("m",)
     drives = "body"
-    effort = ("force", "N")
     position = Field("m", "coordinate in the ground frame as a function of t", live=True)
 
 
 @kind("driver", "body-y", driver_y)
-class DriverBodyY(DriverKind):
+class DriverBodyY(Sliding):
     """The y coordinate of a body's mass centre, or of a point of it, follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
-    rows = ("m",)
     drives = "body"
-    effort = ("force", "N")
     position = Field("m", "coordinate in the ground frame as a function of t", live=True)
 
 
 @kind("driver", "body-angle", driver_angle)
-class DriverBodyAngle(DriverKind):
+class DriverBodyAngle(Turning):
     """The angle of a body follows a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
-    rows = ("rad",)
-    sets_angle = True
     drives = "body"
-    effort = ("torque", "N*m")
     angle = Field("rad", "angle in the ground frame as a function of t", live=True)
 
 
 @kind("driver", "angle-speed", driver_angle_speed)
-class DriverAngleSpeed(DriverKind):
+class DriverAngleSpeed(Turning):
     """The angle of a revolute joint goes on from the start at a rate that is a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
-    rows = ("rad",)
-    sets_angle = True
     drives = "joint"
     rate_of = "angle"
     from_start = 1
-    effort = ("torque", "N*m")
     speed = Field("rad/s", "rate of the angle of B relative to A as a function of t", live=True)
 
 
 @kind("driver", "position-speed", driver_position_speed)
-class DriverPositionSpeed(DriverKind):
+class DriverPositionSpeed(Sliding):
     """The position of a prismatic joint goes on from the start at a speed that is a function of time.
 
     Source: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), section 3.5.
     """
 
-    rows = ("m",)
     drives = "joint"
     rate_of = "position"
     from_start = 1
     along_line = True
-    effort = ("force", "N")
     speed = Field("m/s", "speed along the line as a function of t", live=True)
