@@ -13,6 +13,7 @@ Source: Steger, On the calculation of arbitrary moments of polygons, TU Munich F
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -100,22 +101,37 @@ def fault_of_holes(outline: Ring, holes: Sequence[Ring]) -> tuple[int, str] | No
     return None
 
 
+class _Edge(NamedTuple):
+    """One edge of a ring: the number of the ring, its own, from where to where."""
+
+    ring: int
+    number: int
+    start: Vector
+    end: Vector
+
+    @property
+    def moves(self) -> bool:
+        """True if its record depends on parameters."""
+        return any(isinstance(x, Recorded) for x in (*self.start, *self.end))
+
+
 def watch(rings: Sequence[Ring]) -> None:
     """Let a record of the corners keep that these sound rings do not cross.
 
     Of two edges that have no point in common, one at least has both ends on one side of the line through the other.
     """
-    edges = [(n, k, r[k], r[(k + 1) % len(r)], len(r)) for n, r in enumerate(rings) for k in range(len(r))]
-    moving = [any(isinstance(x, Recorded) for end in edge[2:4] for x in end) for edge in edges]
-    if sum(moving) * len(edges) > MOST_PAIRS:
+    edges = [_Edge(n, k, ring[k], ring[(k + 1) % len(ring)]) for n, ring in enumerate(rings) for k in range(len(ring))]
+    if sum(edge.moves for edge in edges) * len(edges) > MOST_PAIRS:
         return
     size = max(abs(bare(x)) for ring in rings for corner in ring for x in corner)
-    for i, (n, k, a, b, count) in enumerate(edges):
-        for j, (m, h, c, d, _) in enumerate(edges[:i]):
-            if (moving[i] or moving[j]) and not (n == m and (k - h) % count in (1, count - 1)):
-                p, q = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)
-                if max(bare(p), bare(q)) > CLOSE * size**4:  # edges may lie on one line, but for rounding
-                    _ = (p + abs(p)) + (q + abs(q)) > 0.0  # one of the two is positive: this is kept
+    for edge, other in itertools.combinations(edges, 2):
+        neighbours = edge.ring == other.ring and abs(edge.number - other.number) in (1, len(rings[edge.ring]) - 1)
+        if neighbours or not (edge.moves or other.moves):
+            continue
+        a, b, c, d = edge.start, edge.end, other.start, other.end
+        p, q = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)
+        if max(bare(p), bare(q)) > CLOSE * size**4:  # edges may lie on one line, but for rounding
+            _ = (p + abs(p)) + (q + abs(q)) > 0.0  # one of the two is positive: this is kept
 
 
 def _side(a: Vector, b: Vector, c: Vector) -> float:

@@ -95,15 +95,8 @@ def read_contact(reader: FieldReader, written: object, site: Site, path: Path) -
         values.wrong(path, "needs a model: " + ", ".join(models))
         return None
     model = table["model"]
-    here: Path = path if isinstance(written, str) else (*path, "model")
-    if model not in models:
-        hint = suggest(str(model), models)
-        near = hint if "did you mean" in hint else f"; expected {', '.join(models)}"
-        values.wrong(here, f"unknown contact {quoted(model)}{near}")
-        return None
-    if model not in site.models:
-        wanted = f"; expected {', '.join(site.models)}" if site.models else "; leave the clearance out"
-        values.wrong(here, f"'{model}' does not work on {site.title}{wanted}")
+    if fault := _without_model(model, models, site):
+        values.wrong(path if isinstance(written, str) else (*path, "model"), fault)
         return None
     if not site.leaf.slides and (along := [key for key in ALONG if key in table]):
         for key in along:
@@ -113,19 +106,35 @@ def read_contact(reader: FieldReader, written: object, site: Site, path: Path) -
     if "damping" in table and (why := _no_damping(table, str(model))):
         values.wrong((*path, "damping"), why, at_key=True)
         return None
-    if model in registry.kinds("contact"):
-        kind = registry.kinds("contact")[model]
-        if kind.leaf.oiled:
+    if model not in registry.kinds("contact"):
+        return _compliant(reader, table, str(model), site, path)
+    if registry.kinds("contact")[str(model)].leaf.oiled:
+        return _oiled(reader, table, str(model), site, path)
+    return _plain(reader, table, str(model), site, path)
 
-            def dry(dry_table: Table, where: Path) -> Contact | None:
-                return _compliant(reader, dry_table, str(dry_table["model"]), site, where)
 
-            def unused(used: Collection[str]) -> tuple[str, ...]:
-                return _unused(reader, table, used, site, path)
+def _without_model(model: object, models: Collection[str], site: Site) -> str:
+    """Why no contact of this site has this model, in words; "" if it may."""
+    if model not in models:
+        hint = suggest(str(model), models)
+        near = hint if "did you mean" in hint else f"; expected {', '.join(models)}"
+        return f"unknown contact {quoted(model)}{near}"
+    if model in site.models:
+        return ""
+    wanted = f"; expected {', '.join(site.models)}" if site.models else "; leave the clearance out"
+    return f"'{model}' does not work on {site.title}{wanted}"
 
-            return read_lubricated(reader, table, kind, site.clearance, path, dry, unused)
-        return _plain(reader, table, str(model), site, path)
-    return _compliant(reader, table, str(model), site, path)
+
+def _oiled(reader: FieldReader, table: Table, model: str, site: Site, path: Path) -> Contact | None:
+    """A contact with oil in the clearance, and a dry one beside it; None after a problem."""
+
+    def dry(dry_table: Table, where: Path) -> Contact | None:
+        return _compliant(reader, dry_table, str(dry_table["model"]), site, where)
+
+    def unused(used: Collection[str]) -> tuple[str, ...]:
+        return _unused(reader, table, used, site, path)
+
+    return read_lubricated(reader, table, registry.kinds("contact")[model], site.clearance, path, dry, unused)
 
 
 def _no_damping(table: Table, model: str) -> str:

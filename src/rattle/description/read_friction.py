@@ -54,7 +54,7 @@ def joint_friction(
     if fault := _without_friction(joint, loose):
         values.wrong(path, fault, at_key=True)
         return None
-    before, whole = len(values.problems), isinstance(written, Mapping)
+    before = len(values.problems)
     table: Table = written if isinstance(written, Mapping) else {"model": SET_VALUED, "mu": written}
     if any(key in table for key in SIZES):
         return _stated(reader, table, joint, path)
@@ -65,9 +65,7 @@ def joint_friction(
     sizes, fields = joint.leaf.rubs_with, models[model]
     values.keys(table, ["model", *fields, *sizes], path)
     own = {key: reader.field(field, key, table, {}, path) for key, field in sizes.items()}
-    read: dict[str, float] = {}
-    for key, field in fields.items():
-        read[key] = reader.field(field, key, table, read, path if whole or key in table else path[:-1])
+    read = _numbers_of(reader, fields, table, path if isinstance(written, Mapping) else path[:-1], path)
     if len(values.problems) > before or of_joint is None:
         return None
     try:
@@ -81,6 +79,16 @@ def joint_friction(
             values.wrong((*path, "mu_static"), f"{read['mu_static']:g} must not be less than mu = {read['mu']:g}")
         return JointFriction(arm, reach, read["mu"], read["mu_static"])
     return JointFriction(arm, reach, law=_law(reader, model, read, path))
+
+
+def _numbers_of(
+    reader: FieldReader, fields: Mapping[str, Field], table: Table, whole: Path, path: Path
+) -> dict[str, float]:
+    """Values of all fields of a model; whole: of the table, where one is missing."""
+    read: dict[str, float] = {}
+    for key, field in fields.items():
+        read[key] = reader.field(field, key, table, read, path if key in table else whole)
+    return read
 
 
 def stated_size(joint: registry.Kind[JointKind]) -> tuple[str, Field] | None:

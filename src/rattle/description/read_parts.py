@@ -386,14 +386,19 @@ class Parts(FieldReader):
             target = self._with_speed(target)
         if target is None:
             return
-        kind, joint, point, what = target
+        what = target[-1]
         if what in self.driven:
             values.wrong(
                 path, f"{what} is already driven by '{self.driven[what]}': two drivers on one degree of freedom"
             )
             return
         self.driven[what] = name
-        wrong = [other for other in functions if other in table and other not in kind.fields]
+        self._drive(name, target, [key for key in functions if key in table], table)
+
+    def _drive(self, name: str, target: Target, functions: Sequence[str], table: Table) -> None:
+        """Add a driver of a target; functions: keys that are written."""
+        values, path, (kind, joint, point, what) = self.values, ("drivers", name), target
+        wrong = [other for other in functions if other not in kind.fields]
         (key,) = kind.fields
         if kind.leaf.rate_of in table:
             values.wrong(path, f"give {kind.leaf.rate_of} or {key}, not both")

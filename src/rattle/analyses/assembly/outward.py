@@ -23,13 +23,10 @@ def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]
     number = itertools.count()
     grounds = [GROUND, *(name for name in model.bodies if is_ground(name))]
     queue: list[Any] = [(0, 0, next(number), name, "", None) for name in grounds]
-    roots = _places_given_first(model) if islands else []
-    while True:
-        if not queue:
-            root = next((body for body in roots if body not in done), None)
-            if root is None:
-                return order
-            queue.append((0, 0, next(number), root, "", None))
+    far = len(model.joints) + 1  # more than any way is loose: what a root leads to comes before the next
+    for n, root in enumerate(_places_given_first(model) if islands else [], 1):
+        queue.append((n * far, 0, next(number), root, "", None))
+    while queue:
         slack, depth, _, body, parent, via = heapq.heappop(queue)
         if body in done:
             continue
@@ -39,9 +36,14 @@ def outward(model: Model, islands: bool = False) -> list[tuple[str, str, Joint]]
         for joint in near.get(body, ()):
             other = joint.b.body if joint.a.body == body else joint.a.body
             if other not in done:
-                loose = joint.contact is not None and not joint.contact.closed
-                loose |= joint.name not in driven and leaves_place(joint)
+                loose = _is_open(joint) or (joint.name not in driven and leaves_place(joint))
                 heapq.heappush(queue, (slack + loose, depth + 1, next(number), other, body, joint))
+    return order
+
+
+def _is_open(joint: Joint) -> bool:
+    """True if it has a contact that is not closed from the start."""
+    return joint.contact is not None and not joint.contact.closed
 
 
 def _joints_of_bodies(model: Model) -> dict[str, list[Joint]]:
