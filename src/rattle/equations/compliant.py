@@ -76,18 +76,12 @@ def all_open(m, first, count):
 @native("void", "h")
 def add_contact_forces(m):
     """Add the forces of all compliant contacts to Q [N, N m]; N, T and rates go to `contact_kinematics`."""
-    contact, values, kinematics, memory, force = m.contact, m.values, m.contact_kinematics, m.contact_memory, m.force
-    static_table, normal_table, friction_table = (
-        m.stiffness_table,
-        m.normal_table,
-        m.friction_table,
-    )
-    state, rate = m.element_state, m.element_rate
+    contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             if memory[n, at.SLIPS] == 1.0:
-                most = values[contact[n, at.NORMAL_P] + at.MOST_TORQUE]
-                add_contact_force(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, most, 0.0)
+                most = m.values[contact[n, at.NORMAL_P] + at.MOST_TORQUE]
+                add_contact_force(m.force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, most, 0.0)
             continue
         for column in range(at.NORMAL, at.STORE + 1):
             kinematics[n, column] = 0.0
@@ -95,30 +89,35 @@ def add_contact_forces(m):
             add_film_force(m, n)
         first = contact[n, at.FIRST_STATE]
         for k in range(first, first + contact[n, at.STATES]):
-            rate[k] = 0.0
+            m.element_rate[k] = 0.0
         if contact[n, at.LEVEL] == 1:
             add_clutch_torque(m, n)
-            continue
-        delta, ddelta = -kinematics[n, at.GAP], -kinematics[n, at.DGAP]
-        if delta <= 0.0 or memory[n, at.CLOSED] == at.OPEN:
-            continue
-        if contact[n, at.WORN] == 1:
-            add_worn_contact(m, n)
-            continue
-        static = call_stiffness(static_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
-        arguments = (static, delta, ddelta, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
-        normal = call_normal(normal_table[contact[n, at.NORMAL_LAW]], arguments)
-        if contact[n, at.BY_FORCE] == 1 and memory[n, at.CLOSED] != at.SHUT:
-            normal = max(0.0, normal) if memory[n, at.CLOSED] == at.AUTO else 0.0
-        tangent = 0.0
-        if contact[n, at.FRICTION] >= 0 and memory[n, at.CLOSED] != at.RELEASED:
-            slip, p = kinematics[n, at.SLIP], contact[n, at.FRICTION_P]
-            arguments_t = (slip, normal, state[first:], values, p, rate[first:])
-            tangent = call_friction(friction_table[contact[n, at.FRICTION]], arguments_t)
-        kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = normal, tangent
-        kinematics[n, at.STORE] = static * ddelta
-        kinematics[n, at.LOSS] = (normal - static) * ddelta + tangent * kinematics[n, at.SLIP]
-        add_contact_force(force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, normal, tangent)
+        elif kinematics[n, at.GAP] < 0.0 and memory[n, at.CLOSED] != at.OPEN:
+            if contact[n, at.WORN] == 1:
+                add_worn_contact(m, n)
+            else:
+                add_force_of_laws(m, n)
+
+
+@compiled
+def add_force_of_laws(m, n):
+    """Add the force of contact n, which touches, by its laws of stiffness, normal force and friction."""
+    contact, values, kinematics, memory = m.contact, m.values, m.contact_kinematics, m.contact_memory
+    first, delta, ddelta = contact[n, at.FIRST_STATE], -kinematics[n, at.GAP], -kinematics[n, at.DGAP]
+    static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
+    arguments = (static, delta, ddelta, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
+    normal = call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
+    if contact[n, at.BY_FORCE] == 1 and memory[n, at.CLOSED] != at.SHUT:
+        normal = max(0.0, normal) if memory[n, at.CLOSED] == at.AUTO else 0.0
+    tangent = 0.0
+    if contact[n, at.FRICTION] >= 0 and memory[n, at.CLOSED] != at.RELEASED:
+        slip, p = kinematics[n, at.SLIP], contact[n, at.FRICTION_P]
+        arguments_t = (slip, normal, m.element_state[first:], values, p, m.element_rate[first:])
+        tangent = call_friction(m.friction_table[contact[n, at.FRICTION]], arguments_t)
+    kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = normal, tangent
+    kinematics[n, at.STORE] = static * ddelta
+    kinematics[n, at.LOSS] = (normal - static) * ddelta + tangent * kinematics[n, at.SLIP]
+    add_contact_force(m.force, kinematics, contact[n, at.A_BODY], contact[n, at.B_BODY], n, normal, tangent)
 
 
 @compiled

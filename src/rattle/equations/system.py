@@ -355,10 +355,8 @@ def _expressions(
     jets, live: programs of drivers and of loads, and the places of their values; of_laws: number of states of laws;
     values: to which those of gravity are added.
     """
-    falling = []
-    for n, node in enumerate(model.falling or ()):
-        falling.append((programs.add(node, f"gravity[{n}]"), len(values)))
-        values += [0.0, 0.0, 0.0]
+    falling = [(programs.add(node, f"gravity[{n}]"), len(values) + 3 * n) for n, node in enumerate(model.falling or ())]
+    values += [0.0] * 3 * len(falling)
     signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
     rates = [programs.add(state.rate, f"states.{name}.rate") for name, state in model.states.items()]
     code, const, first, depth = concatenate(programs.programs, model.tables)
@@ -366,7 +364,7 @@ def _expressions(
     spans = [(int(first[n]), int(first[n + 1]), k) for k, n in signals.items()]
     plain = np.array([bare(number) for number in const], dtype=float)
     compiled = Signals(code, plain, spans, [programs.names[n] for n in signals.values()], len(rates))
-    of_time = [*(n for n, *_ in jets), *(n for n, _ in falling)]
+    of_time = [n for n, *_ in (*jets, *falling)]
     switches = _switches(programs, compiled, first, of_time, [*(n for n, _ in live), *rates])
     arrays = {
         "code": code,

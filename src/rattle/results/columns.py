@@ -83,7 +83,6 @@ def _watched(joint: Joint) -> list[tuple[str, int, int]]:
     """Those of a joint: what each is called, how it is formed, its column among those of the joint."""
     if joint.leaf.bodies:
         return [("torque", at.OF_SIZE, at.EFFORT)]
-    kind, sided = joint_rows(joint)[0], joint.one_sided
     watched = [("force", at.OF_VECTOR, at.FX)]
     if passes_moment(joint):
         watched.append(("moment", at.OF_SIZE, at.MOMENT))
@@ -92,16 +91,21 @@ def _watched(joint: Joint) -> list[tuple[str, int, int]]:
     watched += [(key, at.OF_SIZE, column) for key, column in frictions(joint)]
     if joint.stop is not None:
         watched.append(("stop", at.OF_SIZE, at.STOP))
-    if joint.contact is None or (sided is not None and sided.records):
-        if joint.is_loose and sided is not None:
-            watched.append((sided.records[0], at.OF_LARGER, at.JOINT_NORMAL))
-    elif kind is None:
-        watched += [("normal", at.OF_VALUE, at.JOINT_NORMAL), ("tangential", at.OF_SIZE, at.JOINT_TANGENT)]
-        watched += [("penetration", at.OF_VALUE, at.PENETRATION)]
-        watched += [("offset", at.OF_VECTOR, at.EX)] if joint.contact.film is not None else []
-    elif kind.name != joint.kind:
-        watched.append(("pressing", at.OF_NEGATIVE, at.EFFORT))
-    return watched
+    return [*watched, *_watched_of_contact(joint)]
+
+
+def _watched_of_contact(joint: Joint) -> list[tuple[str, int, int]]:
+    """The same of its contact, if it has one."""
+    kind, sided, contact = joint_rows(joint)[0], joint.one_sided, joint.contact
+    if sided is not None and sided.records:
+        return [(sided.records[0], at.OF_LARGER, at.JOINT_NORMAL)] if joint.is_loose else []
+    if contact is None:
+        return []
+    if kind is not None:
+        return [("pressing", at.OF_NEGATIVE, at.EFFORT)] if kind.name != joint.kind else []
+    watched = [("normal", at.OF_VALUE, at.JOINT_NORMAL), ("tangential", at.OF_SIZE, at.JOINT_TANGENT)]
+    watched.append(("penetration", at.OF_VALUE, at.PENETRATION))
+    return [*watched, ("offset", at.OF_VECTOR, at.EX)] if contact.film is not None else watched
 
 
 PRESSES = {"normal": at.JOINT_NORMAL, "tangential": at.JOINT_TANGENT}  # forces on B of a joint that presses
@@ -198,6 +202,14 @@ def _take_joint(
         taking.add(f"{name}.{key}", joint.friction_unit, c + column)
     if joint.stop is not None:
         taking.add(f"{name}.stop", "N*m" if joint.stops_angle else "N", c + at.STOP)
+    _take_contact(taking, system, joint, raw, c, turning)
+
+
+def _take_contact(
+    taking: _Taking, system: System, joint: Joint, raw: np.ndarray, c: int, turning: np.ndarray | None
+) -> None:
+    """Columns of the contact of a joint, if it has one, and of the oil in it."""
+    name = joint.name
     if joint.one_sided is not None and joint.one_sided.records:
         for key, force in zip(joint.one_sided.records, _two_forces(joint, raw, c), strict=True):
             taking.add(f"{name}.{key}", "N", c + at.JOINT_NORMAL, force)

@@ -105,7 +105,7 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     settled: list[Equilibrium] = []
     for rest in itertools.chain(map(surfaces.settled, answer), surfaces.near(start)):
         if rest is not None and not same(
-            system, rest.q, np.array([known.q for known in settled]).reshape(-1, len(start))
+            system, rest.q, np.array([equilibrium.q for equilibrium in settled]).reshape(-1, len(start))
         ):
             settled.append(rest)
     answer[:] = _sorted(settled, start)

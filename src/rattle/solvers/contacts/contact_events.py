@@ -344,10 +344,17 @@ def change_contacts(m, who, t, y):
                 shut(m, n, t, y)
         elif n == who and was_released:
             take_again(m, n, t, y)
-        elif n == who and was_shut and contact[n, at.BY_FORCE] == 1 and kinematics[n, at.GAP] < 0.0:
-            spend(m, n, t, y)
         elif n == who and was_shut:
-            open_up(m, n, t, y)
+            let_go(m, n, t, y)
+
+
+@compiled
+def let_go(m, n, t, y):
+    """Contact n ends at (t, y) where its gap opens, or where its force does that never pulls."""
+    if m.contact[n, at.BY_FORCE] == 1 and m.contact_kinematics[n, at.GAP] < 0.0:
+        spend(m, n, t, y)
+    else:
+        open_up(m, n, t, y)
 
 
 @compiled

@@ -314,8 +314,10 @@ def judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least):
 def cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
     """True if the cubic through both ends of an interval of length dt [s], and what it may be off, is not below least.
 
-    value: gap in the middle.
+    value: gap in the middle.  A cubic says nothing where the normal turns by more than WHOLE_TURN.
     """
+    if value < least or wide > WHOLE_TURN:
+        return False
     missed = abs(value - 0.5 * (gap + end) - 0.125 * dt * (rate - end_rate))
     margin = 2.0 * missed + curve * (wide * dt) ** 2 / 384.0
     return lowest(gap, rate * dt, end, end_rate * dt) - margin >= least
@@ -343,19 +345,17 @@ def search(m, h, n, side, until):
     begin, at_begin, rate_begin = left, gap, rate  # the last sample that was positive, or rising
     end, end_rate = signed_gap(m, right, n, side)
     for _ in range(FEW_LOOKS if m.contact[n, at.IMPACT] == 1 else MOST_LOOKS):
-        dt = (right - left) * h
-        tiny = is_tiny(right - left, h, t)
-        below, free, curve, wide = judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least)
+        dt, tiny = (right - left) * h, is_tiny(right - left, h, t)
         near = near_point(m, n, side, gap, end, speed, dt)
-        if near and not below:
+        below, free, curve, wide = judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least)
+        if near:
             free = tiny or least_outside(gap, rate, end, end_rate, dt, plain) >= least
         if below:
             return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)
         if end < least or not free:
             middle = 0.5 * (left + right)
             value, slope = signed_gap(m, middle, n, side)
-            sampled = end >= least and value >= least and wide <= WHOLE_TURN and not near
-            if not sampled or not cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
+            if near or not cubic_stays(gap, rate, end, end_rate, value, dt, wide, curve, least):
                 right, end, end_rate = middle, value, slope
                 continue
         if right >= until:

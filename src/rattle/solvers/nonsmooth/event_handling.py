@@ -90,6 +90,20 @@ def project_on_reversal(m, t, y, who):
     mode[who] = old
 
 
+@compiled
+def gets_past_end(m, t, y, who, what):
+    """True if contact `who` passes an end: beside it, which is no impact, or off it, where it is let go of."""
+    if what == HIT:
+        return passes(m, who, noise(m, who))
+    if what != LET_GO or not off_end(m, who):
+        return False
+    release(m, t, y, who)
+    m.mode[who], m.contact_memory[who, at.LEFT_END] = OFF, 1.0
+    hold(m, who, False)
+    locate_contacts(m)
+    return True
+
+
 @native("i", "h", "f", "v", "i", "i")
 def handle_event(m, t, y, who, what):
     """Event at (t [s], y): impact if contacts hit, then new modes; y is projected onto its constraints.
@@ -99,13 +113,7 @@ def handle_event(m, t, y, who, what):
     hits (-1: none does).
     """
     nq = m.change.shape[0]
-    if what == HIT and passes(m, who, noise(m, who)):
-        who, what = -1, NOTHING
-    if what == LET_GO and off_end(m, who):
-        release(m, t, y, who)
-        m.mode[who], m.contact_memory[who, at.LEFT_END] = OFF, 1.0
-        hold(m, who, False)
-        locate_contacts(m)
+    if gets_past_end(m, t, y, who, what):
         who, what = -1, NOTHING
     for n in range(m.contact_memory.shape[0]):
         m.contact_memory[n, at.GAP_1] = m.contact_kinematics[n, at.GAP]
