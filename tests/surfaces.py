@@ -47,14 +47,14 @@ def on_slope(slope, height, v=0.0):
     return (height * s, height * c, -slope, v * c, -v * s, 0.0)
 
 
-def block(half, high, contact, slope=0.0, start=None, mass=3.0, more=""):
+def block(half, high, contact, slope=0.0, start=None, mass=3.0, more="", points="O = [0, 0]"):
     """A block, twice as wide and high, on a slope that falls to the right by `slope` [rad]."""
     corners = {"P": (-half, -high), "Q": (half, -high), "T": (-half, high)}
     inertia = mass * (half**2 + high**2) / 3
     floor = surface(
         "floor", "ground.O", "block.P", contact, f"{-math.degrees(slope)!r} deg", ', corners = ["P", "Q", "T"]'
     )
-    return world(body("block", corners, mass, inertia, start or on_slope(slope, high)), floor, more)
+    return world(body("block", corners, mass, inertia, start or on_slope(slope, high)), floor, more, points=points)
 
 
 def events(r, kind="impact", joint=""):

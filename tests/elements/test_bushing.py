@@ -63,6 +63,20 @@ def test_recorded_forces_are_those_that_accelerate_the_second_body():
     assert np.abs(r["bush.torque"]).min() > 1.0
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_body_on_a_ground_point_that_moves_starts_where_it_is_without_force(turned):
+    """As on a point that stays where that one is at the start."""
+    ends = ["b.P", "ground.O"] if turned else ["ground.O", "b.P"]
+    starts = []
+    for x in ("0.5 + 0.01*sin(t/(0.05 s))", 0.5):
+        m = rt.Mechanism().ground(O=[x, 0.3]).body("b", mass=2, inertia=0.03, points={"P": [0.15, 0.05]})
+        m.load("bush", "bushing", connect=ends, stiffness=STIFF, offset=[0.01, 0, 0.1])
+        run = m.simulate(0.01)
+        starts.append([run[f"b.{key}"][0] for key in ("x", "y", "angle", "vx", "ax")])
+    np.testing.assert_allclose(starts[0], starts[1], atol=1e-9)
+    assert starts[1][0] > 0.3
+
+
 def test_load_displaces_along_the_axes_of_the_first_body_beyond_the_offset():
     """A turns by 0.7 rad and stays there: a force along its x axis gives way by F/k_x, and k_y does not matter."""
     m = rt.Mechanism().ground(O=[0, 0]).body("frame", mass=1, inertia=1, points={"O": [0, 0], "P": [0.3, 0.1]})

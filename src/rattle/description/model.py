@@ -60,6 +60,11 @@ def is_ground(body: str) -> bool:
     return body == GROUND or body.startswith(f"{GROUND}.")
 
 
+def point_of_ground(body: str) -> str:
+    """Name of the point of the ground that this body is, which moves; "" for the ground itself."""
+    return body.partition(".")[2]
+
+
 def frame_of(body: str) -> str:
     """The ground for a point of it that moves, any other body itself: what it is in loops."""
     return GROUND if is_ground(body) else body
@@ -370,8 +375,8 @@ class Driver:
         """Where it is written in the model file."""
         if self.point is None or not self.moves_ground:
             return ("drivers", self.name)
-        coordinate = ("body-x", "body-y").index(self.kind) if self.kind != "body-angle" else 0
-        return ("ground", "points", self.point.body.partition(".")[2], coordinate)
+        coordinate = 1 if self.kind == "body-y" else 0
+        return ("ground", "points", point_of_ground(self.point.body), coordinate)
 
     @property
     def leaf(self) -> type[DriverKind]:

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from rattle.description.model import GROUND
 from rattle.drawings.arrows import Style, straight, stretched
 from rattle.drawings.numbers import Number, Value, call, cos, most_of, sin
-from rattle.drawings.sheet import GROUND, Colour, Frame, Part, Sheet, Spot, box
+from rattle.drawings.sheet import Colour, Frame, Part, Sheet, Spot, box
 
 BUSH, PIN = 0.4, 0.56  # radius of a bush; of its pin, as a share of that
 OUT = 1.35  # clearances from the middle at which a pin that left its bush stays

@@ -12,10 +12,10 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import filterfalse
 from typing import Any, NamedTuple
 
+from rattle.description.model import is_ground
 from rattle.drawings.numbers import Number, Tape, Value, call, cos, sin
 
 Piece = tuple[Value, Value] | dict[str, Any] | None  # of a path: a point, see `Sheet.arc` and the like, or a gap
-GROUND = "ground"
 TURN = 2.0 * math.pi
 FOOT = 0.05, 9.0, 26.0  # size of a foot: share of the mechanism's size, least and most [pixels]
 HATCH = 8.0  # length of a hatch of a wall [pixels]
@@ -224,13 +224,13 @@ class Sheet:
     def feet(self, part: Part) -> None:
         """Feet of those ends of a part that are on the ground."""
         for end, body in enumerate(part.bodies):
-            if on_ground(body):
+            if is_ground(body):
                 self.foot(body, part.point(end))
 
     def bodies(self) -> None:
         """Bars through two points, plates through more with round corners; outlines as they are, with their holes."""
         half = 0.5 * self._clamped(BAR)
-        for body in filterfalse(on_ground, self.geometry["bodies"]):
+        for body in filterfalse(is_ground, self.geometry["bodies"]):
             line, fill = f"body {body}", Colour(f"body {body}", 0.6)
             rings: list[list[Piece]] = [[self.given("bodies", body, "outline", k)] for k in range(self.rings(body))]
             points: list[Piece] = [*self.points(body), (0.0, 0.0)]
@@ -282,11 +282,6 @@ class Sheet:
         """The list as plain data."""
         drawn = in_order(self.drawn)
         return {"numbers": self.tape.nodes, "drawn": drawn, "within": self.within, **self.layers}
-
-
-def on_ground(body: str) -> bool:
-    """True for the ground, and for a point of it that moves."""
-    return body == GROUND or body.startswith(f"{GROUND}.")
 
 
 def in_order(drawn: list[dict[str, Any]]) -> list[dict[str, Any]]:

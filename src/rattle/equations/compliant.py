@@ -17,50 +17,55 @@ from rattle.jit.families import call_clearance, call_film, call_friction, call_n
 from rattle.jit.functions import compiled, native
 from rattle.jit.geometry import ends
 
+START_BELOW = 0.01  # share of a segment: a corner that is deeper below it does not touch, the others may by mistake
 LEAST_PENETRATION = 1e-15  # [m] from which on that of an impact is looked for, by doubling
+
+
+@compiled
+def measure(m, n, corner):
+    """Geometry of a corner of contact n by its kind."""
+    contact = m.contact
+    a, b, p = contact[n, at.A_BODY], contact[n, at.B_BODY], contact[n, at.SHAPE_P]
+    call_clearance(
+        m.clearance_table[contact[n, at.SHAPE]], (m.body, a, b, m.values, p, corner, n, m.contact_kinematics)
+    )
+
+
+@compiled
+def locate(m, n):
+    """Geometry of contact n; of what bears on one side, and follows no motion yet, by where it is: below is asleep."""
+    whole = m.lever[n, at.ONE_WAY] == 0.0 or m.contact_memory[n, at.CLOSED] != at.AUTO
+    row, corner = m.contact_kinematics[n], m.contact[n, at.CORNER]
+    if not whole:
+        row[at.PHASE] = at.AWAKE
+    measure(m, n, corner)
+    if not whole and row[at.ABOVE] < -START_BELOW * m.lever[n, at.GAP_SCALE]:
+        row[at.PHASE] = at.ASLEEP
+        measure(m, n, corner)
 
 
 @native("void", "h")
 def locate_contacts(m):
     """Geometry of every contact at the state in `body`, into `contact_kinematics` [m, m/s]."""
-    contact, body, values, kinematics, table = (
-        m.contact,
-        m.body,
-        m.values,
-        m.contact_kinematics,
-        m.clearance_table,
-    )
-    for n in range(contact.shape[0]):
-        call_clearance(
-            table[contact[n, at.SHAPE]],
-            (
-                body,
-                contact[n, at.A_BODY],
-                contact[n, at.B_BODY],
-                values,
-                contact[n, at.SHAPE_P],
-                contact[n, at.CORNER],
-                n,
-                kinematics,
-            ),
-        )
+    for n in range(m.contact.shape[0]):
+        locate(m, n)
 
 
 @native("void", "h")
 def locate_near(m):
     """The same, but contacts of a surface that are all open and apart get a bound for their gaps instead."""
-    contact, kinematics, table, n = m.contact, m.contact_kinematics, m.clearance_table, 0
-    while n < contact.shape[0]:
-        a, b, p, span = contact[n, at.A_BODY], contact[n, at.B_BODY], contact[n, at.SHAPE_P], contact[n, at.SPAN]
+    kinematics, n = m.contact_kinematics, 0
+    while n < m.contact.shape[0]:
+        span = m.contact[n, at.SPAN]
         if span > 0 and all_open(m, n, span):
-            call_clearance(table[contact[n, at.SHAPE]], (m.body, a, b, m.values, p, -1, n, kinematics))
+            measure(m, n, -1)
             least = kinematics[n, at.GAP]
             if least > 0.0:
                 for k in range(n, n + span):
                     kinematics[k, at.GAP] = least
                 n += span
                 continue
-        call_clearance(table[contact[n, at.SHAPE]], (m.body, a, b, m.values, p, contact[n, at.CORNER], n, kinematics))
+        locate(m, n)
         n += 1
 
 

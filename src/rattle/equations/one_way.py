@@ -14,7 +14,6 @@ from rattle.jit.functions import compiled
 BELOW = 10.0  # times the rounding of a gap: a corner not farther below a segment is on it
 AT_END = 1e-6  # share of the segment: a corner deeper than it is over it, and no more than that, has come from its side
 LEAST = 1e-300  # force [N] that counts as negative
-START_BELOW = 0.01  # share of the segment, the same at the start of a run, where a corner may be inside by mistake
 
 
 @compiled
@@ -43,21 +42,6 @@ def passes(m, n, slight):
         return False
     locate_contacts(m)
     return True
-
-
-@compiled
-def fall_asleep(m):
-    """Corners that a run begins with below their segment; their gaps are known."""
-    asleep = False
-    for n in range(m.contact.shape[0]):
-        if m.lever[n, at.ONE_WAY] == 0.0:
-            continue
-        row = m.contact_kinematics[n]
-        row[at.PHASE] = at.AWAKE
-        if row[at.ABOVE] < -START_BELOW * m.lever[n, at.GAP_SCALE]:
-            row[at.PHASE], asleep = at.ASLEEP, True
-    if asleep:
-        locate_contacts(m)
 
 
 @compiled

@@ -13,7 +13,6 @@ from rattle.equations.closure import ITERATIONS, SHUT, close_position, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pins, keep_given, keep_given_rates
 from rattle.equations.motion import drive, solve_motion
-from rattle.equations.one_way import fall_asleep
 from rattle.equations.start_search import ALONG, arm, copy_numbers, find_closing, least_open
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
@@ -120,7 +119,6 @@ def first_outside(m, least):
     Gaps are in `contact_kinematics`.
     """
     locate_contacts(m)
-    fall_asleep(m)
     for n in range(least.shape[0]):
         if least[n] > -math.inf and not m.contact_kinematics[n, at.GAP] >= least[n]:
             return n

@@ -13,7 +13,7 @@ from rattle import registry
 from rattle.analyses.assembly.free_coordinates import free_coordinates
 from rattle.analyses.assembly.start_constants import as_guessed
 from rattle.analyses.load_forces import load_forces
-from rattle.description.model import Driver, Model, is_ground
+from rattle.description.model import Driver, Model, is_ground, point_of_ground
 from rattle.drawings.arrows import Style, Way, straight, turning
 from rattle.drawings.forms import drawing_of
 from rattle.drawings.played import Stage
@@ -222,7 +222,7 @@ def _points(ax: Axes, scene: Scene, position: Position) -> Iterator[Label]:
     model = position.system.model
     ends = [end for joint in model.joints.values() for end in (joint.a, joint.b)]
     taken = {(end.body, end.name) for end in ends}
-    taken |= {("ground", end.body.partition(".")[2]) for end in ends if is_ground(end.body)}
+    taken |= {("ground", point_of_ground(end.body)) for end in ends if is_ground(end.body)}
     every = [("ground", name, spot) for name, spot in model.ground.items()]
     every += [(body, name, spot) for body, its in model.bodies.items() for name, spot in its.points.items()]
     for body, name, spot in every:

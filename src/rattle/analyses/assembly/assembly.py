@@ -28,10 +28,10 @@ from rattle.analyses.assembly.start_constants import (
 )
 from rattle.analyses.assembly.start_notes import start_notes
 from rattle.analyses.assembly.start_values import Places, change_of_given, given_values, keep_rates, places
-from rattle.analyses.assembly.tied_bodies import GROUND, given_in_one_turn, groups_at
+from rattle.analyses.assembly.tied_bodies import given_in_one_turn, groups_at
 from rattle.analyses.assembly.unclosed import without_value
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
-from rattle.description.model import Contact, Model
+from rattle.description.model import GROUND, Contact, Model
 from rattle.equations import start_columns as of
 from rattle.equations.closure import close_rate, open_by, place_only
 from rattle.equations.dense import LARGE

@@ -14,10 +14,10 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from rattle import registry
-from rattle.analyses.assembly.rank import RANK, scaled_rows
+from rattle.analyses.assembly.rank import rank_of, scaled_rows
 from rattle.analyses.assembly.searching import first_guess
 from rattle.analyses.assembly.start_values import KEYS, change_of_given, given_values
-from rattle.description.model import Load, Model, with_fields
+from rattle.description.model import Load, Model, Point, Vector, is_ground, point_of_ground, with_fields
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.start_search import KEPT
@@ -28,7 +28,6 @@ from rattle.language.recorded import as_number, bare
 Place = Mapping[str, float]  # x, y [m] and angle [rad]
 Make = Callable[[Model], System]  # puts a model together
 Find = Callable[[System], np.ndarray]  # positions (3 nb,) at the start
-GROUND = "ground"
 ORIGIN: Place = dict.fromkeys(KEYS[0], 0.0)  # where nothing says otherwise
 
 
@@ -36,13 +35,13 @@ def resting_places(model: Model) -> dict[str, Place]:
     """Places of all bodies that loads between points hold to the ground and whose place is not given as a whole."""
     places: dict[str, Place] = {}
     for load in model.loads.values():
-        ends = (load.a.body, load.b.body)
-        body = ends[1] if ends[0] == GROUND else ends[0]
-        if GROUND not in ends or body == GROUND or load.law is not None or not _holds_points(load):
+        bodies = [end.body for end in (load.a, load.b) if not is_ground(end.body)]
+        if len(bodies) != 1 or load.law is not None or not _holds_points(load):
             continue
+        (body,) = bodies
         if ORIGIN.keys() <= model.initial.bodies.get(body, {}).keys():
             continue
-        place = _without_force(load, model.initial.bodies.get(body, {}))
+        place = _without_force(model, load, model.initial.bodies.get(body, {}))
         if place is not None and places.get(body) in (None, ORIGIN):
             places[body] = place
         places.setdefault(body, ORIGIN)
@@ -55,19 +54,25 @@ def _holds_points(load: Load) -> bool:
     return leaf.rests or (leaf.record is not None and leaf.record.coordinate == "length")
 
 
-def _without_force(load: Load, start: Place) -> Place | None:
+def _without_force(model: Model, load: Load, start: Place) -> Place | None:
     """Where the body of a load to the ground is without force, at its given angle; None if the load does not tell."""
     if not registry.kinds("load")[load.kind].leaf.rests:
         return None
     x, y, angle = (bare(as_number(number)) for number in load.fields["offset"])
-    if load.a.body == GROUND:
-        own, at, turned = load.b.at, (load.a.at[0] + x, load.a.at[1] + y), angle
+    if is_ground(load.a.body):
+        hold = _on_ground(model, load.a)
+        own, at, turned = load.b.at, (hold[0] + x, hold[1] + y), angle
     else:  # the offset turns with the body
-        own, at, turned = (load.a.at[0] + x, load.a.at[1] + y), load.b.at, -angle
+        own, at, turned = (load.a.at[0] + x, load.a.at[1] + y), _on_ground(model, load.b), -angle
     turned = bare(start.get("angle", turned))
     c, s = math.cos(turned), math.sin(turned)
     own_x, own_y, at_x, at_y = (bare(number) for number in (*own, *at))
     return {"x": at_x - (c * own_x - s * own_y), "y": at_y - (s * own_x + c * own_y), "angle": turned}
+
+
+def _on_ground(model: Model, end: Point) -> Vector:
+    """Where an end of a load is on the ground [m], of a point that moves at the start."""
+    return model.ground[point_of_ground(end.body)] if point_of_ground(end.body) else end.at
 
 
 def with_held_bodies(model: Model, make: Make, find: Find) -> Model:
@@ -106,10 +111,10 @@ def held_by_loads(system: System, q: np.ndarray) -> dict[str, Place]:
     if not places or system.row_count > LARGE:
         return {}
     rows, unit = _rows(system, q), np.eye(len(q))
-    rank, free = _rank(rows), {}
+    rank, free = rank_of(rows), {}
     for body, place in places.items():
         n = 3 * system.bodies.index(body)
-        if _rank(np.vstack([rows, unit[n : n + 3]])) == rank + 3:
+        if rank_of(np.vstack([rows, unit[n : n + 3]])) == rank + 3:
             free[body] = place
     return free
 
@@ -123,7 +128,7 @@ def _left_open(system: System, q: np.ndarray) -> dict[str, Place]:
         n, free = 3 * system.bodies.index(body), {}
         for key in ("angle",) if placed_nearby(system.model, body) else ("angle", "x", "y"):
             more = np.vstack([rows, unit[n + KEYS[0].index(key)]])
-            if _rank(more) > _rank(rows):
+            if rank_of(more) > rank_of(rows):
                 rows, free[key] = more, place[key]
         if free:
             left_open[body] = free
@@ -138,7 +143,7 @@ def placed_nearby(model: Model, body: str) -> bool:
         for joint in model.joints.values():
             ends = (joint.a.body, joint.b.body)
             for other in ends if here in ends else ():
-                if other not in reached and other != GROUND:
+                if other not in reached and not is_ground(other):
                     reached.add(other)
                     open_.append(other)
     return any({"x", "y"} & model.initial.given(other) for other in reached)
@@ -148,8 +153,3 @@ def _rows(system: System, q: np.ndarray) -> np.ndarray:
     workspace = system.workspace()
     open_by(workspace, 0.0, q, np.zeros_like(q))
     return scaled_rows(system, workspace)
-
-
-def _rank(rows: np.ndarray) -> int:
-    values = np.linalg.svd(rows, compute_uv=False)
-    return int((values > RANK * values[0]).sum()) if len(values) else 0

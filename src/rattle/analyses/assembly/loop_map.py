@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.outward import leaves_place, ways_outward
-from rattle.analyses.assembly.tied_bodies import GROUND, Tie, passed_ways, tied_ways
-from rattle.description.model import Joint, Model, frame_of
+from rattle.analyses.assembly.tied_bodies import Tie, passed_ways, tied_ways
+from rattle.description.model import GROUND, Joint, Model, frame_of
 from rattle.equations import start_columns as of
 from rattle.equations.closings import MOST_NODES
 from rattle.equations.dense import LARGE

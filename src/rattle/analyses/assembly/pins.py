@@ -10,8 +10,7 @@ import numpy as np
 from rattle.analyses.assembly.loop_map import loop_map
 from rattle.analyses.assembly.rank import free_motions, scaled_rows
 from rattle.analyses.assembly.start_values import given_values
-from rattle.analyses.assembly.tied_bodies import GROUND
-from rattle.description.model import Joint, Model
+from rattle.description.model import GROUND, Joint, Model
 from rattle.equations import start_columns as of
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE

@@ -52,8 +52,13 @@ def rank(system: System, workspace: Workspace) -> int:
         return 0
     if system.row_count > LARGE:
         return system.row_count - int(workspace.redundant.sum())
-    values = np.linalg.svd(scaled_rows(system, workspace), compute_uv=False)
-    return int((values > RANK * values[0]).sum())
+    return rank_of(scaled_rows(system, workspace))
+
+
+def rank_of(rows: np.ndarray) -> int:
+    """Number of independent ones of these rows (nr, n), each about as long as the others."""
+    values = np.linalg.svd(rows, compute_uv=False)
+    return int((values > RANK * values[0]).sum()) if len(values) else 0
 
 
 def independent(workspace: Workspace) -> bool:

@@ -21,8 +21,8 @@ from rattle.analyses.assembly.outward import ways_outward
 from rattle.analyses.assembly.rank import RANK, free_motions, scaled_rows
 from rattle.analyses.assembly.searching import first_guess
 from rattle.analyses.assembly.start_values import KEYS, given_values
-from rattle.analyses.assembly.tied_bodies import GROUND, groups_at
-from rattle.description.model import driven_ends
+from rattle.analyses.assembly.tied_bodies import groups_at
+from rattle.description.model import GROUND, driven_ends
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE, dense_rows
 from rattle.equations.system import System

@@ -9,12 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.assembly.start_values import given_values
-from rattle.description.model import Model, driven_ends
+from rattle.description.model import GROUND, Model, driven_ends
 from rattle.equations.motion import drive
 from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
-
-GROUND = "ground"
 
 
 class Tie(NamedTuple):

@@ -19,9 +19,10 @@ from itertools import filterfalse
 from typing import Any, NamedTuple
 
 from rattle import registry
+from rattle.description.model import is_ground
 from rattle.drawings.arrows import draw_forces
 from rattle.drawings.magnified import draw_magnified
-from rattle.drawings.sheet import Part, Sheet, on_ground
+from rattle.drawings.sheet import Part, Sheet
 
 Draw = Callable[[Sheet, Part], None]
 
@@ -117,5 +118,5 @@ def _name_pins(pins: Iterable[Part]) -> None:
 
 
 def _name_bodies(sheet: Sheet) -> None:
-    for body in filterfalse(on_ground, sheet.geometry["bodies"]):
+    for body in filterfalse(is_ground, sheet.geometry["bodies"]):
         sheet.text(body, (0.0, 0.0), body, line=f"body {body}")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from rattle.description.model import GROUND
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number, call, cos, sin
-from rattle.drawings.sheet import GROUND, Colour, Frame, Part, Sheet, Spot, between, polar
+from rattle.drawings.sheet import Colour, Frame, Part, Sheet, Spot, between, polar
 
 INNER = 0.82  # radius up to which spokes go, as a share of that of the pulley
 

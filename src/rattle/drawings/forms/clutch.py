@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number
-from rattle.drawings.sheet import Frame, Part, Sheet, on_ground, polar
+from rattle.drawings.sheet import Frame, Part, Sheet, polar
 
 
 def hub(bodies: list[str]) -> str:
     """The body around which the arrow is drawn: B, or A if B is the ground."""
     a, b = bodies
-    return a if on_ground(b) else b
+    return a if is_ground(b) else b
 
 
 @drawing("clutch", name_at=1.0)

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number, Value, call, cos, least_of, most_of, sin
-from rattle.drawings.sheet import Colour, Frame, Part, Sheet, Spot, box, on_ground
+from rattle.drawings.sheet import Colour, Frame, Part, Sheet, Spot, box
 
 STRAIGHT = 0.01  # share of the mechanism's size within which points are on the line
 BORE, PISTON, ROD = 0.026, 0.032, 0.009  # half the barrel's height, the piston's length, half the rod's: same share
@@ -44,7 +45,7 @@ def line_of(sheet: Sheet, part: Part) -> Line:
 def carried(sheet: Sheet, part: Part, line: Line, low: Number, high: Number) -> None:
     """Where A is a body, it reaches up to both ends of the line that it carries."""
     (x, y), body = part.point(0), part.bodies[0]
-    if not on_ground(body):
+    if not is_ground(body):
         sheet.reach_up_to(body, *((x + end * cos(line.axis), y + end * sin(line.axis)) for end in (low, high)))
 
 
@@ -62,10 +63,10 @@ def guide(sheet: Sheet, part: Part) -> None:
     line = line_of(sheet, part)
     sheet.force_at(part, part.at(1))
     as_guide: Value = 1.0
-    if not on_ground(a) and not sheet.rings(a):
+    if not is_ground(a) and not sheet.rings(a):
         barrel = _straight(sheet, line, a)
         as_guide = 1.0 - barrel
-        rod = barrel * _straight(sheet, line, b) if not on_ground(b) and not sheet.rings(b) else None
+        rod = barrel * _straight(sheet, line, b) if not is_ground(b) and not sheet.rings(b) else None
         _cylinder(sheet, part, line, barrel, rod)
         sheet.draws(a, barrel)
         if rod is not None:
@@ -96,7 +97,7 @@ def _guide(sheet: Sheet, part: Part, line: Line, when: Value) -> None:
     stop_walls(sheet, part, line, 0.5 * length, 0.7 * height, when)
     for side in (-1.0, 1.0) if part.form["clearance"] else (0.0,):
         ends = [(low, side * half), (high, side * half)]
-        if on_ground(a):
+        if is_ground(a):
             start, end = ends if side <= 0 else ends[::-1]
             sheet.wall(line.frame, start, end, line="grey", width=1.8)
         else:
@@ -106,7 +107,7 @@ def _guide(sheet: Sheet, part: Part, line: Line, when: Value) -> None:
     # the block turns with B, which keeps its angle to A as far as the play lets it
     angles = [sheet.angle(body) for body in (a, b)]
     block = Frame(part.at(1), angles[1] + line.axis - sheet.first(angles[1] - angles[0]))
-    colour = f"body {a if on_ground(b) else b}"
+    colour = f"body {a if is_ground(b) else b}"
     corners = box(-0.5 * length, 0.5 * length, 0.5 * height)
     sheet.path(block, corners, z=2.4, line=colour, width=1.8, fill=Colour(colour, 0.72), closed=True, when=when)
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Value, call
-from rattle.drawings.sheet import Frame, Part, Sheet, on_ground, polar
+from rattle.drawings.sheet import Frame, Part, Sheet, polar
 
 STOP = 0.09  # radius at which stops are marked, as a share of the mechanism's size
 
@@ -28,7 +29,7 @@ def pin(sheet: Sheet, part: Part) -> None:
 
 def _stops(sheet: Sheet, part: Part) -> None:
     """Stops of the angle: marks in the directions that the farthest point of B has there, and the arc between them."""
-    a, b, sense = (0, 1, 1.0) if not on_ground(part.bodies[1]) else (1, 0, -1.0)
+    a, b, sense = (0, 1, 1.0) if not is_ground(part.bodies[1]) else (1, 0, -1.0)
     names, other = sheet.geometry["bodies"][part.bodies[b]]["points"], part.form["points"][b]
     own: Value = 0.0
     if names:

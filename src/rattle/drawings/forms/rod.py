@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from rattle.description.model import GROUND
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Value, call, most_of, sin
-from rattle.drawings.sheet import GROUND, Part, Piece, Sheet, Spot, between
+from rattle.drawings.sheet import Part, Piece, Sheet, Spot, between
 
 PARTS = 24  # of a slack rope
 SAG = 0.9  # depth of a parabola as a share of that of two straight lines of the same length, from 0.87 to 1

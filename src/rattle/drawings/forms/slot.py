@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
 from rattle.drawings.forms.guide import carried, line_of, stop_walls
 from rattle.drawings.numbers import Number
-from rattle.drawings.sheet import Frame, Part, Piece, Sheet, box, on_ground
+from rattle.drawings.sheet import Frame, Part, Piece, Sheet, box
 
 MORE = 0.06  # of a slot without ends beyond the ways of its pin, as a share of the mechanism's size
 HALF = 0.02  # half its height where no size is known, same share
@@ -35,7 +36,7 @@ def _curved(sheet: Sheet, part: Part, edge: Piece) -> None:
     frame = Frame(part.at(0), sheet.angle(part.bodies[0]))
     sheet.path(frame, [edge], z=4.0, line="grey", width=1.8, fill="paper", opacity=0.85, closed=True)
     sheet.hold(frame, edge)
-    if not on_ground(part.bodies[0]):
+    if not is_ground(part.bodies[0]):
         (x, y), last = part.point(0), len(part.form["outline"]) - 1
         ends = ((x + part.number("outline", k, 0), y + part.number("outline", k, 1)) for k in (0, last))
         sheet.reach_up_to(part.bodies[0], *ends)
@@ -53,7 +54,7 @@ def _straight(sheet: Sheet, part: Part, half: Number, pin: Number) -> None:
     right, left = open_ends >= 2.0, open_ends in (1.0, 3.0)
     round_right = sheet.arc((high, 0.0), half, -QUARTER, QUARTER, count=19)
     round_left = sheet.arc((low, 0.0), half, QUARTER, 3.0 * QUARTER, count=19)
-    if on_ground(part.bodies[0]):
+    if is_ground(part.bodies[0]):
         sheet.wall(line.frame, (low, 0.0 - half), (high, 0.0 - half), line="grey", width=1.6)
     stop_walls(sheet, part, line, pin, 1.3 * half)
     ends_right: list[Piece] = [(high, 0.0 - half), None, (high, half)] if right else [round_right]

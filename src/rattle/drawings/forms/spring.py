@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number, Value
-from rattle.drawings.sheet import Colour, Frame, Part, Piece, Sheet, between, on_ground
+from rattle.drawings.sheet import Colour, Frame, Part, Piece, Sheet, between
 
 HALF = 0.025  # half the width, as a share of the mechanism's size
 COILS = 9
@@ -34,7 +35,7 @@ def spring(sheet: Sheet, part: Part) -> None:
         pot = [(0.0, 0.0), *_dashpot(0.6 * half, 0.0), (1.0, 0.0)]
         sheet.path(frame, pot, z=2.0, line="grey", width=1.5, butt=True)
     for end, (body, turn) in enumerate(zip(part.bodies, (-HALF_TURN, HALF_TURN), strict=True)):
-        if on_ground(body):  # hatched behind, as it lies at the start
+        if is_ground(body):  # hatched behind, as it lies at the start
             held = Frame(part.at(end), sheet.first(angle) - turn)
             sheet.wall(held, (1.6 * half, 0.0), (-1.6 * half, 0.0), stroke=0.4 * half)
         sheet.dot(body, part.point(end), 2.6, z=2.0, line="grey", width=1.2)

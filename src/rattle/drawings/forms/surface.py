@@ -9,9 +9,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number, Value, call, cos, least_of, most_of, sin
-from rattle.drawings.sheet import GROUND, Colour, Frame, Part, Piece, Sheet, Spot, between
+from rattle.drawings.sheet import Colour, Frame, Part, Piece, Sheet, Spot, between
 
 BEYOND = 0.12  # of a line beyond the ways of what touches it, as a share of the mechanism's size
 SHELL = 1.06  # outer radius of a hollow by its own
@@ -66,7 +67,7 @@ def _along(frame: Frame, spot: Spot) -> Number:
 def _line(sheet: Sheet, part: Part, frame: Frame) -> None:
     """The line as far as it is needed, or the segment; a segment that bears on both sides has no hatches."""
     body, rolls = part.bodies[0], part.fields.get("roller", 0.0) > 0.0
-    colour: Colour | str = "grey" if body == GROUND else f"body {body}"
+    colour: Colour | str = "grey" if is_ground(body) else f"body {body}"
     if part.fields.get("length", 0.0) > 0.0:
         half = 0.5 * part.number("fields", "length")
         low, high = -half, half
@@ -89,7 +90,7 @@ def _line(sheet: Sheet, part: Part, frame: Frame) -> None:
 def _disc(sheet: Sheet, part: Part) -> None:
     """The disc of A, or the shell of its hollow, with a line that shows how it turns."""
     body, point, radius = part.bodies[0], part.point(0), part.number("fields", "radius")
-    colour, line = ("steel", "grey") if body == GROUND else (f"body {body}", f"body {body}")
+    colour, line = ("steel", "grey") if is_ground(body) else (f"body {body}", f"body {body}")
     ring: list[Piece] = [sheet.arc(point, radius, count=97)]
     if part.fields.get("hollow"):
         shell: list[Piece] = [sheet.arc(point, SHELL * radius, count=97)]
@@ -98,7 +99,7 @@ def _disc(sheet: Sheet, part: Part) -> None:
     else:
         sheet.path(body, ring, z=1.2, line=line, width=1.8, fill=Colour(colour, 0.72), closed=True)
         sheet.hold(body, *ring)
-        if body != GROUND:
+        if not is_ground(body):
             sheet.path(body, [point, (point[0] + 0.8 * radius, point[1])], z=1.3, line=colour)
         sheet.dot(body, point, 2.6, z=1.3)
 

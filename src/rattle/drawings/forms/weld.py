@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
-from rattle.drawings.sheet import Part, Sheet, on_ground
+from rattle.drawings.sheet import Part, Sheet
 
 HALF = 0.045  # of the hatched line, as a share of the mechanism's size
 
@@ -13,7 +14,7 @@ def weld(sheet: Sheet, part: Part) -> None:
     """Draw one fixed joint."""
     sheet.dot(part.bodies[0], part.point(0), 5.0, fill="black", square=True)
     for end, body in enumerate(part.bodies):
-        if not on_ground(body):
+        if not is_ground(body):
             continue
         x, y = part.point(end)
         half = HALF * sheet.size

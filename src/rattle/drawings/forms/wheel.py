@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 
+from rattle.description.model import is_ground
 from rattle.drawings.forms import drawing
 from rattle.drawings.numbers import Number, cos, sin
-from rattle.drawings.sheet import GROUND, Colour, Frame, Part, Sheet, Spot, polar
+from rattle.drawings.sheet import Colour, Frame, Part, Sheet, Spot, polar
 
 BEYOND = 1.5  # of the line beyond the ways of the wheel, in radii
 HOLES = 3
@@ -37,8 +38,8 @@ def wheel(sheet: Sheet, part: Part) -> None:
     sheet.force_at(part, Spot(x2 + radius * sin(line.angle), y2 - radius * cos(line.angle)))
     least, most = sheet.range(way)
     start, end = (least - BEYOND * radius, 0.0), (most + BEYOND * radius, 0.0)
-    colour = "black" if part.bodies[0] == GROUND else f"body {part.bodies[0]}"
-    height = 1.8 if part.bodies[0] == GROUND else 3.1  # on the body that carries it
+    colour = "black" if is_ground(part.bodies[0]) else f"body {part.bodies[0]}"
+    height = 1.8 if is_ground(part.bodies[0]) else 3.1  # on the body that carries it
     sheet.wall(line, start, end, z=height, stroke=STROKE * radius, line=colour, width=1.8)
     disc(sheet, part, radius)
     sheet.dot(part.bodies[1], part.point(1), 2.6)

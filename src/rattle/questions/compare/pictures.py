@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rattle import registry
-from rattle.drawings.sheet import on_ground
+from rattle.description.model import is_ground
 from rattle.interfaces.contacts import ClearanceKind
 from rattle.plots.curves import (
     BLACK,
@@ -273,7 +273,7 @@ def _orbit(ax: Axes, comparison: Comparison, model: str) -> None:
 
 def _walls(ax: Axes, form: Tree, c: float, limit: float) -> None:
     """The two walls of a guide that is fixed to the ground, with the free width between them."""
-    if not on_ground(form["bodies"][0]):
+    if not is_ground(form["bodies"][0]):
         return
     cos, sin = math.cos(form["axis"]), math.sin(form["axis"])
     ends = [(2.0 * i * limit, j * c) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]

@@ -100,7 +100,7 @@ def _equilibria(system: System, t: float, branches: str, effort: float) -> Equil
     if not names:
         return _searched(system, t, branches, effort, ends)
     start = position_at(system, t)
-    soft = soft_surfaces(system, t, start)
+    soft = soft_surfaces(system, names, t, start)
     answer, surfaces = _searched(soft, t, branches, effort, ends), Surfaces(soft, names, t)
     settled: list[Equilibrium] = []
     for rest in itertools.chain(map(surfaces.settled, answer), surfaces.near(start)):

@@ -7,18 +7,18 @@ A contact whose joint would have to pull is let go, one that is inside its surfa
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from rattle.analyses.load_forces import load_forces
+from rattle.analyses.load_forces import gravity_over, load_forces
 from rattle.description.model import Choice, Contact, Joint, Point
 from rattle.equations.closure import open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.contact_table import contact_groups, contact_labels
 from rattle.equations.motion import place
-from rattle.equations.placement import pose
+from rattle.equations.placement import point_at, pose
 from rattle.equations.system import System, compile_system
 from rattle.interfaces.contacts import OneSidedKind
 from rattle.jit import layout as at
@@ -41,15 +41,12 @@ def rigid_surfaces(system: System) -> list[str]:
     return [name for name, joint in joints if joint.leaf.touches and joint.contact is not None and joint.contact.rigid]
 
 
-def soft_surfaces(system: System, t: float, q: np.ndarray) -> System:
-    """The mechanism with rigid surfaces that give way; the system itself if it has none.
+def soft_surfaces(system: System, names: Iterable[str], t: float, q: np.ndarray) -> System:
+    """The mechanism with rigid surfaces that give way, those with these names.
 
     t [s], q (3 nb,) [m, m, rad]: where its loads say how stiff they have to be.
     """
-    names = rigid_surfaces(system)
-    if not names:
-        return system
-    weight = float(np.abs(system.arrays["mass"][1:, :1] * system.arrays["gravity"]).sum())
+    weight = float(np.abs(system.arrays["mass"][1:, :1] * gravity_over(system, np.array([t]))[0]).sum())
     forces = load_forces(system, t, q, np.zeros_like(q)).values()
     push = sum(float(np.hypot(*force[1:, :2].T).max(initial=0.0)) for force in forces)
     static = Choice("power", {"stiffness": (weight + push or 1.0) / (SOFT * system.size), "exponent": 1.0})
@@ -135,7 +132,7 @@ class Surfaces:
             if solution is None:
                 return None
             exact = problem.finish(*solution)
-            normals, rows = self._normals(exact, touching), self._rows(exact.q)
+            normals, rows = self._normals(exact, problem.system, touching), self._rows(exact.q)
             worst = min(normals, key=lambda contact: normals[contact], default=None)
             size = max(map(abs, normals.values()), default=0.0)
             if worst is not None and normals[worst] <= CARRIES * size:
@@ -175,14 +172,13 @@ class Surfaces:
                     worst, which = -rows[n, at.GAP], (name, k)
         return which
 
-    def _normals(self, exact: Equilibrium, touching: Touching) -> dict[tuple[str, int], float]:
-        """N [N] of every contact that is held."""
+    def _normals(self, exact: Equilibrium, holding: System, touching: Touching) -> dict[tuple[str, int], float]:
+        """N [N] of every contact that `holding` holds."""
         rows, normals = self._rows(exact.q), {}
         for name, corners in touching.items():
             for k in corners:
                 row, key = rows[self.numbers[name][k]], f"{HELD_BY}{name} {k}"
-                first = exact.table.geometry["joints"][key]["bodies"][0]
-                on_b = 1.0 if first == self.soft.model.joints[name].a.body else -1.0
+                on_b = 1.0 if holding.model.joints[key].a.body == self.soft.model.joints[name].a.body else -1.0
                 normals[name, k] = -on_b * (exact[f"{key}.fx"] * row[at.NX] + exact[f"{key}.fy"] * row[at.NY])
         return normals
 
@@ -196,14 +192,19 @@ class Surfaces:
                 row[k] = exact[key]
         labels = contact_labels(self.soft.model)
         for name, numbers in self.numbers.items():
-            fx = fy = total = 0.0
+            fx = fy = moment = total = 0.0
+            joint = self.soft.model.joints[name]
+            arm = point_at(self.soft, exact.q, joint.b) - pose(self.soft, exact.q, joint.b.body)[:2]
             for k, n in enumerate(numbers):
-                normal = normals.get((name, k), 0.0)
-                fx, fy, total = fx - normal * rows[n, at.NX], fy - normal * rows[n, at.NY], total + normal
+                normal, touch = normals.get((name, k), 0.0), rows[n]
+                x, y = -normal * touch[at.NX], -normal * touch[at.NY]
+                fx, fy, total = fx + x, fy + y, total + normal
+                moment += (touch[at.PBX] - arm[0]) * y - (touch[at.PBY] - arm[1]) * x
                 if labels[n][1]:
                     row[column[f"{name}.{labels[n][1]}.normal"]] = normal
             gap = min(rows[n, at.GAP] for n in numbers)
-            values = {"fx": fx, "fy": fy, "normal": total, "gap": max(gap, 0.0), "tangential": 0.0, "penetration": 0.0}
+            values = {"fx": fx, "fy": fy, "moment": moment, "normal": total, "gap": max(gap, 0.0)}
+            values |= {"tangential": 0.0, "penetration": 0.0}
             for key, value in values.items():
                 row[column[f"{name}.{key}"]] = value
         return replace(exact, row=row, table=rest.table, touching={name: touching[name] for name in self.names})

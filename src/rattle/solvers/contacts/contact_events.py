@@ -17,7 +17,7 @@ import numpy as np
 
 from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
 from rattle.equations.motion import place
-from rattle.equations.one_way import fall_asleep, passes
+from rattle.equations.one_way import passes
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.equations.worn_contact import worn_energy
 from rattle.jit import layout as at  # fmt: skip
@@ -48,7 +48,6 @@ def start_contacts(m, t, y):
     contact, kinematics, memory, nq = m.contact, m.contact_kinematics, m.contact_memory, m.change.shape[0]
     place(m, y[:nq], y[nq : 2 * nq])
     locate_contacts(m)
-    fall_asleep(m)
     for n in range(contact.shape[0]):
         if contact[n, at.IMPACT] == 1:
             continue

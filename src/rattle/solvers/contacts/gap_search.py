@@ -38,8 +38,8 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.compliant import measure
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.families import call_clearance
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.penetration import OF_COORDINATES, OF_SCALE, scale_of
 from rattle.solvers.dense_output import HALVINGS, INSTANT, OF_STEP
@@ -219,19 +219,7 @@ def gap_at(m, theta, n):
                 value = (value + dense[row, k]) * (theta if row % 2 == 0 else rest)
             body[i, at.X + q] = y[k] + value
         body[i, at.COS], body[i, at.SIN] = math.cos(body[i, at.X + 2]), math.sin(body[i, at.X + 2])
-    call_clearance(
-        m.clearance_table[contact[n, at.SHAPE]],
-        (
-            body,
-            contact[n, at.A_BODY],
-            contact[n, at.B_BODY],
-            m.values,
-            contact[n, at.SHAPE_P],
-            contact[n, at.CORNER],
-            n,
-            kinematics,
-        ),
-    )
+    measure(m, n, contact[n, at.CORNER])
     return kinematics[n, at.GAP], kinematics[n, at.DGAP]
 
 

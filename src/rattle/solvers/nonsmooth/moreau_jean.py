@@ -38,7 +38,7 @@ from rattle.equations.motion import (
     loads,
     place,
 )  # fmt: skip
-from rattle.equations.one_way import fall_asleep, follow_sides
+from rattle.equations.one_way import follow_sides
 from rattle.equations.schur import factorise
 from rattle.equations.state import (
     DISSIPATED,
@@ -91,7 +91,6 @@ def start(m, t):
     y, sign = m.state, m.sign
     project(m, t, y)
     locate_contacts(m)
-    fall_asleep(m)
     seat_pawls(m, True)
     for n in range(sign.shape[0]):  # what the first step finds
         sign[n] = 1.0
