@@ -223,6 +223,17 @@ def test_a_disc_turns_about_the_end_of_a_table_and_leaves_it_where_nothing_press
     assert columns(fast, "disc.x", "disc.y")[1:] == pytest.approx(np.array(wanted), abs=1e-9)
 
 
+def test_what_a_disc_would_need_behind_the_end_that_it_flies_off_is_no_force():
+    """N is m g up to the end, where m g - m v^2/r would pull: no peak, and no value just before the end, has it."""
+    r = table(2.0).simulate(0.4, **EXACT)
+    weight = 2.0 * G
+    assert r.peak("table.force")[0] == pytest.approx(weight, rel=1e-9)
+    assert r.rms("table.force") == pytest.approx(weight * math.sqrt(0.075 / 0.4), rel=1e-6)
+    around = r.with_breaks
+    assert np.unique(around["table.normal"].round(6)) == pytest.approx(np.array([0.0, weight]))
+    assert np.abs(around["disc.ay"]).max() == pytest.approx(G, rel=1e-9)
+
+
 def test_a_point_slides_off_the_end_of_a_table_and_meets_nothing_beside_it():
     r = table(1.0, roller="", height=0.0).simulate(0.4, t_eval=[0.0, 0.1, 0.4], **EXACT)
     assert columns(r, "disc.x", "disc.y")[1:] == pytest.approx(

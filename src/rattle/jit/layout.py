@@ -207,6 +207,7 @@ LOCK_SHARE = column("held", "", "smallest (G_nn +- mu G_nt) / G_nn of a sliding 
 LOCK_AT = column("held", "s", "when")
 LOCK_CONTACT = column("held", "", "which contact")
 FAINT = column("held", "SI", "magnitude below which a is rounding, whatever f")
+BEFORE_JUMP = column("held", "", "share of the step just before an event that is a jump of a force; else 1")
 
 EVENT_AT = column("stuck", "s", "time of the last event")
 EVENTS_THERE = column("stuck", "", "events at that time so far")

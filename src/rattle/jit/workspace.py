@@ -126,7 +126,7 @@ ARRAYS = {
     "chain": Array("f2", "10, 2 nc", "", "see `impact_chain`"),
     "looks": Array("f2", "looks, 4 nc + 2", "", "samples of the indicators in a step, see `event_search`"),
     "glances": Array("f2", "n, 4 nc + 2", "", "the same at the stages of a step, see `contact_samples`"),
-    "held": Array("f1", "12", "", "what is known of the contact problem at hand"),
+    "held": Array("f1", "13", "", "what is known of the contact problem at hand"),
     "net_place": Array("i1", "nr + 2 nc", "", "rows of joints and contacts together: order, see `contact_network`"),
     "net_first": Array("i1", "nr + 2 nc + 1", "", "see `place` to `pairs`"),
     "net_below": Array("i1", "entries of L", "", ""),

@@ -321,14 +321,24 @@ def first_event(m, t, h, low, high, calm, suspect):
 
 
 @compiled
+def just_before(m, until, met):
+    """Share of a step up to which forces count: `until`, or just before it if the event there is a jump of a force.
+
+    A wall that ends holds no more behind its end: what the contact would need there is no force of the motion.
+    """
+    return min(until, m.held[at.BEFORE_JUMP]) if met and is_rigid(m) else until
+
+
+@compiled
 def sum_step(m, t, h, until, by_stages, met, passed):
     """Peaks and sums of a step with a dense output up to the share `until`; met: an event ends it there.
 
     by_stages: 1 if the stages have shown all changes of closed contacts.
     """
+    event, until = until, just_before(m, until, met)
     if passed != CLEAR:
         solved = count_step(m, t, h, until, stage_layout(m), 1, 1 if passed == PASSES else 0)
-    elif by_stages == 1:
+    elif by_stages == 1 and until == event:  # no polynomial through the stages has a jump
         solved = end_by_stages(m, t, h, until)
     else:
         looked = is_rigid(m) and not met and any_closed(m)
@@ -371,8 +381,12 @@ def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
     if not quiet and not write_until(m, t, h, t_until, t_out, out):
         return ESCAPED
     if keeps_breaks(m) and (met or m.landing[at.LANDS] > 0.0):
-        for n in range(stage.shape[0]):
-            stage[n] = y_new[n]
+        before = just_before(m, until, met)
+        if before < until:
+            interpolate(m, before, stage)
+        else:
+            for n in range(stage.shape[0]):
+                stage[n] = y_new[n]
         project_state(m, t_until, stage)
         before_break(m, t_until, stage)
     if m.contact.shape[0] > 0 and (inside_wall(m) if quiet else escaped(m, y_new)):

@@ -150,6 +150,7 @@ def doubtful(m, error):
 @native("fiii", "h", "f", "f", "i", "i", "i")
 def first_of_rigid(m, t, h, low, high, calm):
     """The first event in the step, see `first_event`; calm: 1 if there is none."""
+    m.held[at.BEFORE_JUMP] = 1.0
     if calm == 1:
         keep_forces(m)
         return NONE, -1, NOTHING, 1 if stages_tell(m) else 0

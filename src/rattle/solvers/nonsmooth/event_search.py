@@ -115,6 +115,7 @@ def first_positive(m, t, h, n, what, low, high, f_low):
 def locate(m, t, h, n, what, low, high, f_low, f_high, column):
     """Share of the step between low and high at which an indicator, with these values there, becomes negative.
 
+    The second share is the same, or just before it if the indicator jumps there.
     column: of the samples at the stages, which predict the zero; -1 if they do not.
     """
     low, f_low = first_positive(m, t, h, n, what, low, high, f_low)
@@ -122,17 +123,17 @@ def locate(m, t, h, n, what, low, high, f_low, f_high, column):
     lift = unseen(m, n, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
     f_low, f_high = f_low + lift, f_high + lift
     if f_low <= 0.0:
-        return low
+        return low, low
     last, whole = high, f_low
-    high, f_high = zero_of(m, t, h, n, what, low, high, f_low, f_high, lift, column)
+    low, high, f_high = zero_of(m, t, h, n, what, low, high, f_low, f_high, lift, column)
     if f_high < -JUMPED * whole:
-        high = min(high + BEYOND * abs(t) / h, last)
-    return high
+        return min(high + BEYOND * abs(t) / h, last), low
+    return high, high
 
 
 @compiled
 def zero_of(m, t, h, n, what, low, high, f_low, f_high, lift, column):
-    """Share between low and high at which an indicator plus `lift` becomes negative, and its value there."""
+    """Shares just before and after an indicator plus `lift` becomes negative between low and high, and it after."""
     far, f_far, near, shift, tilt = low, f_low, low, lift, 0.0
     least = INSTANT * abs(t) + OF_STEP * h
     for turn in range(MOST_TURNS):
@@ -156,7 +157,7 @@ def zero_of(m, t, h, n, what, low, high, f_low, f_high, lift, column):
             far, f_far, high, f_high = high, f_high, middle, value
         else:
             far, f_far, low, f_low = low, f_low, middle, value
-    return high, f_high
+    return low, high, f_high
 
 
 @compiled
@@ -275,10 +276,12 @@ def first_between(m, t, h, i, best, who, what, guided):
         last = KINDS * n + kind
         column = column_of(m, i + 1, n, kind) if guided == 1 else -1
         left, right = seen_at(m, i, n, kind), seen_at(m, i + 1, n, kind)
-        share = locate(m, t, h, n, kind, looks[i, at.LOOK_SHARE], looks[i + 1, at.LOOK_SHARE], left, right, column)
+        begin, end = looks[i, at.LOOK_SHARE], looks[i + 1, at.LOOK_SHARE]
+        share, before = locate(m, t, h, n, kind, begin, end, left, right, column)
         if share < best:
             best, who, what = share, n, kind
-        if share <= looks[i, at.LOOK_SHARE]:
+            m.held[at.BEFORE_JUMP] = before
+        if share <= begin:
             break
         look(m, t, h, share, i + 1)
         m.tally[at.EVALUATIONS] += 1
@@ -433,6 +436,7 @@ def first_event(m, t, h, low, high):
         best, who, what = first_by_stages(m, t, h, low, high)
         if who >= 0:
             return best, who, what, True
+        m.held[at.BEFORE_JUMP] = 1.0
     if best == NONE and low < last and (low > 0 or high < last):
         left, right = shares[low, at.LOOK_SHARE], shares[high, at.LOOK_SHARE]
         best, who, what = first_change(m, t, h, left, right, 4, best, who, what)
