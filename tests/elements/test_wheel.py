@@ -215,3 +215,47 @@ def test_mobility_counts_the_row_that_friction_gives_up():
 def test_what_a_wheel_does_not_have_is_refused(joint, word):
     with pytest.raises(ModelError, match=word):
         disc(joint=joint)
+
+
+LIFTING = """
+format = 1
+ground.points = {{ O = [0, 0], M = ["0.01*sin(t/(1 s))", 0] }}
+bodies.disc = {{ points = {{ C = [0, 0] }}, mass = 2, inertia = 0.01 }}
+initial.disc = {{ x = 0, y = 0.1 }}
+joints.wheel = {{ connect = ["ground.O", "disc.C"], contact = {{ model = "impact" }}, {more} }}
+"""
+
+
+def test_a_wheel_that_may_lift_off_has_the_line_of_one_that_does_not():
+    joint = rt.loads(LIFTING.format(more='type = "wheel", radius = 0.1')).model.joints["wheel"]
+    assert (joint.kind, joint.fields["axis"], joint.fields["roller"]) == ("surface", 0.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ('type = "wheel"', "wheel: needs radius: radius of the wheel"),
+        ('type = "wheel", radius = -1', "wheel.radius: -1 must be positive"),
+        ('type = "wheel", radius = 0.1, length = 1', "wheel.length: unknown key; known: .* axis, radius"),
+        ('type = "wheel", radius = 0.1, friction = 0.2', "friction of a wheel belongs to its contact"),
+        ('type = "surface", axis = 0, roller = 0.1, friction = 0.2', "friction of a surface belongs to its contact"),
+    ],
+)
+def test_a_wheel_that_may_lift_off_is_refused_by_its_own_keys(more, words):
+    with pytest.raises(ModelError, match=words) as error:
+        rt.loads(LIFTING.format(more=more))
+    assert len(error.value.problems) == 1
+
+
+@pytest.mark.parametrize(
+    ("connect", "corners", "words"),
+    [
+        ('["disc.C", "ground.M"]', '["O"]', r"corners: 'ground.M' moves over t, .* leave corners out"),
+        ('["disc.C", "ground.O"]', '["O", "M"]', r"corners\[1\]: 'ground.M' moves over t, away from the other corners"),
+        ('["ground.O", "disc.C"]', '["disc.C"]', "write 'C': corners are points of this body"),
+    ],
+)
+def test_corners_that_no_one_body_has_are_refused(connect, corners, words):
+    text = LIFTING.format(more=f'type = "surface", axis = 0, corners = {corners}')
+    with pytest.raises(ModelError, match=words):
+        rt.loads(text.replace('["ground.O", "disc.C"], contact', f"{connect}, contact"))

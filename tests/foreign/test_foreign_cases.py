@@ -49,9 +49,12 @@ def test_a_curve_that_is_not_theirs_is_noticed():
     case = next(case for case in CASES if str(case) == "chrono/revolute_1")
     right = case.curves[0]
     moved = dataclasses.replace(right, values=right.values + SHOWN)
-    wrong = dataclasses.replace(right, wrong="a claim that is not true")
-    compared = dataclasses.replace(case, curves=(right, moved, wrong)).compared
-    assert [each.as_claimed for each in compared] == [True, False, False]
+    numbers = ((float(right.t[-1]), float(right.values[-1]), right.tolerance),)
+    wrong = dataclasses.replace(right, wrong="a claim that is not true", right=numbers)
+    shown = dataclasses.replace(wrong, values=moved.values)
+    unknown, other = (dataclasses.replace(shown, right=these) for these in ((), ((numbers[0][0], 9.0, 0.1),)))
+    compared = dataclasses.replace(case, curves=(right, moved, wrong, shown, unknown, other)).compared
+    assert [each.as_claimed for each in compared] == [True, False, False, True, False, False]
 
 
 @pytest.mark.nojit

@@ -82,6 +82,12 @@ def test_elastic_balls_part_as_those_of_a_compliant_chain(case):
     assert not any("created energy" in note for note in r.trust.notes)
 
 
+def test_three_equal_balls_part_as_is_known():
+    """The numbers of docs/contact.md, of elastic ones."""
+    got, _ = after(chain([1, 1, 1], [1, 0, 0], [1, 1], 1.5, [1, 1]))
+    assert got == pytest.approx([-0.071, 0.076, 0.995], abs=5e-4)
+
+
 def increments(masses, rates, stiffness, exponent, restitution, steps=10_000):
     """The scheme of Liu, Zhao and Brogliato: small impulses, shared by the energies of the contacts."""
     masses, stiffness, e = np.array(masses, float), np.array(stiffness, float), np.array(restitution, float)
@@ -281,6 +287,22 @@ friction = { mu = 0.1, pin_radius = 0.01 }
 """
     with pytest.raises(ModelError, match="no dry friction of joints"):
         chain([1, 1], [1, 0], [1], 1.5, [1], rubbing).simulate(0.1)
+    rolling = """
+[bodies.wheel]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[joints.floor]
+type = "surface"
+connect = ["ground.O", "wheel.C"]
+axis = 0
+roller = 0.1
+contact = { model = "impact", restitution_law = "lzb", stiffness = 1, rolling = 1e-3 }
+[initial]
+wheel = { x = 0, y = 0.1 }
+"""
+    with pytest.raises(ModelError, match="floor.contact.rolling: .* knows no rolling resistance"):
+        chain([1, 1], [1, 0], [1], 1.5, [1], rolling).simulate(0.1)
     clutch = """
 [bodies.wheel]
 points = { C = [0, 0] }

@@ -231,6 +231,11 @@ class Joint:
     corners: Corners = field(default_factory=dict)  # points of B that may touch a surface
 
     @property
+    def friction_path(self) -> tuple[str, ...]:
+        """Where its friction without play is written: that of a disc that rolls on a surface in its contact."""
+        return ("joints", self.name, *(("contact", "rolling") if self.leaf.touches else ("friction",)))
+
+    @property
     def worn(self) -> Wear | None:
         """Wear of a joint whose contact is between two profiles; None if its surfaces are round, as those in oil."""
         if self.wear is None or self.wear.profile is None or self.contact is None:

@@ -5,7 +5,9 @@ A table may hold fields of other models, so that one word changes the model; the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from rattle import registry
@@ -20,6 +22,7 @@ from rattle.interfaces.contacts import ContactGeometry, ContactKind, OneSidedKin
 from rattle.interfaces.fields import Fields, LawValues
 from rattle.language.materials import contact_modulus
 from rattle.language.recorded import sqrt
+from rattle.language.units import QuantityError, dimension_of, parse_quantity
 
 POINT = "sphere"  # the formula of a point contact
 ALONG = ("friction", "tangential_restitution")  # keys of what happens along a wall
@@ -244,7 +247,7 @@ def _rolling(reader: FieldReader, table: Table, site: Site, path: Path) -> float
     """Lever arm of rolling resistance [m], 0 without."""
     if "rolling" not in table:
         return 0.0
-    if not site.curvature > 0.0:
+    if site.curvature == 0.0:
         why = "only a disc that rolls on a surface resists so: give the surface a roller"
         reader.values.wrong((*path, "rolling"), why, at_key=True)
         return 0.0
@@ -326,7 +329,10 @@ def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) ->
     elif by_stiffness:
         return "power"
     elif not by_geometry:
-        values.wrong(path, "needs a stiffness (with exponent), or bush_material, pin_material and geometry")
+        needs = "needs a stiffness, with its exponent if that is not 1.5"
+        materials = site.leaf.from_materials or site.curvature != 0.0
+        other = ", or bush_material, pin_material and geometry" if materials else ": corners have no radius"
+        values.wrong(path, needs + other)
     elif name := reader.field(FORMULA, "geometry", {"geometry": "sphere", **table}, {}, path):
         if site.leaf.from_materials or (site.curvature > 0.0 and name == POINT):
             return str(name)
@@ -335,7 +341,7 @@ def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) ->
             values.wrong((*path, "geometry"), point)
             return ""
         needs = "needs stiffness and exponent: these formulas are for pins in bushes"
-        values.wrong((*path, "geometry"), f"{site.leaf.wall} {needs}")
+        values.wrong((*path, next(key for key in GEOMETRY if key in table)), f"{site.leaf.wall} {needs}", at_key=True)
     return ""
 
 
@@ -358,8 +364,23 @@ def _elastic(
         exponent = reader.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
         force, length = site.unit("N"), site.unit("m")
         unit = f"{force}/{length}^{exponent:g}" if exponent == exponent else f"{force}/{length}"
+        if _is_linear(reader, table[key], f"{force}/{length}", unit):
+            linear = f"{quoted(table[key])} is that of a linear spring: give exponent = 1 with it, or K in {unit}"
+            reader.values.wrong((*path, key), linear)
+            return math.nan
         return reader.values.value(table[key], unit, (*path, key), "positive")
     return reader.field(field, key, table, read, path)
+
+
+def _is_linear(reader: FieldReader, written: object, linear: str, unit: str) -> bool:
+    """True if a quantity, or a parameter, has the unit of a linear spring, which is not that asked for."""
+    if not isinstance(written, str) or dimension_of(linear) == dimension_of(unit):
+        return False
+    with suppress(QuantityError):
+        quantity = parse_quantity(written)
+        dimension = reader.values.dimensions.get(written) if quantity is None else quantity[1]
+        return dimension == dimension_of(linear)
+    return False
 
 
 def _friction(reader: FieldReader, written: object, path: Path) -> Choice | None:

@@ -49,15 +49,8 @@ from rattle.registry import Field
 
 Target = tuple[registry.Kind[DriverKind], str, Point | None, str]  # kind of driver, joint, point, what is driven
 NOWHERE = Point("", "", (math.nan, math.nan))
+OF_CONTACT = "the friction of a {} belongs to its contact: contact = {{ model, friction, ... }}"
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
-
-
-def _lifting(kind: registry.Kind[JointKind], table: Table) -> tuple[registry.Kind[JointKind], Table]:
-    """The kind that a joint is with a contact, which lets it lift off, and its table with the keys of that kind."""
-    if "contact" not in table or kind.leaf.lifting is None:
-        return kind, table
-    other, renamed = kind.leaf.lifting
-    return registry.kinds("joint")[other], {renamed.get(key, key): written for key, written in table.items()}
 
 
 def moved_joints(driver: str = "") -> list[str]:
@@ -203,7 +196,6 @@ class Parts(FieldReader):
         if kind is None:
             self.broken_joints.add(name)
             return
-        kind, table = _lifting(kind, table)
         a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
         play = registry.play_of(kind.name)
         sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
@@ -211,6 +203,9 @@ class Parts(FieldReader):
         fields = self.fields(kind, table, path)
         if len(values.problems) == before:  # of fields that are sound
             self._require_consistent(kind, table, fields, path)
+        named = kind.name
+        if "contact" in table:
+            kind, fields = self._lifting(kind, fields, path)
         clearance = self.read(JOINT, table, path)["clearance"]
         contact = self._contact(table, kind, fields, clearance, path)
         clearance = 0.0 if clearance is None else clearance
@@ -220,7 +215,11 @@ class Parts(FieldReader):
         dimensions = self._dimensions(sizes, table, play, contact, path)
         corners = self._corners(kind, fields, b, path) if len(values.problems) == before else {}
         sound, block = len(values.problems) == before, next(iter(dimensions.values()), ())
-        friction = self._friction(table, kind, (fields, sound), block, (clearance, contact), path)
+        if kind.leaf.touches and "friction" in table:
+            values.wrong((*path, "friction"), OF_CONTACT.format(named), at_key=True)
+            friction = None
+        else:
+            friction = self._friction(table, kind, (fields, sound), block, (clearance, contact), path)
         if contact is not None and contact.rolling > 0.0:
             friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
@@ -230,6 +229,16 @@ class Parts(FieldReader):
         )  # fmt: skip
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _lifting(
+        self, kind: registry.Kind[JointKind], fields: dict[str, float], path: Path
+    ) -> tuple[registry.Kind[JointKind], dict[str, float]]:
+        """The kind that a joint is with a contact, which lets it lift off, and its fields; most are what they were."""
+        if kind.leaf.lifting is None:
+            return kind, fields
+        name, renamed = kind.leaf.lifting
+        other = registry.kinds("joint")[name]
+        return other, self.fields(other, {}, path) | {renamed.get(key, key): fields[key] for key in fields}
 
     def _friction(
         self, table: Table, kind: registry.Kind[JointKind], read: tuple[Fields, bool], block: Sequence[float],
@@ -258,10 +267,19 @@ class Parts(FieldReader):
             return {str(n + 1): corner for n, corner in enumerate(outline[0])} if outline else {}
         if isinstance(labels, float) or not labels:
             return {b.name: b.at}
+        if b.body != "ground" and is_ground(b.body):
+            why = f"'{b.body}' moves over t, and other points of the ground do not move with it; leave corners out"
+            self.values.wrong((*path, "corners"), why, at_key=True)
+            return {}
         points = self.ground if b.body == "ground" else self.bodies[b.body].points
         for n, label in enumerate(labels):
-            if label not in points:
-                why = f"no point {quoted(label)} on '{b.body}'{suggest(label, points)}"
+            if f"{b.body}.{label}" in self.bodies:
+                why = f"'{b.body}.{label}' moves over t, away from the other corners; give it a surface of its own"
+                self.values.wrong((*path, "corners", n), why)
+            elif label not in points:
+                own = label.removeprefix(f"{b.body}.")
+                hint = f"; write '{own}': corners are points of this body" if own in points else suggest(label, points)
+                why = f"no point {quoted(label)} on '{b.body}'{hint}"
                 self.values.wrong((*path, "corners", n), why)
         return {label: points[label] for label in labels if label in points}
 
@@ -339,15 +357,15 @@ class Parts(FieldReader):
         return dimensions
 
     def _contact_of_play(self, table: Table, joint: str, clearance: float, path: Path) -> Contact | None:
+        if registry.play_of(joint) is None:
+            self.values.wrong((*path, "clearance"), f"a {joint} joint cannot have clearance; leave it out", at_key=True)
+            return None
         if "contact" in table:
             return read_contact(self, table["contact"], site_of_clearance(joint, clearance), (*path, "contact"))
-        suited = contact_models(joint) if registry.play_of(joint) is not None else []
+        suited = contact_models(joint)
         if DEFAULT_CONTACT in suited:
             return read_contact(self, DEFAULT_CONTACT, site_of_clearance(joint, clearance), path)
-        if suited:
-            self.values.wrong(path, f"a {joint} joint with clearance needs a contact: {', '.join(suited)}")
-        else:
-            self.values.wrong((*path, "clearance"), f"a {joint} joint cannot have clearance; leave it out", at_key=True)
+        self.values.wrong(path, f"a {joint} joint with clearance needs a contact: {', '.join(suited)}")
         return None
 
     def _stop(self, written: object, joint: str, path: Path) -> Stop | None:

@@ -387,13 +387,13 @@ def contact_lines(result: Curves) -> tuple[str, ...]:
             if summary.impacts
             else []
         )
-        if summary.readable:
-            phrases.append(SENTENCES["lasting"].format(force=quantity(summary.peak, "N")))
-        else:
+        if not summary.readable:
             phrases.append(SENTENCES["towers"])
+        elif summary.peak > 0.0:
+            phrases.append(SENTENCES["lasting"].format(force=quantity(summary.peak, "N")))
         if joint in result.trust.elastic:
             phrases.append(f"elastic bushes would show about {bracket(result, joint)} ({result.trust.bushes[joint]})")
-        lines.append(f"{joint}: {'; '.join(phrases)}")
+        lines += [f"{joint}: {'; '.join(phrases)}"] if phrases else []
     return (*lines, *clutch_lines(result))
 
 

@@ -12,7 +12,6 @@ from rattle.analyses.dynamics.event_driven_run import EventDrivenRun
 from rattle.analyses.dynamics.moreau_jean_run import MoreauJeanRun
 from rattle.analyses.dynamics.run import How, Run
 from rattle.analyses.dynamics.smooth_run import SmoothRun
-from rattle.description.model import Joint
 from rattle.equations.contact_table import contact_groups
 from rattle.equations.system import System
 from rattle.errors import InputError, ModelError, Problem
@@ -105,19 +104,10 @@ def require_round(system: System, stepper: Kind[StepperKind]) -> None:
 def require_friction_known(system: System, stepper: Kind[StepperKind]) -> None:
     """Raise ModelError for friction in joints without play if the stepper does not know it."""
     if stepper.leaf.loop == TIME_STEPPING and system.dry_joints:
-        words = (
-            f"method {stepper.name} knows friction in contacts only, not in joints without play; use method"
-            f" {usual_stepper(SET_VALUED)}"
-        )
-        raise ModelError([_unknown_friction(system.model.joints[name], words) for name in system.rough_joints])
-
-
-def _unknown_friction(joint: Joint, words: str) -> Problem:
-    """The refusal of the friction of a joint, or of the resistance of a disc that rolls."""
-    if not joint.leaf.touches:
-        return Problem(("joints", joint.name, "friction"), words)
-    words = words.replace("friction in contacts only, not in joints without play", "no rolling resistance")
-    return Problem(("joints", joint.name, "contact", "rolling"), words)
+        knows = ("friction in contacts only, not in joints without play", "no rolling resistance")
+        joints = [system.model.joints[name] for name in system.rough_joints]
+        words = f"method {stepper.name} knows {{}}; use method {usual_stepper(SET_VALUED)}"
+        raise ModelError([Problem(joint.friction_path, words.format(knows[joint.leaf.touches])) for joint in joints])
 
 
 def require_implicit(system: System, stepper: Kind[StepperKind]) -> None:
@@ -175,8 +165,9 @@ def require_frictionless_chain(system: System) -> None:
             words = f"a rigid {joint.kind} has no stiffness by which {which} shares impulses; use another law"
             problems.append(Problem(("joints", joint.name), words))
         if joint.friction is not None and joint.friction.law is None:
-            words = f"{which} knows no dry friction of joints in impacts; use another law of either"
-            problems.append(Problem(("joints", joint.name, "friction"), words))
+            unknown = ("dry friction of joints in impacts", "rolling resistance")[joint.leaf.touches]
+            words = f"{which} knows no {unknown}; use another law of either"
+            problems.append(Problem(joint.friction_path, words))
     if problems:
         raise ModelError(problems)
 

@@ -37,8 +37,8 @@ SENTENCES = {  # of notes, also in pages
     "many_breaks": "so many events that the values on both sides of each are not kept: integrals, means and extremes of"
     " rates are taken from the outputs alone; simulate a shorter time for them",
     "lost_rank": "the run passed a singular position, in which the constraints are not independent",
-    "series": "{count} closed: bounces that rise less than {low:g} clearances, or less than rounding, are counted as"
-    " contact",
+    "series": "{count} closed: bounces that rise less than {low:g} of the play (without play: of the range or size), or"
+    " less than rounding, are counted as contact",
     "one_series": "an infinite series of bounces was",
     "more_series": "{count} infinite series of bounces were",
     "held_friction": "{joints}: friction in a joint that the others keep from moving is not unique; 0 is listed"

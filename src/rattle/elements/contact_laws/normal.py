@@ -28,6 +28,7 @@ from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number, sqrt
 from rattle.registry import Field, kind, kinds
 
+NEEDS_LOSS = "needs restitution, 0 to 1, or a damping in its place"
 NOTICED = 0.02  # difference between the given and the returned restitution that the user is told of
 
 
@@ -76,7 +77,7 @@ def _damped(law: str) -> type[Damped]:
 class Damped(NormalLaw):
     """A law with a given restitution: its damping factor, and the restitution that an impact really returns."""
 
-    restitution = Field("", "desired restitution, 0 to 1", least="not negative")
+    restitution = Field("", "desired restitution, 0 to 1", least="not negative", missing=NEEDS_LOSS)
 
     @staticmethod
     @abstractmethod

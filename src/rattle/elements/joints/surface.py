@@ -4,11 +4,12 @@ The line goes through the point of A in the direction `axis` of A; its free side
 segment of it, about that point.  The disc has the `radius` R about the point of A; B is outside of it, or inside if it
 is `hollow`.  What touches on B are `corners` (points of B), all corners of its plate (`outline`), a disc of the radius
 `roller` about its point, or its point alone.  There are no rows: all that it does are the contacts of
-`elements.one_sided.on_surface`.
+`elements.one_sided`: `on_line`, `on_segment`, `on_disc`, `by_outline`.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 
 from rattle.interfaces.fields import Fields
@@ -73,7 +74,7 @@ class Surface(JointKind):
         default=lambda fields: (),
         shape="labels",
         fewest=1,
-        like="names of points of B",
+        like="a list of names of points of B, at least one",
     )
     outline = Field("", "all corners of B's plate may touch", default=False, shape="flag")
 
@@ -96,9 +97,11 @@ class Surface(JointKind):
 
     @staticmethod
     def curvature(fields: Fields) -> float:
-        """1/r on a line, 1/r + 1/R on a disc, 1/r - 1/R in a hollow."""
-        if not fields["roller"] > 0.0:
+        """1/r on a line, 1/r + 1/R on a disc, 1/r - 1/R in a hollow; nan where these are wrong, 0 without a roller."""
+        if fields["roller"] == 0.0:
             return 0.0
+        if fields["hollow"] and not fields["roller"] < fields["radius"]:
+            return math.nan
         other = 1.0 / fields["radius"] if fields["radius"] > 0.0 else 0.0
         return 1.0 / fields["roller"] + (-other if fields["hollow"] else other)
 

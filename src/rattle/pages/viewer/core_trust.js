@@ -83,12 +83,13 @@ function contactLines(read, events, { rigid, joints, limits, sentences: { joint:
     const own = events.filter((event) => event.joint === joint), hits = own.filter(({ kind }) => kind === "impact");
     const hardest = hits.reduce((most, hit) => (most && most.impulse >= hit.impulse ? most : hit), null);
     if (hardest) said.push(fill(words.impulse, { impulse: quantity(hardest.impulse, "N*s", 3), t: quantity(hardest.t, "s") }));
-    if (read.readable(force)) {
+    if (!read.readable(force)) said.push(words.towers);
+    else {
       const [pressing] = read.peaks[`${joint}.pressing`] ?? read.peaks[force] ?? [Math.max(...read.columns[force])];
       const most = Math.max(pressing, ...own.filter(({ kind }) => kind === "contact").map((event) => event.peak_force));
-      said.push(fill(words.lasting, { force: quantity(most, "N") }));
-    } else said.push(words.towers);
-    lines.push(`${joint}: ${said.join("; ")}`);
+      if (most > 0) said.push(fill(words.lasting, { force: quantity(most, "N") }));
+    }
+    if (said.length) lines.push(`${joint}: ${said.join("; ")}`);
   }
   for (const joint of read.t.length ? joints : []) {
     if (!read.has(`${joint}.locked`)) continue;

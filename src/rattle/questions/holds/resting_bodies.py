@@ -114,7 +114,7 @@ def surfaces_range(system: System, sought: Sought, t: float, q: np.ndarray, note
     ends = [_end(columns, force * scale, contacts, sense) for sense in (1.0, -1.0)]
     if ends[0] is None or ends[1] is None:
         held = ", ".join(contacts.names) or "nothing"
-        raise InputError(f"no value of {sought.name} holds it at rest there: {held} touches, and that is not enough")
+        raise InputError(f"no value of {sought.name} holds it at rest there: what touches ({held}) is not enough")
     (low, how_low), (high, how_high) = ends[0], ends[1]
     smooth = _end(columns, force * scale, contacts, 1.0, rough=False)
     free = smooth[0] if smooth is not None else math.nan

@@ -71,7 +71,7 @@ def require_driven(system: System, start: Assembled, what: str) -> None:
 def _remedy(system: System, left: int) -> str:
     """What to do about degrees of freedom that are left."""
     if passing := ", ".join(name for name, joint in system.model.joints.items() if joint.passing):
-        return f"What {passing} hold where bodies touch only a run in time follows: use simulate."
+        return f"What holds only where bodies touch ({passing}) is followed by a run in time: use simulate."
     if loose := _loose(system):
         return f"There is {loose}: close it with ideal() or --ideal."
     return f"Add {'a driver' if left == 1 else f'{left} drivers'}, or use simulate or equilibrium."
