@@ -301,7 +301,7 @@ contact = { model = "impact", restitution_law = "lzb", stiffness = 1, rolling = 
 [initial]
 wheel = { x = 0, y = 0.1 }
 """
-    with pytest.raises(ModelError, match="floor.contact.rolling: .* knows no rolling resistance"):
+    with pytest.raises(ModelError, match=r"floor.contact.rolling: .* knows no rolling resistance"):
         chain([1, 1], [1, 0], [1], 1.5, [1], rolling).simulate(0.1)
     clutch = """
 [bodies.wheel]

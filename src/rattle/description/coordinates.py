@@ -33,16 +33,11 @@ POINT = {
 }
 ACROSS = "hypot(b.x - a.x, b.y - a.y)"
 COINCIDENT = 1e-150  # m: ends nearer than this have no direction, and a rate of 0, the mean of before and after
+SPREADING = ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/hypot({ACROSS}, {COINCIDENT})")
 COORDINATES = {  # key and unit of a coordinate and of its rate, and what they are between points a and b of A and B
     "angle": (("angle", "rad", "B.angle - A.angle"), ("rate", "rad/s", "B.omega - A.omega")),
-    "length": (
-        ("length", "m", ACROSS),
-        ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/hypot({ACROSS}, {COINCIDENT})"),
-    ),
-    "distance": (
-        ("position", "m", ACROSS),
-        ("rate", "m/s", f"((b.x - a.x)*(b.vx - a.vx) + (b.y - a.y)*(b.vy - a.vy))/hypot({ACROSS}, {COINCIDENT})"),
-    ),
+    "length": (("length", "m", ACROSS), SPREADING),
+    "distance": (("position", "m", ACROSS), SPREADING),
     "position": (
         ("position", "m", "(b.x - a.x)*cos(A.angle + axis) + (b.y - a.y)*sin(A.angle + axis)"),
         (

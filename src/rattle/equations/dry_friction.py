@@ -160,11 +160,19 @@ def borne(m, n, o):
 
 
 @compiled
+def presses_roller(m, n, r):
+    """True if row r of the active contacts is the normal force by which disc n, which rolls, is pressed."""
+    if m.dry[n, at.DRY_FORM] != at.DRY_ROLLER or r % 2 == 1:
+        return False
+    return m.active[r // 2] == m.dry[n, at.DRY_SECOND]
+
+
+@compiled
 def borne_from(m, n, reaction, r):
     """What joint n bears per unit of the force, in row r of the active contacts, that changes multipliers by
     -reaction[r], with the other sign, as `bearing`."""
     if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER:
-        return -1.0 if r % 2 == 0 and m.active[r // 2] == m.dry[n, at.DRY_SECOND] else 0.0, 0.0
+        return -1.0 if presses_roller(m, n, r) else 0.0, 0.0
     q = 0 if m.dry[n, at.DRY_FORM] == at.DRY_ROD else m.dry[n, at.DRY_SECOND]
     second = 0.0 if m.dry[n, at.DRY_FORM] == at.DRY_ROD else reaction[r, q]
     return reaction[r, m.dry[n, at.DRY_ROW]], second

@@ -18,6 +18,7 @@ from rattle.equations.dry_friction import (
     borne_from,
     eliminate,
     mobility,
+    presses_roller,
     resisting,
     sense_of,
     set_up,
@@ -103,5 +104,5 @@ def follow(m, count, f):
         for r in range(2 * count):
             memory[n, at.DRY_FORCE] += share[n, r] * f[r]
             memory[n, at.DRY_ADDED] += share[n, r] * f[r]
-            if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER and r % 2 == 0 and m.active[r // 2] == m.dry[n, at.DRY_SECOND]:
+            if presses_roller(m, n, r):
                 memory[n, at.DRY_PRESS] += f[r]

@@ -13,6 +13,11 @@ LawValues = Mapping[str, float | str | Mapping[str, float]]  # values of a law's
 Fields = Mapping[str, float]  # values of a joint's fields [SI]; for those of other shapes see `pair` and `function`
 
 
+def absent(fields: Fields) -> float:
+    """Default of a number that there need not be; unlike a plain 0 it is told to nobody."""
+    return 0.0
+
+
 @dataclass(frozen=True)
 class LocalName:
     """A name that the expression of one field may use besides those of the whole model.

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from rattle import registry
 from rattle.pages.report_html import enumerated, figure, gallery, handy
 from rattle.pages.report_study import TURNS, Study, motion_of
 from rattle.plots import curves as style
@@ -235,7 +234,7 @@ def driver_figures(s: Study) -> list[str]:
         return []
     figures = []
     for name, driver in list(s.m.model.motors.items())[:MOST]:
-        effort = registry.kinds("driver")[driver.kind].leaf.effort[0]
+        effort = driver.leaf.effort[0]
         curves = [curve for curve in (f"{name}.{effort}", f"{name}.power") if curve in run]
         if curves:
             on = driver.on.replace("'", "")
@@ -308,7 +307,7 @@ def path_figure(s: Study) -> str:
     path = s.path
     if path is None or not len(path.t):
         return ""
-    names = [f"{name}.{_effort(driver.kind)}" for name, driver in s.m.model.motors.items()]
+    names = [f"{name}.{driver.leaf.effort[0]}" for name, driver in s.m.model.motors.items()]
     names += [f"{name}.advantage" for name in s.m.model.loads]
     names = [name for name in names if name in path and np.isfinite(path[name]).any()]
     if not names:
@@ -317,10 +316,6 @@ def path_figure(s: Study) -> str:
     words = "Effort of the drivers, position by position, if the mechanism is moved slowly"
     some = "; advantage: force or moment held at a load for each unit of effort" if len(s.m.model.drivers) == 1 else ""
     return figure(picture, f"{words}{some}.")
-
-
-def _effort(kind: str) -> str:
-    return str(registry.kinds("driver")[kind].leaf.effort[0])
 
 
 def drawing(s: Study) -> str:

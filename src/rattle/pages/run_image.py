@@ -47,7 +47,7 @@ def planned_run(m: Mechanism, t_end: float | None = None, method: str | None = N
 
 def run_image(run: Run) -> RunImage:
     """A run before its first step as bytes.  Raises InputError for laws in Python, which no page can call."""
-    content = Content()
+    content, owners = Content(), event_owners(run.system)
     return RunImage(
         {
             **workspace_image(run.system, run.workspace, content),
@@ -61,8 +61,8 @@ def run_image(run: Run) -> RunImage:
             "atol": run.atol,
             "step": run.step,
             "extent": run.system.extent,
-            "owners": [name for name, _ in event_owners(run.system)],
-            "labels": [label for _, label in event_owners(run.system)],
+            "owners": [name for name, _ in owners],
+            "labels": [label for _, label in owners],
         },
         bytes(content.written),
     )

@@ -72,7 +72,7 @@ def quantities(system: System) -> list[tuple[str, int, int]]:
     for n, name in enumerate(system.joints):
         c = at.PER_JOINT * n
         if name in system.model.drivers:
-            effort = registry.kinds("driver")[system.model.drivers[name].kind].leaf.effort[0]
+            effort = system.model.drivers[name].leaf.effort[0]
             watched += [(f"{name}.{effort}", at.OF_SIZE, c + at.EFFORT), (f"{name}.power", at.OF_SIZE, c + at.POWER)]
             continue
         watched += [(f"{name}.{key}", how, c + column) for key, how, column in _watched(system.model.joints[name])]
@@ -141,7 +141,7 @@ def columns(
         c += at.PER_BODY
     for name in system.joints:
         if name in model.drivers:
-            effort_name, unit = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
+            effort_name, unit = model.drivers[name].leaf.effort
             taking.add(f"{name}.{effort_name}", unit, c + at.EFFORT)
             taking.add(f"{name}.power", "W", c + at.POWER)
         elif model.joints[name].leaf.bodies:

@@ -9,13 +9,8 @@ g >= 0, N >= 0, g N = 0;     impact (newton): u_n+ = -e_N u_n-, u_t+ = -e_T u_t-
 from __future__ import annotations
 
 from rattle.interfaces.contacts import ContactKind
-from rattle.interfaces.fields import Fields
+from rattle.interfaces.fields import absent
 from rattle.registry import Field, kind
-
-
-def unstated(_: Fields) -> float:
-    """No stiffness: only the law that needs it asks for it."""
-    return 0.0
 
 
 @kind("contact", "impact")
@@ -51,5 +46,5 @@ class Impact(ContactKind):
         shape="choice",
         choices=("stop", "impact"),
     )
-    stiffness = Field("", "K [N/m^n]; of a rigid contact by its ratio to others, with lzb", unstated, least="positive")
+    stiffness = Field("", "K [N/m^n]; of a rigid contact by its ratio to others, with lzb", absent, least="positive")
     exponent = Field("", "exponent n of the force K delta^n; of a rigid contact with lzb", 1.5, least="positive")

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from rattle.interfaces.fields import Fields
+from rattle.interfaces.fields import Fields, absent
 from rattle.interfaces.joints import JointKind
 from rattle.interfaces.laws import TangentKind
 from rattle.jit.functions import kernel
@@ -20,11 +20,6 @@ from rattle.jit.geometry import angle_row
 from rattle.registry import Field, kind
 
 OF_B = ("corners", "outline", "roller")  # keys of what touches on B, one of which may be given
-
-
-def without(fields: Fields) -> float:
-    """The default of a length that there need not be."""
-    return 0.0
 
 
 @kernel("joint")
@@ -61,13 +56,13 @@ class Surface(JointKind):
     touches = True
     drawn_as = "surface"
     tangents = ("rolling",)  # along which the resistance of a disc that rolls acts, see `description.read_friction`
-    axis = Field("rad", "direction of a line through A's point; its free side is to the left", default=without)
+    axis = Field("rad", "direction of a line through A's point; its free side is to the left", default=absent)
     length = Field(
-        "m", "of a segment of that line, about A's point (default: endless)", default=without, least="positive"
+        "m", "of a segment of that line, about A's point (default: endless)", default=absent, least="positive"
     )
-    radius = Field("m", "of a disc about A's point, in place of a line", default=without, least="positive")
+    radius = Field("m", "of a disc about A's point, in place of a line", default=absent, least="positive")
     hollow = Field("", "B is inside of that disc", default=False, shape="flag")
-    roller = Field("m", "radius of a disc about B's point (default: the point)", default=without, least="positive")
+    roller = Field("m", "radius of a disc about B's point (default: the point)", default=absent, least="positive")
     corners = Field(
         "",
         "points of B that may touch",

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle import registry
 from rattle.analyses.assembly.assembly import ideal_system
 from rattle.analyses.travel import past_stops, without_stops
 from rattle.equations.dense import dense_rows
@@ -278,7 +277,7 @@ def _result(
         line += [rest.eigenvalue, float(rest.stable), float(rest.admissible)]
         problem.at(rest.t)
         for (load, driver), value in advantage(problem, rest).items():
-            effort = registry.kinds("driver")[system.model.drivers[driver].kind].leaf.effort[1]
+            effort = system.model.drivers[driver].leaf.effort[1]
             name = f"{load}.advantage" if len(system.model.drivers) == 1 else f"{load}.advantage_{driver}"
             extra[name] = ADVANTAGE_UNITS[system.model.loads[load].kind, effort]
             line.append(value)

@@ -64,7 +64,7 @@ def _sought(system: System, workspace: Workspace, name: str, t: float, q: np.nda
     """The load or driver of that name.  Raises InputError."""
     model = system.model
     if name in model.drivers:
-        effort = registry.kinds("driver")[model.drivers[name].kind].leaf.effort
+        effort = model.drivers[name].leaf.effort
         row = system.first_row(name)
         return Sought(f"{name}.{effort[0]}", dense_rows(system, workspace)[row], effort[1], math.nan, row)
     if name == GRAVITY and name not in model.loads:

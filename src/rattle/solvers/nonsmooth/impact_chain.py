@@ -29,28 +29,34 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from rattle.equations.complementarity import EXACT, FORWARD, OFF, A, B, F
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.solvers.nonsmooth.impact_path import E, as_full_matrix
+from rattle.solvers.tableau import Tableau
 
 STAGES = 7
 # rows of `chain`, two columns for every active contact: compression x and impulse P; those of a stage; their slopes at
 # the stages; the sizes of x and of P by which their errors are measured
 NOW, STAGE, SLOPES, SIZES = 0, 1, 2, 2 + STAGES
 ROWS = SIZES + 1
-STAGE_WEIGHTS = np.array([
-    [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
-    [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
-    [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
-    [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
-    [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
-])  # fmt: skip
-ERROR_WEIGHTS = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+ROWS_OF_STAGES = (
+    (),
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
+)
+TABLEAU = Tableau(
+    order=5,
+    times=(0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0),
+    rows=ROWS_OF_STAGES,
+    weights=(*ROWS_OF_STAGES[-1], 0.0),  # its last stage is the first one of the next step
+    errors=((71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40),),
+)
+STAGE_WEIGHTS, ERROR_WEIGHTS = TABLEAU.a, TABLEAU.ends[1]
 CLOSE = 1e-11  # error of a step, as a share of the sizes
 FIRST = 1e-3  # first step, as a share of the shortest compression
 GROWS, SHRINKS, SAFE = 4.0, 0.2, 0.9  # most and least by which a step changes, and the share of what the error allows

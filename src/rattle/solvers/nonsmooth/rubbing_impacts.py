@@ -27,6 +27,7 @@ from rattle.equations.dry_friction import (
     eliminate,
     mobility,
     prepare_rows,
+    presses_roller,
     pressing,
     rounding,
 )  # fmt: skip
@@ -182,7 +183,7 @@ def take_rubbing(m, count):
         impulse, pressing_impulse = memory[n, at.IMPACT_ALONE], 0.0
         for r in range(2 * count):
             impulse += m.dry_share[n, r] * side[F, r]
-            if r % 2 == 0 and m.active[r // 2] == m.dry[n, at.DRY_SECOND]:
+            if presses_roller(m, n, r):
                 pressing_impulse = side[F, r]
         if m.dry[n, at.DRY_FORM] == at.DRY_ROLLER:
             memory[n, at.IMPACT_PRESS] = pressing_impulse
