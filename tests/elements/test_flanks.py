@@ -145,7 +145,7 @@ def test_elastic_teeth_swing_on_their_stiffness():
         ('pressure_angle = "70 deg"\n' + DEAD, "70 deg is outside of 0 to 45 deg"),
         (flanked(0.02), "backlash: 0.02 m is more than between teeth"),
         (flanked(-1e-3), "backlash"),
-        (flanked() + "clearance = 1e-3", "leave the clearance out"),
+        (flanked() + "clearance = 1e-3", "gear joint cannot have clearance"),
         ('pressure_angle = "20 deg"\ncontact = { model = "impact", friction = 0.1 }', "has no friction"),
     ],
 )

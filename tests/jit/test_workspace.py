@@ -30,6 +30,8 @@ def test_an_array_that_is_not_declared_is_refused():
         Workspace({"bodies": np.zeros((1, 8))})
     with pytest.raises(TypeError, match="'body' is not a contiguous f2"):
         Workspace({"body": np.zeros(8)})
+    with pytest.raises(TypeError, match="'held' has 12 of its"):
+        Workspace({"held": np.zeros(12)})
 
 
 def test_machine_code_reads_the_arrays_that_python_sees():

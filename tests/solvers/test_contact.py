@@ -380,7 +380,7 @@ clearance = 0.001
 contact = {{ {BASE} }}
 {more}
 """
-    with pytest.raises(rt.ModelError, match=f"'exact' does not work on a {kind} joint"):
+    with pytest.raises(rt.ModelError, match=f"a {kind} joint cannot have clearance; leave it out"):
         rt.loads(text)
 
 

@@ -74,9 +74,8 @@ def stop_models() -> list[str]:
 def site_of_clearance(joint: str, clearance: float) -> Site:
     """The contact of a kind of joint with a given clearance [m]."""
     play = registry.play_of(joint)
-    return Site(
-        f"a {joint} joint", play.leaf if play else ContactGeometry, contact_models(joint) if play else [], clearance
-    )
+    assert play is not None, f"a {joint} joint has no clearance"
+    return Site(f"a {joint} joint", play.leaf, contact_models(joint), clearance)
 
 
 def site_of_one_sided(kind: registry.Kind[OneSidedKind], curvature: float = 0.0) -> Site:
@@ -124,8 +123,7 @@ def _without_model(model: object, models: Collection[str], site: Site) -> str:
         return f"unknown contact {quoted(model)}{near}"
     if model in site.models:
         return ""
-    wanted = f"; expected {', '.join(site.models)}" if site.models else "; leave the clearance out"
-    return f"'{model}' does not work on {site.title}{wanted}"
+    return f"'{model}' does not work on {site.title}; expected {', '.join(site.models)}"
 
 
 def _oiled(reader: FieldReader, table: Table, model: str, site: Site, path: Path) -> Contact | None:

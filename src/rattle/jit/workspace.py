@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.jit import functions
+from rattle.jit import layout as at
 from rattle.jit.address import address_of
 
 
@@ -308,6 +309,7 @@ ARRAYS = {
 PLACE = {name: place for place, name in enumerate(ARRAYS)}  # of an array in the table of a handle
 FLOAT, INTEGER = np.dtype(np.float64), np.dtype(np.int64)
 TYPES = {name: (FLOAT if array.kind[0] == "f" else INTEGER, int(array.kind[1])) for name, array in ARRAYS.items()}
+WIDTHS = {name: at.width(name) for name in at.COLUMNS}  # of arrays with named columns
 Shapes = tuple[tuple[str, tuple[int, ...]], ...]  # by name
 
 
@@ -428,3 +430,5 @@ def _check(arrays: Mapping[str, Any]) -> None:
         if (array.dtype, array.ndim) != TYPES[name] or not array.flags.c_contiguous:
             kind = ARRAYS[name].kind
             raise TypeError(f"array '{name}' is not a contiguous {kind}: {array.dtype}, {array.shape}")
+        if array.size and array.shape[-1] < WIDTHS.get(name, 0):
+            raise TypeError(f"array '{name}' has {array.shape[-1]} of its {WIDTHS[name]} columns")

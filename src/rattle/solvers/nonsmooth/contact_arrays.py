@@ -30,6 +30,8 @@ def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str,
         impact_chain.chain_kernel,
     )
     soft = {} if looks is not None else _soft_arrays(contact, nb, nr)
+    held = np.zeros(at.width("held"))
+    held[[at.DETERMINANT, at.SIZE, at.WEAKEST, at.LOCK_SHARE]] = 1.0, system.size, 1.0, 1.0
     return {
         **({} if soft or nc <= complementarity.FEW else contact_network.arrays(system.arrays["row_body"], contact)),
         **soft,
@@ -52,7 +54,7 @@ def contact_arrays(system: System, looks: np.ndarray | None = None) -> dict[str,
         "bounce": np.zeros((7, 2 * nc)),
         "chain": np.zeros((impact_chain.ROWS, 2 * nc)),
         "looks": np.zeros((event_search.LOOKS_KEPT, contact_samples.KINDS * nc + 2)),
-        "held": np.array([1.0, system.size, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0]),
+        "held": held,
         "problem_table": functions.entries((*complementarity.KERNELS, *solvers, *laws)),
         **(
             {
