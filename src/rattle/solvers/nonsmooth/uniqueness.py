@@ -120,7 +120,7 @@ def is_another(m, count):
     for k in range(count):
         candidate[k] = int(path[KEPT_MODES, k])
     linear(m, count)
-    return apart > APART * largest
+    return apart > max(APART * largest, LOOSE * m.held[at.FAINT])
 
 
 @compiled
@@ -178,7 +178,7 @@ def moves_otherwise(m, count):
     for r in range(2 * count):
         largest = max(largest, abs(side[B, r]))
         apart = max(apart, abs(side[A, r] - side[OTHER, r]))
-    return apart > APART * largest
+    return apart > max(APART * largest, LOOSE * m.held[at.FAINT])
 
 
 @compiled
