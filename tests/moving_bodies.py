@@ -5,7 +5,7 @@ import zlib
 
 import numpy as np
 
-from rattle.elements.joints.surface import without
+from rattle.interfaces.fields import absent
 from rattle.language.expression import parse
 from rattle.language.local_function import local_function
 from rattle.language.tables import NO_TABLES
@@ -35,7 +35,7 @@ def field_values(kind, rng):
         if one.function_of:
             shape = parse(f"{rng.uniform(0.5, 2.0)} + {rng.uniform(-0.5, 0.5)}*sin({one.function_of})**3")
             found[key] = [local_function(shape, one.function_of, {}, NO_TABLES)]
-        elif (key in OPTIONS or one.default is without) and rng.integers(2):
+        elif (key in OPTIONS or one.default is absent) and rng.integers(2):
             found[key] = [0.0]
         elif key in COUNTS:
             found[key] = [float(rng.integers(3, 9))]
