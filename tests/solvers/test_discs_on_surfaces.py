@@ -310,3 +310,21 @@ def test_a_plank_rocks_on_a_drum_by_its_edge():
     period = 2 * math.pi / w
     r = world(plank, start, on).simulate(period, t_eval=np.linspace(0, period, 9), **EXACT)
     assert r["plank.angle"] / a == pytest.approx(np.cos(w * r.t), abs=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_disc_goes_over_the_corner_of_two_segments(seed):
+    """Both end there: where it turns about the corner two contacts are one, and their rates are rounding."""
+    rng = np.random.default_rng(seed)
+    e, mu, r = rng.choice([0.0, 0.3, 0.7]), rng.choice([0.0, 0.2, 0.6]), rng.uniform(0.03, 0.2)
+    start = (rng.uniform(-0.3, 0.05), r + rng.uniform(0.001, 0.3), 0.0)
+    rates = (rng.uniform(-0.2, 1.5), rng.uniform(-1, 0.5), rng.uniform(-15, 5))
+    more = f", length = 1.0, roller = {r}"
+    top = surface("top", "ground.T", "disc.C", impact(e, mu), "0 deg", more)
+    side = surface("side", "ground.S", "disc.C", impact(e, mu), "-90 deg", more)
+    text = body("disc", {"C": (0, 0)}, 2.0, r * r, (*start, *rates))
+    run = world(text, top, side, points="T = [-0.5, 0], S = [0, -0.5]").simulate(1.0, rtol=1e-9)
+    assert run.success, run.message
+    x, y = run["disc.x"], run["disc.y"]
+    assert np.hypot(np.maximum(x, 0.0), np.maximum(y, 0.0))[y > -1.0].min() > r - 1e-9
+    assert np.abs(run["energy.balance"]).max() < 1e-8

@@ -32,6 +32,7 @@ EXACT = 1e-12  # share of the largest value below which a value counts as zero
 ROUNDING = 1e-15  # share of what cancels in a row of G that is rounding: rows that differ by less are one
 OF_TERMS = 1e-13  # share of the terms of b that is rounding: they have been solved for, with some loss
 LOOSE = 1e3  # times that: a does not vanish as it should, because contacts or joints depend on each other
+SHARES = 1e-6  # of a change of forces that moves nothing: part of a contact that is no rounding
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
 FEW = 6  # contacts up to which G is formed and solved as a full matrix
 # IMPOSSIBLE: all modes tried; JAMMED: the force that presses contacts together makes them approach
@@ -279,17 +280,88 @@ def diagonalise(system, pivot, size, scale):
 
 
 @compiled
+def solutions(system, pivot, size):
+    """Solution of the diagonal equations into the last column, in the order of the unknowns; 0 where none is left."""
+    for c in range(size - 1, -1, -1):  # a row is read before that of the same number is written: pivot[c] <= c
+        r = pivot[c]
+        system[c, size] = system[r, size] / system[r, c] if r >= 0 else 0.0
+
+
+@compiled
+def take_least(system, pivot, size):
+    """The least of all solutions in place of that in the last column: contacts that depend on each other share forces.
+
+    A solution with forces that others of them take back is none of bodies at rest, and limits of friction end it.
+    Changes of f that change no equation are one per column without a pivot; they go into the rows that are left.
+    """
+    first = 0
+    for c in range(size):
+        first += 1 if pivot[c] >= 0 else 0
+    row = first
+    for d in range(size):
+        if pivot[d] >= 0:
+            continue
+        for c in range(size):
+            r = pivot[c]
+            system[row, c] = -system[r, d] / system[r, c] if r >= 0 else 0.0
+        system[row, d] = 1.0
+        for other in range(first, row):
+            take_out(system, row, other, size)
+        length = math.sqrt(along(system, row, row, size))
+        for c in range(size):
+            system[row, c] /= length
+        share = 0.0
+        for c in range(size):
+            share += system[row, c] * system[c, size]
+        for c in range(size):
+            system[c, size] -= share * system[row, c]
+        row += 1
+
+
+@compiled
+def note_shares(m, count):
+    """Note contacts of the last solution whose normal force others might bear: see `take_least`, which comes before."""
+    size, first = 0, 0
+    for k in range(count):
+        size += unknowns_of(m.candidate[k])
+    for c in range(size):
+        first += 1 if m.pivots[c] >= 0 else 0
+    column = 0
+    for k in range(count):
+        for row in range(first, size):
+            if m.candidate[k] != OFF and abs(m.system[row, column]) > SHARES:
+                m.contact_memory[m.active[k], at.UNSURE] = 1.0
+        column += unknowns_of(m.candidate[k])
+
+
+@compiled
+def along(system, one, other, size):
+    """Inner product of two rows."""
+    total = 0.0
+    for c in range(size):
+        total += system[one, c] * system[other, c]
+    return total
+
+
+@compiled
+def take_out(system, row, other, size):
+    """Subtract from a row what lies along another one, of unit length."""
+    share = along(system, row, other, size)
+    for c in range(size):
+        system[row, c] -= share * system[other, c]
+
+
+@compiled
 def take_solution(m, count, size, rough):
-    """Forces f of all contacts from the diagonal equations, and the rates a = b + G f."""
-    delassus, side, system, candidate, pivot = m.delassus, m.side, m.system, m.candidate, m.pivots
+    """Forces f of all contacts from the solution of their equations, and the rates a = b + G f."""
+    delassus, side, system, candidate = m.delassus, m.side, m.system, m.candidate
     column = 0
     for k in range(count):
         side[F, 2 * k], side[F, 2 * k + 1] = 0.0, 0.0
         if candidate[k] == OFF:
             continue
         for d in range(2 if candidate[k] == STICK else 1):
-            r = pivot[column]
-            side[F, 2 * k + d] = system[r, size] / system[r, column] if r >= 0 else 0.0
+            side[F, 2 * k + d] = system[column, size]
             column += 1
         if candidate[k] == STICK:
             continue
@@ -308,6 +380,9 @@ def eliminate(m, count, rough):
     """`modes_kernel` with G as a full matrix."""
     size, scale = fill_rows(m, count, rough)
     sign = diagonalise(m.system, m.pivots, size, max(scale, m.held[at.NOISE] / EXACT))
+    solutions(m.system, m.pivots, size)
+    if sign == 0:
+        take_least(m.system, m.pivots, size)
     take_solution(m, count, size, rough)
     return sign
 

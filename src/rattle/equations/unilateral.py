@@ -23,6 +23,7 @@ from rattle.equations.complementarity import (
     B,
     F,
     friction_of,
+    note_shares,
     set_floor,
 )
 from rattle.equations.dependent_rows import fixed_value
@@ -339,5 +340,5 @@ def closed_contacts(m):
         n = active[k]
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = side[F, 2 * k], side[F, 2 * k + 1]
         kinematics[n, at.LOSS] = 0.0 if mode[n] == STICK else side[F, 2 * k + 1] * kinematics[n, at.SLIP]
-        if side[F, 2 * k] == 0.0 and held[at.DETERMINANT] == 0.0:
-            memory[n, at.UNSURE] = 1.0
+    if held[at.DETERMINANT] == 0.0:
+        note_shares(m, count)

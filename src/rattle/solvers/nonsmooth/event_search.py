@@ -112,15 +112,16 @@ def first_positive(m, t, h, n, what, low, high, f_low):
 
 
 @compiled
-def locate(m, t, h, n, what, low, high, f_low, f_high, column):
+def locate(m, t, h, n, what, low, high, f_low, f_high, force, column):
     """Share of the step between low and high at which an indicator, with these values there, becomes negative.
 
     The second share is the same, or just before it if the indicator jumps there.
+    force: the largest of all [N].
     column: of the samples at the stages, which predict the zero; -1 if they do not.
     """
     low, f_low = first_positive(m, t, h, n, what, low, high, f_low)
-    # a slip that is rounding: where it is larger than rounding
-    lift = unseen(m, n, 3 if what == TURN else 0) if f_low <= 0.0 else 0.0
+    # a slip or force that is rounding: where it is larger than rounding
+    lift = unseen(m, n, 3 if what == TURN else 0, force) if f_low <= 0.0 else 0.0
     f_low, f_high = f_low + lift, f_high + lift
     if f_low <= 0.0:
         return low, low
@@ -197,8 +198,7 @@ def look(m, t, h, share, row):
 def something_may_dip(m, i, count):
     """True if an indicator may be below zero between samples i and i + 1, but is not at either of them."""
     contact, looks = m.contact, m.looks
-    width = 1 + KINDS * contact.shape[0]
-    force = max(looks[i, width], looks[i + 1, width])
+    force = largest_force(m, i)
     for n in range(contact.shape[0]):
         if not watched(m, n):
             continue
@@ -236,18 +236,26 @@ def seen_at(m, i, n, what):
 
 
 @compiled
+def largest_force(m, i):
+    """The largest force [N] of samples i and i + 1."""
+    width = 1 + KINDS * m.contact.shape[0]
+    return max(m.looks[i, width], m.looks[i + 1, width])
+
+
+@compiled
 def soonest(m, i):
     """Contact that by sample i + 1 has opened, broken away or reversed its slip, and what: the one with the first zero.
 
     (-1, NOTHING) if there is none; zeros are those of straight lines from sample i.
     """
     contact, first, who, what = m.contact, 2.0, -1, NOTHING
+    force = largest_force(m, i)
     for n in range(contact.shape[0]):
         if not watched(m, n):
             continue
         for kind in (LET_GO, BREAK_AWAY, TURN):
             here, there = max(seen_at(m, i, n, kind), 0.0), seen_at(m, i + 1, n, kind)
-            if there < -unseen(m, n, 3 if kind == TURN else 0) and here < first * (here - there):
+            if there < -unseen(m, n, 3 if kind == TURN else 0, force) and here < first * (here - there):
                 first, who, what = here / (here - there), n, kind
     return who, what
 
@@ -277,7 +285,7 @@ def first_between(m, t, h, i, best, who, what, guided):
         column = column_of(m, i + 1, n, kind) if guided == 1 else -1
         left, right = seen_at(m, i, n, kind), seen_at(m, i + 1, n, kind)
         begin, end = looks[i, at.LOOK_SHARE], looks[i + 1, at.LOOK_SHARE]
-        share, before = locate(m, t, h, n, kind, begin, end, left, right, column)
+        share, before = locate(m, t, h, n, kind, begin, end, left, right, largest_force(m, i), column)
         if share < best:
             best, who, what = share, n, kind
             m.held[at.BEFORE_JUMP] = before
@@ -363,6 +371,7 @@ def put_among_stages(m, low, share):
 def none_dips(m, low, line):
     """True if no indicator is or may be below zero between samples `low` and `line`, among those of the stages."""
     contact, looks, stages = m.contact, m.looks, m.glances
+    force = stages[last_look(m), 1 + KINDS * contact.shape[0]]
     for n in range(contact.shape[0]):
         if not watched(m, n):
             continue
@@ -371,7 +380,7 @@ def none_dips(m, low, line):
                 continue
             c = 1 + KINDS * n + kind
             least, most, margin = margin_of(stages, c)
-            margin -= unseen(m, n, kind)
+            margin -= unseen(m, n, kind, force)
             if least - (most - least) > margin:
                 continue
             for i in range(low, line):

@@ -37,6 +37,7 @@ BESIDE = 10.0  # times the deviation of the last stage from the end of the step:
 SLIGHT = 1e-3  # deviation of stages from the motion, as a share of the change over the step
 LEAST_ERROR = 1e-6  # of a step [tolerances]: one with a smaller error may be too long to resolve anything
 UNSEEN = 1e-13  # share of the rates [m/s or rad/s] that is rounding of a slip
+ROUNDING = 2e-12  # of a force, as a share of the largest: more than the contact problem counts as none
 UNSEEN_AT_REST = 1e-3  # rate [rad/s] that this is a share of at least
 
 
@@ -133,10 +134,13 @@ def may_dip(looks, i, count, c, slack):
 
 
 @compiled
-def unseen(m, n, kind):
-    """How far below zero this indicator of contact n may be by rounding alone: a slip [m/s], a rate or a torque."""
+def unseen(m, n, kind, force):
+    """How far below zero this indicator of contact n may be by rounding alone: a force, slip [m/s], rate or torque.
+
+    force: the largest of all [N].  A contact that others hold, without a force, has one of rounding, of any sign.
+    """
     if m.contact[n, at.LEVEL] == 0:
-        return UNSEEN * m.held[at.SIZE] if kind == 3 else 0.0
+        return UNSEEN * m.held[at.SIZE] if kind == 3 else ROUNDING * force
     if kind < 3:
         return torque_noise(m)
     a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
@@ -146,7 +150,7 @@ def unseen(m, n, kind):
 @compiled
 def slack_of(m, n, kind, left, right, force):
     """How far below zero rounding may take an indicator between two values; force: the largest of all [N]."""
-    return (NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right)) + unseen(m, n, kind)
+    return (NOISE * force if kind < 3 else NOISE * (max(left, 0.0) + right)) + unseen(m, n, kind, force)
 
 
 @compiled
@@ -170,6 +174,7 @@ def doubts(m, error):
     """
     contact, looks = m.contact, m.glances
     first, last = last_look(m), last_look(m)
+    force = looks[last, 1 + KINDS * contact.shape[0]]
     if not error > LEAST_ERROR or m.live.shape[0] > 0 or m.jet.shape[0] > 0:
         return 0, last
     for n in range(contact.shape[0]):
@@ -177,7 +182,7 @@ def doubts(m, error):
             continue
         for kind in range(KINDS):
             if matters(m, n, kind):
-                begin, finish = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, n, kind))
+                begin, finish = doubt(looks, 1 + KINDS * n + kind, first, last, unseen(m, n, kind, force))
                 first, last = min(first, begin), min(last, finish)
     return first, last
 
