@@ -5,12 +5,12 @@ Descriptions come from the JSON Schema, numbers from the tables that the reader 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from rattle import registry
 from rattle.description.coordinates import POINT
-from rattle.description.schema import part, schema
+from rattle.description.schema import joint_entry, part, schema
 from rattle.description.schema_pieces import Schema
 from rattle.description.tables import BODY_TO_DRIVE, DRIVER, JOINT, JOINT_TO_DRIVE, MODEL, STATE_UNITS
 from rattle.language.composed import COMPOSED
@@ -29,7 +29,9 @@ class Topic(NamedTuple):
 
 def topics() -> dict[str, Topic]:
     """All topics by name."""
-    every = [make() for make in (*(_table(name) for name in TABLES), _wear, _names, _functions, _units, _materials)]
+    tables: Schema = schema()["properties"]
+    every = [_table(name, tables[name]) for name in TABLES]
+    every += [_wear(tables["joints"]), _names(), _functions(), _units(), _materials()]
     return {topic.name: topic for topic in every}
 
 
@@ -38,9 +40,8 @@ TABLES = tuple(key for key in MODEL.fields if key not in ("format", "name", "joi
 
 def common(family: str, kind: str) -> list[str]:
     """The keys that every entry of a family may have besides the fields of its kind, with their units."""
-    properties: Schema = schema()["properties"]
     if family == "joint":
-        entry = _variant(properties["joints"], "type", kind)
+        entry: Schema = joint_entry(registry.kinds("joint")[kind], JOINT)["properties"]
         return [_line(key, entry[key]) for key in JOINT.fields if key in entry and key not in OWN_LINES] + (
             _dimensions(kind) + _stop(kind)
         )
@@ -77,20 +78,11 @@ def _stop(joint: str) -> list[str]:
     return [f"stop {{ {ends}, contact }}: one-sided ends of its coordinate ({kind.name})"]
 
 
-def _variant(table: Schema, key: str, value: str) -> Schema:
-    """Properties of the variant of a table whose `key` is `value`."""
-    variants = [variant["properties"] for variant in table["additionalProperties"]["anyOf"]]
-    return next(properties for properties in variants if properties.get(key, {}).get("const") == value)
-
-
-def _table(name: str) -> Callable[[], Topic]:
-    def make() -> Topic:
-        table: Schema = schema()["properties"][name]
-        entry = table.get("additionalProperties") or table
-        lines = [_line(key, value) for key, value in _keys(entry)] or [_line(name, entry)]
-        return Topic(name, table.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
-
-    return make
+def _table(name: str, table: Schema) -> Topic:
+    """A table of the model file."""
+    entry = table.get("additionalProperties") or table
+    lines = [_line(key, value) for key, value in _keys(entry)] or [_line(name, entry)]
+    return Topic(name, table.get("description", f"the table [{name}]"), tuple(dict.fromkeys(lines)))
 
 
 def _keys(entry: Schema) -> Iterator[tuple[str, Schema]]:
@@ -100,9 +92,8 @@ def _keys(entry: Schema) -> Iterator[tuple[str, Schema]]:
         yield from _keys(variant)
 
 
-def _wear() -> Topic:
+def _wear(joints: Schema) -> Topic:
     """The table `wear` of a joint."""
-    joints: Schema = schema()["properties"]["joints"]
     variants = (variant["properties"] for variant in joints["additionalProperties"]["anyOf"])
     entry = next(properties["wear"] for properties in variants if "wear" in properties)
     lines = [_line(key, value) for key, value in entry["properties"].items()]

@@ -82,13 +82,14 @@ def steppers(adaptive: bool) -> str:
 def _entries(entry: OfKinds) -> list[Schema]:
     """What may be written as an entry of each kind of a family."""
     if entry.family == "joint":
-        return [_joint(kind, entry.common) for kind in registry.kinds("joint").values()]
+        return [joint_entry(kind, entry.common) for kind in registry.kinds("joint").values()]
     if entry.family == "driver":
         return [_driver(kind, entry.common) for kind in registry.kinds("driver").values()]
     return [_kind(kind, entry.key) for kind in registry.kinds(entry.family).values()]
 
 
-def _joint(kind: Kind[JointKind], keys: Form) -> Schema:
+def joint_entry(kind: Kind[JointKind], keys: Form) -> Schema:
+    """What may be written as a joint of a kind; keys: those that all joints have in common."""
     common = {
         key: OF_JOINT[entry.shape](kind) if isinstance(entry, Field) and entry.shape in OF_JOINT else part(entry)
         for key, entry in keys.fields.items()
