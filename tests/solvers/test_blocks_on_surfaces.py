@@ -215,3 +215,25 @@ LOOSE = """
 bodies.arm = { bar = ["A", "B"], length = 0.2, mass = 1 }
 joints.pin = { type = "revolute", connect = ["block.T", "arm.A"], clearance = 1e-3, contact = "impact" }
 """
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1, 0.5])
+def test_boxes_that_are_flush_with_each_other_rest_as_they_stand(mu):
+    """Corners at ends of segments, on each other and beside each other: what touches there is no matter of rounding."""
+    w, h, contact = 0.06, 0.04, impact(0, mu)
+    polygon = f"polygon = [[0, 0], [{w}, 0], [{w}, {h}], [0, {h}]]"
+    points = f"points = {{ L = [0, {h / 2}], U = [{w / 2}, {h}] }}"
+    text = [surface("floor", "ground.O", "b0.L", contact, more=f", length = {5 * w}, outline = true")]
+    for n in range(3):
+        text.append(f"bodies.b{n} = {{ {polygon}, {points}, mass = 0.2 }}\n")
+        text.append(f"initial.b{n} = {{ x = {w / 2}, y = {(n + 0.5) * h}, angle = 0 }}\n")
+        if n:
+            for name, at, axis, length in (("top", "U", "0 deg", w), ("side", "L", "90 deg", h)):
+                more = f", length = {length}, outline = true"
+                text.append(surface(f"{name}{n}", f"b{n - 1}.{at}", f"b{n}.L", contact, axis, more))
+    r = world(*text).simulate(4.0, t_eval=[0.0, 0.5, 4.0])
+    assert r.success, r.message
+    assert np.abs(columns(r, "b2.x", "b2.y", "b2.angle") - [w / 2, 2.5 * h, 0.0]).max() < 1e-12
+    assert r["floor.normal"] == pytest.approx(0.6 * G, rel=1e-9)
+    assert r["top1.normal"] + columns(r, "side1.fy")[:, 0] == pytest.approx(0.4 * G, rel=1e-9)
+    assert len(r.events) < 60

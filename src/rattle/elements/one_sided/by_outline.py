@@ -36,15 +36,17 @@ from rattle.registry import kind
 REACH_X, REACH_Y, RADIUS, REACH, CHAINS, SIDES = range(at.POINTS, at.POINTS + 6)
 FIRST = at.POINTS + 6  # first corner and number of edges of every chain; then x and y of every corner [m], in B
 SMALL = 1e-3  # share of a plate as near as which a corner turns the direction to an end of a segment that passes
+FLUSH = 1e-10  # share of a plate as near as which an end is at a corner
 FAR = 1e300
 
 
 @compiled
-def nearest(p, corners, count, first, edges, x, y):
+def nearest(p, corners, count, first, edges, x, y, fx, fy, flush):
     """Of `edges` edges from corner `first` on, what is nearest to (x, y): distance, normal, bent, behind, and the edge.
 
     The normal points to (x, y) from a corner, outwards from an edge; behind: 1 if (x, y) is on the inner side; the edge
-    is its number in the chain, -1 at a corner.
+    is its number in the chain, -1 at a corner.  Where (x, y) is at a corner, but for the distance `flush` [m], it is on
+    that of its edges which faces (fx, fy) most: rounding does not decide.
     """
     best, nx, ny, bent, behind, edge = FAR, 1.0, 0.0, 0.0, 0, -1
     for e in range(edges):
@@ -53,8 +55,9 @@ def nearest(p, corners, count, first, edges, x, y):
         rx, ry = x - p[i], y - p[i + 1]
         length = math.sqrt(ex * ex + ey * ey)
         along, off = (ex * rx + ey * ry) / length, (ey * rx - ex * ry) / length
-        if 0.0 <= along <= length:
-            if abs(off) < best:
+        if -flush <= along <= length + flush:
+            faces = (ey * fx - ex * fy) / length > nx * fx + ny * fy
+            if abs(off) < best - flush or (abs(off) <= best + flush and (faces or edge < 0)):
                 best, nx, ny, bent, behind, edge = abs(off), ey / length, -ex / length, 0.0, 1 if off < 0.0 else 0, e
             continue
         if along > length:
@@ -93,19 +96,22 @@ def by_outline(body, a, b, p, k, corner, row, kinematics):
     place = k + FIRST + 2 * (corner % chains)
     corners = k + FIRST + 2 * chains
     first, edges, edge, beyond = int(p[place]), int(p[place + 1]), int(kinematics[row, at.EDGE]), 0.0
+    flush = FLUSH * p[k + REACH] if p[k + RADIUS] == 0.0 else 0.0
     if p[k + RADIUS] == 0.0 and kinematics[row, at.PHASE] == at.HELD and edge >= 0:
         bent = 0.0
         far, nx, ny, beyond = beside_edge(p, corners, count, first, edges, edge, qx, qy)
     else:
-        far, nx, ny, bent, behind, edge = nearest(p, corners, count, first, edges, qx, qy)
+        tx, ty = turn_x(body, a, p[k + REACH_Y], -p[k + REACH_X]), turn_y(body, a, p[k + REACH_Y], -p[k + REACH_X])
+        fx, fy = cos_b * tx + sin_b * ty, cos_b * ty - sin_b * tx  # from the free side of a segment to its other side
+        far, nx, ny, bent, behind, edge = nearest(p, corners, count, first, edges, qx, qy, fx, fy, flush)
         kinematics[row, at.EDGE] = edge
         if behind == 1:
-            whole, _, _, _, inside, _ = nearest(p, corners, count, 0, count, qx, qy)
+            whole, _, _, _, inside, _ = nearest(p, corners, count, 0, count, qx, qy, fx, fy, flush)
             if inside == 1 and whole >= far:
                 far = -far
             else:
                 nx, ny = -nx, -ny
-    kinematics[row, at.ABOVE], kinematics[row, at.BEYOND] = 0.0, beyond
+    kinematics[row, at.ABOVE], kinematics[row, at.BEYOND] = 0.0, beyond - flush
     nx, ny = turn_x(body, b, nx, ny), turn_y(body, b, nx, ny)
     gap = far - p[k + RADIUS]
     write_disc(body, a, b, False, sax, say, sbx, sby, nx, ny, gap, p[k + RADIUS], bent, row, kinematics)
