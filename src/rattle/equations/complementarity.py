@@ -32,6 +32,7 @@ EXACT = 1e-12  # share of the largest value below which a value counts as zero
 ROUNDING = 1e-15  # share of what cancels in a row of G that is rounding: rows that differ by less are one
 OF_TERMS = 1e-13  # share of the terms of b that is rounding: they have been solved for, with some loss
 LOOSE = 1e3  # times that: a does not vanish as it should, because contacts or joints depend on each other
+LARGE = 1e-3  # share of the largest diagonal entry from which on a pivot need not wait
 SHARES = 1e-6  # of a change of forces that moves nothing: part of a contact that is no rounding
 MOST_TRIED = 5  # contacts up to which all combinations of modes are tried
 FEW = 6  # contacts up to which G is formed and solved as a full matrix
@@ -247,86 +248,112 @@ def fill_rows(m, count, rough):
 
 @compiled
 def diagonalise(system, pivot, size, scale):
-    """Gauss-Jordan elimination with row exchange, in place; returns the sign of the determinant, 0 if it is singular.
+    """Gauss-Jordan elimination with exchange of rows and columns, in place; the sign of the determinant, 0: singular.
 
-    system: (size, size + 1), the right-hand side last; pivot[c]: row of column c, -1 where nothing larger than
-    rounding of `scale` is left.
+    system: (size, size + 1), the right-hand side last; pivot[c]: row of column c, or -1 - r where nothing larger than
+    rounding of `scale` is left; r: a row that is left then, one for each.  Small pivots wait for the others, as what
+    is divided by one is no rounding any more.
     """
     sign = 1
-    top = 0
     for c in range(size):
-        best = top
-        for r in range(top + 1, size):
-            if abs(system[r, c]) > abs(system[best, c]):
-                best = r
         pivot[c] = -1
-        if top == size or not abs(system[best, c]) > EXACT * scale:
-            sign = 0
-            continue
-        if best != top:
+    top = 0
+    while top < size:
+        row, column = next_pivot(system, pivot, top, size, scale)
+        if row < 0:
+            break
+        for c in range(column):
+            sign = -sign if pivot[c] < 0 else sign
+        sign = sign if system[row, column] > 0.0 else -sign
+        if row != top:
             sign = -sign
             for j in range(size + 1):
-                system[top, j], system[best, j] = system[best, j], system[top, j]
-        sign = sign if system[top, c] > 0.0 else -sign
-        inverse = 1.0 / system[top, c]
-        for r in range(size):
-            if r != top and system[r, c] != 0.0:
-                factor = system[r, c] * inverse
-                for j in range(c, size + 1):
-                    system[r, j] -= factor * system[top, j]
-        pivot[c] = top
+                system[top, j], system[row, j] = system[row, j], system[top, j]
+        clear_column(system, top, column, size)
+        pivot[column] = top
         top += 1
-    return sign
+    if top == size:
+        return sign
+    for c in range(size):
+        if pivot[c] < 0:
+            pivot[c], system[top, size] = -1 - top, 0.0
+            top += 1
+    return 0
 
 
 @compiled
-def solutions(system, pivot, size):
-    """Solution of the diagonal equations into the last column, in the order of the unknowns; 0 where none is left."""
-    for c in range(size - 1, -1, -1):  # a row is read before that of the same number is written: pivot[c] <= c
-        r = pivot[c]
-        system[c, size] = system[r, size] / system[r, c] if r >= 0 else 0.0
+def next_pivot(system, pivot, top, size, scale):
+    """Row, from `top` on, and column of the next pivot: of the first column that has a large one, or the largest left.
+
+    (-1, -1) if only rounding is left.
+    """
+    row, column, most = -1, -1, EXACT * scale
+    for c in range(size):
+        if pivot[c] >= 0:
+            continue
+        for r in range(top, size):
+            if abs(system[r, c]) > most:
+                row, column, most = r, c, abs(system[r, c])
+        if most > LARGE * scale:
+            break
+    return row, column
+
+
+@compiled
+def clear_column(system, top, column, size):
+    """Make all entries of a column zero but that of row `top`, by multiples of this row."""
+    inverse = 1.0 / system[top, column]
+    for r in range(size):
+        if r != top and system[r, column] != 0.0:
+            factor = system[r, column] * inverse
+            for j in range(size + 1):
+                system[r, j] -= factor * system[top, j]
+            system[r, column] = 0.0
+
+
+@compiled
+def place_of(pivot, c):
+    """Row in the last column of which the solution for unknown c stands."""
+    return pivot[c] if pivot[c] >= 0 else -1 - pivot[c]
 
 
 @compiled
 def take_least(system, pivot, size):
-    """The least of all solutions in place of that in the last column: contacts that depend on each other share forces.
+    """The least of all solutions in place of the first one: contacts that depend on each other share their forces.
 
     A solution with forces that others of them take back is none of bodies at rest, and limits of friction end it.
     Changes of f that change no equation are one per column without a pivot; they go into the rows that are left.
     """
-    first = 0
-    for c in range(size):
-        first += 1 if pivot[c] >= 0 else 0
-    row = first
+    first = size
     for d in range(size):
         if pivot[d] >= 0:
             continue
+        row = -1 - pivot[d]
+        first = min(first, row)
         for c in range(size):
             r = pivot[c]
             system[row, c] = -system[r, d] / system[r, c] if r >= 0 else 0.0
         system[row, d] = 1.0
+    for row in range(first, size):
         for other in range(first, row):
             take_out(system, row, other, size)
         length = math.sqrt(along(system, row, row, size))
-        for c in range(size):
-            system[row, c] /= length
         share = 0.0
         for c in range(size):
-            share += system[row, c] * system[c, size]
+            system[row, c] /= length
+            share += system[row, c] * system[place_of(pivot, c), size]
         for c in range(size):
-            system[c, size] -= share * system[row, c]
-        row += 1
+            system[place_of(pivot, c), size] -= share * system[row, c]
 
 
 @compiled
 def note_shares(m, count):
     """Note contacts of the last solution whose normal force others might bear: see `take_least`, which comes before."""
-    size, first = 0, 0
+    size, first, column = 0, 0, 0
     for k in range(count):
         size += unknowns_of(m.candidate[k])
     for c in range(size):
         first += 1 if m.pivots[c] >= 0 else 0
-    column = 0
     for k in range(count):
         for row in range(first, size):
             if m.candidate[k] != OFF and abs(m.system[row, column]) > SHARES:
@@ -361,7 +388,7 @@ def take_solution(m, count, size, rough):
         if candidate[k] == OFF:
             continue
         for d in range(2 if candidate[k] == STICK else 1):
-            side[F, 2 * k + d] = system[column, size]
+            side[F, 2 * k + d] = system[place_of(m.pivots, column), size]
             column += 1
         if candidate[k] == STICK:
             continue
@@ -380,7 +407,10 @@ def eliminate(m, count, rough):
     """`modes_kernel` with G as a full matrix."""
     size, scale = fill_rows(m, count, rough)
     sign = diagonalise(m.system, m.pivots, size, max(scale, m.held[at.NOISE] / EXACT))
-    solutions(m.system, m.pivots, size)
+    for c in range(size):
+        r = m.pivots[c]
+        if r >= 0:
+            m.system[r, size] /= m.system[r, c]
     if sign == 0:
         take_least(m.system, m.pivots, size)
     take_solution(m, count, size, rough)
