@@ -10,8 +10,8 @@ import rattle as rt
 from reference.generate import drawn
 from reference.set_valued import answers
 
-BATCH = 20
-BATCHES = [pytest.param(first, marks=pytest.mark.long if first >= 20 else ()) for first in range(0, 200, BATCH)]
+BATCH = 10
+BATCHES = [pytest.param(first, marks=pytest.mark.long if first >= BATCH else ()) for first in range(0, 200, BATCH)]
 
 
 def accelerations(result, count):

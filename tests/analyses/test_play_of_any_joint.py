@@ -88,7 +88,7 @@ def test_all_pins_at_once_can_be_made_loose_with_rough_angles(name, law):
 # rough angles of these put a pin or foot where no joint holds it: into the pole, the floor, or through a flank
 PLACED_BY_CONTACT = {"woodpecker", "geneva", "step_ladder"}
 ROUGHLY = [
-    pytest.param(name, 3.0, marks=[pytest.mark.long] if name == "squeezer" else [])  # 25 s of searches
+    pytest.param(name, 3.0, marks=[pytest.mark.long] if name in ("squeezer", "chain") else [])  # long searches
     for name in sorted(set(rt.examples()) - PLACED_BY_CONTACT)
 ]
 

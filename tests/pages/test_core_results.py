@@ -137,6 +137,7 @@ def test_typical_results_are_those_of_simulate(tmp_path):
     assert differing(tmp_path, TYPICAL) == {}
 
 
+@pytest.mark.long
 def test_the_results_of_all_other_examples_are_those_of_simulate(tmp_path):
     assert differing(tmp_path, OTHERS) == {}
 

@@ -33,6 +33,7 @@ def test_starts_follow_parameters(name, tmp_path):
     assert starts_apart(tmp_path, name) == {}
 
 
+@pytest.mark.long
 def test_starts_of_every_other_example_follow(tmp_path):
     unlike = {}
     for name in EXAMPLES:
