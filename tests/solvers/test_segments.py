@@ -142,3 +142,12 @@ def test_no_end_that_nicks_a_corner_of_a_plate_is_missed(case, side):
     hits = [event for event in r.events if event.kind == "impact"]
     assert bool(hits) == (side < 0)
     assert all(abs(event.t - before) * speed < 2 * beside + 1e-9 for event in hits[:1])
+
+
+@pytest.mark.parametrize("contact", [RIGID, SOFT])
+def test_steps_of_fixed_length_let_a_corner_up_through_a_segment_wherever_they_end(contact):
+    """In which half of a step it crosses the segment does not matter."""
+    for y in np.linspace(-0.11, -0.1, 21):
+        r = table(contact, half=0.0, gravity=0, y=y, vy=1.0).simulate(0.2, method="moreau", step=1e-3)
+        assert not r.events
+        assert r["bar.vy"][-1] == pytest.approx(1.0, abs=1e-12)

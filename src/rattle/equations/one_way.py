@@ -45,8 +45,17 @@ def passes(m, n, slight):
 
 
 @compiled
+def any_one_way(m):
+    """True if there are corners over segments, or edges on ends of one."""
+    for n in range(m.contact.shape[0]):
+        if m.lever[n, at.ONE_WAY] > 0.0:
+            return True
+    return False
+
+
+@compiled
 def follow_sides(m):
-    """At the end of a step of fixed length: corners that are below and beside their segment, and those above it."""
+    """In the middle and at the end of a step of fixed length: corners below and beside their segment, and above it."""
     changed = False
     for n in range(m.contact.shape[0]):
         if m.lever[n, at.ONE_WAY] == 0.0:
