@@ -173,7 +173,7 @@ def part(m, count, apart, attempt):
             if opening < -OPENING * size or (n != apart and opening > SLOWLY * size):
                 return False
             m.candidate[count] = OFF
-            if opening < OPENING * size and held_by_closed(m, count + 1, count):
+            if opening < OPENING * size and held_by_closed(m, count + 1, count, 0):
                 return False
     return True
 

@@ -1,0 +1,47 @@
+"""Bodies whose contacts hold each other: an end of a bar in a groove, a box at a wall, a box on a round."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from surfaces import EXACT, G, body, events, impact, surface, world
+
+HALF, MASS, INERTIA = 0.2, 1.5, 0.02
+
+
+def bar_in_groove(angle, rate, contact, right="54 deg", left="-24 deg"):
+    """A bar that turns about its end P, which is where two lines of a groove meet."""
+    x, y = HALF * math.cos(angle), HALF * math.sin(angle)
+    start = (x, y, angle, -y * rate, x * rate, rate)
+    return world(
+        body("bar", {"P": (-HALF, 0), "Q": (HALF, 0)}, MASS, INERTIA, start),
+        surface("right", "ground.O", "bar.P", contact, right, ', corners = ["P", "Q"]'),
+        surface("left", "ground.O", "bar.P", contact, left, ', corners = ["P", "Q"]'),
+    )
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.3])
+def test_a_bar_turns_about_its_end_in_a_groove_as_a_pendulum(mu):
+    """Both lines hold the end: friction there is not determined, but moves nothing, and its slip is no event."""
+    start = (math.radians(100.0), -1.0)
+    arm = INERTIA + MASS * HALF**2
+    swing = solve_ivp(
+        lambda t, z: (z[1], -MASS * G * HALF * math.cos(z[0]) / arm), (0, 0.2), start, rtol=1e-11, atol=1e-13
+    )
+    r = bar_in_groove(*start, impact(0, mu)).simulate(0.2, t_eval=[0.0, 0.2], **EXACT)
+    assert r.success, r.message
+    assert r["bar.angle"][-1] == pytest.approx(swing.y[0, -1], abs=1e-9)
+    assert r["bar.P.x"][-1] == pytest.approx(0.0, abs=1e-12)
+    assert r.stats["steps"] < 200
+
+
+@pytest.mark.parametrize("angle", [120.0, 80.0])
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_the_end_of_a_bar_comes_to_rest_where_two_lines_meet(angle, e):
+    """The line that does not press it is touched without a force: no event, however often it is looked at."""
+    r = bar_in_groove(math.radians(angle), 2.0, impact(e, 0.1)).simulate(1.0)
+    assert r.success, r.message
+    assert r.stats["steps"] < 2000
+    assert np.abs(r["energy.balance"]).max() < 1e-6
