@@ -45,3 +45,21 @@ def test_the_end_of_a_bar_comes_to_rest_where_two_lines_meet(angle, e):
     assert r.success, r.message
     assert r.stats["steps"] < 2000
     assert np.abs(r["energy.balance"]).max() < 1e-6
+
+
+@pytest.mark.parametrize("x", [0.5, 0.61, 0.7])
+def test_a_box_that_slides_against_a_rough_wall_goes_on(x):
+    """Its corner at floor and wall is held by both, so that friction of the wall is free within limits."""
+    box = world(
+        body("box", {"C": (0, -0.1), "B": (0.2, -0.1)}, 1.0, 0.01, (x, 0.1, 0, 2, 0, 0)),
+        surface("floor", "ground.O", "box.C", impact(0, 0.3), more=', corners = ["C", "B"]'),
+        surface("wall", "ground.W", "box.B", impact(0, 0.3), "90 deg"),
+        points="O = [0, 0], W = [1, 0]",
+    )
+    r = box.simulate(0.4, t_eval=np.linspace(0, 0.4, 41))
+    assert r.success, r.message
+    hit = events(r, joint="wall")[0].t
+    slows = 2.0 - math.sqrt(4.0 - 2 * 0.3 * G * (0.8 - x))
+    assert hit == pytest.approx(slows / (0.3 * G), abs=1e-8)
+    assert r["wall.gap"].min() > -1e-9
+    assert np.diff(r["energy.dissipated"]).min() > -1e-8  # no restitution, so that no impact gives energy
