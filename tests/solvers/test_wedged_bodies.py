@@ -63,3 +63,25 @@ def test_a_box_that_slides_against_a_rough_wall_goes_on(x):
     assert hit == pytest.approx(slows / (0.3 * G), abs=1e-8)
     assert r["wall.gap"].min() > -1e-9
     assert np.diff(r["energy.dissipated"]).min() > -1e-8  # no restitution, so that no impact gives energy
+
+
+def test_a_box_that_sticks_to_a_disc_leaves_it_where_its_edge_ends():
+    """Its force jumps at the corner: rounding of the place does not decide whether there are modes."""
+    x, y = 0.23126920927672348, 0.13408952026099263
+    radius, mass = 0.3398987259654351, 1.2462484146381252
+    contact = impact(0, 1.0)
+    start = (
+        "x = -0.06812872684989224, y = 1.1912260970534825, angle = -0.20146003676341795, omega = 0.40524286109676066"
+    )
+    polygon = f"[[{-x}, {-y}], [{x}, {-y}], [{x}, {y}], [{-x}, {y}]]"
+    m = world(
+        f"bodies.box = {{ polygon = {polygon}, mass = 3.056853907849647, points = {{ C = [0, 0] }} }}\n",
+        f"initial.box = {{ {start} }}\n",
+        body("disc", {"C": (0, 0)}, mass, mass * radius**2 / 2, (0, radius, 0, 0, 0, 0)),
+        surface("under", "ground.O", "disc.C", contact, more=f", roller = {radius}"),
+        surface("floor", "ground.O", "box.C", contact, more=", outline = true"),
+        surface("on", "disc.C", "box.C", contact, None, f", radius = {radius}, outline = true"),
+    )
+    r = m.simulate(1.0, t_eval=np.linspace(0, 1.0, 5), method="event", rtol=1e-9, atol=1e-12)
+    assert r.success, r.message
+    assert events(r, "release", "on")[-1].t == pytest.approx(0.69025882, abs=1e-6)
