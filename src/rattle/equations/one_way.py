@@ -36,11 +36,21 @@ def passes(m, n, slight):
     row = m.contact_kinematics[n]
     if row[at.PHASE] == at.ASLEEP:
         row[at.PHASE] = at.AWAKE
-    elif row[at.ABOVE] < -BELOW * slight and from_side(m, n):
-        row[at.PHASE], m.contact_memory[n, at.LEFT_END] = at.ASLEEP, 1.0
-    else:
+    elif not goes_under(m, n, slight):
         return False
     locate_contacts(m)
+    return True
+
+
+@compiled
+def goes_under(m, n, slight):
+    """True if open contact n has come under its segment from its side, by more than `slight`: it is asleep from now on.
+
+    Its geometry remains to be found.
+    """
+    if not from_side(m, n) or not m.contact_kinematics[n, at.ABOVE] < -BELOW * slight:
+        return False
+    m.contact_kinematics[n, at.PHASE], m.contact_memory[n, at.LEFT_END] = at.ASLEEP, 1.0
     return True
 
 
