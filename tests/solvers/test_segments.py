@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from surfaces import body, surface, world
 
 G = 9.81
 
@@ -142,3 +143,33 @@ def test_no_end_that_nicks_a_corner_of_a_plate_is_missed(case, side):
     hits = [event for event in r.events if event.kind == "impact"]
     assert bool(hits) == (side < 0)
     assert all(abs(event.t - before) * speed < 2 * beside + 1e-9 for event in hits[:1])
+
+
+@pytest.mark.parametrize("contact", [RIGID, SOFT])
+def test_steps_of_fixed_length_let_a_corner_up_through_a_segment_wherever_they_end(contact):
+    """In which half of a step it crosses the segment does not matter."""
+    for y in np.linspace(-0.11, -0.1, 21):
+        r = table(contact, half=0.0, gravity=0, y=y, vy=1.0).simulate(0.2, method="moreau", step=1e-3)
+        assert not r.events
+        assert r["bar.vy"][-1] == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("contact", [RIGID, SOFT])
+def test_corners_above_each_other_come_under_a_segment_at_one_instant_and_slide_on(contact):
+    """A box falls flat beside a table and slides under it, with its upper corners in one line with its lower ones."""
+    m = world(
+        body(
+            "box",
+            {"A": (-0.2, -0.1), "B": (0.2, -0.1), "C": (0.2, 0.1), "D": (-0.2, 0.1)},
+            2,
+            0.03,
+            (-1.5, 0.7, 0, 1, 0, 0),
+        ),
+        surface("floor", "ground.O", "box.A", '{ model = "impact" }', more=', corners = ["A", "B"]'),
+        surface("table", "ground.T", "box.C", contact, more=', length = 1, corners = ["A", "B", "C", "D"]'),
+        points="O = [0, 0], T = [0, 0.5]",
+    )
+    r = m.simulate(2.0)
+    assert r.success, r.message
+    assert (r["box.x"][-1], r["box.y"][-1], r["box.angle"][-1]) == pytest.approx((0.5, 0.1, 0.0), abs=1e-9)
+    assert {event.joint for event in r.events} == {"floor"}

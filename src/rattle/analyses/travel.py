@@ -129,7 +129,7 @@ def past_stops(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> t
         if joint.stop is None or not len(t):
             continue
         x, rate = _coordinate(system, joint, q, v)
-        fine, values = _followed(t, x, rate)
+        fine, values = followed(t, x, rate)
         for sense, end in ((1.0, joint.stop.minimum), (-1.0, joint.stop.maximum)):
             beyond = sense * (end - values)
             slight = BEYOND * (abs(end) + 1.0 if joint.stops_angle else abs(end) + system.size)
@@ -148,7 +148,7 @@ def past_stops(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> t
     return tuple(notes)
 
 
-def _followed(t: np.ndarray, x: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def followed(t: np.ndarray, x: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Instants [s] and values between those given, (n,) each, by the cubics with these rates."""
     h, s = np.diff(t)[:, None], np.arange(PARTS) / PARTS
     left, right = x[:-1, None], x[1:, None]

@@ -36,17 +36,36 @@ def passes(m, n, slight):
     row = m.contact_kinematics[n]
     if row[at.PHASE] == at.ASLEEP:
         row[at.PHASE] = at.AWAKE
-    elif row[at.ABOVE] < -BELOW * slight and from_side(m, n):
-        row[at.PHASE], m.contact_memory[n, at.LEFT_END] = at.ASLEEP, 1.0
-    else:
+    elif not goes_under(m, n, slight):
         return False
     locate_contacts(m)
     return True
 
 
 @compiled
+def goes_under(m, n, slight):
+    """True if open contact n has come under its segment from its side, by more than `slight`: it is asleep from now on.
+
+    Its geometry remains to be found.
+    """
+    if not from_side(m, n) or not m.contact_kinematics[n, at.ABOVE] < -BELOW * slight:
+        return False
+    m.contact_kinematics[n, at.PHASE], m.contact_memory[n, at.LEFT_END] = at.ASLEEP, 1.0
+    return True
+
+
+@compiled
+def any_one_way(m):
+    """True if there are corners over segments, or edges on ends of one."""
+    for n in range(m.contact.shape[0]):
+        if m.lever[n, at.ONE_WAY] > 0.0:
+            return True
+    return False
+
+
+@compiled
 def follow_sides(m):
-    """At the end of a step of fixed length: corners that are below and beside their segment, and those above it."""
+    """In the middle and at the end of a step of fixed length: corners below and beside their segment, and above it."""
     changed = False
     for n in range(m.contact.shape[0]):
         if m.lever[n, at.ONE_WAY] == 0.0:

@@ -188,6 +188,8 @@ SLIPS = column("contact_memory", "", "1 for a clutch that slips at its largest t
 SLIPPED = column("contact_memory", "", "the same before the present event")
 IDLE = column("contact_memory", "",
     "1 for a contact at rest without a force: joints or other contacts hold it, whatever its force")
+NO_SLIP = column("contact_memory", "",
+    "1 for a contact with the friction of sliding that has no slip: other closed contacts hold it along its wall")
 LEFT_END = column("contact_memory", "", "1 once its corner has left the end of its segment, or gone under it")
 UNSURE = column("contact_memory", "", "1 once its force could have been another with the same motion")
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)

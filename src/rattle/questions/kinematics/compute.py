@@ -17,6 +17,7 @@ from rattle.analyses.dynamics.report import leave_out
 from rattle.analyses.dynamics.singular_passages import Passage
 from rattle.analyses.grip import grip_notes
 from rattle.analyses.history import require_known_torques, require_no_states, run_backwards
+from rattle.analyses.passed_surfaces import past_surfaces
 from rattle.analyses.timetable import jump_notes, timetable
 from rattle.analyses.travel import out_of_place, past_stops, places, rates, with_stops, without_stops
 from rattle.analyses.undefined import undefined
@@ -134,6 +135,7 @@ def analyse(
     notes += without_effort(sweep, reached, raw, motors)
     notes += out_of_place(system, reached, places(system, raw))
     notes += past_stops(original, reached, places(system, raw), rates(system, raw))
+    notes += past_surfaces(system, reached, places(system, raw), rates(system, raw))
     notes += run_backwards(system, reached, raw)
     notes += _without_value(sweep, reached, raw) if forces else []
     notes += jump_notes([jump for jump in table.jumps if len(reached) and jump.t <= reached[-1]], forces)

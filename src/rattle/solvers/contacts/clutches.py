@@ -79,7 +79,7 @@ def settle_slips(m, slips):
     """
     contact, memory = m.contact, m.contact_memory
     for n in range(contact.shape[0]):
-        memory[n, at.IDLE] = 0.0
+        memory[n, at.IDLE], memory[n, at.NO_SLIP] = 0.0, 0.0
         if contact[n, at.IMPACT] == 1 and not takes_impulses(m, n):
             memory[n, at.SLIPPED] = memory[n, at.SLIPS]
             memory[n, at.SLIPS] = 1.0 if n == slips or gets_ahead(m, n) else 0.0

@@ -67,6 +67,7 @@ TOGETHER, ALONE, KEPT = range(3)  # a contact opens: with all that are about to,
 MOST_RETURNS = 20  # times that clutches which begin to slip together are decided anew: once each but for cycles
 CREEP = 1e-6  # share of the largest slip at one instant below which the direction of a slip is not resolved
 AHEAD = 1e-6  # share by which the required friction force exceeds the limit shortly after a breakaway
+HOLDS = 1e-3  # share by which a force is below the limit that it is said to pass: a jump that is still to come
 CREEPS, ANEW = 30, -1  # beside statuses, see `find_modes`
 NOT_LINEARISED = MOST_LINEARISED + 1  # rounds: the first solution is taken, linearised at no forces
 SLIGHT = 1e-7  # share of its largest force below which a contact opens together with another one
@@ -173,7 +174,7 @@ def part(m, count, apart, attempt):
             if opening < -OPENING * size or (n != apart and opening > SLOWLY * size):
                 return False
             m.candidate[count] = OFF
-            if opening < OPENING * size and held_by_closed(m, count + 1, count):
+            if opening < OPENING * size and held_by_closed(m, count + 1, count, 0):
                 return False
     return True
 
@@ -262,6 +263,17 @@ def another_round(m, count, rounds):
     return rounds < MOST_LINEARISED and rubs(m) and expect_solution(m, count)
 
 
+@compiled
+def is_held_yet(m, n):
+    """True if contact n sticks well within its limit where it has broken away: its force jumps just after this place.
+
+    Where an edge ends on a disc forces jump; rounding of the place decides whether that is so already.
+    """
+    kinematics = m.contact_kinematics[n]
+    limit = friction_of(m, n) * kinematics[at.NORMAL]
+    return m.contact[n, at.LEVEL] == 0 and abs(kinematics[at.TANGENT]) < (1.0 - HOLDS) * limit
+
+
 @native("i", "h", "f", "v", "i", "i")
 def update_modes(m, t, y, apart, kind):
     """Modes of all closed contacts from the problem for the accelerations; `apart` is the contact of the event, or -1.
@@ -272,6 +284,8 @@ def update_modes(m, t, y, apart, kind):
     `rubbing_contacts`.  Returns OK, NO_SOLUTION, NOT_FOUND or NOT_UNIQUE; or CREEPS, if some now stick and the caller
     must try again.
     """
+    if kind == BREAK_AWAY and is_held_yet(m, apart):
+        apart, kind = -1, NOTHING
     pulling, attempt = m.contact_kinematics[apart, at.TANGENT] if apart >= 0 else 0.0, first_attempt(m, apart, kind)
     broken = apart if apart >= 0 and m.contact[apart, at.LEVEL] == 1 and kind == BREAK_AWAY else -1
     settle_slips(m, broken)

@@ -8,7 +8,7 @@ from rattle.equations.complementarity import FORWARD, OFF, STICK
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.dry_friction import rounding
 from rattle.equations.motion import OK, solve_motion
-from rattle.equations.one_way import hold, off_end, passes
+from rattle.equations.one_way import goes_under, hold, off_end, passes
 from rattle.equations.state import take_states
 from rattle.equations.unilateral import NOT_FOUND, NOT_UNIQUE
 from rattle.jit import layout as at
@@ -104,6 +104,17 @@ def gets_past_end(m, t, y, who, what):
     return True
 
 
+@compiled
+def let_others_under(m, who):
+    """Open contacts beside `who` that come under a segment from its side at the same instant touch nothing there."""
+    changed = False
+    for n in range(m.mode.shape[0]):
+        if n != who and m.mode[n] == OFF and goes_under(m, n, noise(m, n)):
+            changed = True
+    if changed:
+        locate_contacts(m)
+
+
 @native("i", "h", "f", "v", "i", "i")
 def handle_event(m, t, y, who, what):
     """Event at (t [s], y): impact if contacts hit, then new modes; y is projected onto its constraints.
@@ -115,6 +126,7 @@ def handle_event(m, t, y, who, what):
     nq = m.change.shape[0]
     if gets_past_end(m, t, y, who, what):
         who, what = -1, NOTHING
+    let_others_under(m, who)
     for n in range(m.contact_memory.shape[0]):
         m.contact_memory[n, at.GAP_1] = m.contact_kinematics[n, at.GAP]
     if m.dry.shape[0] > 0:

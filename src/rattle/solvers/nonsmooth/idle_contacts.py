@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from rattle.equations.complementarity import (
     EXACT,
-    FORWARD,
     LOOSE,
     OFF,
     STICK,
     A,
     diagonalise,
     friction_of,
+    mode_of_closing,
     resolution,
 )
 from rattle.equations.dry_friction import DEPENDENT, mobility, rounding
@@ -27,12 +27,15 @@ from rattle.solvers.nonsmooth.rubbing_impacts import row_response
 
 
 @compiled
-def held_by_closed(m, count, k):
-    """True if the closed ones of the active contacts keep open contact k where it is: its row is one of theirs."""
+def held_by_closed(m, count, k, d):
+    """True if the closed ones of the active contacts keep contact k where it is: its row is one of theirs.
+
+    d = 0: along its normal, 1: along its wall.
+    """
     candidate, g, system = m.candidate, m.delassus, m.system
     if m.held[at.SPARSE] == 1.0:
         return False
-    size, scale = 0, 0.0
+    row, size, scale = 2 * k + d, 0, 0.0
     for r in range(2 * count):
         if not holds_row(candidate, r):
             continue
@@ -41,16 +44,16 @@ def held_by_closed(m, count, k):
             if holds_row(candidate, s):
                 system[size, column] = g[r, s]
                 column += 1
-        system[size, column] = g[r, 2 * k]
+        system[size, column] = g[r, row]
         size, scale = size + 1, max(scale, g[r, r])
     diagonalise(system, m.pivots, size, max(scale, m.held[at.NOISE] / EXACT))
-    left, column = g[2 * k, 2 * k], 0
+    left, column = g[row, row], 0
     for s in range(2 * count):
         if holds_row(candidate, s):
             r = m.pivots[column]
-            left -= g[2 * k, s] * system[r, size] / system[r, column] if r >= 0 else 0.0
+            left -= g[row, s] * system[r, size] / system[r, column] if r >= 0 else 0.0
             column += 1
-    if size == 0 or abs(left) > max(DEPENDENT * g[2 * k, 2 * k], m.held[at.NOISE]):
+    if size == 0 or abs(left) > max(DEPENDENT * g[row, row], m.held[at.NOISE]):
         return False
     column = 0
     for s in range(2 * count):  # what holds it might press more, and it too
@@ -105,20 +108,39 @@ def holds_row(candidate, r):
 
 
 @compiled
+def kept_still(m, count, k):
+    """True if closed contacts hold open contact k, and along its wall too unless it is smooth or slides anyway."""
+    sticks = mode_of_closing(m.slide[k], friction_of(m, m.active[k])) == STICK
+    return held_by_closed(m, count, k, 0) and (not sticks or held_by_closed(m, count, k, 1))
+
+
+@compiled
+def slides_without_slip(m, count, k, rate):
+    """True if contact k has the friction of sliding, but closed contacts hold it along its wall too.
+
+    Its slip is rounding from now on, whose sign is no event.  rate: acceleration that counts as none.
+    """
+    if m.candidate[k] == OFF or m.candidate[k] == STICK or m.slide[k] != 0 or friction_of(m, m.active[k]) == 0.0:
+        return False
+    return abs(m.side[A, 2 * k + 1]) <= LOOSE * rate and held_by_closed(m, count, k, 1)
+
+
+@compiled
 def let_idle(m, count):
     """Active contacts of the present solution become idle that the joints fix, or closed contacts hold.
 
-    An idle clutch is off, any other contact closed.
+    An idle clutch is off, any other contact closed, and sticks or slides as it moves.
     """
     contact, memory, active, candidate, side = m.contact, m.contact_memory, m.active, m.candidate, m.side
     for k in range(count):
         n = active[k]
         _, rate = resolution(m, count)
-        still = candidate[k] == OFF and friction_of(m, n) == 0.0 and abs(side[A, 2 * k]) <= LOOSE * rate
+        memory[n, at.NO_SLIP] = 1.0 if slides_without_slip(m, count, k, rate) else 0.0
+        still = candidate[k] == OFF and abs(side[A, 2 * k]) <= LOOSE * rate
         if contact[n, at.LEVEL] == 1 and m.row_fixed[2 * n] != 0:
             still = side[A, 2 * k] == 0.0
         elif still:
-            still = held_by_closed(m, count, k)
+            still = kept_still(m, count, k)
         if still:
-            candidate[k] = OFF if contact[n, at.LEVEL] == 1 else FORWARD
+            candidate[k] = OFF if contact[n, at.LEVEL] == 1 else mode_of_closing(m.slide[k], friction_of(m, n))
             memory[n, at.IDLE], memory[n, at.UNSURE] = 1.0, 1.0

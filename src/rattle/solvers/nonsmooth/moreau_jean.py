@@ -38,7 +38,7 @@ from rattle.equations.motion import (
     loads,
     place,
 )  # fmt: skip
-from rattle.equations.one_way import follow_sides
+from rattle.equations.one_way import any_one_way, follow_sides
 from rattle.equations.schur import factorise
 from rattle.equations.state import (
     DISSIPATED,
@@ -149,6 +149,9 @@ def move_free(m, t, h):
     place(m, y_new[:nq], y_new[nq : 2 * nq])
     drive(m, t + 0.5 * h)
     constraints(m)
+    if any_one_way(m):  # a corner that comes up to its segment from below touches nothing in this step
+        locate_contacts(m)
+        follow_sides(m)
     loads(m, t + 0.5 * h)
     if m.soft.shape[0] > 0:
         take_out(m, t, h)

@@ -19,6 +19,7 @@ from rattle.equations.complementarity import (
     friction_of,
     is_solution,
     linear,
+    resolution,
 )
 from rattle.jit import layout as at
 from rattle.jit.choices import TINY
@@ -191,9 +192,63 @@ def note_shared(m, count):
 
 
 @compiled
+def excludes(n, a, other_n, other_a, force, rate):
+    """True if one of two forces N, and the acceleration a with the other one, are both more than rounding."""
+    return (n > force and other_a > rate) or (other_n > force and a > rate)
+
+
+@compiled
+def slides_against(m, k, a_t, pressed, held, force, rate):
+    """True if contact k, with a_t of one solution, needs another friction than that of the other solution."""
+    if m.slide[k] != 0 or abs(a_t) <= rate:
+        return False
+    limit = friction_of(m, m.active[k]) * pressed
+    return abs(held + (limit if a_t > 0.0 else -limit)) > force
+
+
+@compiled
+def is_joined(m, count):
+    """True if all between the first solution and the present one are solutions too, as a = G f + b is linear in f.
+
+    So it is where closed contacts hold another one along its wall: any friction there up to its limit goes with
+    them.  Such forces are not determined, as those of bodies at rest on many contacts.
+    """
+    side, kept = m.side, m.path[KEPT_A]
+    force, rate = resolution(m, count)
+    force, rate = LOOSE * force, LOOSE * rate
+    for k in range(count):
+        n, t = 2 * k, 2 * k + 1
+        if excludes(kept[n], side[OTHER, n], side[F, n], side[A, n], force, rate):
+            return False
+        if slides_against(m, k, side[OTHER, t], side[F, n], side[F, t], force, rate):
+            return False
+        if slides_against(m, k, side[A, t], kept[n], kept[t], force, rate):
+            return False
+    return True
+
+
+@compiled
+def bears_less(m, count):
+    """True if the forces of the present solution are less than those of the first one."""
+    here, first = 0.0, 0.0
+    for r in range(2 * count):
+        here += m.side[F, r] * m.side[F, r]
+        first += m.path[KEPT_A, r] * m.path[KEPT_A, r]
+    return here < (1.0 - APART) * first
+
+
+@compiled
+def take_as_first(m, count):
+    """Keep the present solution as the one that others are compared with."""
+    for r in range(2 * count):
+        m.side[OTHER, r] = m.side[A, r]
+        m.path[KEPT_A, r] = m.side[F, r]
+
+
+@compiled
 def try_combinations(m, count, most, slack):
     """`try_kernel`, accepting solutions up to a tolerance `slack`."""
-    side, kept, motions, chosen, firm = m.side, m.path[KEPT_A], 0, 0, False
+    motions, chosen, firm = 0, 0, False
     for code in range(combinations(m, count)):
         take_modes(m, count, code)
         linear(m, count)
@@ -201,12 +256,15 @@ def try_combinations(m, count, most, slack):
             continue
         if motions == 0:
             motions = 1
-            for r in range(2 * count):
-                side[OTHER, r] = side[A, r]
-                kept[r] = side[F, r]
+            take_as_first(m, count)
             chosen, firm = code, lasts(m, count)
-        elif moves_otherwise(m, count):
+        elif moves_otherwise(m, count) and not is_joined(m, count):
             motions += 1
+        elif moves_otherwise(m, count):
+            note_shared(m, count)
+            if bears_less(m, count):
+                take_as_first(m, count)
+                chosen, firm = code, lasts(m, count)
         else:
             note_shared(m, count)
             if not firm and lasts(m, count):

@@ -62,7 +62,7 @@ def write_friction(m, n, line):
     if friction > 0.0 and m.mode[n] == STICK:
         line[first + 1] = friction * line[first] - kinematics[n, at.TANGENT]
         line[first + 2] = friction * line[first] + kinematics[n, at.TANGENT]
-    elif friction > 0.0:
+    elif friction > 0.0 and m.contact_memory[n, at.NO_SLIP] == 0.0:
         line[first + 3] = kinematics[n, at.SLIP] if m.mode[n] == FORWARD else -kinematics[n, at.SLIP]
 
 
