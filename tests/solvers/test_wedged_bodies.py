@@ -85,3 +85,24 @@ def test_a_box_that_sticks_to_a_disc_leaves_it_where_its_edge_ends():
     r = m.simulate(1.0, t_eval=np.linspace(0, 1.0, 5), method="event", rtol=1e-9, atol=1e-12)
     assert r.success, r.message
     assert events(r, "release", "on")[-1].t == pytest.approx(0.69025882, abs=1e-6)
+
+
+@pytest.mark.parametrize(("mu", "at"), [(0.1, 0.03), (0.2, 0.03), (0.1, 0.05)])
+def test_a_box_that_a_ram_pushes_rocks_back_to_it_and_slides_on(mu, at):
+    """Its slip along the ram turns where its lower edge comes down, at one instant, and grows out of rounding."""
+    half, high, speed = 0.07, 0.08, 0.4
+    corners = {"A": (-half, -high), "B": (half, -high), "W": (-half, 0)}
+    m = world(
+        body("box", corners, 2.0, 2.0 * (half**2 + high**2) / 3, (half + 0.02, high, 0, 0, 0, 0)),
+        body("ram", {"C": (0, 0)}, 1.0, 0.1, (-0.02, at, 0, 0, 0, 0)),
+        'joints.rail = { type = "prismatic", connect = ["ground.Y", "ram.C"], axis = 0 }\n',
+        f'drivers.motor = {{ joint = "rail", position = "{speed}*t" }}\n',
+        surface("floor", "ground.O", "box.A", impact(0, mu), more=', corners = ["A", "B"]'),
+        surface("push", "box.W", "ram.C", impact(0, mu), "90 deg", f", length = {2 * high}, roller = 0.02"),
+        points=f"O = [0, 0], Y = [-0.02, {at}]",
+    )
+    r = m.simulate(0.6)
+    assert r.success, r.message
+    assert (r["box.vx"][-1], r["box.angle"][-1], r["box.y"][-1]) == pytest.approx((speed, 0.0, high), abs=1e-8)
+    assert r["push.normal"][-1] == pytest.approx(mu * r["floor.normal"][-1], rel=1e-6)
+    assert np.abs(r["energy.balance"]).max() < 1e-6

@@ -254,7 +254,10 @@ def soonest(m, i):
         if not watched(m, n):
             continue
         for kind in (LET_GO, BREAK_AWAY, TURN):
-            here, there = max(seen_at(m, i, n, kind), 0.0), seen_at(m, i + 1, n, kind)
+            begin, there = seen_at(m, i, n, kind), seen_at(m, i + 1, n, kind)
+            if kind == TURN and begin < 0.0 and there > begin:
+                continue  # a slip that has just begun grows out of rounding
+            here = max(begin, 0.0)
             if there < -unseen(m, n, 3 if kind == TURN else 0, force) and here < first * (here - there):
                 first, who, what = here / (here - there), n, kind
     return who, what
