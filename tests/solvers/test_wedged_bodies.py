@@ -63,6 +63,7 @@ def test_a_box_that_slides_against_a_rough_wall_goes_on(x):
     assert hit == pytest.approx(slows / (0.3 * G), abs=1e-8)
     assert r["wall.gap"].min() > -1e-9
     assert np.diff(r["energy.dissipated"]).min() > -1e-8  # no restitution, so that no impact gives energy
+    assert any("friction of contacts that hold each other at joint" in note for note in r.trust.notes)
 
 
 def test_a_box_that_sticks_to_a_disc_leaves_it_where_its_edge_ends():

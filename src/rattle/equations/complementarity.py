@@ -347,6 +347,12 @@ def take_least(system, pivot, size):
 
 
 @compiled
+def doubt(m, n, unsure):
+    """Note that the force of contact n is not unique; unsure: see `UNSURE`."""
+    m.contact_memory[n, at.UNSURE] = max(m.contact_memory[n, at.UNSURE], unsure)
+
+
+@compiled
 def note_shares(m, count):
     """Note contacts of the last solution whose normal force others might bear: see `take_least`, which comes before."""
     size, first, column = 0, 0, 0
@@ -357,7 +363,7 @@ def note_shares(m, count):
     for k in range(count):
         for row in range(first, size):
             if m.candidate[k] != OFF and abs(m.system[row, column]) > SHARES:
-                m.contact_memory[m.active[k], at.UNSURE] = 1.0
+                doubt(m, m.active[k], 1.0)
         column += unknowns_of(m.candidate[k])
 
 

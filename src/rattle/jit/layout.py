@@ -191,7 +191,8 @@ IDLE = column("contact_memory", "",
 NO_SLIP = column("contact_memory", "",
     "1 for a contact with the friction of sliding that has no slip: other closed contacts hold it along its wall")
 LEFT_END = column("contact_memory", "", "1 once its corner has left the end of its segment, or gone under it")
-UNSURE = column("contact_memory", "", "1 once its force could have been another with the same motion")
+UNSURE = column("contact_memory", "",
+    "1 once its force could have been another with the same motion, 2 with another motion")
 OPEN, SHUT, AUTO = 0.0, 1.0, 2.0  # AUTO: in contact whenever there is penetration (statics)
 RELEASED = 3.0  # inside the wall without force, once the damper of a contact would pull as its spring pushes
 LAST_IMPACT = column("recent", "s", "instant of the last impact of a contact")

@@ -102,7 +102,7 @@ ARRAYS = {
     ),
     "film_force": Array("f1", "5", "N, N*m, W", "of one oil film, scratch"),
     "bin_sums": Array("f1", "8", "N, N*m, W", "sums over the bins of one worn contact, scratch"),
-    "contact_memory": Array("f2", "nc, 27", "", "memory of every contact"),
+    "contact_memory": Array("f2", "nc, 28", "", "memory of every contact"),
     "element_state": Array("f1", "all states", "SI", "of friction laws, then of the model; see `equations.state`"),
     "element_rate": Array("f1", "all states", "SI/s", "their rates"),
     # set-valued contacts; two rows (normal, tangential) for each active contact

@@ -54,7 +54,11 @@ SENTENCES = {
     "oil": oil_notes.SENTENCES,
     "jolt": times.SENTENCES,
     "grip": grip.SENTENCES,
-    "shared": {"torque": contact_trouble.SHARED_TORQUE, "force": contact_trouble.SHARED_FORCE},
+    "shared": {
+        "torque": contact_trouble.SHARED_TORQUE,
+        "force": contact_trouble.SHARED_FORCE,
+        "free": contact_trouble.FREE_FRICTION,
+    },
     "trouble": contact_trouble.SENTENCES,
     "failure": failure.SENTENCES,
     "peaks": {"steps": moreau_jean_run.PEAKS, "impacts": moreau_jean_run.OF_IMPACTS},

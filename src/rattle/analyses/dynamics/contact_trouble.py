@@ -58,6 +58,10 @@ SHARED_FORCE = (
     "contacts that depend on each other can share a force at joint {joints} in several ways: the values listed are one"
     " of them, with the same motion as all others"
 )
+FREE_FRICTION = (
+    "friction of contacts that hold each other at joint {joints} can have many sizes within its limits, and the motion"
+    " goes with it: the least forces are taken; less friction, or a compliant contact, tells more"
+)
 
 
 def contact_trouble(system: System, workspace: Workspace, t: float, status: int, passed: str) -> str:
@@ -237,9 +241,12 @@ def against(system: System, names: str) -> str:
 
 def shared_forces(system: System, workspace: Workspace) -> tuple[str, ...]:
     """Notes on contacts whose forces the motion does not determine, if a run has met such ones."""
-    unsure = workspace.contact_memory[:, at.UNSURE] == 1.0
-    level = system.arrays["contact"][:, at.LEVEL]
-    pairs = ((SHARED_TORQUE, unsure & (level == 1)), (SHARED_FORCE, unsure & (level == 0)))
+    unsure = workspace.contact_memory[:, at.UNSURE]
+    clutch = system.arrays["contact"][:, at.LEVEL] == 1
+    pairs = (
+        (SHARED_TORQUE, (unsure > 0.0) & clutch), (SHARED_FORCE, (unsure == 1.0) & ~clutch),
+        (FREE_FRICTION, (unsure == 2.0) & ~clutch),
+    )  # fmt: skip
     return tuple(
         sentence.format(joints=", ".join(joints_of(system, chosen))) for sentence, chosen in pairs if chosen.any()
     )

@@ -292,9 +292,9 @@ function pointRate(columns, [body, px, py], k) {
 function ofContacts(run, data) {
   const { method, loops, clutches, sentences: { shared, lock } } = data.told, { arrays } = run.m, C = data.at.course;
   if (method.loop !== loops.by_events && method.loop !== loops.equal_steps) return [];
-  const unsure = (n) => run.m.row(arrays.contact_memory, n).data[data.at.contact_memory.UNSURE] === 1;
-  const among = (clutch) => [...new Set(clutches.flatMap((is, n) => (is === clutch && unsure(n) ? [`'${run.owners[n]}'`] : [])))].join(", ");
-  const notes = [[shared.torque, among(true)], [shared.force, among(false)]].filter(([, joints]) => joints).map(([sentence, joints]) => fill(sentence, { joints }));
+  const unsure = (n) => run.m.row(arrays.contact_memory, n).data[data.at.contact_memory.UNSURE];
+  const among = (clutch, which) => [...new Set(clutches.flatMap((is, n) => (is === clutch && which(unsure(n)) ? [`'${run.owners[n]}'`] : [])))].join(", ");
+  const notes = [[shared.torque, among(true, (doubt) => doubt > 0)], [shared.force, among(false, (doubt) => doubt === 1)], [shared.free, among(false, (doubt) => doubt === 2)]].filter(([, joints]) => joints).map(([sentence, joints]) => fill(sentence, { joints }));
   const jams = method.loop === loops.by_events ? arrays.course.data[C.JAMS] : 0;
   if (!jams) return notes;
   const names = clutches.flatMap((_, n) => (Number(arrays.jammed.data[n]) === 1 ? [`'${run.owners[n]}'`] : []));

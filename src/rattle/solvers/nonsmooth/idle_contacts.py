@@ -14,6 +14,7 @@ from rattle.equations.complementarity import (
     STICK,
     A,
     diagonalise,
+    doubt,
     friction_of,
     mode_of_closing,
     resolution,
@@ -60,7 +61,7 @@ def held_by_closed(m, count, k, d):
         if holds_row(candidate, s):
             r = m.pivots[column]
             if r >= 0 and abs(system[r, size]) > DEPENDENT * abs(system[r, column]):
-                m.contact_memory[m.active[s // 2], at.UNSURE] = 1.0
+                doubt(m, m.active[s // 2], 1.0)
             column += 1
     return True
 
@@ -143,4 +144,5 @@ def let_idle(m, count):
             still = kept_still(m, count, k)
         if still:
             candidate[k] = OFF if contact[n, at.LEVEL] == 1 else mode_of_closing(m.slide[k], friction_of(m, n))
-            memory[n, at.IDLE], memory[n, at.UNSURE] = 1.0, 1.0
+            memory[n, at.IDLE] = 1.0
+            doubt(m, n, 1.0)

@@ -16,6 +16,7 @@ from rattle.equations.complementarity import (
     A,
     B,
     F,
+    doubt,
     friction_of,
     is_solution,
     linear,
@@ -183,12 +184,12 @@ def moves_otherwise(m, count):
 
 
 @compiled
-def note_shared(m, count):
-    """Note contacts whose force is not that of the first solution, although they move alike."""
+def note_shared(m, count, unsure):
+    """Note contacts whose force is not that of the first solution; unsure: 1 if they move alike, otherwise 2."""
     side, kept = m.side, m.path[KEPT_A]
     for k in range(count):
         if abs(side[F, 2 * k] - kept[2 * k]) > APART * abs(kept[2 * k] + side[F, 2 * k]):
-            m.contact_memory[m.active[k], at.UNSURE] = 1.0
+            doubt(m, m.active[k], unsure)
 
 
 @compiled
@@ -261,12 +262,12 @@ def try_combinations(m, count, most, slack):
         elif moves_otherwise(m, count) and not is_joined(m, count):
             motions += 1
         elif moves_otherwise(m, count):
-            note_shared(m, count)
+            note_shared(m, count, 2.0)
             if bears_less(m, count):
                 take_as_first(m, count)
                 chosen, firm = code, lasts(m, count)
         else:
-            note_shared(m, count)
+            note_shared(m, count, 1.0)
             if not firm and lasts(m, count):
                 chosen, firm = code, True
         if motions > 1 or (firm and most == 1):
