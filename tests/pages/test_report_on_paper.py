@@ -84,7 +84,10 @@ def report_of(tmp_path_factory):
 
 
 @pytest.mark.skipif(print_pdf.browser() is None, reason="no browser that prints")
-@pytest.mark.parametrize("name", ["slider_crank_play", "crank_rocker_play", "needle"])
+@pytest.mark.parametrize(
+    "name",
+    ["needle", *(pytest.param(f"{name}_play", marks=pytest.mark.long) for name in ("slider_crank", "crank_rocker"))],
+)
 def test_a_report_of_three_bodies_breaks_well(report_of, tmp_path, name):
     marks, count = marks_of(report_of(name), tmp_path)
     assert count <= MOST

@@ -84,7 +84,7 @@ def test_effects_that_rise_and_fall_again_count_and_interactions_do_not():
 
 
 @pytest.mark.plain
-@pytest.mark.parametrize("design", ["random", "lhs"])
+@pytest.mark.parametrize("design", ["lhs", pytest.param("random", marks=pytest.mark.long)])
 def test_bounds_hold_the_index_in_nineteen_of_twenty_ensembles(design):
     fields, held = [field("a"), field("b"), field("c")], np.zeros(3)
     for seed in range(60):

@@ -276,6 +276,7 @@ def test_ranges_of_decades_end_at_the_optimum_or_are_no_success(low, high, start
     assert several.value == pytest.approx(4.0 / limit, rel=1e-6)
 
 
+@pytest.mark.long
 def test_problem_72_over_six_decades():
     limits = ["4/x1 + 2.25/x2 + 1/x3 + 0.25/x4 <= 0.0401", "0.16/x1 + 0.36/x2 + 0.64/x3 + 0.64/x4 <= 0.010085"]
     bounds = {f"x{k + 1}": (0.001, (5 - (k + 1)) * 1e5) for k in range(4)}

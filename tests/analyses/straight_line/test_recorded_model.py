@@ -272,6 +272,7 @@ def test_examples_are_recorded_to_rounding(name):
     require_rounding_only(m, m.recorded(), 0)
 
 
+@pytest.mark.long
 def test_a_hundred_random_mechanisms_are_recorded_to_rounding():
     recorded = 0
     for seed in range(400):
