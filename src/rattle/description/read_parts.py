@@ -213,7 +213,7 @@ class Parts(FieldReader):
             contact = self._passing(kind, fields, clearance, contact, path)
         stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
         dimensions = self._dimensions(sizes, table, play, contact, path)
-        corners = self._corners(kind, fields, b, path) if len(values.problems) == before else {}
+        corners = self._corners(fields, b, path) if len(values.problems) == before else {}
         sound, block = len(values.problems) == before, next(iter(dimensions.values()), ())
         if kind.leaf.touches and "friction" in table:
             values.wrong((*path, "friction"), OF_CONTACT.format(named), at_key=True)
@@ -256,31 +256,39 @@ class Parts(FieldReader):
             self.values.wrong(here, why, at_key=True)
         return friction
 
-    def _corners(self, kind: registry.Kind[JointKind], fields: Fields, b: Point, path: Path) -> Corners:
+    def _corners(self, fields: Fields, b: Point, path: Path) -> Corners:
         """What of B may touch: the points that are named, the corners of its plate, or its point."""
         labels: Sequence[str] | float = fields.get("corners", ())
         if fields.get("outline"):
-            outline = self.bodies[b.body].outline if b.body in self.bodies else ()
-            if not outline:
-                why = f"'{b.body}' is no plate, which has an outline; name its corners: corners = [...]"
-                self.values.wrong((*path, "outline"), why, at_key=True)
-            return {str(n + 1): corner for n, corner in enumerate(outline[0])} if outline else {}
+            return self._outline(b.body, path)
         if isinstance(labels, float) or not labels:
             return {b.name: b.at}
-        if b.body != "ground" and is_ground(b.body):
-            why = f"'{b.body}' moves over t, and other points of the ground do not move with it; leave corners out"
+        return self._named_corners(labels, b.body, path)
+
+    def _outline(self, body: str, path: Path) -> Corners:
+        """The corners of a plate, by their numbers from 1 on; none after a problem."""
+        outline = self.bodies[body].outline if body in self.bodies else ()
+        if not outline:
+            why = f"'{body}' is no plate, which has an outline; name its corners: corners = [...]"
+            self.values.wrong((*path, "outline"), why, at_key=True)
+            return {}
+        return {str(n): corner for n, corner in enumerate(outline[0], 1)}
+
+    def _named_corners(self, labels: Sequence[str], body: str, path: Path) -> Corners:
+        """Points of a body by their names; without those that it does not have, after a problem."""
+        if body != "ground" and is_ground(body):
+            why = f"'{body}' moves over t, and other points of the ground do not move with it; leave corners out"
             self.values.wrong((*path, "corners"), why, at_key=True)
             return {}
-        points = self.ground if b.body == "ground" else self.bodies[b.body].points
+        points = self.ground if body == "ground" else self.bodies[body].points
         for n, label in enumerate(labels):
-            if f"{b.body}.{label}" in self.bodies:
-                why = f"'{b.body}.{label}' moves over t, away from the other corners; give it a surface of its own"
+            if f"{body}.{label}" in self.bodies:
+                why = f"'{body}.{label}' moves over t, away from the other corners; give it a surface of its own"
                 self.values.wrong((*path, "corners", n), why)
             elif label not in points:
-                own = label.removeprefix(f"{b.body}.")
+                own = label.removeprefix(f"{body}.")
                 hint = f"; write '{own}': corners are points of this body" if own in points else suggest(label, points)
-                why = f"no point {quoted(label)} on '{b.body}'{hint}"
-                self.values.wrong((*path, "corners", n), why)
+                self.values.wrong((*path, "corners", n), f"no point {quoted(label)} on '{body}'{hint}")
         return {label: points[label] for label in labels if label in points}
 
     def _require_consistent(self, kind: registry.Kind[JointKind], table: Table, fields: Fields, path: Path) -> None:

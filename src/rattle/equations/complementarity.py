@@ -368,11 +368,11 @@ def note_shares(m, count):
 
 
 @compiled
-def along(system, one, other, size):
+def along(system, row, other, size):
     """Inner product of two rows."""
     total = 0.0
     for c in range(size):
-        total += system[one, c] * system[other, c]
+        total += system[row, c] * system[other, c]
     return total
 
 

@@ -342,6 +342,14 @@ def _drivers(
     return jets
 
 
+def _falling(model: Model, programs: _Programs, values: list[float]) -> list[tuple[int, int]]:
+    """Programs of the two components of gravity over time, and the places of their values, which are added."""
+    nodes = model.falling or ()
+    places = [(programs.add(node, f"gravity[{n}]"), len(values) + 3 * n) for n, node in enumerate(nodes)]
+    values += [0.0] * 3 * len(places)
+    return places
+
+
 def _expressions(
     model: Model,
     programs: _Programs,
@@ -355,8 +363,7 @@ def _expressions(
     jets, live: programs of drivers and of loads, and the places of their values; of_laws: number of states of laws;
     values: to which those of gravity are added.
     """
-    falling = [(programs.add(node, f"gravity[{n}]"), len(values) + 3 * n) for n, node in enumerate(model.falling or ())]
-    values += [0.0] * 3 * len(falling)
+    falling = _falling(model, programs, values)
     signals = {programs.signals[name]: programs.add(node, f"signals.{name}") for name, node in model.signals.items()}
     rates = [programs.add(state.rate, f"states.{name}.rate") for name, state in model.states.items()]
     code, const, first, depth = concatenate(programs.programs, model.tables)

@@ -317,6 +317,15 @@ def is_tiny(share, h, t):
     return share * h <= SAME_TIME * abs(t) or share <= SAME_SHARE
 
 
+@compiled
+def growth(near, wide, least, bent):
+    """By what the next interval is longer: 2, unless the normal turns far in one and the gap may bend to zero.
+
+    least: of the gaps at both ends [m]; bent: by how much it may bend between them.
+    """
+    return 2.0 if near or wide <= 0.5 * WHOLE_TURN or least > bent else 1.0
+
+
 @native("f", "h", "f", "i", "f", "f")
 def search(m, h, n, side, until):
     """Share of the step, up to `until`, at which side * gap of contact n first becomes negative; NONE if it does not.
@@ -348,8 +357,7 @@ def search(m, h, n, side, until):
                 continue
         if right >= until:
             return NONE
-        longer = near or wide <= 0.5 * WHOLE_TURN or min(gap, end) > bend * dt * dt
-        step = (2.0 if longer else 1.0) * (right - left)
+        step = growth(near, wide, min(gap, end), bend * dt * dt) * (right - left)
         left, gap, rate = right, end, end_rate
         if gap > 0.0 or rate > 0.0:
             begin, at_begin, rate_begin = left, gap, rate
