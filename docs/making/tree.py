@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import ast
 import importlib
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, cached_property
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
 
 import rattle
 
@@ -18,14 +18,28 @@ PACKAGE = Path(rattle.__file__).parent
 ROOT = Path(__file__).parents[2]
 
 
-class Source(NamedTuple):
-    """One module: its dotted name, its file, the top-level names that it defines, its docstring."""
+@dataclass(frozen=True)
+class Source:
+    """One module: its dotted name, its file and what stands in it, which is parsed where it is asked for."""
 
     name: str
     path: Path
-    tree: ast.Module
-    names: frozenset[str]
-    text: str
+    content: str
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        """Its syntax tree."""
+        return ast.parse(self.content)
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """The top-level names that it defines."""
+        return frozenset(_defined(self.tree))
+
+    @property
+    def text(self) -> str:
+        """Its docstring."""
+        return ast.get_docstring(self.tree) or ""
 
     @property
     def shown(self) -> str:
@@ -42,13 +56,12 @@ class Source(NamedTuple):
 @cache
 def sources() -> dict[str, Source]:
     """All modules of the package by dotted name."""
-    found = {}
+    modules = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        found[name] = Source(name, path, tree, frozenset(_defined(tree)), ast.get_docstring(tree) or "")
-    return found
+        modules[name] = Source(name, path, path.read_text(encoding="utf-8"))
+    return modules
 
 
 def _defined(tree: ast.Module) -> set[str]:
@@ -57,7 +70,7 @@ def _defined(tree: ast.Module) -> set[str]:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             names.add(node.name)
         elif isinstance(node, ast.Assign):
-            names |= {one.id for target in node.targets for one in ast.walk(target) if isinstance(one, ast.Name)}
+            names |= {part.id for target in node.targets for part in ast.walk(target) if isinstance(part, ast.Name)}
         elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             names.add(node.target.id)
     return names
@@ -65,10 +78,12 @@ def _defined(tree: ast.Module) -> set[str]:
 
 def source_of(*names: str) -> Source:
     """The one module that defines all these names.  Raises LookupError where there is none, or more than one."""
-    found = [one for one in sources().values() if set(names) <= one.names]
-    if len(found) != 1:
-        raise LookupError(f"{' and '.join(names)}: defined together in {[one.name for one in found] or 'no module'}")
-    return found[0]
+    mentioned = (module for module in sources().values() if all(name in module.content for name in names))
+    modules = [module for module in mentioned if module.names.issuperset(names)]
+    if len(modules) != 1:
+        where = [module.name for module in modules] or "no module"
+        raise LookupError(f"{' and '.join(names)}: defined together in {where}")
+    return modules[0]
 
 
 def module_with(*names: str) -> ModuleType:
