@@ -5,7 +5,7 @@ ours may be off and why.  `foreign/sources.toml` says where they come from.  One
 every curve to its tolerance, the documentation shows what was measured.  The numbers are
 as printed, or follow from a formula that the case names; none comes from this program.  Where theirs are wrong, ours
 are held to what is `right`: a closed form, a slow integration of equations written anew, a limit of their own program,
-or those of their numbers that are right (of ondsel/boat: what other methods of this program give).
+or those of their numbers that are right.
 """
 
 from __future__ import annotations
@@ -57,9 +57,8 @@ class Curve:
     times: float = 1.0
     plus: float = 0.0
     wrong: str = ""  # why their numbers are not right: they are then off by more than the tolerance
-    right: tuple[
-        tuple[float, float, float], ...
-    ] = ()  # then: instants [s], what is right there, how far ours may be off
+    right: tuple[tuple[float, float, float], ...] = ()  # then: instants [s], what is right, how far ours may be off
+    right_by: str = ""  # where that comes from
 
     @property
     def over_time(self) -> bool:

@@ -139,7 +139,9 @@ def _row(each: Any) -> tuple[str, ...]:
     count = f"{len(curve.t)} numbers" if len(curve.t) > 1 else "one number"
     unit = f" {curve.unit}" if curve.unit else ""
     why = f"{power(curve.tolerance)}{unit}: {paragraph(curve.why)}"
-    seen = f". **Differs**: {paragraph(curve.wrong)}" if curve.wrong else ""
+    seen = (
+        f". **Differs**: {paragraph(curve.wrong)}. Ours are held to {paragraph(curve.right_by)}" if curve.wrong else ""
+    )
     name = f"`{_formula(curve)}`, theirs: {paragraph(curve.theirs)}; {count}"
     return name, *_at_largest(each), f"{power(each.largest)}{unit}", why + seen
 

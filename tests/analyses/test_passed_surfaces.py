@@ -45,3 +45,14 @@ def test_what_is_compliant_or_beside_a_segment_is_no_fault():
     assert not notes(soft.inverse_dynamics(np.linspace(0.0, 1.0, 101)))
     beside = slider(more=", length = 0.1").set(**{"ground.points.O": [1, 0]})
     assert not notes(beside.kinematics(np.linspace(0.0, 1.0, 101)))
+
+
+def test_a_plate_that_is_driven_onto_the_end_of_a_segment_says_so():
+    """By 10 mm down, onto an end 4 mm below it."""
+    plate = "polygon = [[-0.1, 0], [0.1, 0], [0.1, 0.05], [-0.1, 0.05]], points = { C = [0, 0] }, mass = 2"
+    text = SLIDER.format(contact=RIGID, more=', length = "20 mm", outline = true')
+    text = text.replace("points = { C = [0, 0], D = [0.1, 0] }, center = [0, 0], mass = 2, inertia = 0.1", plate)
+    wall = text.replace("O = [0, 0]", "O = [0, -0.014]").replace("axis = 0,", "axis = 1.5707963267948966,")
+    wall = wall.replace('axis = "90 deg"', 'axis = "90 deg", angle = 0')
+    (note,) = notes(rt.loads(wall).kinematics(np.linspace(0.0, np.pi / 3, 401)))
+    assert "by up to 0.006 m" in note

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle.equations.complementarity import diagonalise, place_of, take_least
+from rattle.equations.complementarity import diagonalise, place_of, solve_least
 
 pytestmark = pytest.mark.nojit
 
@@ -12,10 +12,7 @@ def least(g, b):
     """The number of independent equations, and the solution that is taken."""
     size = len(g)
     system, pivot = np.column_stack([g, b]), np.zeros(size, np.int64)
-    diagonalise(system, pivot, size, np.abs(np.diag(g)).max())
-    for c in np.flatnonzero(pivot >= 0):
-        system[pivot[c], size] /= system[pivot[c], c]
-    take_least(system, pivot, size)
+    solve_least(system, pivot, size, np.abs(np.diag(g)).max())
     return int((pivot >= 0).sum()), np.array([system[place_of(pivot, c), size] for c in range(size)])
 
 

@@ -27,6 +27,7 @@ def test_every_number_says_where_it_comes_from_and_why_its_tolerance_is_what_it_
         assert case.file, case
         assert case.says, case
         assert all(curve.why and curve.tolerance > 0 for curve in case.curves), case
+        assert all(bool(curve.wrong) == bool(curve.right) == bool(curve.right_by) for curve in case.curves), case
 
 
 @pytest.mark.nojit

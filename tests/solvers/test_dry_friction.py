@@ -531,7 +531,7 @@ def test_what_makes_no_sense_is_refused_where_it_stands(friction, says):
 
 
 def test_time_stepping_says_that_it_does_not_know_friction_in_joints():
-    with pytest.raises(rt.ModelError, match="not in joints without play"):
+    with pytest.raises(rt.ModelError, match="no dry friction of joints without play, only friction in contacts"):
         rt.loads(wheel('friction = { mu = 0.1, pin_radius = "8 mm" }\nstop = { min = -1 }')).simulate(
             0.1, method="moreau"
         )

@@ -173,3 +173,15 @@ def test_corners_above_each_other_come_under_a_segment_at_one_instant_and_slide_
     assert r.success, r.message
     assert (r["box.x"][-1], r["box.y"][-1], r["box.angle"][-1]) == pytest.approx((0.5, 0.1, 0.0), abs=1e-9)
     assert {event.joint for event in r.events} == {"floor"}
+
+
+@pytest.mark.parametrize("contact", [RIGID, SOFT])
+def test_a_box_that_flies_under_a_segment_with_two_corners_at_once_flies_on(contact):
+    """Where nothing else is in contact."""
+    corners = {"A": (-0.2, -0.1), "B": (0.2, -0.1), "C": (0.2, 0.1), "D": (-0.2, 0.1)}
+    table = surface("table", "ground.O", "box.C", contact, more=', length = 1, corners = ["A", "B", "C", "D"]')
+    box = body("box", corners, 2, 0.03, (-1.5, -0.4, 0, 1, 0, 0))
+    r = world(box, table, gravity=0.0).simulate(2.0)
+    assert r.success, r.message
+    assert (r["box.x"][-1], r["box.y"][-1], r["box.angle"][-1]) == pytest.approx((0.5, -0.4, 0.0), abs=1e-9)
+    assert not r.events

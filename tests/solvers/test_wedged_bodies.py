@@ -45,6 +45,12 @@ def test_the_end_of_a_bar_comes_to_rest_where_two_lines_meet(angle, e):
     assert r.success, r.message
     assert r.stats["steps"] < 2000
     assert np.abs(r["energy.balance"]).max() < 1e-6
+    x, y = r["bar.P.x"], r["bar.P.y"]
+    for line, side in ((54.0, "right"), (-24.0, "left")):
+        turned = math.radians(line)
+        assert (y * math.cos(turned) - x * math.sin(turned)).min() > -1e-9, side
+    ends = [r["bar.P.y"][-1], r["bar.Q.y"][-1]]
+    assert min(ends) < 0.5 * HALF  # no end has come out of the groove, nor gone through it
 
 
 @pytest.mark.parametrize("x", [0.5, 0.61, 0.7])

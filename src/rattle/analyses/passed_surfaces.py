@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rattle.analyses.travel import BEYOND, followed
+from rattle.analyses.travel import BEYOND, farthest, followed
 from rattle.equations.closure import open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.system import System
@@ -15,7 +15,7 @@ def past_surfaces(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -
     """Notes on rigid surfaces that bodies go into, by the order of joints.
 
     t: (n,) [s].  q, v: (n, nb, 3) positions [m, m, rad] of all bodies and their rates.  Between instants a gap is the
-    cubic with its rates; what bears on one side only is looked at where it is over a segment.
+    cubic with its rates; a corner is looked at where it is over its segment, at the instants that are given.
     """
     contact, lever = system.arrays["contact"], system.arrays["lever"]
     joints = [system.model.joints[system.joints[entry[at.OWNER]]] for entry in contact]
@@ -26,11 +26,15 @@ def past_surfaces(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -
     worst: dict[str, tuple[float, float]] = {}  # of a joint: the greatest depth [m], and when it first goes in [s]
     for k, n in enumerate(rigid):
         slight = BEYOND * (float(lever[n][at.GAP_SCALE]) + system.size)
-        depth, since = _one_way(t, rows[:, k], slight) if lever[n][at.ONE_WAY] else _deepest(t, rows[:, k], slight)
+        if lever[n][at.ONE_WAY] and rows[:, k, at.ABOVE].any():  # a corner over a segment, no end at an edge
+            depth, since = _one_way(t, rows[:, k], slight)
+        else:
+            fine, gaps = followed(t, rows[:, k, at.GAP], rows[:, k, at.DGAP])
+            depth, since = farthest(fine, -gaps, slight)
         name = joints[n].name
         if depth > slight:
-            deeper, before = worst.get(name, (depth, since))
-            worst[name] = max(depth, deeper), min(since, before)
+            deepest, first = worst.get(name, (depth, since))
+            worst[name] = max(depth, deepest), min(since, first)
     return tuple(
         f"joint '{name}': its bodies go into each other, by up to {depth:.3g} m, first at t = {since:.4g} s: rigid"
         " surfaces act in runs in time and in equilibria only"
@@ -49,21 +53,8 @@ def _gaps(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray, contacts:
     return rows
 
 
-def _deepest(t: np.ndarray, rows: np.ndarray, slight: float) -> tuple[float, float]:
-    """The greatest depth [m] of a contact, and the instant [s] from which on it is deeper than `slight`."""
-    fine, gaps = followed(t, rows[:, at.GAP], rows[:, at.DGAP])
-    deep = np.flatnonzero(-gaps > slight)
-    if not len(deep):
-        return 0.0, 0.0
-    first = int(deep[0])
-    since = float(fine[first])
-    if first > 0 and gaps[first - 1] > 0.0:
-        since -= float((fine[first] - fine[first - 1]) * gaps[first] / (gaps[first] - gaps[first - 1]))
-    return float(np.nanmax(-gaps)), since
-
-
 def _one_way(t: np.ndarray, rows: np.ndarray, slight: float) -> tuple[float, float]:
-    """The same of a corner over a segment: it goes in from above, and is in as long as it is over it."""
+    """The greatest depth [m] of a corner below its segment, and since when [s]: in from above, out beyond its ends."""
     above, over = rows[:, at.ABOVE], rows[:, at.BEYOND] <= 0.0
     depth, since, inside = 0.0, 0.0, False
     for k in range(1, len(t)):

@@ -131,21 +131,28 @@ def past_stops(system: System, t: np.ndarray, q: np.ndarray, v: np.ndarray) -> t
         x, rate = _coordinate(system, joint, q, v)
         fine, values = followed(t, x, rate)
         for sense, end in ((1.0, joint.stop.minimum), (-1.0, joint.stop.maximum)):
-            beyond = sense * (end - values)
             slight = BEYOND * (abs(end) + 1.0 if joint.stops_angle else abs(end) + system.size)
-            if not math.isfinite(end) or not (beyond > slight).any():
+            depth, since = farthest(fine, sense * (end - values), slight) if math.isfinite(end) else (0.0, 0.0)
+            if depth == 0.0:
                 continue
-            first = int(np.argmax(beyond > slight))
-            depth, word = float(np.nanmax(beyond)), "min" if sense > 0.0 else "max"
+            word = "min" if sense > 0.0 else "max"
             far = f"{math.degrees(depth):.3g} deg" if joint.stops_angle else f"{depth:.3g} m"
-            since = fine[first]
-            if first > 0 and beyond[first - 1] < 0.0:
-                since -= (fine[first] - fine[first - 1]) * beyond[first] / (beyond[first] - beyond[first - 1])
             notes.append(
                 f"joint '{name}' goes beyond its stop ({word}), by up to {far}, first at t = {since:.4g} s: stops"
                 " act in runs in time and in equilibria only"
             )
     return tuple(notes)
+
+
+def farthest(t: np.ndarray, beyond: np.ndarray, slight: float) -> tuple[float, float]:
+    """The largest of values (n,) at t (n,) and when they first pass zero [s]; zeros if none is more than `slight`."""
+    if not (beyond > slight).any():
+        return 0.0, 0.0
+    first = int(np.argmax(beyond > slight))
+    since = float(t[first])
+    if first > 0 and beyond[first - 1] < 0.0:
+        since -= float((t[first] - t[first - 1]) * beyond[first] / (beyond[first] - beyond[first - 1]))
+    return float(np.nanmax(beyond)), since
 
 
 def followed(t: np.ndarray, x: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

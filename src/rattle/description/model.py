@@ -65,6 +65,12 @@ def point_of_ground(body: str) -> str:
     return body.partition(".")[2]
 
 
+def on_ground(points: Mapping[str, Vector], end: Point) -> Vector:
+    """Where an end is on the ground [m], of whose points these are the places; of one that moves at the start."""
+    moving = point_of_ground(end.body)
+    return points[moving] if moving else end.at
+
+
 def frame_of(body: str) -> str:
     """The ground for a point of it that moves, any other body itself: what it is in loops."""
     return GROUND if is_ground(body) else body
@@ -234,6 +240,11 @@ class Joint:
     def friction_path(self) -> tuple[str, ...]:
         """Where its friction without play is written: that of a disc that rolls on a surface in its contact."""
         return ("joints", self.name, *(("contact", "rolling") if self.leaf.touches else ("friction",)))
+
+    @property
+    def friction_named(self) -> str:
+        """What that friction is."""
+        return "rolling resistance" if self.leaf.touches else "dry friction of joints without play"
 
     @property
     def worn(self) -> Wear | None:

@@ -121,12 +121,13 @@ def watch(rings: Sequence[Ring]) -> None:
     Of two edges that have no point in common, one at least has both ends on one side of the line through the other.
     """
     edges = [_Edge(n, k, ring[k], ring[(k + 1) % len(ring)]) for n, ring in enumerate(rings) for k in range(len(ring))]
-    if sum(edge.moves for edge in edges) * len(edges) > MOST_PAIRS:
+    moving = {(edge.ring, edge.number) for edge in edges if edge.moves}
+    if not moving or len(moving) * len(edges) > MOST_PAIRS:
         return
     size = max(abs(bare(x)) for ring in rings for corner in ring for x in corner)
     for edge, other in itertools.combinations(edges, 2):
         neighbours = edge.ring == other.ring and abs(edge.number - other.number) in (1, len(rings[edge.ring]) - 1)
-        if neighbours or not (edge.moves or other.moves):
+        if neighbours or moving.isdisjoint((edge[:2], other[:2])):
             continue
         a, b, c, d = edge.start, edge.end, other.start, other.end
         p, q = _side(a, b, c) * _side(a, b, d), _side(c, d, a) * _side(c, d, b)

@@ -334,6 +334,8 @@ def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) ->
     elif name := reader.field(FORMULA, "geometry", {"geometry": "sphere", **table}, {}, path):
         if site.leaf.from_materials or (site.curvature > 0.0 and name == POINT):
             return str(name)
+        if math.isnan(site.curvature):  # its sizes are refused
+            return ""
         if site.curvature > 0.0:
             point = f'a disc on a surface touches in a point: geometry = "{POINT}", or give a stiffness'
             values.wrong((*path, "geometry"), point)

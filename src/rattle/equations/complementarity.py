@@ -318,6 +318,19 @@ def place_of(pivot, c):
 
 
 @compiled
+def solve_least(system, pivot, size, scale):
+    """As `diagonalise`; the solution, or the least of all, stands in the last column, in the rows of `place_of`."""
+    sign = diagonalise(system, pivot, size, scale)
+    for c in range(size):
+        r = pivot[c]
+        if r >= 0:
+            system[r, size] /= system[r, c]
+    if sign == 0:
+        take_least(system, pivot, size)
+    return sign
+
+
+@compiled
 def take_least(system, pivot, size):
     """The least of all solutions in place of the first one: contacts that depend on each other share their forces.
 
@@ -412,13 +425,7 @@ def take_solution(m, count, size, rough):
 def eliminate(m, count, rough):
     """`modes_kernel` with G as a full matrix."""
     size, scale = fill_rows(m, count, rough)
-    sign = diagonalise(m.system, m.pivots, size, max(scale, m.held[at.NOISE] / EXACT))
-    for c in range(size):
-        r = m.pivots[c]
-        if r >= 0:
-            m.system[r, size] /= m.system[r, c]
-    if sign == 0:
-        take_least(m.system, m.pivots, size)
+    sign = solve_least(m.system, m.pivots, size, max(scale, m.held[at.NOISE] / EXACT))
     take_solution(m, count, size, rough)
     return sign
 

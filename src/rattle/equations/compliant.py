@@ -33,13 +33,13 @@ def measure(m, n, corner):
 
 @compiled
 def locate(m, n):
-    """Geometry of contact n; of what bears on one side, and follows no motion yet, by where it is: below is asleep."""
-    whole = m.lever[n, at.ONE_WAY] == 0.0 or m.contact_memory[n, at.CLOSED] != at.AUTO
+    """Geometry of contact n; of what bears on one side, where no motion is followed, by its place: below is asleep."""
+    by_place = m.lever[n, at.ONE_WAY] > 0.0 and m.contact_memory[n, at.CLOSED] == at.AUTO
     row, corner = m.contact_kinematics[n], m.contact[n, at.CORNER]
-    if not whole:
+    if by_place:
         row[at.PHASE] = at.AWAKE
     measure(m, n, corner)
-    if not whole and row[at.ABOVE] < -START_BELOW * m.lever[n, at.GAP_SCALE]:
+    if by_place and row[at.ABOVE] < -START_BELOW * m.lever[n, at.GAP_SCALE]:
         row[at.PHASE] = at.ASLEEP
         measure(m, n, corner)
 

@@ -149,7 +149,7 @@ ACROSS = column("contact_kinematics", "m/s", "speed of a pin's centre along t")
 TURN = column("contact_kinematics", "",
     "couple of the normal: the moment on B is -N TURN besides that of the force; alone (n = 0) for an angular gap")
 PHASE = column("contact_kinematics", "",
-    "of a corner over a segment, or an end at an edge: AWAKE, ASLEEP or HELD; no kernel changes it")
+    "of a corner over a segment, or an end at an edge: AWAKE, ASLEEP or HELD; no kernel of a kind changes it")
 ABOVE = column("contact_kinematics", "m", "how far it is above the segment")
 BEYOND = column("contact_kinematics", "m", "how far it is beyond the nearer end; negative: over the segment")
 AWAKE, ASLEEP, HELD = 0.0, 1.0, 2.0

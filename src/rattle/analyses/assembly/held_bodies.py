@@ -17,7 +17,7 @@ from rattle import registry
 from rattle.analyses.assembly.rank import rank_of, scaled_rows
 from rattle.analyses.assembly.searching import first_guess
 from rattle.analyses.assembly.start_values import KEYS, change_of_given, given_values
-from rattle.description.model import Load, Model, Point, Vector, is_ground, point_of_ground, with_fields
+from rattle.description.model import Load, Model, is_ground, on_ground, with_fields
 from rattle.equations.closure import open_by
 from rattle.equations.dense import LARGE
 from rattle.equations.start_search import KEPT
@@ -60,19 +60,14 @@ def _without_force(model: Model, load: Load, start: Place) -> Place | None:
         return None
     x, y, angle = (bare(as_number(number)) for number in load.fields["offset"])
     if is_ground(load.a.body):
-        hold = _on_ground(model, load.a)
-        own, at, turned = load.b.at, (hold[0] + x, hold[1] + y), angle
+        hold_x, hold_y = on_ground(model.ground, load.a)
+        own, at, turned = load.b.at, (hold_x + x, hold_y + y), angle
     else:  # the offset turns with the body
-        own, at, turned = (load.a.at[0] + x, load.a.at[1] + y), _on_ground(model, load.b), -angle
+        own, at, turned = (load.a.at[0] + x, load.a.at[1] + y), on_ground(model.ground, load.b), -angle
     turned = bare(start.get("angle", turned))
     c, s = math.cos(turned), math.sin(turned)
     own_x, own_y, at_x, at_y = (bare(number) for number in (*own, *at))
     return {"x": at_x - (c * own_x - s * own_y), "y": at_y - (s * own_x + c * own_y), "angle": turned}
-
-
-def _on_ground(model: Model, end: Point) -> Vector:
-    """Where an end of a load is on the ground [m], of a point that moves at the start."""
-    return model.ground[point_of_ground(end.body)] if point_of_ground(end.body) else end.at
 
 
 def with_held_bodies(model: Model, make: Make, find: Find) -> Model:

@@ -60,7 +60,7 @@ SHARED_FORCE = (
 )
 FREE_FRICTION = (
     "friction of contacts that hold each other at joint {joints} can have many sizes within its limits, and the motion"
-    " goes with it: the least forces are taken; less friction, or a compliant contact, tells more"
+    " goes with it: one with small forces is shown; less friction, or a compliant contact, tells more"
 )
 
 

@@ -104,10 +104,11 @@ def require_round(system: System, stepper: Kind[StepperKind]) -> None:
 def require_friction_known(system: System, stepper: Kind[StepperKind]) -> None:
     """Raise ModelError for friction in joints without play if the stepper does not know it."""
     if stepper.leaf.loop == TIME_STEPPING and system.dry_joints:
-        knows = ("friction in contacts only, not in joints without play", "no rolling resistance")
         joints = [system.model.joints[name] for name in system.rough_joints]
-        words = f"method {stepper.name} knows {{}}; use method {usual_stepper(SET_VALUED)}"
-        raise ModelError([Problem(joint.friction_path, words.format(knows[joint.leaf.touches])) for joint in joints])
+        words = (
+            f"method {stepper.name} knows no {{}}, only friction in contacts; use method {usual_stepper(SET_VALUED)}"
+        )
+        raise ModelError([Problem(joint.friction_path, words.format(joint.friction_named)) for joint in joints])
 
 
 def require_implicit(system: System, stepper: Kind[StepperKind]) -> None:
@@ -165,8 +166,7 @@ def require_frictionless_chain(system: System) -> None:
             words = f"a rigid {joint.kind} has no stiffness by which {which} shares impulses; use another law"
             problems.append(Problem(("joints", joint.name), words))
         if joint.friction is not None and joint.friction.law is None:
-            unknown = ("dry friction of joints in impacts", "rolling resistance")[joint.leaf.touches]
-            words = f"{which} knows no {unknown}; use another law of either"
+            words = f"{which} knows no {joint.friction_named} in impacts; use another law of either"
             problems.append(Problem(joint.friction_path, words))
     if problems:
         raise ModelError(problems)

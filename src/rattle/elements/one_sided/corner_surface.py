@@ -58,8 +58,8 @@ class CornerSurface(OneSidedKind, ABC):
 
     @staticmethod
     @abstractmethod
-    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
-        """The joints by which a corner that slides is held on it, or a disc, which may roll; above: it, about on_a."""
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, place: Vector, rolls: bool) -> tuple[Held, ...]:
+        """The joints by which a corner that slides is held on it, or a disc, which may roll; place: its, from on_a."""
 
     @classmethod
     def count(cls, fields: Fields, corners: Corners) -> int:

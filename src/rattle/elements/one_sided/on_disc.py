@@ -83,7 +83,7 @@ class OnDisc(CornerSurface):
         return 0.0, 0.0, 1.0 / (fields["radius"] + fields["roller"])
 
     @staticmethod
-    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, place: Vector, rolls: bool) -> tuple[Held, ...]:
         """Two centres, or a centre and a corner, at the distance of touching."""
         return around_disc(fields["radius"], fields["roller"], on_a, on_b, rolls)
 
@@ -113,6 +113,6 @@ class InHollow(OnDisc):
         return 0.0, 0.0, 0.0
 
     @staticmethod
-    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, place: Vector, rolls: bool) -> tuple[Held, ...]:
         """The same in a hollow."""
         return around_disc(fields["radius"], -fields["roller"], on_a, on_b, rolls)

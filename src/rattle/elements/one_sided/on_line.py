@@ -59,6 +59,6 @@ class OnLine(CornerSurface):
         return cos(fields["axis"]), sin(fields["axis"])
 
     @staticmethod
-    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, place: Vector, rolls: bool) -> tuple[Held, ...]:
         """A corner on the line, or the centre of a disc beside it."""
         return (along_line(fields["axis"], fields["roller"], on_a, on_b, rolls=rolls),)

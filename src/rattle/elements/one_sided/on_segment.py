@@ -124,10 +124,10 @@ class OnSegment(CornerSurface):
         return 0.0, 0.0, 1.0 / fields["roller"]
 
     @staticmethod
-    def guided(fields: Fields, on_a: Vector, on_b: Vector, above: Vector, rolls: bool) -> tuple[Held, ...]:
+    def guided(fields: Fields, on_a: Vector, on_b: Vector, place: Vector, rolls: bool) -> tuple[Held, ...]:
         """A point on the line, or the centre of a disc beside it, or at a distance from an end of the segment."""
         axis, half, roller = fields["axis"], 0.5 * fields["length"], fields["roller"]
-        (x, y), c, s = above, math.cos(axis), math.sin(axis)
+        (x, y), c, s = place, math.cos(axis), math.sin(axis)
         along = x * c + y * s
         if roller > 0.0 and abs(along) > half:
             end = math.copysign(half, along)

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import numpy as np
 
 from rattle.analyses.assembly.outward import outward
-from rattle.description.model import GROUND, driven_ends, is_ground, point_of_ground
+from rattle.description.model import driven_ends, is_ground, on_ground
 from rattle.equations.system import System
 from rattle.questions.equilibrium.balance import StaticProblem
 from rattle.questions.equilibrium.position import Equilibrium
@@ -119,7 +119,7 @@ def _level(system: System) -> float:
     """Angle [rad] of the line through the two supports that are farthest apart; with a single one, across gravity."""
     ground = system.model.ground
     ends = [end for joint in system.model.joints.values() for end in (joint.a, joint.b) if is_ground(end.body)]
-    supports = [complex(*(end.at if end.body == GROUND else ground[point_of_ground(end.body)])) for end in ends]
+    supports = [complex(*on_ground(ground, end)) for end in ends]
     line = max((b - a for a, b in itertools.combinations(supports, 2)), key=abs, default=0j)
     if abs(line) < SINGLE * system.size:
         line = 1j * complex(*system.arrays["gravity"])

@@ -17,7 +17,7 @@ import numpy as np
 
 from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
 from rattle.equations.motion import place
-from rattle.equations.one_way import passes
+from rattle.equations.one_way import goes_under, passes
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.equations.worn_contact import worn_energy
 from rattle.jit import layout as at  # fmt: skip
@@ -26,6 +26,7 @@ from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.event_rows import note_end
 from rattle.solvers.contacts.gap_search import NONE, gap_at, may_reach, rounding, search
+from rattle.solvers.contacts.penetration import is_open
 from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 
 PARTS = 16  # samples in a step of what is left of the mode of a clutch
@@ -405,11 +406,23 @@ def turn_clutches(m, t, y):
             shut(m, n, t, y)
 
 
+@compiled
+def let_others_under(m, who):
+    """Open contacts beside `who` that come under a segment from its side at the same instant touch nothing there."""
+    changed = False
+    for n in range(m.contact.shape[0]):
+        if n != who and is_open(m, n) and goes_under(m, n, rounding(m, n)):
+            changed = True
+    if changed:
+        locate_contacts(m)
+
+
 @native("void", "h", "i", "f", "v")
 def turn(m, who, t, y):
     """Contact `who` starts or ends at (t [s], y), see `change_contacts`; chooses the next step."""
     clock, tally, memory = m.clock, m.tally, m.contact_memory
     clock[at.H_STABLE] = math.inf
+    let_others_under(m, who)
     if memory[who, at.CLOSED] != at.SHUT and passes(m, who, rounding(m, who)):
         return
     was_shut = memory[who, at.CLOSED] == at.SHUT

@@ -36,13 +36,18 @@ def escaped(m, y):
 
 
 @compiled
+def is_open(m, n):
+    """True if contact n touches nothing: a rigid one by its mode, a compliant one by its memory."""
+    return m.mode[n] == OFF if m.contact[n, at.IMPACT] == 1 else m.contact_memory[n, at.CLOSED] == at.OPEN
+
+
+@compiled
 def inside_wall(m):
     """`escaped` at the present state."""
-    contact, kinematics, memory = m.contact, m.contact_kinematics, m.contact_memory
-    for n in range(contact.shape[0]):
-        free = m.mode[n] == OFF if contact[n, at.IMPACT] == 1 else memory[n, at.CLOSED] == at.OPEN
+    kinematics, memory = m.contact_kinematics, m.contact_memory
+    for n in range(kinematics.shape[0]):
         deepest_gap = min(memory[n, at.GAP_0], 0.0) - DEEP * scale_of(m, n)
-        if free and not kinematics[n, at.GAP] >= deepest_gap and not from_side(m, n):
+        if is_open(m, n) and not kinematics[n, at.GAP] >= deepest_gap and not from_side(m, n):
             return True
     return False
 

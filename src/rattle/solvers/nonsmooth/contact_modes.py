@@ -50,7 +50,7 @@ from rattle.solvers.contacts.clutches import (
 from rattle.solvers.contacts.event_rows import note, note_end
 from rattle.solvers.contacts.penetration import scale_of
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
-from rattle.solvers.nonsmooth.idle_contacts import held_by_closed, let_idle
+from rattle.solvers.nonsmooth.idle_contacts import doubt_holders, held_by_closed, let_idle
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
 from rattle.solvers.nonsmooth.rubbing_contacts import (
     MOST_LINEARISED,
@@ -175,6 +175,7 @@ def part(m, count, apart, attempt):
                 return False
             m.candidate[count] = OFF
             if opening < OPENING * size and held_by_closed(m, count + 1, count, 0):
+                doubt_holders(m, count + 1)
                 return False
     return True
 

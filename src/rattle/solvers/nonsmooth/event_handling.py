@@ -8,13 +8,13 @@ from rattle.equations.complementarity import FORWARD, OFF, STICK
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.dry_friction import rounding
 from rattle.equations.motion import OK, solve_motion
-from rattle.equations.one_way import goes_under, hold, off_end, passes
+from rattle.equations.one_way import hold, off_end, passes
 from rattle.equations.state import take_states
 from rattle.equations.unilateral import NOT_FOUND, NOT_UNIQUE
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
-from rattle.solvers.contacts.contact_events import pass_on, remember_end, turn, turn_clutches
+from rattle.solvers.contacts.contact_events import let_others_under, pass_on, remember_end, turn, turn_clutches
 from rattle.solvers.contacts.pawls import drop_pawl
 from rattle.solvers.dry_friction_modes import KEEP, decide, decided, modes_changed, solve_at, stay_at_rest, tell
 from rattle.solvers.nonsmooth.contact_modes import (
@@ -102,17 +102,6 @@ def gets_past_end(m, t, y, who, what):
     hold(m, who, False)
     locate_contacts(m)
     return True
-
-
-@compiled
-def let_others_under(m, who):
-    """Open contacts beside `who` that come under a segment from its side at the same instant touch nothing there."""
-    changed = False
-    for n in range(m.mode.shape[0]):
-        if n != who and m.mode[n] == OFF and goes_under(m, n, noise(m, n)):
-            changed = True
-    if changed:
-        locate_contacts(m)
 
 
 @native("i", "h", "f", "v", "i", "i")

@@ -47,6 +47,7 @@ GUIDED = 6  # attempts to locate a zero where the stages predict it
 NARROW = 1e-6  # share of a step that is not halved further
 JUMPED = 1e-3  # share of an indicator that is left where it jumps below zero, as N where a wall ends
 BEYOND = 1e-12  # share of the time by which an event is later that is a jump: on its other side whatever the rounding
+BEGUN = 1e6  # roundings of a slip up to which it has just begun: a located instant is off by its error, too
 GROWN = 1e-9  # share of an interval down to which the place is sought from which on a slip has its sign
 MOST_TURNS = 100  # values of an indicator in the search of one zero
 
@@ -255,10 +256,11 @@ def soonest(m, i):
             continue
         for kind in (LET_GO, BREAK_AWAY, TURN):
             begin, there = seen_at(m, i, n, kind), seen_at(m, i + 1, n, kind)
-            if kind == TURN and begin < 0.0 and there > begin:
+            slight = unseen(m, n, 3 if kind == TURN else 0, force)
+            if kind == TURN and -BEGUN * slight < begin < 0.0 and there > begin:
                 continue  # a slip that has just begun grows out of rounding
             here = max(begin, 0.0)
-            if there < -unseen(m, n, 3 if kind == TURN else 0, force) and here < first * (here - there):
+            if there < -slight and here < first * (here - there):
                 first, who, what = here / (here - there), n, kind
     return who, what
 

@@ -54,16 +54,21 @@ def held_by_closed(m, count, k, d):
             r = m.pivots[column]
             left -= g[row, s] * system[r, size] / system[r, column] if r >= 0 else 0.0
             column += 1
-    if size == 0 or abs(left) > max(DEPENDENT * g[row, row], m.held[at.NOISE]):
-        return False
-    column = 0
-    for s in range(2 * count):  # what holds it might press more, and it too
-        if holds_row(candidate, s):
+    return size > 0 and abs(left) <= max(DEPENDENT * g[row, row], m.held[at.NOISE])
+
+
+@compiled
+def doubt_holders(m, count):
+    """Note the contacts of the last `held_by_closed`: what holds another one might press more, and that one too."""
+    system, size, column = m.system, 0, 0
+    for s in range(2 * count):
+        size += 1 if holds_row(m.candidate, s) else 0
+    for s in range(2 * count):
+        if holds_row(m.candidate, s):
             r = m.pivots[column]
             if r >= 0 and abs(system[r, size]) > DEPENDENT * abs(system[r, column]):
                 doubt(m, m.active[s // 2], 1.0)
             column += 1
-    return True
 
 
 @compiled
@@ -110,9 +115,15 @@ def holds_row(candidate, r):
 
 @compiled
 def kept_still(m, count, k):
-    """True if closed contacts hold open contact k, and along its wall too unless it is smooth or slides anyway."""
+    """True if closed contacts hold open contact k, and along its wall too unless it is smooth or slides anyway.
+
+    They are noted: see `doubt_holders`.
+    """
     sticks = mode_of_closing(m.slide[k], friction_of(m, m.active[k])) == STICK
-    return held_by_closed(m, count, k, 0) and (not sticks or held_by_closed(m, count, k, 1))
+    if (sticks and not held_by_closed(m, count, k, 1)) or not held_by_closed(m, count, k, 0):
+        return False
+    doubt_holders(m, count)
+    return True
 
 
 @compiled

@@ -29,7 +29,7 @@ from rattle.jit.functions import compiled, kernel
 
 MOST_COMBINED = 2**16  # combinations of modes that are tried
 EDGE = 1e-5  # share of a limit within which a force is about to pass it: see test_rough_pins
-KEPT_MODES, KEPT_A = 4, 5  # rows of `path`, after those of `lemke`
+KEPT_MODES, KEPT = 4, 5  # rows of `path`, after those of `lemke`: modes, and forces of a first solution
 DEFINITE = 1e-9  # share of its diagonal above which a pivot is positive whatever the rounding
 APART = 1e-6  # share of the largest rate, or of both forces, by which two solutions differ: more than rounding
 
@@ -105,24 +105,31 @@ def take_lasting(m, count):
 
 
 @compiled
+def moves_otherwise(m, count):
+    """True if a of the present solution differs from that of the first one."""
+    side, largest, apart = m.side, 0.0, 0.0
+    for r in range(2 * count):
+        largest = max(largest, abs(side[B, r]))
+        apart = max(apart, abs(side[A, r] - side[OTHER, r]))
+    return apart > max(APART * largest, LOOSE * m.held[at.FAINT])
+
+
+@compiled
 def is_another(m, count):
     """True if the path leads to another a than that of the present solution, which is kept."""
     side, path, candidate = m.side, m.path, m.candidate
     for k in range(count):
         path[KEPT_MODES, k] = candidate[k]
     for r in range(2 * count):
-        path[KEPT_A, r] = side[A, r]
-    apart, largest = 0.0, 0.0
+        side[OTHER, r] = side[A, r]
+    another = False
     if call_problem(m.problem_table[FOLLOW], (m, count)) == SOLVED:
         linear(m, count)
-        if is_solution(m, count, LOOSE):
-            for r in range(2 * count):
-                largest = max(largest, abs(side[B, r]))
-                apart = max(apart, abs(side[A, r] - path[KEPT_A, r]))
+        another = is_solution(m, count, LOOSE) and moves_otherwise(m, count)
     for k in range(count):
         candidate[k] = int(path[KEPT_MODES, k])
     linear(m, count)
-    return apart > max(APART * largest, LOOSE * m.held[at.FAINT])
+    return another
 
 
 @compiled
@@ -174,22 +181,16 @@ def lasts(m, count):
 
 
 @compiled
-def moves_otherwise(m, count):
-    """True if a of the present solution differs from that of the first one."""
-    side, largest, apart = m.side, 0.0, 0.0
-    for r in range(2 * count):
-        largest = max(largest, abs(side[B, r]))
-        apart = max(apart, abs(side[A, r] - side[OTHER, r]))
-    return apart > max(APART * largest, LOOSE * m.held[at.FAINT])
-
-
-@compiled
 def note_shared(m, count, unsure):
-    """Note contacts whose force is not that of the first solution; unsure: 1 if they move alike, otherwise 2."""
-    side, kept = m.side, m.path[KEPT_A]
+    """Note contacts whose force is not that of the first solution; unsure: 1 if they move alike, otherwise 2.
+
+    Of those that move alike the normal force counts, of others friction too.
+    """
+    side, kept = m.side, m.path[KEPT]
     for k in range(count):
-        if abs(side[F, 2 * k] - kept[2 * k]) > APART * abs(kept[2 * k] + side[F, 2 * k]):
-            doubt(m, m.active[k], unsure)
+        for r in range(2 * k, 2 * k + (2 if unsure > 1.0 else 1)):
+            if abs(side[F, r] - kept[r]) > APART * (abs(kept[r]) + abs(side[F, r])):
+                doubt(m, m.active[k], unsure)
 
 
 @compiled
@@ -214,7 +215,7 @@ def is_joined(m, count):
     So it is where closed contacts hold another one along its wall: any friction there up to its limit goes with
     them.  Such forces are not determined, as those of bodies at rest on many contacts.
     """
-    side, kept = m.side, m.path[KEPT_A]
+    side, kept = m.side, m.path[KEPT]
     force, rate = resolution(m, count)
     force, rate = LOOSE * force, LOOSE * rate
     for k in range(count):
@@ -234,7 +235,7 @@ def bears_less(m, count):
     here, first = 0.0, 0.0
     for r in range(2 * count):
         here += m.side[F, r] * m.side[F, r]
-        first += m.path[KEPT_A, r] * m.path[KEPT_A, r]
+        first += m.path[KEPT, r] * m.path[KEPT, r]
     return here < (1.0 - APART) * first
 
 
@@ -243,7 +244,7 @@ def take_as_first(m, count):
     """Keep the present solution as the one that others are compared with."""
     for r in range(2 * count):
         m.side[OTHER, r] = m.side[A, r]
-        m.path[KEPT_A, r] = m.side[F, r]
+        m.path[KEPT, r] = m.side[F, r]
 
 
 @compiled
@@ -259,9 +260,10 @@ def try_combinations(m, count, most, slack):
             motions = 1
             take_as_first(m, count)
             chosen, firm = code, lasts(m, count)
-        elif moves_otherwise(m, count) and not is_joined(m, count):
-            motions += 1
         elif moves_otherwise(m, count):
+            if not is_joined(m, count):
+                motions += 1
+                break
             note_shared(m, count, 2.0)
             if bears_less(m, count):
                 take_as_first(m, count)
@@ -283,7 +285,8 @@ def try_kernel(m, number):
     """Try all modes; returns the number of solutions with different a, at most 2, and keeps the first one.
 
     Of modes with its a, those are kept whose forces do not pass a limit at once: bodies at rest on several contacts
-    have many forces, and modes that end at the instant at which they begin may alternate without end.
+    have many forces, and modes that end at the instant at which they begin may alternate without end.  Solutions that
+    `is_joined` finds to be one with it count as it, though a differs; that of them with the least forces is kept.
 
     number is 2 * contacts + most - 1, most being 1 or 2.  Returns -1 if there are too many combinations.
     """
