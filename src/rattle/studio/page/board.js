@@ -35,10 +35,9 @@ export class Board {
   get width() { return this.el.clientWidth; }
   get height() { return this.el.clientHeight; }
 
+  // The sheet keeps its upper left corner, unless something would be outside of it then.
   resized() {
-    const size = [this.width, this.height];
-    if (this.view && this.size) this.view = { ...this.view, x: this.view.x + (size[0] - this.size[0]) / 2, y: this.view.y + (size[1] - this.size[1]) / 2 };
-    this.size = size[0] && size[1] ? size : this.size;
+    if (this.view && this.drawing && this.isOutside()) this.fit();
     this.invalidate();
   }
 

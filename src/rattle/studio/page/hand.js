@@ -197,6 +197,7 @@ export class Hand {
 
   end(at, free, moved) {
     const { act } = this;
+    this.over = null;
     if (act.pulls) {
       this.act = null;
       if (act.begun) this.told.release();
