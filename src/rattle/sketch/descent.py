@@ -12,7 +12,7 @@ from rattle.sketch.movable import Movable
 from rattle.sketch.nearest_step import nearest_step, pressures
 
 BY_MASS = 1e-3  # weight of the change of all bodies against the distance of the point
-STEPS = 30  # of Newton's method in one move
+STEPS = 24  # of Newton's method in one move
 HALVINGS = 14
 FARTHEST = 0.3  # sizes of the mechanism by which a body moves, and rad by which it turns, in one step
 STRAY = 0.5  # share of a step that closing the joints may change: more may be another branch
@@ -25,6 +25,8 @@ MOST_NEAR = 80  # contacts that a step minds
 ON_RIDGE = 1e-4  # sizes of the mechanism by which a ridge is near: the side from which it came decides
 OFF_RIDGE = 1e-3  # first step off a ridge, in sizes
 APART = 1e-3  # sizes by which an earlier position is another one
+BESIDE = 0.05  # sizes up to which the way back is straight
+MOST_KEPT = 100  # positions of the way back
 
 
 class Aim(Protocol):
@@ -53,7 +55,8 @@ class Hand:
 
     def slope(self, place: np.ndarray) -> np.ndarray:
         """Its slopes r - h."""
-        return place - self.at
+        away: np.ndarray = place - self.at
+        return away
 
 
 class Force:
@@ -102,7 +105,7 @@ class Descent:
         self.movable, self.point, self._k = movable, point, 3 * body
         self.end = End(0, 0.0, (), True)
         self.reached = 0.0  # largest reach so far
-        self._before: np.ndarray | None = None  # an earlier position, apart from the present one
+        self._trail: list[np.ndarray] = []  # u of earlier positions, apart from each other
         self._free: np.ndarray | None = None  # motions at the last position that was not singular
 
     def place(self, q: np.ndarray) -> np.ndarray:
@@ -113,26 +116,23 @@ class Descent:
 
     def lowest(self, q: np.ndarray, aim: Aim) -> np.ndarray:
         """Positions (3 nb,) from q on at which the aim, with the change from q by masses, is lowest."""
-        first, escaped = q, 0
+        first, escaped, settled = q, False, False
+        self._note(q)
         for _ in range(STEPS):
             local = self._local(q, first, aim)
             curve = self._curvature(q, first, aim, local)
-            values, ways = np.linalg.eigh(curve)
-            step = self._step(q, local, values, ways, aim.weight)
-            small = step is None or float(np.abs(step).max(initial=0.0)) <= SMALL * self.movable.size
-            if small and escaped < 2 and len(values) and values[0] < 0.0:
-                escaped += 1
-                step = self._off_ridge(q, local, values[0], ways[:, 0])
-                small = step is None
-            self._ended(local, small)
-            if step is None or small:
+            off = None if escaped else self._off_ridge(q, local, curve)
+            escaped |= off is not None
+            step = self._step(q, local, curve, aim.weight) if off is None else off
+            if step is None or float(np.abs(step).max(initial=0.0)) <= SMALL * self.movable.size:
+                settled = True
                 break
             q_new = self._walked(q, step, first, aim)
-            if q_new is None:
+            if q_new is None and off is None:
                 break
-            if float(np.linalg.norm((q_new - q) * self.movable.scale)) > APART * self.movable.size:
-                self._before = q
-            q = q_new
+            q = q if q_new is None else q_new
+            self._note(q)
+        self._ended(local, settled)
         return q
 
     # ------------------------------------------------------------ where it is
@@ -177,24 +177,21 @@ class Descent:
 
         def slope(place: np.ndarray) -> np.ndarray:
             movable.locate(place)
-            arm, k = self.place(place) - place[self._k : self._k + 2], self._k
-            total = aim.weight * scale * (place - first) - movable.rows.T @ local.reaction
-            if len(which):
-                total -= movable.sides(which).T @ factors
-            pull = aim.slope(self.place(place))
+            total: np.ndarray = aim.weight * scale * (place - first) - movable.push(local.reaction, which, factors)
+            point, k = self.place(place), self._k
+            arm, pull = point - place[k : k + 2], aim.slope(point)
             total[k : k + 3] += np.array([*pull, pull[1] * arm[0] - pull[0] * arm[1]]) / scale[k : k + 3]
-            return np.asarray(total)
+            return total
 
         here, changes = slope(q), np.empty((len(q), local.free.shape[1]))
         for n, way in enumerate(local.free.T):
             changes[:, n] = (slope(q + step * way / scale) - here) / step
-        curve: np.ndarray = local.free.T @ changes
-        return 0.5 * (curve + curve.T)
+        curve = local.free.T @ changes
+        even: np.ndarray = 0.5 * (curve + curve.T)
+        return even
 
     # ------------------------------------------------------------ a step
-    def _step(
-        self, q: np.ndarray, local: Local, values: np.ndarray, ways: np.ndarray, least: float
-    ) -> np.ndarray | None:
+    def _step(self, q: np.ndarray, local: Local, curve: np.ndarray, least: float) -> np.ndarray | None:
         """The change of u (3 nb,) to the lowest place of the parabola that the gaps allow; None if there is none.
 
         Where the parabola bends downwards it is turned over, so that it leads away from a ridge.
@@ -202,10 +199,12 @@ class Descent:
         free, movable = local.free, self.movable
         if not free.shape[1]:
             return None
+        values, ways = np.linalg.eigh(curve)
         root = ways / np.sqrt(np.maximum(np.abs(values), least))
         c = free.T @ local.slope
         sides, bound = local.sides @ free, -np.maximum(local.gaps, 0.0)
-        pressed = local.near[local.factors > 0.0]
+        pressed, open_by = local.near[local.factors > 0.0], np.full(len(movable.acts), 2.0 * FARTHEST)
+        open_by[local.near] = np.maximum(local.gaps, 0.0)
         taken: np.ndarray | None = None
         for _ in range(CUTS + 1):
             y = nearest_step(root, c, sides, bound)
@@ -222,7 +221,7 @@ class Descent:
                 break
             more = movable.sides(entered)
             sides = np.vstack([sides, more @ free])
-            bound = np.concatenate([bound, more @ taken - gaps[entered]])
+            bound = np.concatenate([bound, np.minimum(more @ taken - gaps[entered], -open_by[entered])])
         return taken
 
     def _limited(self, change: np.ndarray) -> np.ndarray:
@@ -232,15 +231,40 @@ class Descent:
         by_q[1::3] /= self.movable.size
         return change * min(1.0, FARTHEST / max(float(by_q.max(initial=0.0)), 1e-300))
 
-    def _off_ridge(self, q: np.ndarray, local: Local, value: float, way: np.ndarray) -> np.ndarray | None:
-        """A step off a ridge on which the aim is not lowest: to the side from which it came, else to the lower one."""
-        back = local.free @ way
-        if self._before is not None:
-            sense = float(back @ (self.movable.scale * (self._before - q)))
-        else:
-            sense = -float(back @ local.slope)
-        step = math.copysign(OFF_RIDGE * self.movable.size, sense) * back
-        return None if (local.sides @ step < -np.maximum(local.gaps, TOUCHES)).any() else self._limited(step)
+    def _off_ridge(self, q: np.ndarray, local: Local, curve: np.ndarray) -> np.ndarray | None:
+        """A step off a ridge of the aim that is near: to the side from which it came, else down; None off a ridge."""
+        size, pressed = self.movable.size, local.factors > 0.0
+        along = np.eye(len(curve))
+        if pressed.any():
+            _, values, right = np.linalg.svd(local.sides[pressed] @ local.free)
+            along = right[int((values > RANK * values[0]).sum()) :].T
+        if not along.shape[1]:
+            return None
+        values, ways = np.linalg.eigh(along.T @ curve @ along)
+        slope = local.slope - local.sides.T @ local.factors
+        if values[0] >= 0.0 or float(np.linalg.norm(local.free.T @ slope)) > -values[0] * ON_RIDGE * size:
+            return None
+        back = local.free @ along @ ways[:, 0]
+        down = -float(back @ slope)
+        before = self._from_where(q)
+        sense = down if before is None else float(back @ before)
+        step = self._limited(math.copysign(OFF_RIDGE * size, sense) * back)
+        return None if (local.sides @ step < -np.maximum(local.gaps, TOUCHES)).any() else step
+
+    def _note(self, q: np.ndarray) -> None:
+        """Add a position to the trail, if it is apart from the last one."""
+        u = self.movable.scale * q
+        if not self._trail or float(np.linalg.norm(u - self._trail[-1])) > APART * self.movable.size:
+            self._trail = [*self._trail[1 - MOST_KEPT :], u]
+
+    def _from_where(self, q: np.ndarray) -> np.ndarray | None:
+        """The way back (3 nb,) along the trail, as far as it is straight; None without one."""
+        u, way = self.movable.scale * q, None
+        for earlier in reversed(self._trail):
+            if float(np.linalg.norm(earlier - u)) > BESIDE * self.movable.size:
+                break
+            way = earlier - u
+        return way
 
     def _walked(self, q: np.ndarray, step: np.ndarray, first: np.ndarray, aim: Aim) -> np.ndarray | None:
         """Closed positions at the end of a step or a part of it, where the aim is lower; None if there are none."""
@@ -261,8 +285,13 @@ class Descent:
         return aim.value(self.place(q)) + 0.5 * aim.weight * float(change @ change)
 
     def _ended(self, local: Local, settled: bool) -> None:
-        moves = np.linalg.norm(local.jacobian @ local.free, 2) if local.free.shape[1] else 0.0
-        reach = float(moves / np.linalg.norm(local.jacobian, 2))
+        moves = _largest(local.jacobian @ local.free)
+        reach = moves / _largest(local.jacobian)
         self.reached = max(self.reached, reach)
         pressing = local.near[local.factors > 1e-9 * max(float(np.linalg.norm(local.slope)), 1e-300)]
         self.end = End(local.free.shape[1], reach, tuple(int(n) for n in pressing), settled)
+
+
+def _largest(lines: np.ndarray) -> float:
+    """The largest singular value of lines (2, n)."""
+    return math.sqrt(max(float(np.linalg.eigvalsh(lines @ lines.T)[1]), 0.0))

@@ -7,12 +7,13 @@ moves anywhere in its bush.  Changes are measured by masses, u_i = sqrt(m_i / su
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from rattle.analyses.assembly.rank import RANK
-from rattle.description.model import DEFAULT_STOP, Contact, Driver, Joint, Model
+from rattle.description.model import DEFAULT_STOP, Contact, Driver, Joint, Model, Stop
 from rattle.equations.closure import close_position, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.dense import dense_rows
@@ -47,11 +48,17 @@ def let_go(system: System, q: np.ndarray, motors: bool) -> Model:
 
 
 def _let_go(joint: Joint) -> Joint:
-    """A joint as a hand finds it: no rod in its bush, no belt that stretches."""
+    """A joint as a hand finds it: no rod in its bush, no belt that stretches, a slot that ends."""
+    rigid = Contact(DEFAULT_STOP, dict.fromkeys(kinds("contact")[DEFAULT_STOP].fields, 0.0))
     if is_link(joint):
-        return replace(joint, contact=Contact(DEFAULT_STOP, dict.fromkeys(kinds("contact")[DEFAULT_STOP].fields, 0.0)))
-    if joint.is_loose and joint.one_sided is not None and joint.one_sided.stiff_in_kinematics:
-        return replace(joint, contact=None)
+        return replace(joint, contact=rigid)
+    if joint.is_loose:
+        stretches = joint.one_sided is not None and joint.one_sided.stiff_in_kinematics
+        return replace(joint, contact=None) if stretches else joint
+    travel = joint.leaf.travel(joint.fields)
+    if travel < math.inf and not joint.passing:
+        low, high = (joint.stop.minimum, joint.stop.maximum) if joint.stop is not None else (-math.inf, math.inf)
+        return replace(joint, stop=Stop(max(low, -travel), min(high, travel), rigid))
     return joint
 
 
@@ -60,6 +67,7 @@ class Movable:
 
     def __init__(self, system: System, q: np.ndarray, motors: bool = False) -> None:
         functions.start()
+        self._stopped = {name for name, joint in system.model.joints.items() if joint.stop is not None}
         self.system = compile_system(let_go(system, q, motors))
         self.workspace, self.size = self.system.workspace(), self.system.size
         weight = self.system.arrays["weight"][1:].ravel()
@@ -67,9 +75,14 @@ class Movable:
         self.scale: np.ndarray = np.sqrt(mass / (mass[::3].sum() or 1.0))  # (3 nb,) of u = scale q
         contact = self.system.arrays["contact"]
         self._still = np.zeros(len(self.scale))
+        self._a, self._b = contact[:, at.A_BODY], contact[:, at.B_BODY]
         self.acts = contact[:, at.LEVEL] == 0  # (nc,) contacts with a gap
         angular = self.system.arrays["lever"][:, at.ANGULAR] > 0.0
         self.unit: np.ndarray = np.where(angular, 1.0, self.size)  # (nc,) of gaps
+
+    def own_stop(self, joint: str) -> bool:
+        """True if the model gives a joint a stop, False of the end of a slot."""
+        return joint in self._stopped
 
     def locate(self, q: np.ndarray) -> None:
         """Rows and contacts at q into the workspace."""
@@ -86,7 +99,8 @@ class Movable:
     @property
     def rows(self) -> np.ndarray:
         """(nr, 3 nb) slopes of Phi by u there."""
-        return dense_rows(self.system, self.workspace) / self.scale
+        rows: np.ndarray = dense_rows(self.system, self.workspace) / self.scale
+        return rows
 
     @property
     def gaps(self) -> np.ndarray:
@@ -95,14 +109,37 @@ class Movable:
 
     def sides(self, which: np.ndarray) -> np.ndarray:
         """(k, 3 nb) slopes of the gaps of some contacts by u there."""
-        touch, ends = self.workspace.contact_kinematics[which], self.system.arrays["contact"][which]
         full, line = np.zeros((len(which), self.system.body_count + 1, 3)), np.arange(len(which))
-        nx, ny = touch[:, at.NX], touch[:, at.NY]
-        for sign, body, x, y in ((1.0, at.A_BODY, at.PAX, at.PAY), (-1.0, at.B_BODY, at.PBX, at.PBY)):
-            turn = touch[:, at.TURN] - nx * touch[:, y] + ny * touch[:, x]
-            full[line, ends[:, body]] += sign * np.stack([nx, ny, turn], axis=1)
-        by_q: np.ndarray = full.reshape(len(which), 3 * full.shape[1])[:, 3:]
-        return by_q / self.unit[which, None] / self.scale
+        on_a, on_b = self._ends(which)
+        full[line, self._a[which]] += on_a
+        full[line, self._b[which]] += on_b
+        by_u: np.ndarray = full.reshape(len(which), 3 * full.shape[1])[:, 3:] / self.scale
+        return by_u
+
+    def _ends(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(k, 3) slopes of the gaps of some contacts by x, y, angle of their body A and of B."""
+        touch = self.workspace.contact_kinematics[which]
+        nx, ny, turn = touch[:, at.NX], touch[:, at.NY], touch[:, at.TURN]
+        ends = np.empty((2, len(which), 3))
+        ends[:, :, 0], ends[:, :, 1] = nx, ny
+        ends[0, :, 2] = turn - nx * touch[:, at.PAY] + ny * touch[:, at.PAX]
+        ends[1, :, 2] = turn - nx * touch[:, at.PBY] + ny * touch[:, at.PBX]
+        ends /= self.unit[which, None]
+        return ends[0], -ends[1]
+
+    def push(self, reaction: np.ndarray, which: np.ndarray, factors: np.ndarray) -> np.ndarray:
+        """(3 nb,) slopes by u of Phi times a reaction (nr,) and of the gaps of some contacts times factors (k,)."""
+        total, rows = np.zeros((self.system.body_count + 1, 3)), self.workspace.rows
+        if len(reaction):
+            bodies = self.system.arrays["row_body"]
+            np.add.at(total, bodies[:, at.ROW_A], reaction[:, None] * rows[:, at.AX : at.AP + 1])
+            np.add.at(total, bodies[:, at.ROW_B], reaction[:, None] * rows[:, at.BX : at.BP + 1])
+        if len(which):
+            on_a, on_b = self._ends(which)
+            np.add.at(total, self._a[which], factors[:, None] * on_a)
+            np.add.at(total, self._b[which], factors[:, None] * on_b)
+        by_q: np.ndarray = total[1:].ravel() / self.scale
+        return by_q
 
     def closed(self, q: np.ndarray) -> np.ndarray | None:
         """Positions near q that satisfy all, with the least change; None if there are none near."""

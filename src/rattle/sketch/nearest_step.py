@@ -21,13 +21,14 @@ def nearest_step(root: np.ndarray, c: np.ndarray, sides: np.ndarray, least: np.n
     if (least[~counts] > 0.0).any():
         return None
     lines, bound = lines[counts] / length[counts, None], bound[counts] / length[counts]
-    z = np.zeros(len(c))
+    z, size = np.zeros(len(c)), float(np.linalg.norm(offset)) or 1.0
     if (bound > 0.0).any():
+        bound = bound / size  # where y = 0 is allowed |z| <= 1 then, and all numbers are of this order
         factors = pressures(np.vstack([lines.T, bound]), np.array([*z, 1.0]))
         left = 1.0 - float(bound @ factors)
         if left <= IMPOSSIBLE:
             return None
-        z = lines.T @ factors / left
+        z = size * (lines.T @ factors) / left
     y: np.ndarray = root @ (z - offset)
     return y
 

@@ -4,11 +4,11 @@ The motors let go.  With r(q) the point that is held, h the mouse and u = scale 
 
     min |r(q) - h|^2 + 1e-3 |u(q) - u_0|^2      Phi(q) = 0,  g(q) >= 0
 
-from the last position q_0: Newton's method with the curvature of joints and of pressed contacts, in the motions that the
-joints leave.  Its step is the nearest one that the gaps allow (`nearest_step`); the joints are then closed with the least
-change, and the step is halved where they do not close, where closing them changes more than the step does, so that a
-mechanism stays on its branch, and where nothing is gained.  At a dead centre the way on is not unique: it goes back to
-the side from which it came.
+from the last position q_0: Newton's method with the curvature of joints and of pressed contacts, in the motions that
+the joints leave.  Its step is the nearest one that the gaps allow (`nearest_step`); the joints are then closed with the
+least change, and the step is halved where they do not close, where closing them changes more than half of the step, so
+that a mechanism stays on its branch, and where nothing is gained.  At a dead centre the way on is not unique: it goes
+back to the side from which it came.
 """
 
 from __future__ import annotations
@@ -24,9 +24,8 @@ from rattle.sketch.descent import Aim, Descent, Force, Hand
 from rattle.sketch.movable import Movable
 from rattle.sketch.pull_words import why_not
 
-NEAR = 1e-6  # sizes of the mechanism up to which the point is where the mouse is
+NEAR = 1e-6  # sizes of the mechanism: a distance or move of the point that is none
 PASSES = 4  # times that a move begins anew where it has come, until the part held back by the masses is gone
-GAIN = 0.5  # share of the distance that a pass has to gain, at least
 
 
 class Pulled(NamedTuple):
@@ -52,17 +51,18 @@ class Pull:
             raise InputError(f"no body '{body}' can be pulled{suggest(body, m.model.moving_bodies)}")
         start = m.start.q if q is None else np.array(q, float)
         if start.shape != (3 * system.body_count,) or not np.isfinite([*start, *point]).all():
-            raise InputError(f"q needs {3 * system.body_count} finite numbers, x, y, angle of each body, and a point two")
+            count = 3 * system.body_count
+            raise InputError(f"q needs {count} finite numbers, x, y, angle of each body, and a point two")
         self.body, self.point = body, point
         self.movable = Movable(system, start, motors)
         closed = self.movable.closed(start)
         self.q = start if closed is None else closed
-        self._descent = Descent(self.movable, system.bodies.index(body), point)
+        self.descent = Descent(self.movable, system.bodies.index(body), point)
 
     @property
     def place(self) -> tuple[float, float]:
         """Where the point is [m]."""
-        x, y = self._descent.place(self.q).tolist()
+        x, y = self.descent.place(self.q).tolist()
         return x, y
 
     def to(self, x: float, y: float) -> Pulled:
@@ -73,14 +73,14 @@ class Pull:
         if not (math.isfinite(x) and math.isfinite(y)):
             raise InputError(f"the mouse needs two finite numbers, got {x:g}, {y:g}")
         hand = Hand(np.array([x, y]))
-        far = self._far(hand)
         for _ in range(PASSES):
+            before = self.descent.place(self.q)
             self._go(hand)
-            before, far = far, self._far(hand)
-            if far <= NEAR * self.movable.size or far > GAIN * before:
+            if float(np.hypot(*(self.descent.place(self.q) - before))) <= NEAR * self.movable.size:
                 break
+        far = float(np.hypot(*(self.descent.place(self.q) - hand.at)))
         reached = far <= NEAR * self.movable.size
-        words = "" if reached else why_not(self.movable, self._descent.end, far)
+        words = "" if reached else why_not(self.movable, self.descent.end, far)
         return Pulled(self.q.copy(), reached, words)
 
     def by_force(self, fx: float, fy: float) -> Pulled:
@@ -92,11 +92,8 @@ class Pull:
         if not 0.0 < size < math.inf:
             raise InputError("pulling by a force needs one, finite and not zero")
         self._go(Force(np.array([fx, fy]) / size))
-        return Pulled(self.q.copy(), self._descent.end.settled, "")
+        return Pulled(self.q.copy(), self.descent.end.settled, "")
 
     def _go(self, aim: Aim) -> None:
-        self.q = self._descent.lowest(self.q, aim)
+        self.q = self.descent.lowest(self.q, aim)
         self.movable.seat(self.q)
-
-    def _far(self, hand: Hand) -> float:
-        return float(np.hypot(*(self._descent.place(self.q) - hand.at)))

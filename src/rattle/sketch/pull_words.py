@@ -30,7 +30,8 @@ def held_by(movable: Movable, end: End) -> str:
         entry = system.arrays["contact"][n]
         joint = system.model.joints[system.joints[entry[at.OWNER]]]
         if entry[at.FORCE_COLUMN] == at.STOP:
-            words.append(f"'{joint.name}' is at its stop ({'min' if entry[at.CORNER] == 0 else 'max'})")
+            what = "its stop" if movable.own_stop(joint.name) else "an end"
+            words.append(f"'{joint.name}' is at {what} ({'min' if entry[at.CORNER] == 0 else 'max'})")
         elif joint.leaf.touches:
             words.append(f"'{joint.b.body}' touches '{joint.name}'")
     return ", ".join(dict.fromkeys(words))
