@@ -94,6 +94,7 @@ class End(NamedTuple):
 
     freedom: int  # motions that the joints leave
     reach: float  # largest part of the point's motion that they have, of all that bodies free of joints would have
+    most: float  # the largest such part since the point was taken
     pressing: tuple[int, ...]  # contacts that press
     settled: bool  # nothing is lower near
 
@@ -103,8 +104,7 @@ class Descent:
 
     def __init__(self, movable: Movable, body: int, point: tuple[float, float]) -> None:
         self.movable, self.point, self._k = movable, point, 3 * body
-        self.end = End(0, 0.0, (), True)
-        self.reached = 0.0  # largest reach so far
+        self.end = End(0, 0.0, 0.0, (), True)
         self._trail: list[np.ndarray] = []  # u of earlier positions, apart from each other
         self._free: np.ndarray | None = None  # motions at the last position that was not singular
 
@@ -287,9 +287,8 @@ class Descent:
     def _ended(self, local: Local, settled: bool) -> None:
         moves = _largest(local.jacobian @ local.free)
         reach = moves / _largest(local.jacobian)
-        self.reached = max(self.reached, reach)
         pressing = local.near[local.factors > 1e-9 * max(float(np.linalg.norm(local.slope)), 1e-300)]
-        self.end = End(local.free.shape[1], reach, tuple(int(n) for n in pressing), settled)
+        self.end = End(local.free.shape[1], reach, max(reach, self.end.most), tuple(int(n) for n in pressing), settled)
 
 
 def _largest(lines: np.ndarray) -> float:

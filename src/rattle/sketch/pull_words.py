@@ -18,8 +18,10 @@ def why_not(movable: Movable, end: End, far: float) -> str:
         return f"nothing can move: joints hold every body; {away}"
     if held := held_by(movable, end):
         return f"{held}; {away}"
+    if end.most < STANDS:
+        return f"no motion of the mechanism moves this point: take another one; {away}"
     if end.reach < STANDS:
-        return f"dead centre: no motion of the mechanism moves this point here; {away}"
+        return f"dead centre: nothing moves this point here; {away}"
     return f"as near as the joints allow: {away}"
 
 
