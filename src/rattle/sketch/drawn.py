@@ -25,8 +25,8 @@ from rattle.errors import AssemblyError
 from rattle.jit import layout as at
 from rattle.mechanism import Mechanism
 
+PINS = ("revolute", "fixed")  # joints whose two points are one place
 OPEN = 1e-6  # share of the size of the drawing from which on joints that are apart are told
-TOGETHER = 1e-6  # share of the size within which points that joints connect are one place
 STAND_IN = "nothing"  # a body that a text without bodies is given, so that it can be read
 NEARNESS = 1e-6  # weight of the change of a place beside what is open, where joints cannot be closed
 
@@ -113,7 +113,7 @@ class Drawn:
             if not all(end in self.points for end in ends):
                 continue
             a, b = (self.points[end] for end in ends)
-            apart = math.dist(a, b) if joint.kind in ("revolute", "weld", "fixed") else 0.0
+            apart = math.dist(a, b) if joint.kind in PINS else 0.0
             yield Pin(name, joint.kind, (ends[0], ends[1]), a, apart)
 
     def _end(self, joint: str, side: int) -> str:
@@ -122,17 +122,23 @@ class Drawn:
         return f"ground.{moving}" if moving else f"{point.body}.{point.name}"
 
     def joined(self, point: str) -> list[str]:
-        """All points that pins put at the place of this one, itself first."""
+        """All points that joints put at the place of this one, itself first; a block is where it is drawn."""
         group, ahead = [point], [point]
         while ahead:
             now = ahead.pop()
             for pin in self.pins:
-                if pin.kind == "revolute" and now in pin.ends:
+                if now in pin.ends and self._together(pin):
                     other = pin.ends[1] if pin.ends[0] == now else pin.ends[0]
                     if other not in group:
                         group.append(other)
                         ahead.append(other)
         return group
+
+    def _together(self, pin: Pin) -> bool:
+        """True for a joint whose points are one place."""
+        if pin.kind == "prismatic":
+            return math.dist(*(self.points[end] for end in pin.ends)) <= 1e-9 * self.size
+        return pin.kind in PINS
 
     @cached_property
     def grounded(self) -> set[str]:

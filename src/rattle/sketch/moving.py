@@ -32,6 +32,11 @@ def carry(revision: Revision, point: str, to: Spot) -> None:
             for k, value in enumerate(to):
                 if abs(revision.sketch.points[name][k] - value) > 0.0:
                     revision.set_length(("ground", "points", own, str(k)), value, f"{name}.{'xy'[k]}")
+        elif list(revision.sketch.model.bodies[body].points) == [own]:
+            x, y, angle = revision.places[body]
+            was = revision.sketch.points[name]
+            revision.places[body] = x + to[0] - was[0], y + to[1] - was[1], angle
+            revision.moved.append(body)
         elif own in revision.document["bodies"][body].get("bar", ()):
             _stretch(revision, body, own, to)
         else:

@@ -273,18 +273,16 @@ class Revision:
         for body in held & set(initial):
             entry = initial.get(body, {})
             if body not in self.sketch.grounded and {"x", "y"} & set(entry):
-                for key in ("x", "y"):
-                    if key in entry:
-                        self.enter(("initial", body, key), None)
+                self.enter(("initial", body), {key: part for key, part in entry.items() if key not in ("x", "y")})
 
     def _write_start(self, body: str, values: dict[str, object]) -> None:
         entry = self.document.get("initial", {}).get(body)
         if entry is None:
             self.enter(("initial", body), values)
             return
-        for key, value in values.items():
-            if entry.get(key) != value:
-                self.enter(("initial", body, key), value)
+        for key, start in values.items():
+            if entry.get(key) != start:
+                self.enter(("initial", body, key), start)
 
     def _astray(self, sketch: Drawn) -> list[str]:
         """Bodies that would stand elsewhere than meant."""

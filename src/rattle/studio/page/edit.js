@@ -385,7 +385,7 @@ function titleOf(things, drawing) {
     return `${joint.type === "revolute" ? "pin" : joint.type} ${name}, ${bodies.join(" and ")}${joint.play ? `, play ${joint.play}` : ""}`;
   }
   if (kind === "body") return `${drawing.bars[name] ? "bar" : "body"} ${name}`;
-  if (kind === "driver") return `motor ${name}`;
+  if (kind === "driver") return `${name} drives ${drawing.joints.find((one) => one.driver === name)?.name ?? "a coordinate"}`;
   if (kind === "picture") return "picture below the drawing";
   return things[0] ?? "";
 }
