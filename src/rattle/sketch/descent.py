@@ -17,9 +17,11 @@ HALVINGS = 14
 FARTHEST = 0.3  # sizes of the mechanism by which a body moves, and rad by which it turns, in one step
 STRAY = 0.5  # share of a step that closing the joints may change: more may be another branch
 SMALL = 1e-10  # sizes of the mechanism: a step that is none
+LAST = 1e-6  # sizes: behind such a step the next one is none, as Newton's method squares the error
 DIFFERENCE = 1e-7  # sizes of the mechanism, for curvatures by differences
 ROUNDING = 1e-14  # squares of the size below which an aim has not changed
 TOUCHES = 1e-10  # gap, in sizes or rad, of a contact that presses
+SLIGHT = 1e-9  # share of the slope of the aim below which nothing presses
 CUTS = 3  # rounds in which contacts that a step would enter are taken into it
 MOST_NEAR = 80  # contacts that a step minds
 ON_RIDGE = 1e-4  # sizes of the mechanism by which a ridge is near: the side from which it came decides
@@ -105,6 +107,7 @@ class Descent:
     def __init__(self, movable: Movable, body: int, point: tuple[float, float]) -> None:
         self.movable, self.point, self._k = movable, point, 3 * body
         self.end = End(0, 0.0, 0.0, (), True)
+        self._most = 0.0
         self._trail: list[np.ndarray] = []  # u of earlier positions, apart from each other
         self._free: np.ndarray | None = None  # motions at the last position that was not singular
 
@@ -120,6 +123,7 @@ class Descent:
         self._note(q)
         for _ in range(STEPS):
             local = self._local(q, first, aim)
+            self._most = max(self._most, self._reach(local))
             curve = self._curvature(q, first, aim, local)
             off = None if escaped else self._off_ridge(q, local, curve)
             escaped |= off is not None
@@ -132,6 +136,9 @@ class Descent:
                 break
             q = q if q_new is None else q_new
             self._note(q)
+            if off is None and float(np.abs(step).max()) <= LAST * self.movable.size and self._presses_as(local):
+                settled = True
+                break
         self._ended(local, settled)
         return q
 
@@ -251,6 +258,11 @@ class Descent:
         step = self._limited(math.copysign(OFF_RIDGE * size, sense) * back)
         return None if (local.sides @ step < -np.maximum(local.gaps, TOUCHES)).any() else step
 
+    def _presses_as(self, local: Local) -> bool:
+        """True if all that touches where it was located last pressed before its last step already."""
+        touching = np.flatnonzero(self.movable.gaps <= TOUCHES)
+        return set(touching.tolist()) == set(local.near[local.factors > 0.0].tolist())
+
     def _note(self, q: np.ndarray) -> None:
         """Add a position to the trail, if it is apart from the last one."""
         u = self.movable.scale * q
@@ -285,10 +297,13 @@ class Descent:
         return aim.value(self.place(q)) + 0.5 * aim.weight * float(change @ change)
 
     def _ended(self, local: Local, settled: bool) -> None:
-        moves = _largest(local.jacobian @ local.free)
-        reach = moves / _largest(local.jacobian)
-        pressing = local.near[local.factors > 1e-9 * max(float(np.linalg.norm(local.slope)), 1e-300)]
-        self.end = End(local.free.shape[1], reach, max(reach, self.end.most), tuple(int(n) for n in pressing), settled)
+        pressing = local.near[local.factors > SLIGHT * max(float(np.linalg.norm(local.slope)), 1e-300)]
+        freedom, reach = local.free.shape[1], self._reach(local)
+        self.end = End(freedom, reach, self._most, tuple(int(n) for n in pressing), settled)
+
+    def _reach(self, local: Local) -> float:
+        """Share of the motion of the point, were its body free of joints, that they leave to it."""
+        return _largest(local.jacobian @ local.free) / _largest(local.jacobian)
 
 
 def _largest(lines: np.ndarray) -> float:

@@ -24,7 +24,7 @@ from rattle.sketch.descent import Aim, Descent, Force, Hand
 from rattle.sketch.movable import Movable
 from rattle.sketch.pull_words import why_not
 
-NEAR = 1e-6  # sizes of the mechanism: a distance or move of the point that is none
+NEAR = 1e-6  # sizes of the mechanism: a distance or move that is none
 PASSES = 4  # times that a move begins anew where it has come, until the part held back by the masses is gone
 
 
@@ -73,10 +73,13 @@ class Pull:
         if not (math.isfinite(x) and math.isfinite(y)):
             raise InputError(f"the mouse needs two finite numbers, got {x:g}, {y:g}")
         hand = Hand(np.array([x, y]))
+        moved = math.inf
         for _ in range(PASSES):
-            before = self.descent.place(self.q)
+            q, before = self.q, moved
             self._go(hand)
-            if float(np.hypot(*(self.descent.place(self.q) - before))) <= NEAR * self.movable.size:
+            moved = float(np.linalg.norm((self.q - q) * self.movable.scale))
+            share = moved / before if before < math.inf else 1.0
+            if moved * min(1.0, share) <= NEAR * self.movable.size:  # that is how far the next one would go
                 break
         far = float(np.hypot(*(self.descent.place(self.q) - hand.at)))
         reached = far <= NEAR * self.movable.size
