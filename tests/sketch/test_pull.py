@@ -12,6 +12,7 @@ from linkages import fourbar_text, parallelogram, slider_crank
 from random_mechanisms import mechanism as stopped
 from rattle.errors import AssemblyError, InputError
 from rattle.sketch.descent import Hand
+from rattle.sketch.movable import Movable
 from rattle.sketch.pull import Pull
 
 BARS = (0.1, 0.3, 0.25, 0.3)  # crank, coupler, rocker, ground of a crank-rocker [m]
@@ -266,6 +267,19 @@ def test_a_force_closes_every_play_along_it():
     assert right[3] - left[3] > 0.3e-3
 
 
+def test_a_force_turns_a_free_crank_until_its_end_is_highest():
+    pulled = Pull(fourbar(), "crank", (0.05, 0.0)).by_force(0.0, 1.0)
+    assert pulled.q[2] == pytest.approx(math.pi / 2, abs=1e-3)
+
+
+def test_a_force_that_nothing_holds_asks_for_a_motor():
+    m = rt.Mechanism("free")
+    m.ground(O=[0, 0])
+    m.body("block", mass=1, inertia=0.01, points={"P": [0, 0]})
+    m.prismatic("guide", "ground.O", "block.P")
+    assert "hold it by a motor" in Pull(m, "block", (0.0, 0.0)).by_force(1.0, 0.0).words
+
+
 def test_what_is_no_body_and_no_number_is_refused():
     m = fourbar()
     with pytest.raises(InputError, match="did you mean 'crank'"):
@@ -315,3 +329,19 @@ def test_a_block_is_pushed_down_no_farther_than_the_floor():
     assert pulled.q == pytest.approx([0.1, 0.05, 0.0], abs=1e-5), "it lies flat"
     assert "'block' touches 'floor'" in pulled.words
     assert pull.to(0.1, 0.2).reached
+
+
+@pytest.mark.parametrize("name", ["gear_rattle", "guide_play", "dominoes", "scotch_yoke", "step_ladder", "woodpecker"])
+def test_slopes_of_gaps_are_those_of_differences(name):
+    """Flanks, a block in a guide, outlines, a pin in a slot, surfaces and stops."""
+    m = rt.example(name)
+    movable, q, step = Movable(m.system, m.start.q), m.start.q, 1e-7 * m.system.size
+    contacts = np.arange(len(movable.acts))
+    movable.locate(q)
+    slopes = movable.sides(contacts) * movable.scale
+    for k in range(len(q)):
+        gaps = []
+        for sign in (1.0, -1.0):
+            movable.locate(q + sign * step * np.eye(len(q))[k])
+            gaps.append(movable.gaps)
+        assert slopes[:, k] == pytest.approx((gaps[0] - gaps[1]) / (2 * step), abs=1e-6 / m.system.size)

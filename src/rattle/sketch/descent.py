@@ -125,6 +125,8 @@ class Descent:
             local = self._local(q, first, aim)
             self._most = max(self._most, self._reach(local))
             curve = self._curvature(q, first, aim, local)
+            if not np.isfinite(curve).all():  # at the end of a table or of the domain of a function
+                break
             off = None if escaped else self._off_ridge(q, local, curve)
             escaped |= off is not None
             step = self._step(q, local, curve, aim.weight) if off is None else off

@@ -22,6 +22,7 @@ from rattle.errors import InputError, suggest
 from rattle.mechanism import Mechanism
 from rattle.sketch.descent import Aim, Descent, Force, Hand
 from rattle.sketch.movable import Movable
+from rattle.sketch.nearest_step import pressures
 from rattle.sketch.pull_words import why_not
 
 NEAR = 1e-6  # sizes of the mechanism: a distance or move that is none
@@ -55,6 +56,8 @@ class Pull:
             raise InputError(f"q needs {count} finite numbers, x, y, angle of each body, and a point two")
         self.body, self.point = body, point
         self.movable = Movable(system, start, motors)
+        if len(self.movable.acts):
+            pressures(np.eye(1), np.ones(1))  # loads what is needed, before the mouse moves
         closed = self.movable.closed(start)
         self.q = start if closed is None else closed
         self.descent = Descent(self.movable, system.bodies.index(body), point)
@@ -95,7 +98,8 @@ class Pull:
         if not 0.0 < size < math.inf:
             raise InputError("pulling by a force needs one, finite and not zero")
         self._go(Force(np.array([fx, fy]) / size))
-        return Pulled(self.q.copy(), self.descent.end.settled, "")
+        settled = self.descent.end.settled
+        return Pulled(self.q.copy(), settled, "" if settled else "more than play gives way: hold it by a motor")
 
     def _go(self, aim: Aim) -> None:
         self.q = self.descent.lowest(self.q, aim)
