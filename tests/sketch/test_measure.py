@@ -214,6 +214,7 @@ def test_names_of_signals_are_new():
         (lambda m: transmission_angle(m, "Q"), "there is no joint 'Q'"),
         (lambda m: transmission_angle(m, "C", ("D", "")), "joint 'D' is not one of 'coupler'"),
         (lambda m: mechanical_advantage(m, "moter", "crank.B"), "did you mean 'motor'"),
+        (lambda m: mechanical_advantage(m.remove("joints.D"), "motor", "crank.B"), "2 degrees of freedom are left"),
         (lambda m: centrodes(m, "crank", "crank"), "of two bodies"),
         (lambda m: path(m.remove("drivers.motor"), "crank.B"), "needs a motor"),
     ],

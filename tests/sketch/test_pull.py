@@ -234,6 +234,13 @@ def test_a_point_on_a_fixed_pivot_says_that_it_does_not_move():
     assert "no motion of the mechanism moves this point" in pulled.words
 
 
+def test_a_light_bar_before_a_heavy_one_is_no_dead_centre():
+    text = fourbar_text('joint = "A"\nangle = 1', *BARS, START).replace("mass = 3", "mass = 1e7")
+    pull = Pull(rt.loads(text), "crank", (0.05, 0.0))
+    words = pull.to(0.3, 0.3).words
+    assert "as near as the joints allow" in words
+
+
 def test_a_frame_does_not_move_and_says_so():
     brace = '[joints.brace]\ntype = "rod"\nconnect = ["ground.D", "crank.B"]\nlength = 0.2599'
     text = fourbar_text('joint = "A"\nangle = "1"', *BARS, START, joints=brace)

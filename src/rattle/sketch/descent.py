@@ -95,8 +95,8 @@ class End(NamedTuple):
     """Where and why a descent ended."""
 
     freedom: int  # motions that the joints leave
-    reach: float  # largest part of the point's motion that they have, of all that bodies free of joints would have
-    most: float  # the largest such part since the point was taken
+    reach: float  # largest share of the point in such a motion of all bodies
+    most: float  # the largest such share since the point was taken
     pressing: tuple[int, ...]  # contacts that press
     settled: bool  # nothing is lower near
 
@@ -123,7 +123,8 @@ class Descent:
         self._note(q)
         for _ in range(STEPS):
             local = self._local(q, first, aim)
-            self._most = max(self._most, self._reach(local))
+            if q is first:
+                self._most = max(self._most, self._reach(local))
             curve = self._curvature(q, first, aim, local)
             if not np.isfinite(curve).all():  # at the end of a table or of the domain of a function
                 break
@@ -304,8 +305,13 @@ class Descent:
         self.end = End(freedom, reach, self._most, tuple(int(n) for n in pressing), settled)
 
     def _reach(self, local: Local) -> float:
-        """Share of the motion of the point, were its body free of joints, that they leave to it."""
-        return _largest(local.jacobian @ local.free) / _largest(local.jacobian)
+        """Largest share of the point in a motion of all bodies that the joints leave, angles as arcs at the size."""
+        if not local.free.shape[1]:
+            return 0.0
+        arcs = self.movable.scale.copy()
+        arcs[2::3] /= self.movable.size
+        ways = np.linalg.qr(local.free / arcs[:, None])[0]
+        return _largest((local.jacobian * arcs) @ ways)
 
 
 def _largest(lines: np.ndarray) -> float:

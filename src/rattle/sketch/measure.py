@@ -174,7 +174,9 @@ def _speed(m: Mechanism, driver: str, end: Spot, q: np.ndarray) -> np.ndarray:
     side[closed.first_row(driver)] = 1.0
     rates, _, rank, _ = np.linalg.lstsq(rows, side, rcond=RANK)
     if rank < len(q):
-        raise InputError(f"{len(q) - rank} freedoms are left without a motor: nothing says how the parts move")
+        left = len(q) - rank
+        what = "1 degree of freedom is" if left == 1 else f"{left} degrees of freedom are"
+        raise InputError(f"{what} left without a motor: nothing says how the parts move")
     if float(np.abs(rows @ rates - side).max()) > math.sqrt(RANK):
         raise InputError(f"driver '{driver}' cannot move here: it is at a dead centre, or another one holds it")
     if end.point.body == "ground":
