@@ -352,3 +352,23 @@ def test_slopes_of_gaps_are_those_of_differences(name):
             movable.locate(q + sign * step * np.eye(len(q))[k])
             gaps.append(movable.gaps)
         assert slopes[:, k] == pytest.approx((gaps[0] - gaps[1]) / (2 * step), abs=1e-6 / m.system.size)
+
+
+def test_a_block_touches_the_walls_of_its_guide_and_does_not_enter_them():
+    """Corners of the block, from its place and angle, against walls at half its height and the clearance."""
+    m, rng = rt.example("guide_play"), np.random.default_rng(4)
+    joint = next(joint for joint in m.model.joints.values() if joint.dimensions)
+    (length, height), line = joint.dimensions["block"], joint.fields["axis"]
+    assert joint.a.body == "ground"
+    pull, most = Pull(m, joint.b.body, joint.b.at), 0.0
+    for n in range(40):
+        q = pull.to(*(np.array(pull.place) + rng.normal(0.0, (0.002, 0.05)[n % 2], 2))).q
+        turn = angle(m, q, joint.b.body) - joint.fields["angle"] + line
+        for x, y in ((length, height), (-length, height), (length, -height), (-length, -height)):
+            corner = place(m, q, joint.b) - place(m, q, joint.a)
+            corner = corner + 0.5 * np.array(
+                [math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y]
+            )
+            across = abs(math.cos(line) * corner[1] - math.sin(line) * corner[0])
+            most = max(most, across - 0.5 * height - joint.clearance)
+    assert abs(most) < 1e-9, "it has touched, and not entered"
