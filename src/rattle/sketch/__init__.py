@@ -1,1 +1,1 @@
-"""Drawing by hand: what a mechanism under the mouse does, and what is measured on it by a click."""
+"""Mechanisms drawn by hand: what a model text looks like, and what every act of drawing changes in it."""
