@@ -90,10 +90,12 @@ def _nudged(revision: Revision, message: Message) -> Drawing | None:
 
 
 def _kept(revision: Revision, message: Message) -> Drawing:
-    """A measure becomes a signal."""
-    name = revision.free_name(str(message.get("name")), "")
-    revision.enter(("signals", name), str(message.get("signal")))
-    return revision.finish(f"signal {name} is recorded in every result now")
+    """A measure becomes signals."""
+    names = []
+    for wish, expression in message["signals"].items():
+        names.append(revision.free_name(str(wish), ""))
+        revision.enter(("signals", names[-1]), str(expression))
+    return revision.finish(f"signal {', '.join(names)}: recorded in every result from now on")
 
 
 def _started(revision: Revision, message: Message) -> Drawing:

@@ -137,7 +137,7 @@ export class Hand {
     if (tool === "Select") { this.begin_select(at); return; }
     if (LINES.has(tool)) this.act = { tool, from: this.catcher.catch(at, this.options(free, { lines: true })) };
     else if (this.act?.corners) this.drag(at, free, at);
-    else this.act = { tool, to: this.catcher.catch(at, this.options(free, { lines: tool === "Pin" || tool === "Slider" })), pressed: at };
+    else this.act = { tool, to: this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Measure"].includes(tool) })), pressed: at };
     this.told.say(this.act?.from?.words ? `from ${this.act.from.words}` : "");
     this.board.invalidate();
   }
@@ -169,7 +169,7 @@ export class Hand {
       act.to = this.catcher.catch(at, this.options(free, { lines: act.tool !== "Force", without: [act.from.point] }));
       const away = Math.hypot(act.to.at[0] - act.from.at[0], act.to.at[1] - act.from.at[1]);
       this.told.say(`${act.to.words ? `joins ${act.to.words}, ` : ""}${act.tool === "Force" ? `${(away / this.board.snap).toPrecision(3)} N` : lengthText(away)}`);
-    } else act.to = this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Slot"].includes(act.tool) }));
+    } else act.to = this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Slot", "Measure"].includes(act.tool) }));
     this.board.invalidate();
   }
 
