@@ -95,7 +95,7 @@ def test_a_german_page_has_no_english_words(tmp_path, open_page):
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844), (844, 390)])
 def test_words_of_every_language_fit_the_screen(language, width, height, tmp_path, open_page):
     """No button, tab or label is cut off, and nothing is wider than the page, whatever is opened."""
     scene = Wishes(language=language).of(scene_of([("", circling())], ideal=circling(clearance=1e-9)))
@@ -106,7 +106,7 @@ def test_words_of_every_language_fit_the_screen(language, width, height, tmp_pat
         tab.evaluate("(name) => rattle.viewer.tabs.choose(name)", name)
         frames(tab)
         assert tab.evaluate("document.documentElement.scrollWidth") <= width
-        wide = """(width) => Array.from(rattle.viewer.shadow.querySelectorAll("button, h1, summary, label"))
+        wide = """(width) => Array.from(rattle.viewer.shadow.querySelectorAll("button, h1, summary, label, .tabs"))
           .filter((part) => part.getClientRects().length && !part.closest(".sheet"))
           .filter((part) => part.scrollWidth > part.clientWidth + 1 || part.getBoundingClientRect().right > width)
           .map((part) => part.textContent)"""
