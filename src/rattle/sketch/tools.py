@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rattle.description.polygon import figure_of, is_inside
+from rattle.description.polygon import fault, figure_of, is_inside
 from rattle.errors import InputError
 from rattle.sketch.drawn import Drawn, Place, Spot
 from rattle.sketch.expressions import turned, two_digits
@@ -79,6 +79,8 @@ def plate(revision: Revision, corners: Sequence[Caught]) -> Drawing | None:
     signs = [chr(ord("A") + k) if k < 26 else f"P{k + 1}" for k in range(len(own))]
     points = dict(zip(signs, own, strict=True))
     revision.enter(("bodies", name), {"polygon": own, **PLATE, "points": points})
+    if wrong := fault([(x, y) for x, y in own]):
+        raise InputError(f"this is no plate: {wrong}")
     x, y = figure_of([(x, y) for x, y in own]).centre
     revision.places[name] = spots[0][0] + x, spots[0][1] + y, 0.0
     revision.moved.append(name)
