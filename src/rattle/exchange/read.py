@@ -66,7 +66,7 @@ READERS = (
     Reader("links of PMKS+", (".pmks", ".url"), lambda text: bool(_LINK.match(text)), "pmks.read", "read_pmks", ()),
     Reader("drawings", (".dxf",), lambda text: bool(_DRAWING.match(text)), "dxf", "read_dxf",
            ("scale", "thickness", "density")),
-    Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage", "read_pylinkage",
+    Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage.read", "read_pylinkage",
            ("scale", "steps_per_second")),
 )  # fmt: skip
 
