@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import PurePath
 from typing import Any
 
 from rattle.exchange.asmt.assembly import GROUND, Assembly, Joint, Marker, Part, read_assembly
@@ -67,13 +68,13 @@ class _Writer:
         if drivers:
             document["drivers"] = drivers
         document["initial"] = {
-            body: self._start(part, n, bool(drivers))
+            body: self._start(part, n, bool(drivers) and not _is_free(assembly, len(drivers)))
             for n, (body, part) in enumerate(zip(self.bodies, assembly.parts, strict=True))
         }
         if (run := self._run()) is not None:
             document["simulate"] = run
         return Imported(
-            document, f"from {assembly.file}, an assembly of Ondsel or FreeCAD", self._taken(entries, drivers),
+            document, f"from {PurePath(assembly.file).name}, an assembly of Ondsel or FreeCAD", self._taken(entries, drivers),
             self._assumed(unit), tuple(self.left_out + self._heights()),
         )  # fmt: skip
 
@@ -103,7 +104,7 @@ class _Writer:
         }
 
     def _start(self, part: Part, n: int, driven: bool) -> dict[str, float]:
-        """Place and rates of the mass centre; rates only where no motor says what they are."""
+        """Place and rates of the mass centre; rates only where motors do not say what all of them are."""
         here = self.flats[n]
         x, y = here.in_plane(here.place(part.centre.origin))
         start = {"x": x, "y": y, "angle": here.angle}
@@ -178,6 +179,12 @@ class _Writer:
     def _assumed(self, unit: float) -> tuple[str, ...]:
         length_ = f"a length of 1 in the file is {unit:.9g} m" + (" (--scale says otherwise)" if unit == 1.0 else "")
         return (f"{length_}, a mass of 1 is 1 kg",)
+
+
+def _is_free(assembly: Assembly, drivers: int) -> bool:
+    """True if the motors leave freedoms, by the number of equations: rates of the file then say how it starts."""
+    equations = {"FixedJoint": 3, "GearJoint": 1, "RackPinionJoint": 1}
+    return 3 * len(assembly.parts) > drivers + sum(equations.get(joint.kind, 2) for joint in assembly.joints)
 
 
 def _leaves(omega: Vector, velocity: Vector, plane: Plane) -> bool:

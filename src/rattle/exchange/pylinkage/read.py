@@ -8,6 +8,7 @@ lasts 1/25 s, as its animations do, unless something else is stated.
 from __future__ import annotations
 
 import math
+from pathlib import PurePath
 from typing import Any
 
 from rattle.exchange.imported import Assumptions, Imported
@@ -76,7 +77,7 @@ class _Writer:
         document["initial"] = {body: self._start(n) for n, body in enumerate(self.bodies)}
         return Imported(
             document,
-            f"from {self.file}, a mechanism of pylinkage",
+            f"from {PurePath(self.file).name}, a mechanism of pylinkage",
             self._taken(),
             self._assumed(),
             tuple(self.left_out),
