@@ -9,7 +9,7 @@ from typing import Any
 from rattle.exchange.asmt.assembly import GROUND, Assembly, Joint, Marker, Part, read_assembly
 from rattle.exchange.asmt.joints import joint_entry
 from rattle.exchange.asmt.motions import driver_entry
-from rattle.exchange.asmt.plane import Flat, Plane, flat, moment_of_inertia, plane_of, slides
+from rattle.exchange.asmt.plane import Flat, Plane, flat, ground, moment_of_inertia, plane_of, slides
 from rattle.exchange.asmt.space import Vector, cross, dot, length, plus, turned
 from rattle.exchange.imported import Assumptions, Imported
 from rattle.exchange.names import Names, counted, listed
@@ -35,7 +35,7 @@ class _Writer:
         self.assembly = assembly
         self.plane = plane
         self.flats = [flat(part.frame, plane) for part in assembly.parts]
-        self.ground = flat(assembly.frame, plane)
+        self.ground = ground(assembly.frame, plane)
         self.names = Names()
         self.bodies = [self.names.new(part.name, "body") for part in assembly.parts]
         self.points: dict[int, dict[str, list[float]]] = {n: {} for n in range(GROUND, len(assembly.parts))}
