@@ -212,7 +212,8 @@ def changed(old: str, new: str) -> str:
     ("https://app.pmksplus.com/", "question mark"), ("hello", "not a link"), ("pmks:a\npmks:b", "2 lines"),
     (checked("0P.TY"), "settings"), (checked(TEMPLATE[:90]), "joints|links|link"),
     (changed("A,B,,", "A,X,,"), "X"), (changed("0mA", "0m!"), "joint A"), (changed("YRAB", "YQAB"), "link 1"),
-    (changed(".101.", ".901."), "unit"), (changed("GB,B", "GA,B"), "two joints"), (changed("Fe,Fe", "0Fe,Fe"), "negative"),
+    (changed(".101.", ".901."), "unit"), (changed("GB,B", "GA,B"), "two joints"),
+    (changed("Fe,Fe", "0Fe,Fe"), "negative"),
     (checked("0P.TY.K,0.101....NA"), "no mechanism"), (checked(OLDER[:-1].replace("2F1,bc", "2F1,zz")), "zz"),
 ])  # fmt: skip
 def test_what_cannot_be_read_is_refused_by_its_place(text, says):

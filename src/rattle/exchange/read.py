@@ -34,7 +34,7 @@ BINARY = {  # how files begin that are no text, and what to do
     b"\xfe\xff": "text in UTF-16; save it as UTF-8",
 }
 SEEN = 4000  # characters at the beginning that say which program wrote a file
-_MODEL = re.compile(r"^\s*(format\s*=|\[(bodies|joints|ground|parameters)\b)", re.MULTILINE)
+_MODEL = re.compile(r"^[ \t]*(format\s*=|\[(bodies|joints|ground|parameters)\b)", re.MULTILINE)
 _DRAWING = re.compile(r"\s*(999[ \t]*\r?\n[^\n]*\n\s*)*0[ \t]*\r?\n[ \t]*SECTION\b")
 _LINK = re.compile(r"\s*(pmks:|https?://)", re.IGNORECASE)
 

@@ -73,10 +73,9 @@ class _Writer:
         }
         if (run := self._run()) is not None:
             document["simulate"] = run
-        return Imported(
-            document, f"from {PurePath(assembly.file).name}, an assembly of Ondsel or FreeCAD", self._taken(entries, drivers),
-            self._assumed(unit), tuple(self.left_out + self._heights()),
-        )  # fmt: skip
+        source = f"from {PurePath(assembly.file).name}, an assembly of Ondsel or FreeCAD"
+        left_out = tuple(self.left_out + self._heights())
+        return Imported(document, source, self._taken(entries, drivers), self._assumed(unit), left_out)
 
     def flat(self, part: int) -> Flat:
         """A part, or the ground, in the plane."""

@@ -48,6 +48,10 @@ class _Writer:
         self.ground = {
             joint: self.at[joint] for joint in mechanism.joints if joint in mechanism.grounded & self.at.keys()
         }
+        self.holders: dict[str, list[int]] = {}  # of joints: their bodies
+        for n, spots in ((GROUND, self.ground), *enumerate(self.spots)):
+            for joint in spots:
+                self.holders.setdefault(joint, []).append(n)
         self._track()
         self.ground_points: dict[str, list[float]] = {}
         self.ground_names = Names()
@@ -139,14 +143,18 @@ class _Writer:
 
     def _place(self, joint: Joint) -> bool:
         first, second = joint.references or ("", "")
-        for spots in (*self.spots, self.ground):
-            if first in spots and second in spots:
-                (x, y), (x2, y2) = spots[first], spots[second]
-                angle = math.atan2(y2 - y, x2 - x) + joint.polar[1]
-                distance = self.unit * joint.polar[0]
-                spots.setdefault(joint.id, (x + distance * math.cos(angle), y + distance * math.sin(angle)))
-                return True
-        return False
+        both = [n for n in self.holders.get(first, ()) if n in self.holders.get(second, ())]
+        if not both:
+            return False
+        n = max(both)  # a link before the ground
+        spots = self.ground if n == GROUND else self.spots[n]
+        (x, y), (x2, y2) = spots[first], spots[second]
+        angle = math.atan2(y2 - y, x2 - x) + joint.polar[1]
+        distance = self.unit * joint.polar[0]
+        if joint.id not in spots:
+            spots[joint.id] = (x + distance * math.cos(angle), y + distance * math.sin(angle))
+            self.holders.setdefault(joint.id, []).append(n)
+        return True
 
     def _points(self, n: int) -> dict[str, list[float]]:
         """Names of the points of a body, with their places."""
@@ -187,7 +195,7 @@ class _Writer:
     # ------------------------------------------------------------ joints and motors
     def _join(self, joint: Joint) -> None:
         """What holds the links together that meet at a joint."""
-        here = [n for n, spots in enumerate(self.spots) if joint.id in spots]
+        here = sorted(n for n in self.holders.get(joint.id, ()) if n != GROUND)
         still = joint.id in self.ground
         if joint.kind == "prismatic" and not still:
             if here:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from rattle.description import file as model_file
@@ -15,7 +15,7 @@ LINKS = ("ground", "driver", "arc_driver", "link")
 OLDER = ("Static", "Crank", "Revolute", "Fixed", "Prismatic", "Pivot", "Linear")  # kinds of its older files
 TURN = math.tau / 360  # [rad] per step, of a driver that does not say
 HALF_TURN = 3.14159  # [rad] at which an arc ends that does not say: the program's own number
-MOST = 5000  # joints, links
+MOST = 2000  # joints, links
 Spot = tuple[float, float]
 
 
@@ -86,24 +86,25 @@ class _Reader:
             if joint.id in joints:
                 raise self.refused(("joints", n, "id"), f"two joints have the id {quoted(joint.id)}")
             joints[joint.id] = joint
-        links = []
+        links: dict[str, Bar] = {}
         for n, entry in enumerate(self.entries("links")):
-            links.append(self.link(entry, ("links", n), joints))
-            if any(link.id == links[-1].id for link in links[:-1]):
-                raise self.refused(("links", n, "id"), f"two links have the id {quoted(links[-1].id)}")
-        self.require_known(joints, links)
+            link = self.link(entry, ("links", n), joints)
+            if link.id in links:
+                raise self.refused(("links", n, "id"), f"two links have the id {quoted(link.id)}")
+            links[link.id] = link
+        self.require_known(joints, links.values())
         still = {joint.id for joint in joints.values() if joint.kind == "ground"}
-        still |= {joint for link in links if link.kind == "ground" for joint in link.joints}
-        still |= {link.motor for link in links if link.motor}
+        still |= {joint for link in links.values() if link.kind == "ground" for joint in link.joints}
+        still |= {link.motor for link in links.values() if link.motor}
         still |= {joint.id for joint in joints.values() if joint.kind == "tracker" and joint.references is None}
         name = self.document.get("name")
-        return Mechanism(name if isinstance(name, str) else "", joints, tuple(links), frozenset(still))
+        return Mechanism(name if isinstance(name, str) else "", joints, tuple(links.values()), frozenset(still))
 
     def refused(self, path: Path, message: str) -> ModelError:
         """The error to raise about a place."""
         return refused(self.file, message, path=path)
 
-    def require_known(self, joints: Mapping[str, Joint], links: Sequence[Bar]) -> None:
+    def require_known(self, joints: Mapping[str, Joint], links: Iterable[Bar]) -> None:
         """Refuse references of trackers and of the whole that lead nowhere."""
         for n, joint in enumerate(joints.values()):
             for key, other in zip(("ref_joint1_id", "ref_joint2_id"), joint.references or (), strict=False):
