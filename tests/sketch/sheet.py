@@ -1,5 +1,6 @@
 """A hand without a page: acts on a text, as the studio tells them."""
 
+import itertools
 import math
 
 from rattle.sketch.acts import act
@@ -45,7 +46,7 @@ class Sheet:
 
     def bars(self, *spots):
         """Bars from one spot to the next."""
-        for first, last in zip(spots, spots[1:], strict=False):
+        for first, last in itertools.pairwise(spots):
             self.do("bar", **{"from": self.at(*first), "to": self.at(*last)})
 
     def type(self, chosen, field, text):

@@ -13,7 +13,7 @@ from rattle.errors import InputError
 from rattle.sketch.drawn import Drawn, Place, Spot
 from rattle.sketch.expressions import turned, two_digits
 from rattle.sketch.freedoms import freedoms_left
-from rattle.sketch.numbers import degrees, length, plain
+from rattle.sketch.numbers import degrees, length, plain, shortest
 from rattle.sketch.revision import Caught, Drawing, Revision
 
 PER_METRE = 1.0  # mass of a new bar [kg/m]
@@ -22,6 +22,7 @@ PLATE = {"thickness": "5 mm", "density": "7850 kg/m^3"}  # of a new plate: steel
 STIFFNESS = 100  # of a new spring [N/m]
 SPEED = "60 rpm"  # of a new motor
 STROKE = 0.1  # share of the size of the drawing by which a new motor moves a slider
+ROUND = 1e-6  # of a force, by which what is written may miss the arrow [N]
 HERE = 1e-9  # share of the size within which a point is at a spot
 PARALLEL = 1e-3  # sine of an angle below which two bars do not cross clearly
 NOTHING = 0.25  # of a snap: what is shorter is nothing
@@ -281,7 +282,7 @@ def force(revision: Revision, at: Caught, to: Spot, snap: float) -> Drawing | No
     if not point or point.startswith("ground."):
         raise InputError("a force acts on a body: drag from a point of one")
     name = revision.free_name("force")
-    parts = [length((b - a) / snap, 1.0) for a, b in zip(spot, to, strict=True)]
+    parts = [shortest((b - a) / snap, ROUND) for a, b in zip(spot, to, strict=True)]
     revision.enter(("loads", name), {"type": "force", "at": point, "force": parts})
     size = plain(two_digits(math.hypot(*parts)))
     return revision.finish(f"{name} at {point}, {size} N", f"load {name}", "Force")
