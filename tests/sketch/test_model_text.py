@@ -46,6 +46,9 @@ rod = { angle = "10 deg" }   # nearly level
 """
 
 
+ANGLE = '{{ angle = "{} deg" }}   # nearly level'
+
+
 def changed_lines(before, after):
     """Lines that came and lines that went."""
     lines = [line for line in difflib.ndiff(before.splitlines(), after.splitlines()) if line[:1] in "+-"]
@@ -57,7 +60,7 @@ def changed_lines(before, after):
     [
         ("bodies.rod.length", 0.25, 'length = "0.5 m"   # as drawn', "length = 0.25   # as drawn"),
         ("ground.points.O.1", 2.0, "O = [0, 0]   # left", "O = [0, 2]   # left"),
-        ("initial.rod.angle", "3 deg", 'rod = { angle = "10 deg" }   # nearly level', 'rod = { angle = "3 deg" }   # nearly level'),
+        ("initial.rod.angle", "3 deg", f"rod = {ANGLE.format(10)}", f"rod = {ANGLE.format(3)}"),
     ],
 )  # fmt: skip
 def test_a_value_changes_where_it_stands(path, value, went, came):

@@ -46,7 +46,7 @@ class Page {
     this.show.edit = this.edit;
     this.show.el.prepend(this.edit.el);
     this.header = new Header({
-      edit: () => this.draw(),
+      edit: () => this.draw(), blank: () => this.unlessUnsaved(() => this.blank()),
       gallery: () => this.tell({ do: "files", gallery: true }), open: () => this.tell({ do: "files" }),
       save: () => this.tell({ do: "save" }), saveAs: () => this.tell({ do: "save-as" }), python: () => this.tell({ do: "python" }),
       undo: () => this.step("undo"), redo: () => this.step("redo"), theme: () => this.theme.next(), keys: () => this.dialogs.keys(),
@@ -61,6 +61,13 @@ class Page {
     else if (this.edit.on) { this.edit.toggle(false); this.header.draws(false); return; }
     if (!this.edit.on) this.edit.toggle(true);
     this.header.draws(true);
+  }
+
+  // An empty sheet, and the tools.
+  blank() {
+    this.tell({ do: "new" });
+    this.choose("motion");
+    if (!this.edit.on) this.draw();
   }
 
   build() {
@@ -149,7 +156,7 @@ class Page {
   }
 
   on_text(message) {
-    if (message.fresh) { this.history.start(message.text); this.show.clear(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } for (const sheet of this.sheets.values()) sheet.show([]); }
+    if (message.fresh) { this.edit.board.view = null; this.history.start(message.text); this.show.clear(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } for (const sheet of this.sheets.values()) sheet.show([]); }
     else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
     else this.history.record(message.text, message.act ? `act ${message.act}` : "knob");
     this.header.steps(this.history);
@@ -188,7 +195,7 @@ class Page {
     this.knobs.show(this.facts);
     this.show.clear();
     this.show.blank();
-    this.status.say("old", ["Nothing is drawn yet: press Edit, or write bodies under Text."]);
+    this.status.say("wait", ["nothing is drawn yet: press Edit, or write bodies under Text"]);
   }
 
   offer() {
