@@ -176,12 +176,12 @@ class Desk:
             self._check()
         self.send(made.message)
 
-    def do_grab(self, body: str, at: Sequence[float], places: Message | None = None) -> None:
-        """The hand takes a body, to turn the mechanism."""
+    def do_grab(self, body: str, at: Sequence[float], places: Message | None = None, force: bool = False) -> None:
+        """The hand takes a body, to turn the mechanism, or to pull with a force at what its motors hold."""
         x, y = map(float, at)
 
         def grabbed(text: str) -> None:
-            self.easel.grab(text, self.draft.source()["file"], str(body), (x, y), places)
+            self.easel.grab(text, self.draft.source()["file"], str(body), (x, y), places, bool(force))
 
         self._errand("grab", grabbed, lambda _: None)
 
