@@ -205,9 +205,10 @@ class Revision:
             self._close_near()
         self._start(self.moved)
         sketch = self._drawn()
-        astray = self._astray(sketch)
-        if astray:
-            self._start([*self.moved, *self._beside(astray)], all_of_them=True)
+        for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
+            if not (astray := self._astray(sketch)):
+                break
+            start([*self.moved, *self._beside(astray)])
             sketch = self._drawn()
         told = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
         return Drawing(sketch, told, chosen, field)
@@ -272,28 +273,36 @@ class Revision:
         along = a[2] + (form.line or 0.0)
         return (bx - ax) * math.cos(along) + (by - ay) * math.sin(along)
 
-    def _start(self, bodies: Iterable[str], all_of_them: bool = False) -> None:
-        """Write the angles of these bodies into [initial], and their places where no joint says them."""
-        held = reached(self.document)
-        initial = self.document.get("initial", {})
+    def _start(self, bodies: Iterable[str]) -> None:
+        """Write where these bodies start: all of new ones and of those that no joint holds, else what is written."""
+        held, initial = reached(self.document), self.document.get("initial", {})
         for body in dict.fromkeys(bodies):
-            if body not in self.document.get("bodies", {}):
-                continue
-            entry = initial.get(body)
             new = body not in self.sketch.places or self.sketch.stand_in
-            if entry is None and not (new or all_of_them or body not in held):
-                continue
-            x, y, angle = self.places[body]
-            values: dict[str, object] = {"angle": degrees(angle)}
-            if body not in held:
-                values = {"x": length(x, self.sketch.size), "y": length(y, self.sketch.size), **values}
-            self._write_start(body, values)
+            if body in initial or new or body not in held:
+                self._write_start(body, place=body not in held)
         for body in held & set(initial):
             entry = initial.get(body, {})
             if body not in self.sketch.grounded and {"x", "y"} & set(entry):
                 self.enter(("initial", body), {key: part for key, part in entry.items() if key not in ("x", "y")})
 
-    def _write_start(self, body: str, values: dict[str, object]) -> None:
+    def _start_angles(self, bodies: Iterable[str]) -> None:
+        """Write the angles of these bodies, and the places of those that no joint holds."""
+        held = reached(self.document)
+        for body in dict.fromkeys(bodies):
+            self._write_start(body, place=body not in held)
+
+    def _start_places(self, bodies: Iterable[str]) -> None:
+        """Write angles and places of these bodies."""
+        for body in dict.fromkeys(bodies):
+            self._write_start(body, place=True)
+
+    def _write_start(self, body: str, place: bool) -> None:
+        if body not in self.document.get("bodies", {}):
+            return
+        x, y, angle = self.places[body]
+        values: dict[str, object] = {"angle": degrees(angle)}
+        if place:
+            values = {"x": length(x, self.sketch.size), "y": length(y, self.sketch.size), **values}
         entry = self.document.get("initial", {}).get(body)
         if entry is None:
             self.enter(("initial", body), values)
