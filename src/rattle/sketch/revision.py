@@ -213,12 +213,26 @@ class Revision:
         told = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
         return Drawing(sketch, told, chosen, field)
 
+    def _text(self) -> str:
+        """The text with all changes; entries that are new come with what was changed in them since."""
+        new = {
+            path
+            for path, value in self.changes
+            if isinstance(value, Mapping) and not _at_path(self.sketch.document, path)
+        }
+        changes: dict[Path, object] = {}
+        for path, value in self.changes:
+            root = next((path[:n] for n in range(1, len(path) + 1) if path[:n] in new), None)
+            changes[root or path] = _at_path(self.document, root) if root else value
+        kept = [(path, value) for path, value in changes.items() if path not in new or value is not None]
+        return revised(self.sketch.text, kept)
+
     def read(self) -> None:
         """Raise ModelError where the new text would be wrong."""
-        Mechanism.from_text(revised(self.sketch.text, self.changes), self.file)
+        Mechanism.from_text(self._text(), self.file)
 
     def _drawn(self) -> Drawn:
-        text = revised(self.sketch.text, self.changes)
+        text = self._text()
         return drawn(renamed(text, *self.renaming) if self.renaming else text, self.file, self.places)
 
     def _close_near(self) -> None:
@@ -226,7 +240,7 @@ class Revision:
 
         Raises InputError if it closes nowhere.
         """
-        text = revised(self.sketch.text, self.changes)
+        text = self._text()
         sketch = drawn(text, self.file, self.places)
         beside = drawn_mechanism(text, sketch.document, sketch.mechanism.near(self.places), self.places)
         if not beside.trouble:
@@ -327,6 +341,14 @@ class Revision:
         """These bodies, and those that joints connect with them."""
         near = {other for body in bodies for other in reached(self.document, body, moving=True)}
         return [name for name in self.places if name in near or name in set(bodies)]
+
+
+def _at_path(document: Mapping[str, Any], path: Path) -> Any:
+    """What stands at a path of a document; None if nothing does."""
+    part: Any = document
+    for key in path:
+        part = part.get(key) if isinstance(part, Mapping) else part[int(key)] if isinstance(part, list) else None
+    return part
 
 
 def _at(place: Place, spot: Spot) -> Spot:
