@@ -1,0 +1,222 @@
+"""The shape of the body that a layer is: its outline, holes in it, and how heavy it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.description.model import Vector
+from rattle.description.polygon import MOST_CORNERS, Figure, fault, fault_of_holes
+from rattle.errors import InputError
+from rattle.exchange.outlines.bands import band
+from rattle.exchange.outlines.chains import chained
+from rattle.exchange.outlines.edges import Array, Circle, Outline, around, as_circle, flattened, moments, together
+from rattle.exchange.outlines.plan import Layer
+
+FINE = 1e-5  # distance of a polygon from its outline, as a share of its size, where it is asked what is inside of it
+SEEN = (2e-4, 5e-5)  # the same of polygons that are shown; the second where the first cross
+MOST_SEEN = 400  # corners of polygons that are shown
+MOST_TESTS = 20_000_000  # corners that are looked at to find out what is inside of what
+SAMPLED = 4_000_000  # of these for one outline in another
+
+
+@dataclass
+class Traced:
+    """The closed lines of a layer."""
+
+    name: str
+    outlines: list[Outline]
+    circles: list[Circle]
+    rim: Circle | None = None  # of its circles that which is its outline
+    notes: list[str] = field(default_factory=list)  # what of it is no part of a body
+    assumed: list[str] = field(default_factory=list)
+
+
+class Shape(NamedTuple):
+    """A body of one thickness; lengths in units of the drawing."""
+
+    figure: Figure
+    polygon: list[Vector]  # [] where it cannot be shown
+    holes: list[list[Vector]]
+    assumed: tuple[str, ...] = ()
+
+
+# ---------------------------------------------------------------- what closes
+def trace(layer: Layer, tolerance: float) -> Traced:
+    """The closed lines of a layer, and which of its circles is its outline."""
+    chains = chained(layer.strokes, tolerance)
+    outlines = len(layer.outlines) + len(chains.outlines)
+    corners = sum(map(len, layer.outlines)) + sum(map(len, chains.outlines))
+    if (outlines + len(layer.circles)) * (corners + 100 * outlines) > MOST_TESTS:
+        raise InputError(f"layer {layer.name} has too many outlines and circles for one body; keep what bounds it")
+    traced = Traced(layer.name, [], _once(layer.circles, tolerance))
+    for outline in _apart([_cleaned(outline, tolerance) for outline in (*layer.outlines, *chains.outlines)], tolerance):
+        circle = as_circle(outline, tolerance)
+        if circle is not None:
+            traced.circles = _once([*traced.circles, circle], tolerance)
+        elif moments(outline).area > tolerance**2:
+            traced.outlines.append(outline)
+        else:
+            traced.notes.append(f"a closed line without area on layer {layer.name}")
+    traced.notes += [f"{what} on layer {layer.name}, which closes nothing" for what in chains.loose]
+    for x, y in chains.branches:
+        traced.notes.append(f"lines on layer {layer.name} that branch at ({x:g}, {y:g})")
+    traced.rim = _rim(traced)
+    return traced
+
+
+def _cleaned(outline: Outline, tolerance: float) -> Outline:
+    """An outline without edges that are no longer than the tolerance."""
+    kept = tuple(a for a, b in around(outline) if math.dist(a[:2], b[:2]) > tolerance)
+    return kept if len(kept) > 1 else outline
+
+
+def _once(circles: Iterable[Circle], tolerance: float) -> list[Circle]:
+    """Circles that are drawn twice are one."""
+    kept: dict[tuple[int, ...], Circle] = {}
+    for circle in circles:
+        kept.setdefault(tuple(round(x / (tolerance or 1e-300)) for x in circle), circle)
+    return list(kept.values())
+
+
+def _apart(outlines: Sequence[Outline], tolerance: float) -> list[Outline]:
+    """Outlines that are drawn twice are one, in whatever sense and wherever they begin."""
+    kept: dict[tuple[object, ...], Outline] = {}
+    for outline in outlines:
+        spots = sorted((round(x / (tolerance or 1e-300)), round(y / (tolerance or 1e-300))) for x, y, _ in outline)
+        bend = sum(abs(corner.bulge) for corner in outline)
+        kept.setdefault((*spots, round(bend, 6)), outline)
+    return list(kept.values())
+
+
+def _rim(traced: Traced) -> Circle | None:
+    """The circle around all else on the layer; None if there is none."""
+    widest = max(traced.circles, key=lambda circle: circle.radius, default=None)
+    if widest is None:
+        return None
+    room = widest.radius * (1.0 + 1e-9)
+    fits = all(math.dist(c[:2], widest[:2]) + c.radius <= room for c in traced.circles)
+    for outline in traced.outlines:
+        fits = fits and all(math.dist(p, widest[:2]) <= room for p in flattened(outline, FINE * widest.radius))
+    return widest if fits else None
+
+
+# ---------------------------------------------------------------- the body
+def shape_of(traced: Traced, pins: Collection[Circle]) -> Shape:
+    """The body that a layer is.
+
+    pins: circles of it at joints, which the pins fill.  Other circles within its outline are holes.  Without an outline
+    it is the band around its circles.
+    """
+    outlines, assumed = list(traced.outlines), []
+    if traced.rim is not None and (not outlines or traced.rim not in pins):
+        outlines.append(traced.rim.outline)
+    elif not outlines:
+        outlines.append(band(traced.circles))
+        assumed.append(f"{traced.name} has no closed outline: it is the band around its circles")
+    pieces = sorted((_Piece(outline) for outline in outlines), key=lambda piece: -piece.figure.area)
+    for k, piece in enumerate(pieces):
+        piece.depth = sum(_is_within(piece, other, traced.name) for other in pieces[:k])
+    filled = [circle for circle in traced.circles if any(_concentric(circle, pin) for pin in pins)]
+    for circle in sorted(traced.circles, key=lambda circle: -circle.radius):
+        if circle != traced.rim and circle not in filled and _is_cut(circle, pieces):
+            pieces.append(_Piece(circle.outline, depth=1))
+    figure = together([(piece.figure, (-1.0) ** piece.depth) for piece in pieces])
+    solid = [piece for piece in pieces if piece.depth % 2 == 0]
+    if len(solid) > 1:
+        assumed.append(f"{traced.name} has {len(solid)} outlines apart: one body, of which the largest is shown")
+    polygon, holes = _seen(pieces, traced.name)
+    if not polygon:
+        assumed.append(f"{traced.name} is shown without its outline, which has too many corners or walls too thin")
+    return Shape(figure, polygon, holes, tuple(assumed))
+
+
+def _is_within(piece: _Piece, other: _Piece, layer: str) -> bool:
+    """True if an outline is in a larger one, False if it is beside it.  Raises InputError if they cross."""
+    every = max(1, len(piece.polygon) * len(other.polygon) // SAMPLED)
+    inside = [
+        other.holds((float(x), float(y)))
+        for x, y in piece.polygon[::every]
+        if other.distance((x, y)) > FINE * other.size
+    ]
+    if any(inside) and not all(inside):
+        x, y = piece.outline[0][:2]
+        raise InputError(
+            f"layer {layer}: the outline through ({x:g}, {y:g}) crosses another one; draw their sum as one outline"
+        )
+    return any(inside)
+
+
+class _Piece:
+    """A closed line of a body, and within how many others it is."""
+
+    def __init__(self, outline: Outline, depth: int = 0) -> None:
+        self.outline, self.depth = outline, depth
+        self.figure = moments(outline)
+        at = np.array([corner[:2] for corner in outline])
+        self.size = float(np.ptp(at, axis=0).max())
+        self._polygon: Array | None = None
+
+    @property
+    def polygon(self) -> Array:
+        """(n, 2) a polygon that is near enough to ask what is inside."""
+        if self._polygon is None:
+            self._polygon = np.array(flattened(self.outline, FINE * self.size))
+        return self._polygon
+
+    def holds(self, point: Vector) -> bool:
+        """True if a point is inside."""
+        a, b = self.polygon, np.roll(self.polygon, -1, axis=0)
+        spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
+        a, b = a[spans], b[spans]
+        at = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+        return bool((at > point[0]).sum() % 2)
+
+    def distance(self, point: Vector) -> float:
+        """How far a point is from the line."""
+        a = self.polygon
+        chord, to = np.roll(a, -1, axis=0) - a, np.array(point) - a
+        along = (chord * to).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
+        return float(np.hypot(*(to - np.clip(along, 0.0, 1.0)[:, None] * chord).T).min())
+
+
+def _is_cut(circle: Circle, pieces: Sequence[_Piece]) -> bool:
+    """True if a circle is a hole in solid material: it crosses no line and is in no other hole."""
+    around = [piece for piece in pieces if piece.holds(circle[:2])]
+    if sum((-1) ** piece.depth for piece in around) != 1:
+        return False
+    return all(piece.distance(circle[:2]) >= circle.radius * (1.0 - 1e-6) for piece in pieces)
+
+
+def _concentric(circle: Circle, other: Circle) -> bool:
+    return math.dist(circle[:2], other[:2]) <= 1e-6 * max(circle.radius, other.radius)
+
+
+def _seen(pieces: Sequence[_Piece], layer: str) -> tuple[list[Vector], list[list[Vector]]]:
+    """The polygon that is shown of a body, and the holes in it; none if they cross."""
+    outer, cut = pieces[0], [piece for piece in pieces if piece.depth == 1]
+    cut = [piece for piece in cut if outer.holds(piece.outline[0][:2])]
+    crossed = ""
+    for share in SEEN:
+        rings = [_polygon(piece.outline, share * outer.size) for piece in (outer, *cut)]
+        if sum(map(len, rings)) > MOST_CORNERS:
+            rings = rings[:1]
+        if len(rings[0]) > MOST_CORNERS:
+            return [], []
+        crossed = next(filter(None, map(fault, rings)), "")
+        if not crossed and not fault_of_holes(rings[0], rings[1:]):
+            return rings[0], rings[1:]
+    if crossed:
+        raise InputError(f"layer {layer}: as a polygon {crossed}")
+    return [], []
+
+
+def _polygon(outline: Outline, tolerance: float) -> list[Vector]:
+    """Corners that are shown of an outline: coarser where they are many."""
+    while len(path := flattened(outline, tolerance)) > MOST_SEEN > len(outline):
+        tolerance *= 4.0
+    return path
