@@ -64,7 +64,7 @@ def _is_linkage(text: str) -> bool:
 READERS = (
     Reader("assemblies of Ondsel and FreeCAD", (".asmt",), _is_assembly, "asmt.read", "read_asmt", ("scale",)),
     Reader("links of PMKS+", (".pmks", ".url"), lambda text: bool(_LINK.match(text)), "pmks.read", "read_pmks", ()),
-    Reader("drawings", (".dxf",), lambda text: bool(_DRAWING.match(text)), "dxf", "read_dxf",
+    Reader("drawings", (".dxf",), lambda text: bool(_DRAWING.match(text)), "dxf.read", "read_dxf",
            ("scale", "thickness", "density")),
     Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage", "read_pylinkage",
            ("scale", "steps_per_second")),

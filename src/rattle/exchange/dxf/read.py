@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
+from pathlib import Path
 from typing import NamedTuple
 
 from rattle.exchange.dxf.sections import Block, sections_of
@@ -62,7 +63,7 @@ def read_dxf(text: str, name: str, assumptions: Assumptions) -> Imported:
         said = f"unknown unit {sections.units}" if sections.units else "no unit"
         plan.assumed.append(f"lengths in mm: the drawing has {said} ($INSUNITS)")
     _Reader(plan, sections.blocks).draw(sections.drawn, Placing(), ())
-    return mechanism_of(plan, assumptions, f"from the DXF drawing {name}")
+    return mechanism_of(plan, assumptions, f"from the DXF drawing {Path(name).name}")
 
 
 class _Reader:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from rattle.errors import InputError
@@ -70,7 +71,7 @@ class _Writer:
         joints = self._joints()
         self._holes()
         bodies = {self.names[name]: self._body(layer) for name, layer in self.layers.items() if not _is_ground(name)}
-        document: dict[str, Any] = {"format": 1, "name": self.plan.name}
+        document: dict[str, Any] = {"format": 1, "name": Path(self.plan.name).stem}
         if self.points.get(GROUND):
             document["ground"] = {"points": self.points[GROUND]}
         document["bodies"] = bodies
