@@ -12,7 +12,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
 
-from rattle.exchange.dxf.sections import Block, sections_of
+from rattle.exchange.dxf.sections import MOST_DRAWN, Block, sections_of
 from rattle.exchange.dxf.tags import Entity
 from rattle.exchange.imported import Assumptions, Imported
 from rattle.exchange.outlines.edges import Circle, Corner, arc_bulge
@@ -21,7 +21,6 @@ from rattle.exchange.outlines.plan import Plan
 from rattle.exchange.refusal import quoted, refused
 
 DEEPEST = 16  # blocks in blocks
-MOST_DRAWN = 100_000  # entities, those of blocks as often as they are inserted
 UNEQUAL = 1e-9  # by how much scales of a block along x and y may differ, as a share
 TURN = 2.0 * math.pi
 CLOSED, MESH, POLYFACE, SPLINE_FRAME = 1, 16, 64, 16  # bits of group code 70

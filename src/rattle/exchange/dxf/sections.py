@@ -8,6 +8,7 @@ from typing import NamedTuple
 from rattle.exchange.dxf.tags import Entity, entities_of
 from rattle.exchange.refusal import refused
 
+MOST_DRAWN = 20_000  # entities, those of blocks as often as they are inserted
 UNITS = {  # $INSUNITS: length in m, and the name
     1: ("0.0254", "inches"), 2: ("0.3048", "feet"), 3: ("1609.344", "miles"), 4: ("0.001", "mm"), 5: ("0.01", "cm"),
     6: ("1", "m"), 7: ("1000", "km"), 8: ("2.54e-8", "microinches"), 9: ("2.54e-5", "mils"), 10: ("0.9144", "yards"),
@@ -55,6 +56,10 @@ def sections_of(text: str, name: str) -> Sections:
             raise refused(name, f"not a whole DXF: its section {section} does not end", entity.line)
         elif section == "ENTITIES":
             drawn.append(entity)
+            if len(drawn) > MOST_DRAWN:
+                raise refused(
+                    name, f"more than {MOST_DRAWN} entities; save the parts of the mechanism only", entity.line
+                )
         elif section == "BLOCKS":
             inside = _in_block(entity, blocks, inside)
         elif section == "" and entity.kind not in ("", "EOF"):

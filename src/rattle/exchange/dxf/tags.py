@@ -11,8 +11,10 @@ from typing import NamedTuple
 
 from rattle.exchange.refusal import number_of, quoted, refused
 
-MOST = 24_000_000  # characters of a file
+MOST = 8_000_000  # characters of a file
+MOST_TAGS = 150_000
 BINARY = "AutoCAD Binary DXF"
+COMMENT = 999  # the group code of one
 LONGEST_CODE = 6  # characters of a group code, with its blanks: "  1071" at most
 ESCAPE = re.compile(r"\\[Uu]\+([0-9A-Fa-f]{4})")  # a letter that the code page of the file does not have
 
@@ -28,21 +30,28 @@ class Tag(NamedTuple):
 class Entity:
     """What begins with a group code 0: its kind and all tags up to the next one."""
 
-    __slots__ = ("kind", "line", "name", "tags")
+    __slots__ = ("_first", "kind", "line", "name", "tags")
 
     def __init__(self, kind: str, line: int, name: str) -> None:
         self.kind, self.line, self.name = kind, line, name
         self.tags: list[Tag] = []
+        self._first: dict[int, Tag] = {}
+
+    @property
+    def first(self) -> dict[int, Tag]:
+        """The first tag of every code; asked for when all are there."""
+        if not self._first:
+            self._first = {tag.code: tag for tag in reversed(self.tags)}
+        return self._first
 
     def text(self, code: int, default: str = "") -> str:
         """The first value of a code."""
-        return next((unescaped(tag.value) for tag in self.tags if tag.code == code), default)
+        return unescaped(self.first[code].value) if code in self.first else default
 
     def number(self, code: int, default: float | None = None) -> float:
         """The first value of a code as a number; without a default it must be there.  Raises ModelError."""
-        for tag in self.tags:
-            if tag.code == code:
-                return self.as_number(tag)
+        if code in self.first:
+            return self.as_number(self.first[code])
         if default is None:
             raise refused(self.name, f"a {self.kind} without a value of group code {code}", self.line)
         return default
@@ -73,12 +82,23 @@ def tags_of(text: str, name: str) -> Iterator[Tag]:
     lines = text.removeprefix("\ufeff").splitlines()
     while lines and not lines[-1].strip():
         lines.pop()
+    if len(lines) > 2 * MOST_TAGS:
+        raise refused(name, f"more than {2 * MOST_TAGS} lines; save the parts of the mechanism only")
+    codes: dict[str, int] = {}
     for k in range(0, len(lines) - 1, 2):
-        code = lines[k].strip()
-        if len(code) > LONGEST_CODE or not code.removeprefix("-").isdecimal():
-            raise refused(name, f"not a DXF: expected a group code, got {quoted(code)}", k + 1)
-        if code != "999":
-            yield Tag(int(code), lines[k + 1].strip(), k + 2)
+        written = lines[k]
+        if written not in codes:
+            codes[written] = _code(written, name, k + 1)
+        if codes[written] != COMMENT:
+            yield Tag(codes[written], lines[k + 1].strip(), k + 2)
+
+
+def _code(written: str, name: str, line: int) -> int:
+    """A group code.  Raises ModelError."""
+    code = written.strip()
+    if len(code) > LONGEST_CODE or not (code.removeprefix("-").isdecimal() and code.isascii()):
+        raise refused(name, f"not a DXF: expected a group code, got {quoted(code)}", line)
+    return int(code)
 
 
 def entities_of(text: str, name: str) -> Iterator[Entity]:

@@ -19,7 +19,8 @@ SAME = 1e-6  # distance of places that are one, as a share of the drawing
 DIGITS = 1e-12  # distance that rounding leaves, same share
 THICKNESS, STEEL = 0.01, 7850.0  # of plates [m], [kg/m^3]
 GROUND = "ground"
-MOST_BODIES = 200
+MOST_BODIES = 100
+MOST_TESTS = 10_000_000  # see `Traced.tests`, of all layers together
 MOST_NOTES = 40  # of one kind, by name
 CONTACT = "impact"  # of pins with play: the model that needs no more than their play
 
@@ -29,7 +30,8 @@ def mechanism_of(plan: Plan, assumptions: Assumptions, source: str) -> Imported:
 
     Bodies have the frame of the drawing and start as drawn.  Raises InputError if no layer is a body.
     """
-    tolerance = SAME * plan.size
+    size = plan.size
+    tolerance = SAME * size
     traced = [trace(layer, tolerance) for layer in plan.layers.values()]
     bodies = [layer for layer in traced if _is_ground(layer.name) or layer.circles or layer.outlines]
     if len(bodies) > MOST_BODIES + 1:
@@ -39,8 +41,10 @@ def mechanism_of(plan: Plan, assumptions: Assumptions, source: str) -> Imported:
             f"{plan.name}: no layer is a body; draw every body on a layer of its own, as a closed outline or with the"
             " circles of its pins"
         )
+    if sum(layer.tests for layer in bodies) > MOST_TESTS:
+        raise InputError(f"{plan.name}: too many outlines and circles; keep what bounds bodies, their pins and holes")
     rims = {layer.name: None if _is_ground(layer.name) else layer.rim for layer in bodies}
-    centres = pins_of({layer.name: layer.circles for layer in bodies}, rims, tolerance, plan.size)
+    centres = pins_of({layer.name: layer.circles for layer in bodies}, rims, tolerance, size)
     return _Writer(plan, assumptions, bodies, centres).imported(
         source, [note for layer in traced for note in layer.notes]
     )
@@ -57,6 +61,7 @@ class _Writer:
         self.plan, self.centres = plan, centres
         self.thickness, self.density = assumptions.thickness or THICKNESS, assumptions.density or STEEL
         self.stated = assumptions
+        self.near = DIGITS * plan.length(plan.size)
         self.layers = {layer.name: layer for layer in bodies}
         self.known = Names()
         self.names = {
@@ -146,7 +151,7 @@ class _Writer:
     def _centre(self, shape: Shape, points: Mapping[str, list[float]]) -> list[float]:
         """The mass centre; a point of the body where rounding alone keeps the two apart."""
         (centre,) = self._metres([shape.figure.centre])
-        near = DIGITS * self.plan.length(self.plan.size)
+        near = self.near
         return next((spot for spot in points.values() if math.dist(spot, centre) <= near), centre)
 
     def _rings(self, shape: Shape) -> dict[str, Any]:

@@ -11,8 +11,9 @@ from typing import NamedTuple
 from rattle.errors import InputError
 from rattle.exchange.outlines.edges import Circle, Corner, Outline
 
-MOST_EDGES = 50_000  # straight edges and arcs of a drawing, those of repeated blocks counted as often as they are drawn
-MOST_CIRCLES = 4_000  # of a drawing
+MOST_EDGES = 10_000  # straight edges and arcs of a drawing, those of repeated blocks counted as often as they are drawn
+MOST_OUTLINES = 1_000  # closed lines of a drawing
+MOST_CIRCLES = 1_000  # of a drawing
 FARTHEST = 1e12  # coordinate of a drawing, in its units
 
 
@@ -44,11 +45,15 @@ class Plan:
     assumed: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)  # how often, by what
     edges: int = 0
+    outlines: int = 0
     circles: int = 0
 
     def add_outline(self, layer: str, outline: Outline) -> None:
         """Add a closed line."""
         self._count(len(outline))
+        self.outlines += 1
+        if self.outlines > MOST_OUTLINES:
+            raise InputError(f"{self.name}: more than {MOST_OUTLINES} closed lines; keep what bounds bodies")
         for corner in outline:
             self._reach(corner.x, corner.y)
         self._layer(layer).outlines.append(outline)

@@ -15,13 +15,13 @@ from rattle.errors import InputError
 from rattle.exchange.outlines.bands import band
 from rattle.exchange.outlines.chains import chained
 from rattle.exchange.outlines.edges import Array, Circle, Outline, around, as_circle, flattened, moments, together
-from rattle.exchange.outlines.plan import Layer
+from rattle.exchange.outlines.plan import MOST_OUTLINES, Layer
 
 FINE = 1e-5  # distance of a polygon from its outline, as a share of its size, where it is asked what is inside of it
 SEEN = (2e-4, 5e-5)  # the same of polygons that are shown; the second where the first cross
 MOST_SEEN = 400  # corners of polygons that are shown
-MOST_TESTS = 20_000_000  # corners that are looked at to find out what is inside of what
-SAMPLED = 4_000_000  # of these for one outline in another
+WORTH = 200  # corners that take as long to look at as an outline takes besides
+SAMPLED = 100_000  # pairs of corners that are looked at to find out whether one outline is in another
 
 
 @dataclass
@@ -34,6 +34,12 @@ class Traced:
     rim: Circle | None = None  # of its circles that which is its outline
     notes: list[str] = field(default_factory=list)  # what of it is no part of a body
     assumed: list[str] = field(default_factory=list)
+
+    @property
+    def tests(self) -> int:
+        """How much there is to look at to find out what is inside of what."""
+        many = len(self.outlines) + len(self.circles)
+        return many * (sum(map(len, self.outlines)) + WORTH * (len(self.outlines) + len(self.circles) // 4))
 
 
 class Shape(NamedTuple):
@@ -49,10 +55,8 @@ class Shape(NamedTuple):
 def trace(layer: Layer, tolerance: float) -> Traced:
     """The closed lines of a layer, and which of its circles is its outline."""
     chains = chained(layer.strokes, tolerance)
-    outlines = len(layer.outlines) + len(chains.outlines)
-    corners = sum(map(len, layer.outlines)) + sum(map(len, chains.outlines))
-    if (outlines + len(layer.circles)) * (corners + 100 * outlines) > MOST_TESTS:
-        raise InputError(f"layer {layer.name} has too many outlines and circles for one body; keep what bounds it")
+    if len(chains.outlines) > MOST_OUTLINES:
+        raise InputError(f"layer {layer.name}: more than {MOST_OUTLINES} closed lines; keep what bounds a body")
     traced = Traced(layer.name, [], _once(layer.circles, tolerance))
     for outline in _apart([_cleaned(outline, tolerance) for outline in (*layer.outlines, *chains.outlines)], tolerance):
         circle = as_circle(outline, tolerance)
@@ -137,18 +141,18 @@ def shape_of(traced: Traced, pins: Collection[Circle]) -> Shape:
 
 def _is_within(piece: _Piece, other: _Piece, layer: str) -> bool:
     """True if an outline is in a larger one, False if it is beside it.  Raises InputError if they cross."""
+    if (piece.low > other.high).any() or (piece.high < other.low).any():
+        return False
     every = max(1, len(piece.polygon) * len(other.polygon) // SAMPLED)
-    inside = [
-        other.holds((float(x), float(y)))
-        for x, y in piece.polygon[::every]
-        if other.distance((x, y)) > FINE * other.size
-    ]
-    if any(inside) and not all(inside):
-        x, y = piece.outline[0][:2]
-        raise InputError(
-            f"layer {layer}: the outline through ({x:g}, {y:g}) crosses another one; draw their sum as one outline"
-        )
-    return any(inside)
+    corners = piece.polygon[::every]
+    inside = other.hold(corners)
+    if inside.any() and not inside.all():
+        clear = other.distances(corners) > FINE * other.size
+        if len(set(inside[clear])) > 1:
+            x, y = piece.outline[0][:2]
+            raise InputError(f"layer {layer}: the outline through ({x:g}, {y:g}) crosses another one; draw them as one")
+        return bool(inside[clear].any())
+    return bool(inside.all())
 
 
 class _Piece:
@@ -159,37 +163,39 @@ class _Piece:
         self.figure = moments(outline)
         at = np.array([corner[:2] for corner in outline])
         self.size = float(np.ptp(at, axis=0).max())
-        self._polygon: Array | None = None
+        self.polygon = np.array(flattened(outline, FINE * self.size))  # near enough to ask what is inside
+        self.low, self.high = self.polygon.min(axis=0), self.polygon.max(axis=0)
+        self.ends = np.roll(self.polygon, -1, axis=0)
 
-    @property
-    def polygon(self) -> Array:
-        """(n, 2) a polygon that is near enough to ask what is inside."""
-        if self._polygon is None:
-            self._polygon = np.array(flattened(self.outline, FINE * self.size))
-        return self._polygon
+    def hold(self, points: Array) -> Array:
+        """(n,) whether points (n, 2) are inside: a ray from them crosses the line an odd number of times."""
+        a, b, x, y = self.polygon, self.ends, points[:, :1], points[:, 1:]
+        spans = (a[:, 1] > y) != (b[:, 1] > y)
+        height = b[:, 1] - a[:, 1]
+        at = a[:, 0] + (y - a[:, 1]) / np.where(height == 0.0, 1.0, height) * (b[:, 0] - a[:, 0])
+        odd: Array = (spans & (at > x)).sum(axis=1) % 2 == 1
+        return odd
 
-    def holds(self, point: Vector) -> bool:
+    def distances(self, points: Array) -> Array:
+        """(n,) how far points (n, 2) are from the line."""
+        chord, to = self.ends - self.polygon, points[:, None] - self.polygon
+        along = np.clip((chord * to).sum(axis=2) / np.maximum((chord**2).sum(axis=1), 1e-300), 0.0, 1.0)
+        far: Array = np.hypot(*np.moveaxis(to - along[..., None] * chord, 2, 0)).min(axis=1)
+        return far
+
+    def surrounds(self, point: Vector) -> bool:
         """True if a point is inside."""
-        a, b = self.polygon, np.roll(self.polygon, -1, axis=0)
-        spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
-        a, b = a[spans], b[spans]
-        at = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-        return bool((at > point[0]).sum() % 2)
-
-    def distance(self, point: Vector) -> float:
-        """How far a point is from the line."""
-        a = self.polygon
-        chord, to = np.roll(a, -1, axis=0) - a, np.array(point) - a
-        along = (chord * to).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
-        return float(np.hypot(*(to - np.clip(along, 0.0, 1.0)[:, None] * chord).T).min())
+        at = np.array(point)
+        return bool((at > self.low).all() and (at < self.high).all() and self.hold(at[None])[0])
 
 
 def _is_cut(circle: Circle, pieces: Sequence[_Piece]) -> bool:
     """True if a circle is a hole in solid material: it crosses no line and is in no other hole."""
-    around = [piece for piece in pieces if piece.holds(circle[:2])]
-    if sum((-1) ** piece.depth for piece in around) != 1:
+    if sum((-1) ** piece.depth for piece in pieces if piece.surrounds(circle[:2])) != 1:
         return False
-    return all(piece.distance(circle[:2]) >= circle.radius * (1.0 - 1e-6) for piece in pieces)
+    centre, reach = np.array([circle[:2]]), circle.radius * (1.0 - 1e-6)
+    near = [piece for piece in pieces if not ((centre > piece.high + reach) | (centre < piece.low - reach)).any()]
+    return all(piece.distances(centre)[0] >= reach for piece in near)
 
 
 def _concentric(circle: Circle, other: Circle) -> bool:
@@ -199,7 +205,7 @@ def _concentric(circle: Circle, other: Circle) -> bool:
 def _seen(pieces: Sequence[_Piece], layer: str) -> tuple[list[Vector], list[list[Vector]]]:
     """The polygon that is shown of a body, and the holes in it; none if they cross."""
     outer, cut = pieces[0], [piece for piece in pieces if piece.depth == 1]
-    cut = [piece for piece in cut if outer.holds(piece.outline[0][:2])]
+    cut = [piece for piece in cut if outer.surrounds(piece.outline[0][:2])]
     crossed = ""
     for share in SEEN:
         rings = [_polygon(piece.outline, share * outer.size) for piece in (outer, *cut)]
@@ -217,6 +223,19 @@ def _seen(pieces: Sequence[_Piece], layer: str) -> tuple[list[Vector], list[list
 
 def _polygon(outline: Outline, tolerance: float) -> list[Vector]:
     """Corners that are shown of an outline: coarser where they are many."""
-    while len(path := flattened(outline, tolerance)) > MOST_SEEN > len(outline):
-        tolerance *= 4.0
-    return path
+    path = flattened(outline, tolerance)
+    return path if len(path) <= MOST_SEEN else _thinned(path, tolerance)
+
+
+def _thinned(path: list[Vector], tolerance: float) -> list[Vector]:
+    """A closed polygon without corners that are hardly any: where it has many, every second is left out that may be."""
+    at = np.array(path)
+    while len(at) > MOST_SEEN:
+        before, after = np.roll(at, 1, axis=0), np.roll(at, -1, axis=0)
+        (u, v), (p, q) = (after - before).T, (at - before).T
+        off = np.abs(u * q - v * p) / np.maximum(np.hypot(u, v), 1e-300)
+        kept = (off > tolerance) | (np.arange(len(at)) % 2 == 0)
+        if kept.all():
+            tolerance *= 4.0
+        at = at[kept]
+    return [(float(x), float(y)) for x, y in at]
