@@ -35,7 +35,7 @@ BINARY = {  # how files begin that are no text, and what to do
     b"\xfe\xff": "text in UTF-16; save it as UTF-8",
 }
 SEEN = 4000  # characters at the beginning that say which program wrote a file
-_MODEL = re.compile(r"^\s*(format\s*=|\[(bodies|joints|ground|parameters)\b)", re.MULTILINE)
+_MODEL = re.compile(r"^[ \t]*(format\s*=|\[(bodies|joints|ground|parameters)\b)", re.MULTILINE)
 _DRAWING = re.compile(r"\s*(999[ \t]*\r?\n[^\n]*\n\s*)*0[ \t]*\r?\n[ \t]*SECTION\b")
 _OUTLINES = re.compile(r"\s*<(?:[^<]*<){0,40}?svg[\s>]")
 _LINK = re.compile(r"\s*(pmks:|https?://)", re.IGNORECASE)
@@ -70,7 +70,7 @@ READERS = (
            ("scale", "thickness", "density")),
     Reader("outlines", (".svg",), lambda text: bool(_OUTLINES.match(text)), "svg.read", "read_svg",
            ("scale", "thickness", "density")),
-    Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage", "read_pylinkage",
+    Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage.read", "read_pylinkage",
            ("scale", "steps_per_second")),
 )  # fmt: skip
 

@@ -7,12 +7,14 @@ import math
 from rattle.errors import ModelError, Problem, shown
 
 LONGEST = 60  # characters of the file's own text that a message quotes
+LONGEST_MESSAGE = 300  # characters: names in it may be very long
 LARGEST = 1e30  # of a number that a file may hold: beyond, products of a few leave the range of numbers
 
 
 def refused(file: str, message: str, line: int | None = None, path: tuple[str | int, ...] = ()) -> ModelError:
     """The error to raise; path: of the place, in a file whose places have names."""
-    problem = Problem(path, " ".join(message.split()))
+    words = " ".join(message[: 4 * LONGEST_MESSAGE].split())
+    problem = Problem(path, words if len(words) <= LONGEST_MESSAGE else words[: LONGEST_MESSAGE - 3] + "...")
     problem.line = line
     return ModelError([problem], file)
 

@@ -15,6 +15,7 @@ JOINTS = {  # kinds that have a counterpart in the plane, with the numbers that 
     "RevoluteJoint": (), "CylindricalJoint": (), "TranslationalJoint": (), "FixedJoint": (),
     "GearJoint": ("radiusI", "radiusJ"), "RackPinionJoint": ("pitchRadius",),
 }  # fmt: skip
+MOST = 2000  # parts, joints, motions
 MOTIONS = {"RotationalMotion": "RotationZ", "TranslationalMotion": "TranslationZ", "AllowRotation": ""}
 
 
@@ -102,10 +103,13 @@ class _Reader:
         name = tree.name(top)
         frame = self.frame(top, "the assembly")
         self.collect(top, f"/{name}", GROUND)
-        parts = tuple(self.part(entry, name, n) for n, entry in enumerate(tree.all(tree.part(top, "Parts"), "Part")))
-        if not parts:
-            raise tree.refused(tree.part(top, "Parts"), f"the assembly {quoted(name)} has no part")
+        bodies = list(tree.all(tree.part(top, "Parts"), "Part"))
         sets = tree.part(top, "ConstraintSets")
+        many = max(len(bodies), *(len(tree.part(sets, word).inner) for word in ("Joints", "Motions")))
+        if not bodies or many > MOST:
+            fault = f"{many} parts, joints or motions; at most {MOST} are read" if bodies else "no part"
+            raise tree.refused(tree.part(top, "Parts"), f"the assembly {quoted(name)} has {fault}")
+        parts = tuple(self.part(entry, name, n) for n, entry in enumerate(bodies))
         joints = tuple(self.joint(entry) for entry in tree.part(sets, "Joints").inner)
         numbers = {f"/{name}/{joint.name}": n for n, joint in enumerate(joints)}
         motions = tuple(self.motion(entry, numbers, joints) for entry in tree.part(sets, "Motions").inner)

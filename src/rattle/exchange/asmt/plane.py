@@ -159,6 +159,13 @@ def flat(frame: Frame, plane: Plane) -> Flat:
     return Flat((dot(origin, plane.x), dot(origin, plane.y)), dot(origin, plane.n), angle, (x, y, n), plane.grain)
 
 
+def ground(frame: Frame, plane: Plane) -> Flat:
+    """The assembly as the ground: its axes are those of the plane."""
+    x, y, n = (_snapped(turned_back(frame.axes, axis_)) for axis_ in (plane.x, plane.y, plane.n))
+    origin = frame.origin
+    return Flat((dot(origin, plane.x), dot(origin, plane.y)), dot(origin, plane.n), 0.0, (x, y, n), plane.grain)
+
+
 def moment_of_inertia(axes: tuple[Vector, Vector, Vector], moments: Vector, centre: Frame) -> float:
     """n . (R diag(J) R^T) n about the mass centre [kg m^2]; axes: of the body in its part, centre: of its moments."""
     n = turned_back(centre.axes, axes[2])

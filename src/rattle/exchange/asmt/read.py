@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import PurePath
 from typing import Any
 
 from rattle.exchange.asmt.assembly import GROUND, Assembly, Joint, Marker, Part, read_assembly
 from rattle.exchange.asmt.joints import joint_entry
 from rattle.exchange.asmt.motions import driver_entry
-from rattle.exchange.asmt.plane import Flat, Plane, flat, moment_of_inertia, plane_of, slides
+from rattle.exchange.asmt.plane import Flat, Plane, flat, ground, moment_of_inertia, plane_of, slides
 from rattle.exchange.asmt.space import Vector, cross, dot, length, plus, turned
 from rattle.exchange.imported import Assumptions, Imported
 from rattle.exchange.names import Names, counted, listed
@@ -34,7 +35,7 @@ class _Writer:
         self.assembly = assembly
         self.plane = plane
         self.flats = [flat(part.frame, plane) for part in assembly.parts]
-        self.ground = flat(assembly.frame, plane)
+        self.ground = ground(assembly.frame, plane)
         self.names = Names()
         self.bodies = [self.names.new(part.name, "body") for part in assembly.parts]
         self.points: dict[int, dict[str, list[float]]] = {n: {} for n in range(GROUND, len(assembly.parts))}
@@ -67,15 +68,14 @@ class _Writer:
         if drivers:
             document["drivers"] = drivers
         document["initial"] = {
-            body: self._start(part, n, bool(drivers))
+            body: self._start(part, n, bool(drivers) and not _is_free(assembly, len(drivers)))
             for n, (body, part) in enumerate(zip(self.bodies, assembly.parts, strict=True))
         }
         if (run := self._run()) is not None:
             document["simulate"] = run
-        return Imported(
-            document, f"from {assembly.file}, an assembly of Ondsel or FreeCAD", self._taken(entries, drivers),
-            self._assumed(unit), tuple(self.left_out + self._heights()),
-        )  # fmt: skip
+        source = f"from {PurePath(assembly.file).name}, an assembly of Ondsel or FreeCAD"
+        left_out = tuple(self.left_out + self._heights())
+        return Imported(document, source, self._taken(entries, drivers), self._assumed(unit), left_out)
 
     def flat(self, part: int) -> Flat:
         """A part, or the ground, in the plane."""
@@ -103,7 +103,7 @@ class _Writer:
         }
 
     def _start(self, part: Part, n: int, driven: bool) -> dict[str, float]:
-        """Place and rates of the mass centre; rates only where no motor says what they are."""
+        """Place and rates of the mass centre; rates only where motors do not say what all of them are."""
         here = self.flats[n]
         x, y = here.in_plane(here.place(part.centre.origin))
         start = {"x": x, "y": y, "angle": here.angle}
@@ -178,6 +178,12 @@ class _Writer:
     def _assumed(self, unit: float) -> tuple[str, ...]:
         length_ = f"a length of 1 in the file is {unit:.9g} m" + (" (--scale says otherwise)" if unit == 1.0 else "")
         return (f"{length_}, a mass of 1 is 1 kg",)
+
+
+def _is_free(assembly: Assembly, drivers: int) -> bool:
+    """True if the motors leave freedoms, by the number of equations: rates of the file then say how it starts."""
+    equations = {"FixedJoint": 3, "GearJoint": 1, "RackPinionJoint": 1}
+    return 3 * len(assembly.parts) > drivers + sum(equations.get(joint.kind, 2) for joint in assembly.joints)
 
 
 def _leaves(omega: Vector, velocity: Vector, plane: Plane) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from rattle.exchange.imported import Assumptions, Imported
@@ -76,7 +77,11 @@ class _Writer:
             document["drivers"] = self.drivers
         document["initial"] = {body: self._start(n, document) for n, body in enumerate(self.bodies)}
         return Imported(
-            document, f"from {self.file}, a link of PMKS+", self._taken(), self._assumed(), tuple(self.left_out)
+            document,
+            f"from {PurePath(self.file).name}, a link of PMKS+",
+            self._taken(),
+            self._assumed(),
+            tuple(self.left_out),
         )
 
     # ------------------------------------------------------------ bodies
