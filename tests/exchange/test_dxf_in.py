@@ -119,6 +119,8 @@ def test_circles_that_cannot_be_a_bush_and_its_pin_have_no_play():
     (joint,) = read.document["joints"].values()
     assert "clearance" not in joint
     assert any("disc" in word and "no play" in word for word in read.assumed)
+    hole = imported(box("plate", -60, -60, 60, 60), circle("plate", 0, 0, 50), circle("ground", 0, 0, 5))
+    assert [joint["clearance"] for joint in hole.document["joints"].values()] == [0.045]
 
 
 def test_circles_of_arcs_and_of_polylines_are_circles():

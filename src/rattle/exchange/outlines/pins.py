@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rattle.exchange.outlines.edges import Circle
 
-LOOSE = 0.5  # of the radius of a bush: two circles that differ by more are no bush with its pin
+LOOSE = 0.5  # of the radius of a disc: a circle that differs by more is no pin in the disc as a bush
 NEAR = 1e-3  # of the drawing: circles of two layers that are as near as this, but have two centres, are named
 
 
@@ -25,11 +25,12 @@ class Pin(NamedTuple):
     bush: Ring
     pin: Ring
     place: int  # number of the centre
+    in_disc: bool = False  # True: the larger circle is the outline of its body
 
     @property
     def fits(self) -> bool:
-        """False if the circles differ too much for a bush and its pin."""
-        return self.bush.circle.radius - self.pin.circle.radius <= LOOSE * self.bush.circle.radius
+        """False if the larger circle is a disc, and not a bush that has this pin."""
+        return not self.in_disc or self.bush.circle.radius - self.pin.circle.radius <= LOOSE * self.bush.circle.radius
 
 
 class Centres(NamedTuple):
@@ -58,7 +59,8 @@ def pins_of(
         if len({ring.layer for ring in counted}) < 2:
             alone += [ring for ring in counted if ring.circle != rims.get(ring.layer)]
             continue
-        pins += _joined(counted, len(at))
+        joined = _joined(counted, len(at))
+        pins += [pin._replace(in_disc=pin.bush.circle == rims.get(pin.bush.layer)) for pin in joined]
         at.append(counted[0].circle[:2])
         shared += counted
     return Centres(pins, at, alone, _near_misses([*alone, *shared], NEAR * size, tolerance))
