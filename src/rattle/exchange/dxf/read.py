@@ -53,7 +53,7 @@ class Placing(NamedTuple):
 
 
 def read_dxf(text: str, name: str, assumptions: Assumptions) -> Imported:
-    """The mechanism of a drawing; name: of the file.  Raises InputError on what is no whole DXF or holds no body."""
+    """The mechanism of a drawing; name: of the file.  Raises ModelError on what is no whole DXF or holds no body."""
     sections = sections_of(text, name)
     plan = Plan(name, metres=sections.metres)
     if assumptions.scale is not None:

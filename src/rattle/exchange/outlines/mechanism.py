@@ -8,12 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rattle.errors import InputError
+from rattle.errors import InputError, ModelError
 from rattle.exchange.imported import Assumptions, Imported
 from rattle.exchange.names import Names
 from rattle.exchange.outlines.pins import Centres, Pin, pins_of
 from rattle.exchange.outlines.plan import Plan
 from rattle.exchange.outlines.shapes import Shape, Traced, shape_of, trace
+from rattle.exchange.refusal import refused
 
 SAME = 1e-6  # distance of places that are one, as a share of the drawing
 DIGITS = 1e-12  # distance that rounding leaves, same share
@@ -28,21 +29,31 @@ CONTACT = "impact"  # of pins with play: the model that needs no more than their
 def mechanism_of(plan: Plan, assumptions: Assumptions, source: str) -> Imported:
     """The tables of a model file of a drawing, and what was assumed and left out.
 
-    Bodies have the frame of the drawing and start as drawn.  Raises InputError if no layer is a body.
+    Bodies have the frame of the drawing and start as drawn.  Raises ModelError if no layer is a body.
     """
+    try:
+        return _mechanism_of(plan, assumptions, source)
+    except ModelError:
+        raise
+    except InputError as error:
+        raise refused(plan.name, str(error)) from None
+
+
+def _mechanism_of(plan: Plan, assumptions: Assumptions, source: str) -> Imported:
+    """The same; raises InputError where a layer is no body, in words without the file."""
     size = plan.size
     tolerance = SAME * size
     traced = [trace(layer, tolerance) for layer in plan.layers.values()]
     bodies = [layer for layer in traced if _is_ground(layer.name) or layer.circles or layer.outlines]
     if len(bodies) > MOST_BODIES + 1:
-        raise InputError(f"{plan.name}: more than {MOST_BODIES} layers with closed outlines; draw one mechanism")
+        raise InputError(f"more than {MOST_BODIES} layers with closed outlines; draw one mechanism")
     if all(_is_ground(layer.name) for layer in bodies):
         raise InputError(
-            f"{plan.name}: no layer is a body; draw every body on a layer of its own, as a closed outline or with the"
+            "no layer is a body; draw every body on a layer of its own, as a closed outline or with the"
             " circles of its pins"
         )
     if sum(layer.tests for layer in bodies) > MOST_TESTS:
-        raise InputError(f"{plan.name}: too many outlines and circles; keep what bounds bodies, their pins and holes")
+        raise InputError("too many outlines and circles; keep what bounds bodies, their pins and holes")
     rims = {layer.name: None if _is_ground(layer.name) else layer.rim for layer in bodies}
     centres = pins_of({layer.name: layer.circles for layer in bodies}, rims, tolerance, size)
     return _Writer(plan, assumptions, bodies, centres).imported(

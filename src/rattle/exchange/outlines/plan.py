@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import NamedTuple
 
-from rattle.errors import InputError
 from rattle.exchange.outlines.edges import Circle, Corner, Outline
+from rattle.exchange.refusal import refused
 
 MOST_EDGES = 10_000  # straight edges and arcs of a drawing, those of repeated blocks counted as often as they are drawn
 MOST_OUTLINES = 1_000  # closed lines of a drawing
@@ -53,7 +53,7 @@ class Plan:
         self._count(len(outline))
         self.outlines += 1
         if self.outlines > MOST_OUTLINES:
-            raise InputError(f"{self.name}: more than {MOST_OUTLINES} closed lines; keep what bounds bodies")
+            raise refused(self.name, f"more than {MOST_OUTLINES} closed lines; keep what bounds bodies")
         for corner in outline:
             self._reach(corner.x, corner.y)
         self._layer(layer).outlines.append(outline)
@@ -70,7 +70,7 @@ class Plan:
         self._reach(abs(circle.x) + circle.radius, circle.y)
         self.circles += 1
         if self.circles > MOST_CIRCLES:
-            raise InputError(f"{self.name}: more than {MOST_CIRCLES} circles; keep those of the pins and holes")
+            raise refused(self.name, f"more than {MOST_CIRCLES} circles; keep those of the pins and holes")
         self._layer(layer).circles.append(circle)
 
     def leave_out(self, what: str, layer: str) -> None:
@@ -115,4 +115,4 @@ class Plan:
 
     def _reach(self, x: float, y: float) -> None:
         if not (abs(x) < FARTHEST and abs(y) < FARTHEST):
-            raise InputError(f"{self.name}: a coordinate beyond {FARTHEST:g}; move the drawing to the origin")
+            raise refused(self.name, f"a coordinate beyond {FARTHEST:g}; move the drawing to the origin")

@@ -46,7 +46,7 @@ class Page(NamedTuple):
 def read_svg(text: str, name: str, assumptions: Assumptions) -> Imported:
     """The plate or mechanism of a drawing; name: of the file.
 
-    Raises InputError on what is no whole SVG, holds entities, or holds no closed outline.
+    Raises ModelError on what is no whole SVG, holds entities, or holds no closed outline.
     """
     reader = _Reader(name, assumptions)
     Elements(name, reader.begin, reader.end).read(text)
