@@ -85,7 +85,7 @@ def test_what_no_reader_knows_is_refused(file, content, says):
 @pytest.mark.parametrize("name", ["a.asmt", "a.pmks", "a.json"])
 def test_a_file_of_another_kind_is_refused_by_its_ending(file, name):
     with pytest.raises(rt.ModelError, match=r"a\.(asmt|pmks|json)"):
-        rt.read(file("<svg xmlns='http://www.w3.org/2000/svg'/>", name))
+        rt.read(file("<html lang='en'/>", name))
 
 
 def test_a_file_that_is_not_there_and_a_name_that_is_none_are_refused(tmp_path):

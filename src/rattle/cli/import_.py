@@ -25,13 +25,13 @@ def import_(
 
     FILE is an assembly of Ondsel or FreeCAD (.asmt), a drawing (.dxf), a text file with a link of PMKS+ (pmks: and the
     link, or the address of the page), or a mechanism of pylinkage (.json).  The content says which it is.  What was
-    taken, what the file does not say and what it says in vain is listed, by the names that things have in the file.
+    taken, what is assumed and what was left out is listed, by the names that things have in the file.
 
     A file that cannot be read, or a mechanism that does not move in a plane, is refused in one line, and nothing is
     written.
 
     \b
-    Examples: rattle import fourbar.asmt -o fourbar.toml
+    Examples: rattle import bars.asmt -o bars.toml
               rattle import walker.json --scale 1cm --steps-per-second 50 > walker.toml
     """
     from rattle.cli.options import value

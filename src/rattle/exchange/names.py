@@ -12,25 +12,25 @@ LONGEST = 60  # characters
 
 
 class Names:
-    """Gives out names; bodies, joints, drivers and signals of a model share one namespace, points of a body have one.
+    """Hands out names; bodies, joints, drivers and signals of a model share one namespace, points of a body have one.
 
     `changed` keeps the names that had to be written in another way: of the file, and of the model.
     """
 
     def __init__(self) -> None:
-        self._given: set[str] = set()
-        self._last: dict[str, int] = {}  # number behind the name that was given last
+        self._used: set[str] = set()
+        self._last: dict[str, int] = {}  # number behind the name that was handed out last
         self.changed: list[tuple[str, str]] = []
 
     def new(self, name: str, kind: str) -> str:
         """A free name close to the one of the file; kind: what comes before a name that is a number, or empty."""
         close = _valid(name, kind)
         free, n = close, self._last.get(close, 1)
-        while free in self._given:
+        while free in self._used:
             n += 1
             free = f"{close}_{n}"
         self._last[close] = n
-        self._given.add(free)
+        self._used.add(free)
         if free != name:
             self.changed.append((name, free))
         return free

@@ -67,8 +67,11 @@ READERS = (
     Reader("assemblies of Ondsel and FreeCAD", (".asmt",), _is_assembly, "asmt.read", "read_asmt", ("scale",)),
     Reader("links of PMKS+", (".pmks", ".url"), lambda text: bool(_LINK.match(text)), "pmks.read", "read_pmks", ()),
     Reader("drawings", (".dxf",), lambda text: bool(_DRAWING.match(text)), "dxf.read", "read_dxf",
+<<<<<<< HEAD
            ("scale", "thickness", "density")),
     Reader("outlines", (".svg",), lambda text: bool(_OUTLINES.match(text)), "svg.read", "read_svg",
+=======
+>>>>>>> imp
            ("scale", "thickness", "density")),
     Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage.read", "read_pylinkage",
            ("scale", "steps_per_second")),
@@ -114,8 +117,8 @@ def read_import(path: str | os.PathLike[str], stated: Assumptions) -> Imported |
     content, name = model_file.read_bytes(path)
     text = _text(content, name)
     reader = _reader(text, name)
-    given = [word for word, value in stated._asdict().items() if value is not None]
-    strange = [word for word in given if reader is None or word not in reader.takes]
+    stated_words = [word for word, value in stated._asdict().items() if value is not None]
+    strange = [word for word in stated_words if reader is None or word not in reader.takes]
     if strange:
         whose = "a model file" if reader is None else f"the file, one of the {reader.what},"
         raise InputError(f"{strange[0]}: {whose} leaves nothing of this open; leave it out")
@@ -168,10 +171,10 @@ def _reader(text: str, name: str) -> Reader | None:
         return None
     if not text.strip():
         raise refused(name, "the file is empty")
-    known = ", ".join(f"{reader.what} ({reader.endings[0]})" for reader in READERS)
+    formats = ", ".join(f"{reader.what} ({reader.endings[0]})" for reader in READERS)
     first = text.strip().split("\n", 1)[0]
     raise refused(
-        name, f"no reader for a file that begins with {quoted(first)}; known: {known}, model files (.toml)", 1
+        name, f"no reader for a file that begins with {quoted(first)}; known: {formats}, model files (.toml)", 1
     )
 
 

@@ -10,9 +10,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from rattle.exchange.asmt.assembly import GROUND, Assembly, Motion
+from rattle.exchange.asmt.assembly import GROUND, Assembly, Joint, Motion
 from rattle.exchange.asmt.joints import Bodies, sense
 from rattle.exchange.asmt.motion_text import MotionTextError, model_expression
+from rattle.exchange.asmt.plane import Plane, slides
 from rattle.exchange.asmt.space import column
 from rattle.exchange.refusal import refused
 from rattle.language.expression import ExpressionError, Number, parse, replaced, value
@@ -21,7 +22,7 @@ SMALL = 1e-12  # [rad]: an offset of rounding is none
 
 
 def driver_entry(
-    assembly: Assembly, motion: Motion, joints: Sequence[str], flat: Bodies, bodies: Sequence[str]
+    assembly: Assembly, plane: Plane, motion: Motion, joints: Sequence[str], flat: Bodies, bodies: Sequence[str]
 ) -> dict[str, Any] | None:
     """The table of a driver; None for a motion that holds nothing.  joints, bodies: their names in the model.
 
@@ -29,28 +30,23 @@ def driver_entry(
     """
     if motion.kind == "AllowRotation":
         return None
-    index = motion.joint if motion.joint >= 0 else _joint_between(assembly, motion)
-    kind = assembly.joints[index].kind if index is not None else ""
-    turning = motion.kind == "RotationalMotion"
     expression, at_start = _expression(assembly, motion)
-    a, b = flat(motion.i.part), flat(motion.j.part)
-    if not turning:
-        if kind != "TranslationalJoint" or index is None:
+    if motion.kind == "TranslationalMotion":
+        if motion.joint < 0 or not slides(assembly.joints[motion.joint], assembly, plane):
             raise refused(assembly.file, f"motion {motion.name}: it slides what cannot slide in the plane", motion.line)
-        return {"joint": joints[index], "position": expression}
-    if kind not in ("RevoluteJoint", "CylindricalJoint", ""):
-        raise refused(assembly.file, f"motion {motion.name}: it turns a joint that cannot turn", motion.line)
+        return {"joint": joints[motion.joint], "position": expression}
+    index = motion.joint if motion.joint >= 0 else _joint_between(assembly, motion, plane)
+    if index is not None and not _turns(assembly.joints[index], assembly, plane):
+        fault = f"motion {motion.name}: it turns a joint that cannot turn in the plane"
+        raise refused(assembly.file, fault, motion.line)
+    a, b = flat(motion.i.part), flat(motion.j.part)
     s = sense(a, motion.i)
     offset = a.direction(column(motion.i.frame.axes, 0)) - b.direction(column(motion.j.frame.axes, 0))
-    if kind:
-        drawn = b.angle - a.angle
-        turns = round((drawn - offset - s * at_start) / math.tau)
-        first = assembly.joints[index] if index is not None else None
-        forward = first is None or first.i.part == motion.i.part
-        angle = _with_offset(expression, s, offset + math.tau * turns)
-        if not forward:
-            angle = _with_offset(expression, -s, -(offset + math.tau * turns))
-        return {"joint": joints[index or 0], "angle": angle}
+    if index is not None:
+        turns = round((b.angle - a.angle - offset - s * at_start) / math.tau)
+        forward = 1.0 if assembly.joints[index].i.part == motion.i.part else -1.0
+        angle = _with_offset(expression, forward * s, forward * (offset + math.tau * turns))
+        return {"joint": joints[index], "angle": angle}
     if GROUND not in (motion.i.part, motion.j.part):
         fault = f"motion {motion.name}: it turns two parts that no joint holds together"
         raise refused(assembly.file, fault, motion.line)
@@ -70,12 +66,16 @@ def _body_angle(
     return {"body": bodies[moved], "coordinate": "angle", "angle": angle}
 
 
-def _joint_between(assembly: Assembly, motion: Motion) -> int | None:
-    """The joint of the two parts that a motion names by markers; None if there is none."""
+def _turns(joint: Joint, assembly: Assembly, plane: Plane) -> bool:
+    """True of a joint that turns about a normal of the plane."""
+    return joint.kind in ("RevoluteJoint", "CylindricalJoint") and not slides(joint, assembly, plane)
+
+
+def _joint_between(assembly: Assembly, motion: Motion, plane: Plane) -> int | None:
+    """The joint in which the two parts turn that a motion names by markers; None if there is none."""
     parts = {motion.i.part, motion.j.part}
-    kinds = ("RevoluteJoint", "CylindricalJoint") if motion.kind == "RotationalMotion" else ("TranslationalJoint",)
     for n, joint in enumerate(assembly.joints):
-        if joint.kind in kinds and {joint.i.part, joint.j.part} == parts:
+        if {joint.i.part, joint.j.part} == parts and _turns(joint, assembly, plane):
             return n
     return None
 

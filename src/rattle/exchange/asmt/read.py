@@ -60,7 +60,7 @@ class _Writer:
             document["joints"] = entries
         drivers = {}
         for motion in assembly.motions:
-            entry = driver_entry(assembly, motion, joints, self.flat, self.bodies)
+            entry = driver_entry(assembly, self.plane, motion, joints, self.flat, self.bodies)
             if entry is None:
                 self.left_out.append(f"{motion.kind} {motion.name}, which holds nothing")
             else:
@@ -171,6 +171,9 @@ class _Writer:
             moved = [motion.name for motion in assembly.motions if motion.kind != "AllowRotation"]
             taken.append(f"{counted(len(drivers), 'motion')}: {listed(moved)}")
         taken += self.told
+        light = [part.name for part in assembly.parts if part.mass == 0.0]
+        if light:
+            taken.append(f"no mass in the file: {listed(light)}; forces need one")
         if self.names.changed:
             taken.append(f"renamed: {listed(f'{old} is {new}' for old, new in self.names.changed)}")
         return tuple(taken)

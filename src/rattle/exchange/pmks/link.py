@@ -221,17 +221,17 @@ class _Reader:
     def require_different(self, ids: list[str], what: str) -> None:
         """Refuse two things of one id."""
         seen: set[str] = set()
-        for one_id in ids:
-            if one_id in seen:
-                raise self.refused(f"two {what} have the id {quoted(one_id)}")
-            seen.add(one_id)
+        for name in ids:
+            if name in seen:
+                raise self.refused(f"two {what} have the id {quoted(name)}")
+            seen.add(name)
 
     def require_known(self, joints: tuple[Place, ...], pieces: tuple[Piece, ...]) -> None:
         """Refuse references that lead nowhere, and links without a mechanism."""
-        known, bodies = {joint.id for joint in joints}, {piece.id for piece in pieces}
+        places, bodies = {joint.id for joint in joints}, {piece.id for piece in pieces}
         for piece in pieces:
             for joint in piece.joints:
-                if joint not in known:
+                if joint not in places:
                     raise self.refused(f"link {piece.name}: there is no joint {quoted(joint)}")
             for part in piece.parts:
                 if part not in bodies:

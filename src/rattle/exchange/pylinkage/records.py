@@ -142,15 +142,15 @@ class _Reader:
             raise self.refused((*path, key), "expected a text that is not empty")
         return value
 
-    def kind(self, entry: Mapping[str, object], known: Sequence[str], default: str, path: Path) -> str:
-        """One of the kinds that are known."""
+    def kind(self, entry: Mapping[str, object], kinds: Sequence[str], default: str, path: Path) -> str:
+        """One of these kinds."""
         kind = entry.get("type", default)
         if kind in OLDER:
             raise self.refused(
                 (*path, "type"), f"{quoted(str(kind))} is of an older file; save it with pylinkage 0.8 or newer"
             )
-        if kind not in known:
-            fault = f"the kind {quoted(str(kind))} is not taken{suggest(str(kind), known)}"
+        if kind not in kinds:
+            fault = f"the kind {quoted(str(kind))} is not taken{suggest(str(kind), kinds)}"
             raise self.refused((*path, "type"), fault)
         return str(kind)
 
