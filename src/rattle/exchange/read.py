@@ -67,11 +67,8 @@ READERS = (
     Reader("assemblies of Ondsel and FreeCAD", (".asmt",), _is_assembly, "asmt.read", "read_asmt", ("scale",)),
     Reader("links of PMKS+", (".pmks", ".url"), lambda text: bool(_LINK.match(text)), "pmks.read", "read_pmks", ()),
     Reader("drawings", (".dxf",), lambda text: bool(_DRAWING.match(text)), "dxf.read", "read_dxf",
-<<<<<<< HEAD
            ("scale", "thickness", "density")),
     Reader("outlines", (".svg",), lambda text: bool(_OUTLINES.match(text)), "svg.read", "read_svg",
-=======
->>>>>>> imp
            ("scale", "thickness", "density")),
     Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage.read", "read_pylinkage",
            ("scale", "steps_per_second")),

@@ -109,9 +109,7 @@ class Plan:
     def _count(self, edges: int) -> None:
         self.edges += edges
         if self.edges > MOST_EDGES:
-            raise InputError(
-                f"{self.name}: more than {MOST_EDGES} lines and arcs; draw the parts of one mechanism only"
-            )
+            raise refused(self.name, f"more than {MOST_EDGES} lines and arcs; keep those of one mechanism")
 
     def _reach(self, x: float, y: float) -> None:
         if not (abs(x) < FARTHEST and abs(y) < FARTHEST):
