@@ -221,6 +221,13 @@ def test_what_is_seen_from_below_is_mirrored():
 
 
 # ---------------------------------------------------------------- left out, refused
+def test_a_body_that_is_a_circle_alone_and_outlines_of_the_ground_are_told():
+    read = imported(circle("pin", 0, 0, 4), circle("ground", 0, 0, 4.5), box("ground", -9, -9, 9, 9))
+    assert read.document["bodies"]["pin"]["mass"] == pytest.approx(math.pi * 16e-6 * SHEET, rel=1e-13)
+    assert any("pin" in word and "disc" in word for word in read.assumed)
+    assert any("ground" in word for word in read.left_out)
+
+
 def test_what_is_not_taken_is_named_with_its_layer():
     odd = [[("0", kind), ("8", "crank")] for kind in ("SPLINE", "TEXT", "HATCH", "DIMENSION", "3DFACE")]
     unequal = insert("rod", "b", 0, 0, ("41", 1), ("42", 2))

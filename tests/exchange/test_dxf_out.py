@@ -104,6 +104,13 @@ tip = { angle = 0 }
 """
 
 
+APART = """connect = ["ground.O", "arm.P"]
+[joints.far]
+type = "revolute"
+connect = ["ground.O", "tip.B"]
+"""
+
+
 def test_lengths_are_in_mm_and_play_is_two_circles_about_the_bush():
     text, _ = dxf_of(rt.loads(NAMED))
     pairs = pairs_of(text)
@@ -162,6 +169,18 @@ def test_the_command_writes_a_drawing_and_says_what_is_not_in_it(tmp_path, monke
     layers = {own[8][0] for _, own in entities_of((tmp_path / "s.dxf").read_text(encoding="ascii"))}
     assert {"crank", "rod", "slider", "ground"} <= layers
     assert CliRunner().invoke(main, ["draw", "slider_crank_play", "-o", "missing/s.dxf"]).exit_code == 2
+    wrong = CliRunner().invoke(main, ["draw", "slider_crank_play", "-o", "s.dwg"])
+    assert wrong.exit_code == 2
+    assert ".dxf" in wrong.output
+
+
+def test_a_mechanism_that_does_not_close_is_not_drawn_and_no_file_is_written(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "far.toml").write_text(NAMED.replace('connect = ["ground.O", "arm.P"]', APART))
+    done = CliRunner().invoke(main, ["draw", "far.toml", "-o", "far.dxf"])
+    assert done.exit_code == 2
+    assert "outside its clearance" in done.output
+    assert not (tmp_path / "far.dxf").exists()
 
 
 def test_names_that_differ_in_case_alone_and_a_body_like_the_ground_have_layers_of_their_own():

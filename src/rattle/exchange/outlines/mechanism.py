@@ -97,6 +97,8 @@ class _Writer:
             name: dict(zip(("x", "y", "angle"), (*body["center"], 0.0), strict=True)) for name, body in bodies.items()
         }
         left_out = [*_counted(notes), *self.centres.notes]
+        if any(_is_ground(layer.name) and layer.outlines for layer in self.layers.values()):
+            left_out.append("outlines of the ground, which has no mass")
         left_out += [what if n == 1 else f"{n} {what}" for what, n in self.plan.left_out.items()]
         return Imported(
             document,

@@ -118,6 +118,8 @@ def shape_of(traced: Traced, pins: Collection[Circle]) -> Shape:
     """
     outlines, assumed = list(traced.outlines), []
     if traced.rim is not None and (not outlines or traced.rim not in pins):
+        if traced.rim in pins:
+            assumed.append(f"{traced.name} has no closed outline: it is the disc of its circle")
         outlines.append(traced.rim.outline)
     elif not outlines:
         outlines.append(band(traced.circles))

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from rattle.cli.question_command import Asked, Shown, Written, model_command, picture_option
 
+DRAWING = ".dxf"  # ending of a drawing of the parts
+
 
 @model_command
 @picture_option("Picture (.png, .svg, .pdf) or drawing (.dxf) to write; default: the name of FILE with .png, here.")
@@ -24,10 +26,14 @@ def draw(asked: Asked) -> Shown:
               rattle draw fourbar -o fourbar.dxf
               rattle draw fourbar --set l2="0.7 m"
     """
-    from rattle.errors import AssemblyError
+    from rattle.errors import AssemblyError, InputError
+    from rattle.plots.curves import SUFFIXES
 
     asked = asked._replace(picture=asked.picture or f"{Path(asked.file).stem}.png")
-    if Path(str(asked.picture)).suffix.lower() == ".dxf":
+    suffix = Path(str(asked.picture)).suffix.lower()
+    if suffix not in (*SUFFIXES, DRAWING):
+        raise InputError(f"{asked.picture}: expected a picture, {', '.join(SUFFIXES)}, or a drawing, {DRAWING}")
+    if suffix == DRAWING:
         return _parts(asked._replace(picture=None, output=asked.picture))
     m = asked.model()
     drawing = Shown(files=asked.drawn(m.plot))
