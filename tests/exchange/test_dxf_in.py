@@ -58,6 +58,16 @@ def test_holes_are_no_material_and_islands_in_them_are():
     assert body.mass == pytest.approx((60 * 40 - 40 * 20 + 100) * 1e-6 * SHEET, rel=1e-13)
 
 
+def test_a_plate_with_very_many_holes_has_its_mass_and_is_shown_without_them():
+    holes = [circle("p", 5 * k + 5, 5 * n + 5, 2) for k in range(40) for n in range(20)]
+    read = imported(box("p", 0, 0, 210, 110), *holes)
+    body = read.document["bodies"]["p"]
+    assert body["mass"] == pytest.approx((210 * 110 - 800 * math.pi * 4) * 1e-6 * SHEET, rel=1e-12)
+    assert body["polygon"]
+    assert "holes" not in body
+    assert any("without its holes" in word for word in read.assumed)
+
+
 def test_thickness_and_density_are_those_that_are_stated():
     stated = mechanism(*crank(), assumptions=Assumptions(thickness=0.003, density=2700.0)).model.bodies["crank"]
     steel = mechanism(*crank()).model.bodies["crank"]

@@ -18,7 +18,7 @@ from rattle.exchange.outlines.edges import Array, Circle, Outline, around, as_ci
 from rattle.exchange.outlines.plan import MOST_OUTLINES, Layer
 
 FINE = 1e-5  # distance of a polygon from its outline, as a share of its size, where it is asked what is inside of it
-SEEN = (2e-4, 5e-5)  # the same of polygons that are shown; the second where the first cross
+SEEN = (4e-4, 5e-5)  # the same of polygons that are shown; the second where the first cross
 MOST_SEEN = 400  # corners of polygons that are shown
 WORTH = 200  # corners that take as long to look at as an outline takes besides
 SAMPLED = 100_000  # pairs of corners that are looked at to find out whether one outline is in another
@@ -39,7 +39,7 @@ class Traced:
     def tests(self) -> int:
         """How much there is to look at to find out what is inside of what."""
         many = len(self.outlines) + len(self.circles)
-        return many * (sum(map(len, self.outlines)) + WORTH * (len(self.outlines) + len(self.circles) // 4))
+        return many * (sum(map(len, self.outlines)) + WORTH * len(self.outlines))
 
 
 class Shape(NamedTuple):
@@ -128,9 +128,9 @@ def shape_of(traced: Traced, pins: Collection[Circle]) -> Shape:
     for k, piece in enumerate(pieces):
         piece.depth = sum(_is_within(piece, other, traced.name) for other in pieces[:k])
     filled = [circle for circle in traced.circles if any(_concentric(circle, pin) for pin in pins)]
-    for circle in sorted(traced.circles, key=lambda circle: -circle.radius):
-        if circle != traced.rim and circle not in filled and _is_cut(circle, pieces):
-            pieces.append(_Piece(circle.outline, depth=1))
+    others = [circle for circle in traced.circles if circle != traced.rim and circle not in filled]
+    cut = _apart_from_others([circle for circle in others if _is_cut(circle, pieces)])
+    pieces += [_Piece(circle.outline, depth=1) for circle in cut]
     figure = together([(piece.figure, (-1.0) ** piece.depth) for piece in pieces])
     solid = [piece for piece in pieces if piece.depth % 2 == 0]
     if len(solid) > 1:
@@ -138,6 +138,8 @@ def shape_of(traced: Traced, pins: Collection[Circle]) -> Shape:
     polygon, holes = _seen(pieces, traced.name)
     if not polygon:
         assumed.append(f"{traced.name} is shown without its outline, which has too many corners or walls too thin")
+    elif not holes and any(piece.depth == 1 for piece in pieces):
+        assumed.append(f"{traced.name} is shown without its holes, which are too many")
     return Shape(figure, polygon, holes, tuple(assumed))
 
 
@@ -191,8 +193,20 @@ class _Piece:
         return bool((at > self.low).all() and (at < self.high).all() and self.hold(at[None])[0])
 
 
+def _apart_from_others(circles: Sequence[Circle]) -> list[Circle]:
+    """Circles that are in no larger one, and cross none."""
+    kept: list[Circle] = []
+    at = np.empty((len(circles), 3))
+    for circle in sorted(circles, key=lambda circle: -circle.radius):
+        x, y, radius = at[: len(kept)].T
+        if not (np.hypot(x - circle.x, y - circle.y) < radius + circle.radius * (1.0 - 1e-6)).any():
+            at[len(kept)] = circle
+            kept.append(circle)
+    return kept
+
+
 def _is_cut(circle: Circle, pieces: Sequence[_Piece]) -> bool:
-    """True if a circle is a hole in solid material: it crosses no line and is in no other hole."""
+    """True if a circle is a hole in solid material: it crosses no outline and is in no hole of that kind."""
     if sum((-1) ** piece.depth for piece in pieces if piece.surrounds(circle[:2])) != 1:
         return False
     centre, reach = np.array([circle[:2]]), circle.radius * (1.0 - 1e-6)
