@@ -154,6 +154,21 @@ def test_a_cylindrical_joint_along_the_normal_turns_and_this_is_told():
     assert any("Joint3" in word and "slide" in word for word in imported(drawing).taken)
 
 
+def test_a_cylindrical_joint_in_the_plane_is_driven_along_it_and_not_about_it():
+    drawing, words = slider_crank("CylindricalJoint"), ["\tName", "\t\tM", "\tMotionJoint", "\t\t/Assembly1/J4"]
+    drawing.motions = [["TranslationalMotion", *words, "\tTranslationZ", "\t\t0.1d + time^2"]]
+    r = mechanism(drawing).kinematics([0.0, 0.4])
+    np.testing.assert_allclose(r["Piston.x"], [0.4, 0.56], atol=1e-12)
+    drawing.motions = [["RotationalMotion", *words, "\tRotationZ", "\t\ttime"]]
+    assert "M: it turns a joint that cannot turn" in refusal(drawing.text())
+
+
+def test_parts_without_mass_are_told():
+    drawing = foreign.fourbar()
+    drawing.parts["Part2"] = (*drawing.parts["Part2"][:2], 0.0, (0, 0, 0), *drawing.parts["Part2"][4:])
+    assert any("Part2" in word and "no mass" in word for word in imported(drawing).taken)
+
+
 def test_parts_that_are_fixed_to_each_other_move_as_one():
     drawing = foreign.fourbar()
     at, turn, mass, moments, centre, markers, rates = drawing.parts["Part2"]

@@ -13,7 +13,6 @@ from typing import NamedTuple
 from rattle.description import file as model_file
 from rattle.errors import InputError, ModelError
 from rattle.exchange.imported import Assumptions, Imported
-from rattle.exchange.names import counted
 from rattle.exchange.refusal import in_one_line, quoted, refused
 from rattle.exchange.writing import text_of
 from rattle.language.quantities import Quantity, in_si
@@ -180,4 +179,4 @@ def words(imported: Imported) -> list[str]:
     lines = [f"taken: {word}" for word in imported.taken]
     lines += [f"assumed: {word}" for word in imported.assumed]
     lines += [f"left out: {word}" for word in imported.left_out]
-    return lines or [counted(0, "thing")]
+    return lines

@@ -18,7 +18,7 @@ from rattle.exchange.asmt.space import column
 from rattle.exchange.refusal import refused
 from rattle.language.expression import ExpressionError, Number, parse, replaced, value
 
-SMALL = 1e-12  # [rad]: an offset of rounding is none
+SMALL = 1e-14  # [rad]: an offset of rounding is none
 
 
 def driver_entry(

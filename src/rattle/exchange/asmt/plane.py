@@ -64,7 +64,8 @@ class Flat(NamedTuple):
     def in_plane(self, place: tuple[float, float]) -> tuple[float, float]:
         """A point of the body, in the plane [m]."""
         c, s = math.cos(self.angle), math.sin(self.angle)
-        return self.origin[0] + c * place[0] - s * place[1], self.origin[1] + s * place[0] + c * place[1]
+        x, y = self.origin[0] + c * place[0] - s * place[1], self.origin[1] + s * place[0] + c * place[1]
+        return x if abs(x) > self.grain else 0.0, y if abs(y) > self.grain else 0.0
 
 
 def axis(assembly: Assembly, marker: Marker) -> Vector:

@@ -14,6 +14,10 @@ from rattle.exchange.asmt.space import Vector, cross, dot, length, plus, turned
 from rattle.exchange.imported import Assumptions, Imported
 from rattle.exchange.names import Names, counted, listed
 
+WORDS = {  # kinds of joints
+    "RevoluteJoint": "revolute", "CylindricalJoint": "cylindrical", "TranslationalJoint": "translational",
+    "FixedJoint": "fixed", "GearJoint": "gear", "RackPinionJoint": "rack-and-pinion",
+}  # fmt: skip
 STILL = 1e-12  # [m/s, rad/s]: rates below are those of rounding
 LEVEL = 1e-9  # of the size of the assembly: heights that differ by less are the same
 
@@ -166,7 +170,7 @@ class _Writer:
         taken = [f"{counted(len(self.bodies), 'body')}: {listed(part.name for part in assembly.parts)}"]
         for kind in dict.fromkeys(joint.kind for joint in assembly.joints):
             those = [joint.name for joint in assembly.joints if joint.kind == kind]
-            taken.append(f"{len(those)} {kind}: {listed(those)}")
+            taken.append(f"{counted(len(those), f'{WORDS[kind]} joint')}: {listed(those)}")
         if drivers:
             moved = [motion.name for motion in assembly.motions if motion.kind != "AllowRotation"]
             taken.append(f"{counted(len(drivers), 'motion')}: {listed(moved)}")

@@ -63,6 +63,8 @@ class Mechanism(NamedTuple):
 
 def read_mechanism(text: str, file: str) -> Mechanism:
     """Read a file.  Raises ModelError with the place in it."""
+    if not model_file.is_json(text):
+        raise refused(file, "not a mechanism of pylinkage: expected JSON that begins with a brace", 1)
     try:
         document = model_file.parse(text, file)
     except ModelError as error:
