@@ -238,6 +238,13 @@ def test_a_body_that_is_a_circle_alone_and_outlines_of_the_ground_are_told():
     assert any("ground" in word for word in read.left_out)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_lines_end_as_in_all_programs_and_letters_of_old_code_pages_end_none(end):
+    words = [("0", "TEXT"), ("8", "crank"), ("1", "more \x85 \x0c \u2028")]
+    text = dxf([*crank(), words]).replace("\n", end)
+    assert list(read_dxf(f"\ufeff{text}\n\n", "x", Assumptions()).document["bodies"]) == ["crank"]
+
+
 def test_what_is_not_taken_is_named_with_its_layer():
     odd = [[("0", kind), ("8", "crank")] for kind in ("SPLINE", "TEXT", "HATCH", "DIMENSION", "3DFACE")]
     unequal = insert("rod", "b", 0, 0, ("41", 1), ("42", 2))

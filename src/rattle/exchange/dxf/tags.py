@@ -79,7 +79,8 @@ def tags_of(text: str, name: str) -> Iterator[Tag]:
         raise refused(name, "a binary DXF; save it as ASCII DXF")
     if len(text) > MOST:
         raise refused(name, f"more than {MOST // 1_000_000} million characters; save the parts of the mechanism only")
-    lines = text.removeprefix("\ufeff").splitlines()
+    # not splitlines: a text may hold letters of an old code page that end lines elsewhere
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
     while lines and not lines[-1].strip():
         lines.pop()
     if len(lines) > 2 * MOST_TAGS:
