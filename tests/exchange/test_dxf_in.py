@@ -121,6 +121,8 @@ def test_centres_that_are_not_quite_one_are_no_pin_and_are_named():
     assert "joints" not in apart.document
     assert any("crank" in word and "ground" in word and "0.01" in word for word in apart.left_out)
     assert "joints" in imported(*crank(), circle("ground", 0, 5e-5, 4)).document
+    resting = imported(*crank(), circle("ground", 0, 0.5, 4.5))  # the pin rests in its bush
+    assert any("crank" in word and "ground" in word and "0.5" in word for word in resting.left_out)
 
 
 def test_circles_that_cannot_be_a_bush_and_its_pin_have_no_play():

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from rattle.exchange.outlines.edges import Circle
 
 LOOSE = 0.5  # of the radius of a disc: a circle that differs by more is no pin in the disc as a bush
+BESIDE, MOST_NOTES = 20, 20  # circles to the right of one that are looked at; notes of that kind
 NEAR = 1e-3  # of the drawing: circles of two layers that are as near as this, but have two centres, are named
 
 
@@ -145,15 +146,15 @@ def _nested(rings: Sequence[Ring]) -> list[list[Ring]]:
 
 
 def _near_misses(rings: Sequence[Ring], near: float, tolerance: float) -> list[str]:
-    """Circles of two layers that all but have one centre."""
+    """Circles of two layers that all but have one centre, or would be a pin that is not in the middle of its bush."""
     notes: list[str] = []
     ordered = sorted(rings, key=lambda ring: ring.circle.x)
     for k, ring in enumerate(ordered):
-        for other in ordered[k + 1 : k + 20]:
-            if other.circle.x - ring.circle.x > near:
-                break
+        for other in ordered[k + 1 : k + BESIDE]:
+            small, large = sorted((ring.circle.radius, other.circle.radius))
+            reach = max(near, large - small) if small > LOOSE * large else near
             apart = math.dist(ring.circle[:2], other.circle[:2])
-            if other.layer != ring.layer and tolerance < apart <= near and len(notes) < 20:
+            if other.layer != ring.layer and tolerance < apart <= reach and len(notes) < MOST_NOTES:
                 x, y, _ = ring.circle
                 notes.append(
                     f"circles on layers {ring.layer} and {other.layer} near ({x:g}, {y:g}), {apart:.3g} apart: not one"
