@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 import rattle as rt
@@ -214,6 +215,35 @@ def test_blocks_in_blocks_and_rows_of_them():
     points = {name: body["points"] for name, body in read.document["bodies"].items()}
     assert sorted(points["plate"].values()) == [pytest.approx([-0.01, 0.01]), pytest.approx([0.01, 0.01])]
     assert sorted(points["other"].values()) == [pytest.approx([-0.01, 0.06]), pytest.approx([0.01, 0.06])]
+
+
+def test_mirrored_blocks_in_mirrored_blocks_are_where_their_matrices_say():
+    """Three levels, every sense of each: the place of a hole, and an arc that has to bulge to its own side."""
+    rng = np.random.default_rng(2)
+    inner = [outline("0", [(-3, 0), (5, 0, 0.6), (1, 4)]), circle("0", 1, 1.5, 0.5)]
+    for _ in range(30):
+        whole, blocks = np.eye(3), []
+        for level in range(3):
+            scale, turn, (x, y) = rng.uniform(0.5, 2), rng.uniform(0, 360), rng.uniform(-9, 9, 2)
+            senses, base = rng.choice([-1, 1], 2), rng.uniform(-2, 2, 2)
+            c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+            linear = np.array([[c, -s], [s, c]]) @ np.diag(scale * senses)
+            own = np.eye(3)
+            own[:2, :2], own[:2, 2] = linear, (x, y) - linear @ base
+            whole = whole @ own
+            sizes = [("41", scale * senses[0]), ("42", scale * senses[1]), ("50", turn)]
+            blocks.append((f"b{level}", base, insert("arm" if level == 0 else "0", f"b{level}", x, y, *sizes)))
+        entities = [part for _, _, part in blocks]
+        nested = [(name, base, [entities[k + 1]] if k < 2 else inner) for k, (name, base, _) in enumerate(blocks)]
+        arm = imported(entities[0], blocks=nested).document["bodies"]["arm"]
+        plain = imported(
+            *[[(code, "arm" if value == "0" and code == "8" else value) for code, value in part] for part in inner]
+        )
+        straight = plain.document["bodies"]["arm"]
+        assert arm["points"]["H1"] == pytest.approx((whole @ (1, 1.5, 1))[:2] / 1e3, abs=1e-13)
+        centre = whole @ (*(1e3 * np.array(straight["center"])), 1)
+        assert arm["center"] == pytest.approx(centre[:2] / 1e3, abs=1e-13)
+        assert arm["mass"] == pytest.approx(straight["mass"] * abs(np.linalg.det(whole)), rel=1e-12)
 
 
 def test_what_is_seen_from_below_is_mirrored():
