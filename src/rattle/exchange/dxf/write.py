@@ -203,8 +203,7 @@ class _Writer:
         yield from self._entity("ARC", "AcDbCircle", layer)
         yield from self._circle(circle)
         yield 100, "AcDbArc"
-        first, last = (start, end) if start.bulge > 0.0 else (end, start)
-        for code, corner in ((50, first), (51, last)):
+        for code, corner in ((50, start), (51, end)):
             yield code, repr(math.degrees(math.atan2(corner.y - circle.y, corner.x - circle.x)) % 360.0)
 
 

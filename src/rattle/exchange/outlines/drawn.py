@@ -39,7 +39,7 @@ class Drawn(NamedTuple):
 
     outlines: list[tuple[str, Outline]]  # with their layers
     circles: list[tuple[str, Circle]]
-    lines: list[tuple[str, Corner, Corner]]
+    lines: list[tuple[str, Corner, Corner]]  # with a bulge: arcs, counter-clockwise
     layers: list[str]
     notes: list[str]  # what a reader of the drawing will not see
     digits: dict[float, Decimal]  # radii of pins, as the decimals of bush and play make them
