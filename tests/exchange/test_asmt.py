@@ -82,6 +82,25 @@ def test_a_marker_stands_in_a_point_that_is_turned_itself():
     assert max(errors(mechanism(drawing))) < 1e-9
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_the_frames_in_which_parts_are_written_do_not_matter(seed):
+    rng = np.random.default_rng(seed)
+    drawing = foreign.fourbar(rotation(rng.normal(size=3), 2.0), rng.normal(size=3))
+    for name, (at, turn, mass, moments, (spot, axes), markers, rates) in drawing.parts.items():
+        own, shift = rotation(rng.normal(size=3), rng.uniform(-3, 3)), rng.normal(size=3)  # of the part's new frame
+        turned = {
+            word: (
+                own.T @ (np.array(place) - shift),
+                own.T @ frame @ about_z(0.0 if name == "Part1" else rng.normal()),
+                None,
+            )
+            for word, (place, frame, _) in markers.items()
+        }
+        centre = (own.T @ (np.array(spot) - shift), own.T @ axes)
+        drawing.parts[name] = (at + turn @ shift, turn @ own, mass, moments, centre, turned, rates)
+    assert max(errors(mechanism(drawing))) < 1e-9
+
+
 @pytest.mark.parametrize("rewritten", [
     lambda text: text.replace("\t", "    "),
     lambda text: text.replace(" \t", "\t"),

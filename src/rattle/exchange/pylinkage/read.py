@@ -13,7 +13,7 @@ from typing import Any
 
 from rattle.exchange.imported import Assumptions, Imported
 from rattle.exchange.names import Names, counted, listed
-from rattle.exchange.pylinkage.records import Bar, Joint, Mechanism, Spot, read_mechanism
+from rattle.exchange.pylinkage.records import Bar, Joint, Linkage, Spot, read_mechanism
 from rattle.exchange.refusal import refused
 
 LINEAR_DENSITY = 1.0  # of bars [kg/m]
@@ -30,7 +30,7 @@ def read_pylinkage(text: str, name: str, assumptions: Assumptions) -> Imported:
 class _Writer:
     """The tables of the model."""
 
-    def __init__(self, mechanism: Mechanism, file: str, stated: Assumptions) -> None:
+    def __init__(self, mechanism: Linkage, file: str, stated: Assumptions) -> None:
         self.mechanism = mechanism
         self.file = file
         self.unit = stated.scale or 1.0

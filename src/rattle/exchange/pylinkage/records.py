@@ -52,7 +52,7 @@ class Bar(NamedTuple):
     arc: Arc | None = None
 
 
-class Mechanism(NamedTuple):
+class Linkage(NamedTuple):
     """The whole file; joints by their ids."""
 
     name: str
@@ -61,7 +61,7 @@ class Mechanism(NamedTuple):
     grounded: frozenset[str]  # ids of joints that stand still
 
 
-def read_mechanism(text: str, file: str) -> Mechanism:
+def read_mechanism(text: str, file: str) -> Linkage:
     """Read a file.  Raises ModelError with the place in it."""
     if not model_file.is_json(text):
         raise refused(file, "not a mechanism of pylinkage: expected JSON that begins with a brace", 1)
@@ -80,7 +80,7 @@ class _Reader:
         self.document = document
         self.file = file
 
-    def read(self) -> Mechanism:
+    def read(self) -> Linkage:
         """Joints first, then the links between them."""
         joints = {}
         for n, entry in enumerate(self.entries("joints")):
@@ -100,7 +100,7 @@ class _Reader:
         still |= {link.motor for link in links.values() if link.motor}
         still |= {joint.id for joint in joints.values() if joint.kind == "tracker" and joint.references is None}
         name = self.document.get("name")
-        return Mechanism(name if isinstance(name, str) else "", joints, tuple(links.values()), frozenset(still))
+        return Linkage(name if isinstance(name, str) else "", joints, tuple(links.values()), frozenset(still))
 
     def refused(self, path: Path, message: str) -> ModelError:
         """The error to raise about a place."""

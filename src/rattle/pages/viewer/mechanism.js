@@ -5,12 +5,14 @@ import { FONT, Painter, sized } from "./painter.js";
 import { ghostPlayer, player } from "./play.js";
 import { Stage } from "./stage.js";
 import { handyUnit, niceStep, short } from "./units.js";
+import { inEnglish } from "./words.js";
 
 const DASHED = [6, 5];
 
 export class MechanismView {
-  constructor(canvas) {
+  constructor(canvas, word = inEnglish) {
     this.canvas = canvas;
+    this.word = word;
     this.width = this.height = 0;
     this.own = null; // the view that a user chose: {scale, x, y}, or null where everything is shown
   }
@@ -75,13 +77,13 @@ export class MechanismView {
     this.own = { ...view, x: view.x + dx, y: view.y + dy };
   }
 
-  // show: {forces, ghost, names, traces: [names]}
+  // show: {forces, ghost, names, traces: [names], plain: without grid and scales}
   draw(time, theme, show) {
     this.theme = theme;
     this.roomy = show.forces;
     const context = sized(this.canvas, this.width, this.height), p = new Painter(context, this.view, theme);
     const { stage } = this, pose = stage.motion.pose(time);
-    this.grid(p);
+    if (!show.plain) this.grid(p); // on a sheet of its own
     this.traces(p, time, show);
     const side = Math.min(this.width, this.height), layer = (name) => this.layers[name].forEach((draw) => draw(p));
     stage.values.set(pose, time, p.metres(1), p.metres(side));
@@ -99,7 +101,7 @@ export class MechanismView {
     if (show.forces) layer("arrows");
     layer("pins");
     if (show.names) layer("names");
-    this.legend(p, show, side, pose, time);
+    if (!show.plain) this.legend(p, show, side, pose, time);
     if (this.over) this.hover(p, pose, time);
   }
 
@@ -112,7 +114,7 @@ export class MechanismView {
     };
     for (const part of stage.parts()) {
       const force = motion.has(`${part.name}.force`) ? `${part.name}.force` : null, { factor, unit } = handyUnit(force ? motion.unit(force) : "", force ? motion.largest(force) : 0, this.units);
-      const text = `${part.name}, ${part.form.type}${force ? `, ${short(factor * motion.value(force, time))} ${unit}` : ""}`;
+      const text = `${part.name}, ${this.word(part.form.type)}${force ? `, ${short(factor * motion.value(force, time))} ${unit}` : ""}`;
       for (const at of stage.ends(part.form, pose)) add(text, at);
     }
     for (const body of Object.keys(stage.bodies).filter((one) => pose[one])) {
@@ -174,8 +176,9 @@ export class MechanismView {
     values.set(pose, time, 1, side);
     forces.forEach(({ text: what, unit, line: [name], step, wide, draw }, k) => {
       const base = y - 22 * (forces.length - 1 - k), size = values.get(step), handy = handyUnit(unit, size), across = values.get(wide);
+      const room = Math.max(80, this.width - across - length - 52); // right of the scale bar
       context.fillStyle = theme[name];
-      context.fillText(`${short(handy.factor * size)} ${handy.unit} ${what}`, this.width - 26 - across, base + 4);
+      context.fillText(`${short(handy.factor * size)} ${handy.unit} ${this.word(what)}`, this.width - 26 - across, base + 4, room);
       const corner = new Painter(context, { x: this.width - 16 - across, y: base, scale: 1 }, theme);
       for (const play of draw) play(corner);
     });
