@@ -221,9 +221,9 @@ class Revision:
             if isinstance(value, Mapping) and not _at_path(self.sketch.document, path)
         }
         changes: dict[Path, object] = {}
-        for path, value in self.changes:
+        for path, entry in self.changes:
             root = next((path[:n] for n in range(1, len(path) + 1) if path[:n] in new), None)
-            changes[root or path] = _at_path(self.document, root) if root else value
+            changes[root or path] = _at_path(self.document, root) if root else entry
         kept = [(path, value) for path, value in changes.items() if path not in new or value is not None]
         return revised(self.sketch.text, kept)
 
