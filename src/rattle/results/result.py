@@ -271,14 +271,7 @@ class Result(OfResult):
         Raises InputError for a suffix of another format, UnknownName, OSError.
         """
         require_table(path)
-        columns = self.names if names is None else tuple(names)
-        time, shown = column_unit("s", units), [column_unit(self.unit(name), units) for name in columns]
-        header = [f"t [{time.unit}]"] + [
-            f"{name} [{quantity.unit}]" if quantity.unit else name
-            for name, quantity in zip(columns, shown, strict=True)
-        ]
-        curves = (quantity.factor * self[name] for name, quantity in zip(columns, shown, strict=True))
-        table = np.column_stack([time.factor * self.t, *curves])
+        header, table = self.titled_columns(names, units)
 
         def write(place: Path) -> None:
             with atomic(place) as file, file.open("w", newline="", encoding="utf-8") as out:
@@ -287,6 +280,51 @@ class Result(OfResult):
                 writer.writerows(table.tolist())
 
         return archive.first_place(write, path, fallback)
+
+    def to_excel(
+        self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None,
+        units: str | Iterable[str] | None = None, names: Sequence[str] | None = None,
+    ) -> Path:  # fmt: skip
+        """Write a workbook (`.xlsx`): sheets `curves`, one for each joint, `peaks`, `events`, `parameters`, `trust`.
+
+        The first row of curves is as that of a CSV file, numbers have full precision; nan is an empty cell, infinity
+        the text "inf".  Arguments, return value as of `to_csv`.
+        Raises InputError for another suffix or too many numbers, UnknownName, OSError.
+        """
+        from rattle.exchange import result_workbook
+
+        return result_workbook.write_workbook(self, path, fallback=fallback, units=units, names=names)
+
+    def to_mat(
+        self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None,
+        units: str | Iterable[str] | None = None, names: Sequence[str] | None = None,
+    ) -> Path:  # fmt: skip
+        """Write a MATLAB file (`.mat`, version 5) with a struct `r`: `t` (n, 1) [s], cells `names` and `units` (m),
+        `values` (n, m), `parameters`, `events`, `trust`.
+
+        Arguments, return value as of `to_csv`.  Raises InputError for another suffix or too many numbers, UnknownName,
+        OSError.
+        """
+        from rattle.exchange import matlab
+
+        return matlab.write_mat(self, path, fallback=fallback, units=units, names=names)
+
+    def titled_columns(
+        self, names: Sequence[str] | None = None, units: str | Iterable[str] | None = None
+    ) -> tuple[list[str], Array]:
+        """Titles such as `coupler.x [m]`, the first of time, and their columns (n, 1 + len(names)), in these units.
+
+        names, units: as of `to_csv`.  Raises UnknownName, InputError.
+        """
+        words = [*units] if units is not None and not isinstance(units, str) else units
+        columns = self.names if names is None else tuple(names)
+        time, shown = column_unit("s", words), [column_unit(self.unit(name), words) for name in columns]
+        titles = [f"t [{time.unit}]"] + [
+            f"{name} [{quantity.unit}]" if quantity.unit else name
+            for name, quantity in zip(columns, shown, strict=True)
+        ]
+        curves = (quantity.factor * self[name] for name, quantity in zip(columns, shown, strict=True))
+        return titles, np.column_stack([time.factor * self.t, *curves])
 
     def save(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
         """Write everything as netCDF (`.nc`) or `.npz`; `load_result` reads it back, bit for bit.
