@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.exchange.residuals import Residual, Source
+
 
 Array = NDArray[np.float64]
 NEXT_TO = 1e-6  # share of the mean interval of outputs within which an output lies on an event
@@ -352,27 +354,42 @@ class Result(OfResult):
     @overload
     def plot(
         self, *names: str, ax: None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None,
+        over: str | None = None, measured: Source | Iterable[Source | Residual] = (),
     ) -> Figure: ...  # fmt: skip
     @overload
     def plot(
         self, *names: str, ax: Axes, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None,
+        over: str | None = None, measured: Source | Iterable[Source | Residual] = (),
     ) -> Axes: ...  # fmt: skip
     def plot(
         self, *names: str, ax: Axes | None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None,
+        over: str | None = None, measured: Source | Iterable[Source | Residual] = (),
     ) -> Figure | Axes:  # fmt: skip
         """Curves over time, one panel per unit, angles in degrees, short lengths in mm or µm.
 
         ax: draw there, in SI; then all names must have one unit.  Returns a new figure, or `ax` if it is given.
         compare: further results as (label, result), dashed.  robust: rare spikes are left out of the axis, and a note
         says how far they reach.  over: a curve for the horizontal axis instead of time, such as "crank.angle".
-        Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
+        measured: measured curves as dots, such as "measured.csv:theta=rocker.angle", and what they differ by below
+        them; see `residuals`.  Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
         """
         from rattle.plots import curves as curves_
 
-        return curves_.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over)
+        return curves_.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over, measured=measured)
+
+    def residuals(
+        self, measured: Source | Iterable[Source | Residual], curves: Sequence[str] = ()
+    ) -> tuple[Residual, ...]:
+        """Measured curves beside those of this result: measured minus computed, at the measured times within the run.
+
+        measured: files of numbers over time, each as "FILE", "FILE:COLUMN", "FILE:COLUMN=CURVE", with "@0.2s" behind
+        it for what is added to its times.  Without a curve a column belongs to the curve of its name, or to the only
+        one of its unit among `curves`.  Each has `.curve`, `.t`, `.values`, `.residual`, `.rms`, `.largest` in SI.
+        Raises InputError with file and line for what cannot be read or does not fit, UnknownName.
+        """
+        from rattle.exchange.residuals import residuals as residuals_
+
+        return residuals_(self, measured, curves)
 
     def plot_spectrum(self, *names: str, compare: Iterable[tuple[str, Result]] = ()) -> Figure:
         """Amplitude spectra of curves over the frequency [Hz], and multiples of the driver's turning if it is steady.
