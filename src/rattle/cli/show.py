@@ -80,7 +80,7 @@ def plot(
     Example:  rattle plot out.nc O3.normal O4.normal -o forces.svg
               rattle plot out.nc motor.torque --over crank.angle
               rattle plot out.nc rocker.angle --compare "no play=ideal.nc"
-              rattle plot out.nc rocker.angle --with measured.csv:theta@0.2s
+              rattle plot out.nc rocker.angle --with measured.csv:theta@5ms
               rattle plot out.nc O3.fx O3.fy --spectrum
               rattle plot out.nc --xy coupler.O3
               rattle plot out.nc --orbit O3
