@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from scipy.integrate import solve_ivp
 
 import rattle as rt
+from rattle.analyses.driver_period import driver_period
 from rattle.cli.main import main
-from rattle.questions.poincare.compute import driver_period
 
 DUFFING = """
 format = 1

@@ -55,6 +55,12 @@ class AnalysedModel(WrittenModel):
         neighbour._told = told
         return neighbour
 
+    def near(self, places: Mapping[str, tuple[float, float, float]]) -> Self:
+        """This mechanism, which is put together near these places of its bodies, (x, y, angle) [m, m, rad]."""
+        mechanism = self._changed({})
+        mechanism._near = mechanism._near_shut = dict(places)
+        return mechanism
+
     def _of_its_form(self, values: Mapping[str, Any], told: bool) -> Self | None:
         """As `neighbour` for numbers of parameters, without reading; None where the model has to be read.
 

@@ -93,10 +93,10 @@ def fault_of_holes(outline: Ring, holes: Sequence[Ring]) -> tuple[int, str] | No
     rings = [np.array([(bare(x), bare(y)) for x, y in ring]) for ring in (outline, *holes)]
     size = float(np.ptp(rings[0], axis=0).max())
     for k, hole in enumerate(rings[1:]):
-        if _meeting(rings[0], hole, size) is not None or not _is_inside(rings[0], hole[0]):
+        if _meeting(rings[0], hole, size) is not None or not is_inside(rings[0], hole[0]):
             return k, "is not inside of the polygon; expected corners within its edges"
         for other in rings[1 : k + 1]:
-            if _meeting(other, hole, size) is not None or _is_inside(other, hole[0]) or _is_inside(hole, other[0]):
+            if _meeting(other, hole, size) is not None or is_inside(other, hole[0]) or is_inside(hole, other[0]):
                 return k, "overlaps another hole; expected holes apart from each other"
     return None
 
@@ -177,7 +177,7 @@ def _apart(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, size: flo
     return gaps
 
 
-def _is_inside(ring: np.ndarray, point: np.ndarray) -> bool:
+def is_inside(ring: np.ndarray, point: np.ndarray) -> bool:
     """True if a ray from the point crosses the ring an odd number of times."""
     a, b = ring, np.roll(ring, -1, axis=0)
     spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])

@@ -19,7 +19,7 @@ from rattle.description.read_states import declare_states, read_states
 from rattle.description.read_tables import read_tables
 from rattle.description.read_values import Chosen, TooManyProblems, Values, quoted
 from rattle.description.reading import Path, Table, section
-from rattle.description.tables import GROUND, MODEL, OFFSET, SIMULATE, START, STATE_UNITS
+from rattle.description.tables import GROUND, MODEL, OFFSET, PICTURE, SIMULATE, START, STATE_UNITS
 from rattle.errors import ModelError, suggest
 from rattle.language.expression import ExpressionError, Node, Number, names, replaced, value
 from rattle.language.units import dimension_of
@@ -98,6 +98,7 @@ def _read(document: Table, values: Values) -> Model:
     moving_points = {name: at for name, at in points.items() if any(isinstance(x, Node) for x in at)}
     _read_parts(parts, tables, moving_points)
     initial, settings = _initial(values, document, parts), _settings(parts, document)
+    _picture(parts, document)
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [state.rate for state in states.values()]
     pulls, of_pulls = forces(parts.loads)
@@ -221,6 +222,12 @@ def _settings(parts: Parts, document: Table) -> Settings:
     read = parts.form(SIMULATE, table, ("simulate",))
     settings = (field.name for field in fields(Settings))
     return Settings(**{key: read[key] for key in settings if read[key] is not None})
+
+
+def _picture(parts: Parts, document: Table) -> None:
+    """The table [picture], of which only the studio makes use."""
+    if "picture" in document:
+        parts.form(PICTURE, parts.values.table(document["picture"], ("picture",)), ("picture",))
 
 
 def _moving_names(values: Values, signals: Mapping[str, Node], states: Collection[str]) -> dict[str, str]:

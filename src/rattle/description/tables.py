@@ -326,6 +326,16 @@ SIMULATE = Form(  # of the meanings, {adaptive} are the steppers that choose the
     }
 )
 
+PICTURE = Form(
+    {
+        "file": Field("", "picture beside the model file", shape="text", longest=200),
+        "scale": Field("m", "length of one of its pixels", least="positive"),
+        "origin": Field("m", "where its lower left corner is", None, shape="pair"),
+        "angle": Field("rad", "by which it is turned", None),
+    },
+    "a picture below the drawing in the studio; nothing else reads it",
+)
+
 # ---------------------------------------------------------------- the whole
 MODEL = Form(
     {
@@ -346,5 +356,6 @@ MODEL = Form(
         "loads": Named(OfKinds("load"), "loads"),
         "initial": Named(Either((START, OFFSET)), "start of bodies and of clearance joints"),
         "simulate": SIMULATE,
+        "picture": PICTURE,
     }
 )

@@ -16,10 +16,12 @@ from rattle.description import file as model_file
 from rattle.errors import ANSWERS, InputError, ModelError, suggest
 from rattle.loading import examples, load
 from rattle.mechanism import Mechanism
+from rattle.sketch.drawn import drawn
 from rattle.studio import edits
 from rattle.studio.bench import Bench, Outcome
 from rattle.studio.completion import entries
 from rattle.studio.draft import EMPTY, Draft
+from rattle.studio.easel import Act, Easel
 from rattle.studio.facts import facts, problem_without_place, problems_of
 from rattle.studio.folder import Folder
 from rattle.studio.shelf import Source
@@ -56,6 +58,8 @@ class Desk:
         self.folder, self.send, self._later = folder, send, later
         self.bench = Bench(self._outcome, post)
         self.draft = Draft(folder)
+        self.easel = Easel(folder)
+        self.drawing = False  # whether the page draws
         self.version = 0  # of the text
         self.sound: Source | None = None  # the last text without problems
         self._checking = False
@@ -101,6 +105,7 @@ class Desk:
         self.version += 1
         self._send_name()
         self._check()
+        self._show_drawing()
 
     def do_knob(self, name: str, value: Any) -> None:
         """A knob was turned, or a value entered: a number in SI units or a text such as "5 mm"."""
@@ -138,6 +143,46 @@ class Desk:
             raise InputError(f"there is no tab {tab!r}{suggest(str(tab), TABS)}")
         self.options[tab] = dict(options)
         self._compute(tab)
+
+    # ------------------------------------------------------------ drawing
+    def do_edit(self, on: bool) -> None:
+        """The page begins to draw, or ends it."""
+        self.drawing = bool(on)
+        self._show_drawing()
+
+    def _show_drawing(self) -> None:
+        if self.drawing:
+            self._errand("sketch", self._drawn, self.send, of_text=True)
+
+    def _drawn(self, text: str) -> Message:
+        return self.easel.shown(text, self.draft.source()["file"])
+
+    def do_act(self, **message: Any) -> None:
+        """The hand has done something with a tool."""
+
+        def acted(text: str) -> Act | None:
+            return self.easel.acted(edits.require_turnable(text), self.draft.source()["file"], message)
+
+        self._errand(f"act {message.get('number')}", acted, lambda made: self._acted(made, message), of_text=True)
+
+    def _acted(self, made: Act | None, message: Message) -> None:
+        if made is None:
+            self._show_drawing()
+            return
+        if made.text != self.draft.text:
+            self.draft.text = made.text
+            self.version += 1
+            self._send_text(act=int(message.get("number") or 0))
+            self._check()
+        self.send(made.message)
+
+    def do_picture_file(self, name: str) -> None:
+        """The page shows a picture below the drawing, which is a file of the folder."""
+        self._errand(
+            "picture",
+            lambda _: {"kind": "picture-file", "name": name, "data": self.folder.picture(name)},
+            self.send,
+        )
 
     def do_pick(self, number: int) -> None:
         """A bar of the ensemble was clicked: its mechanism is to be seen."""
@@ -232,6 +277,7 @@ class Desk:
         self.bench.drop(*TABS, "motion", "trust", "live", "sample")
         self._send_text(fresh=True)
         self._check()
+        self._show_drawing()
 
     def _edit(self, text: str) -> None:
         if text == self.draft.text:
@@ -240,6 +286,7 @@ class Desk:
         self.version += 1
         self._send_text()
         self._check()
+        self._show_drawing()
 
     def _change(self, about: str, change: Callable[[str], str], sound: bool = True) -> None:
         """Change the text.
@@ -255,8 +302,8 @@ class Desk:
 
         self._errand(about, changed, self._edit, of_text=True)
 
-    def _send_text(self, fresh: bool = False) -> None:
-        self.send({"kind": "text", "text": self.draft.text, "fresh": fresh})
+    def _send_text(self, fresh: bool = False, act: int = 0) -> None:
+        self.send({"kind": "text", "text": self.draft.text, "fresh": fresh, "act": act})
         self._send_name()
 
     def _send_name(self) -> None:
@@ -309,7 +356,10 @@ class Desk:
             self._check()
             return
         self.send({"kind": "model", **answer})
-        if answer["problems"]:
+        if answer.get("empty"):  # nothing is there that could move
+            self.sound = None
+            self.bench.drop(*TABS, "motion", "trust", "live", "sample")
+        if answer["problems"] or answer.get("empty"):
             return
         if source != self.sound or not self._is_current("motion"):
             self.sound = source
@@ -386,12 +436,21 @@ def example_text(path: Path) -> str:
 def check(source: Source) -> Message:
     """What the page shows of a text: its facts, or its problems."""
     try:
+        if not model_file.parse(source["text"]).get("bodies"):
+            return empty(source)
         m = Mechanism.from_text(source["text"], source["file"])
         return {"problems": [], "facts": facts(m, model_file.parse(source["text"]))}
     except ModelError as error:
         return {"problems": problems_of(error, source["text"])}
     except Exception as error:  # a text for which reading itself fails must not end the checking of those after it
         return {"problems": [problem_without_place(words_of(error))]}
+
+
+def empty(source: Source) -> Message:
+    """What the page shows of a text without bodies: an empty sheet.  Raises ModelError."""
+    sketch = drawn(source["text"], source["file"])
+    title, settings = str(sketch.document.get("name", "")), facts(sketch.mechanism, sketch.document)["settings"]
+    return {"problems": [], "empty": True, "facts": {"title": title, "settings": settings}}
 
 
 def shipped() -> Message:

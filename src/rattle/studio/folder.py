@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import os
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
+from rattle.atomic_file import atomic
 from rattle.description import file as model_file
 from rattle.errors import InputError
 
 MOST = 500  # model files that are listed
 MOST_LOOKED = 2000  # files whose beginning is read to see whether they are models: a second at most
 DEEPEST = 3  # folders below the start in which model files are looked for
+LARGEST_PICTURE = 12_000_000  # bytes of a picture below a drawing
+PICTURES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".gif": "image/gif",
+            ".webp": "image/webp", ".svg": "image/svg+xml"}  # fmt: skip
 SKIPPED = ("node_modules", "__pycache__")
 
 
@@ -93,6 +98,32 @@ class Folder:
         if not place.parent.is_dir():
             raise Refused(f"{name}: there is no such folder; create it first, or leave it out of the name")
         model_file.save(place, text)
+
+    def keep_picture(self, name: str, content: bytes) -> str:
+        """Write a picture into the folder, under its name or the next free one; the name.  Raises Refused, OSError."""
+        stem, suffix = PurePosixPath(PureWindowsPath(name).name).stem, PureWindowsPath(name).suffix.lower()
+        plain = "".join(c if c.isalnum() or c in "-_" else "-" for c in stem)[:60].strip("-") or "picture"
+        if suffix not in PICTURES or len(content) > LARGEST_PICTURE:
+            raise Refused(f"{name}: a picture is one of {', '.join(PICTURES)}, of up to {LARGEST_PICTURE // 10**6} MB")
+        for n in range(1, 1000):
+            place = self.root / f"{plain}{f'-{n}' if n > 1 else ''}{suffix}"
+            if not place.exists():
+                with atomic(place) as file:
+                    file.write_bytes(content)
+                return place.name
+            if place.is_file() and not place.is_symlink() and place.read_bytes() == content:
+                return place.name
+        raise Refused(f"{name}: there are a thousand pictures of this name; give it another one")
+
+    def picture(self, name: str) -> str:
+        """A picture of the folder as a data address.  Raises Refused."""
+        place = (self.root / PureWindowsPath(name).name).resolve()
+        kind = PICTURES.get(place.suffix.lower())
+        if kind is None or PureWindowsPath(name).name != name or not place.is_relative_to(self.root):
+            raise Refused(f"{name}: a picture lies beside the model and is one of {', '.join(PICTURES)}")
+        if not place.is_file() or place.stat().st_size > LARGEST_PICTURE:
+            raise Refused(f"{name}: there is no such picture beside the model, or it is too large")
+        return f"data:{kind};base64,{base64.b64encode(place.read_bytes()).decode()}"
 
     def mark(self, name: str) -> str:
         """What a file holds now, as a short digest; "" if there is none.  Raises Refused."""

@@ -75,13 +75,13 @@ export class MechanismView {
     this.own = { ...view, x: view.x + dx, y: view.y + dy };
   }
 
-  // show: {forces, ghost, names, traces: [names]}
+  // show: {forces, ghost, names, traces: [names], plain: without grid and scales}
   draw(time, theme, show) {
     this.theme = theme;
     this.roomy = show.forces;
     const context = sized(this.canvas, this.width, this.height), p = new Painter(context, this.view, theme);
     const { stage } = this, pose = stage.motion.pose(time);
-    this.grid(p);
+    if (!show.plain) this.grid(p); // on a sheet of its own
     this.traces(p, time, show);
     const side = Math.min(this.width, this.height), layer = (name) => this.layers[name].forEach((draw) => draw(p));
     stage.values.set(pose, time, p.metres(1), p.metres(side));
@@ -99,7 +99,7 @@ export class MechanismView {
     if (show.forces) layer("arrows");
     layer("pins");
     if (show.names) layer("names");
-    this.legend(p, show, side, pose, time);
+    if (!show.plain) this.legend(p, show, side, pose, time);
     if (this.over) this.hover(p, pose, time);
   }
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
+from rattle.analyses.driver_period import driver_period
 from rattle.pages.report_figures import HALF, STEPS, names_above, plain_ticks, with_time
 from rattle.pages.report_html import Section, abreast, figure, gallery, handy, listed, paragraph, sentence, table
 from rattle.pages.report_study import POSITIONS, Headline, Study, tried
 from rattle.plots import curves as style
 from rattle.questions.accuracy.compute import Accuracy
 from rattle.questions.accuracy.pictures import draw_band, draw_deviation
-from rattle.questions.poincare.compute import driver_period
 
 
 def gather(study: Study) -> None:

@@ -175,7 +175,7 @@ def compare(
     joints, with the compliant contact beside it; 50 mPa s, a bush as long as wide with a radius of 100 clearances.
     Raises ModelError if no joint has clearance, or not the one to show, and ValueError for an unknown law.
     """
-    from rattle.questions.poincare.compute import driver_period
+    from rattle.analyses.driver_period import driver_period
 
     loose = _joints_with_play(m, joint)
     if law is not None and law not in registry.kinds("normal"):

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from rattle.analyses import arguments
+from rattle.analyses.driver_period import driver_period
 from rattle.description.toml_locations import caret_under
-from rattle.equations.motion import drive
-from rattle.equations.system import System
 from rattle.errors import InputError, ModelError, Problem, SolverError, suggest
 from rattle.language import arrays
 from rattle.language.expression import dimension
@@ -22,8 +21,6 @@ from rattle.language.units import TIME, describe, dimension_of
 from rattle.results.display import quantity, table
 from rattle.results.sampled_curve import SampledCurve
 
-STEADY = 1e-9  # [-] relative change of the rate of a driver that turns steadily: rounding of its function
-LOOKS = (0.0, 0.0137, 0.171, 1.93)  # [s] where the rate is looked at: no multiples of each other, as periods are
 PER_STEP = 4  # instants for each step, in which a curve may rise and fall: between two of them a rise is not seen
 MOST_INSTANTS = 1_000_000
 NARROWINGS, PARTS = 3, 16  # an interval of outputs around a crossing is cut so often into so many parts, of which a
@@ -37,22 +34,6 @@ if TYPE_CHECKING:
 
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
-
-
-def driver_period(system: System) -> float | None:
-    """Time of one turn [s] of the first driver that turns a joint at constant rate; None if there is none."""
-    workspace = system.workspace()
-    for name in system.model.drivers:
-        if system.rows[system.first_row(name)].unit != "rad":
-            continue
-        slot = system.driver_slot(name)
-        rates = []
-        for t in LOOKS:
-            drive(workspace, t)
-            rates.append(float(workspace.values[slot + 1]))
-        if rates[0] and max(rates) - min(rates) <= STEADY * abs(rates[0]):
-            return 2.0 * math.pi / abs(rates[0])
-    return None
 
 
 def period_of(m: Mechanism, period: Seconds | None) -> float:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rattle.analyses.driver_period import driver_period
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.loading import loads
 from rattle.mechanism import Mechanism
-from rattle.questions.poincare.compute import driver_period
 from rattle.questions.power.cycle import Cycle, cycle
 from rattle.questions.power.in_units import with_units
 from rattle.questions.power.ports import Ports

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import assemble
+from rattle.analyses.driver_period import driver_period
 from rattle.analyses.dynamics.events import require_workable
 from rattle.analyses.dynamics.methods import choose_stepper
 from rattle.analyses.dynamics.run import How
@@ -28,7 +29,6 @@ from rattle.jit import functions
 from rattle.jit.choices import TINY
 from rattle.mechanism import Mechanism
 from rattle.progress_bar import progress_bar
-from rattle.questions.poincare.compute import driver_period
 from rattle.questions.wear.cycle import FEWEST, Cycles, Sliding, State, together
 from rattle.questions.wear.folder import Folder
 from rattle.questions.wear.jumps import marched, per_cycle, sigma, straight

@@ -10,9 +10,10 @@ export class Header {
     this.undo = h("button", { class: "quiet icon", "aria-label": "Undo", title: "Undo (Ctrl Z)", onclick: acts.undo }, icon("undo"));
     this.redo = h("button", { class: "quiet icon", "aria-label": "Redo", title: "Redo (Ctrl Y)", onclick: acts.redo }, icon("redo"));
     this.theme = h("button", { class: "quiet icon", onclick: acts.theme });
+    this.edit = h("button", { class: "edit-button", "aria-pressed": "false", title: "Draw on the Motion tab (E)", onclick: acts.edit }, "Edit");
     this.el = h("header", { class: "top" },
       h("div", { class: "names" }, this.title, this.file),
-      h("nav", { "aria-label": "Model" },
+      h("nav", { "aria-label": "Model" }, this.edit,
         button("Examples", acts.gallery, "Gallery of examples (G)"), button("Open", acts.open, "Open a model file (Ctrl O)"),
         button("Save", acts.save, "Save (Ctrl S)"), button("Save as", acts.saveAs, "Save under another name (Ctrl Shift S)"),
         button("Copy as Python", acts.python, "The same mechanism as Python code"),
@@ -23,6 +24,8 @@ export class Header {
   name(message) {
     replace(this.file, message.name || "not saved yet", message.changed && message.name ? h("b", { title: "changed since it was saved" }, " • changed") : null);
   }
+
+  draws(on) { this.edit.setAttribute("aria-pressed", String(on)); }
 
   steps(history) {
     this.undo.disabled = !history.past.length;

@@ -3,6 +3,7 @@
 import { DECLARED } from "./declared.js";
 import { Dialogs, hints } from "./dialogs.js";
 import { h } from "./dom.js";
+import { Edit } from "./edit.js";
 import { Editor } from "./editor.js";
 import { Header, Theme } from "./header.js";
 import { History } from "./history.js";
@@ -41,12 +42,25 @@ class Page {
     this.status = new Status((message) => this.tell(message));
     this.report = new Report();
     this.show = new Show((run) => this.computed(run));
+    this.edit = new Edit({ send: (message) => this.tell(message), show: this.show, text: () => this.history.now });
+    this.show.edit = this.edit;
+    this.show.el.prepend(this.edit.el);
     this.header = new Header({
+      edit: () => this.draw(),
       gallery: () => this.tell({ do: "files", gallery: true }), open: () => this.tell({ do: "files" }),
       save: () => this.tell({ do: "save" }), saveAs: () => this.tell({ do: "save-as" }), python: () => this.tell({ do: "python" }),
       undo: () => this.step("undo"), redo: () => this.step("redo"), theme: () => this.theme.next(), keys: () => this.dialogs.keys(),
     });
     this.build();
+    this.show.offer();
+  }
+
+  // Begin to draw on the Motion tab, or end it.
+  draw() {
+    if (this.shown !== "motion") this.choose("motion");
+    else if (this.edit.on) { this.edit.toggle(false); this.header.draws(false); return; }
+    if (!this.edit.on) this.edit.toggle(true);
+    this.header.draws(true);
   }
 
   build() {
@@ -137,7 +151,7 @@ class Page {
   on_text(message) {
     if (message.fresh) { this.history.start(message.text); this.show.clear(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } for (const sheet of this.sheets.values()) sheet.show([]); }
     else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
-    else this.history.record(message.text, "knob");
+    else this.history.record(message.text, message.act ? `act ${message.act}` : "knob");
     this.header.steps(this.history);
     this.editor.show(message.text, message.fresh ? "start" : "beside");
   }
@@ -158,12 +172,23 @@ class Page {
       this.status.old();
       return;
     }
+    if (message.empty) { this.empty(message.facts); return; }
     this.facts = { output: this.facts.output, force: this.facts.force, ...message.facts }; // until its motion is there
     this.header.title.textContent = message.facts.title || "mechanism";
     document.title = `${message.facts.title || "mechanism"} – rattle studio`;
     this.knobs.show(message.facts);
     this.show.turn(Object.fromEntries(message.facts.knobs.map((one) => [one.name, one.value])));
     this.offer();
+  }
+
+  // A text without bodies: a sheet to draw on.
+  empty(facts) {
+    this.facts = { ...EMPTY, settings: facts.settings };
+    this.header.title.textContent = document.title = facts.title || "empty sheet";
+    this.knobs.show(this.facts);
+    this.show.clear();
+    this.show.blank();
+    this.status.say("old", ["Nothing is drawn yet: press Edit, or write bodies under Text."]);
   }
 
   offer() {
@@ -211,6 +236,14 @@ class Page {
     if (this.el.classList.contains("broken")) this.status.old();
   }
 
+  on_sketch(message) { this.edit.hear(message); }
+
+  on_pulled(message) { this.edit.pulled(message); }
+
+  on_measured(message) { this.edit.measures(message); }
+
+  on_picture_file(message) { this.edit.underlay.hear(message); }
+
   on_live(message) { this.show.compute(message); }
 
   // The page itself has computed a motion: it says how far that can be trusted, until the studio has checked it.
@@ -222,7 +255,8 @@ class Page {
 
   on_trouble(message) {
     if (this.facts.settings) this.knobs.show(this.facts); // what was entered is taken back
-    if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
+    if (["act", "measure", "grab", "pull"].includes(message.about)) this.edit.refuse(message.words);
+    else if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
     else this.say(message.words);
   }
 

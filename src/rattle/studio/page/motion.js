@@ -12,6 +12,7 @@ export class Show {
     this.badge = h("div", { class: "badge", role: "status", hidden: true });
     this.back = h("div", { class: "sample", hidden: true });
     this.el = h("div", { class: "motion-of" }, this.back, this.badge, this.place);
+    this.edit = null; // drawing, see edit.js
     this.app = null;
     this.live = null; // the scene that the page computes by itself, with its base
     this.values = {};
@@ -60,12 +61,46 @@ export class Show {
       const before = this.app && { time: this.app.time, playing: this.app.playing, chosen: this.app.viewer.curves.chosen };
       this.app?.destroy();
       this.place.replaceChildren();
-      this.app = mount(this.place, scene, { inside: true, theme: this.theme });
-      window.rattle = this.app;
+      this.app = mount(this.place, scene, { inside: true, theme: this.theme, autoplay: !this.drawing });
+      this.app.on("time", () => this.told_time());
+      this.offer();
       if (before && this.title === scene.title) this.goOn(before);
     }
     this.title = scene.title;
     this.shape = shape;
+    if (this.edit?.runs) this.play();
+    if (this.edit) this.edit.runs = false;
+  }
+
+  // What scripts find as window.rattle: the viewer, and drawing.
+  offer() {
+    window.rattle = this.app ?? { names: [], events: [], time: 0, live: false };
+    if (this.edit) window.rattle.edit = this.edit.api;
+    this.app?.viewer.frame.classList.toggle("bare", this.drawing);
+  }
+
+  // ---------------------------------------------------------------- while one draws
+  get drawing() { return this.edit?.on ?? false; }
+  get seen() { return this.el.closest("[hidden]") === null; }
+  get playing() { return this.app?.playing ?? false; }
+
+  // Drawing begins or ends: the time line alone stays below the sheet.
+  draws(on) {
+    this.el.classList.toggle("drawing", on);
+    this.offer();
+  }
+
+  play() { this.app?.play(); }
+  pause() { this.app?.pause(); }
+
+  // The motion stands at its start.
+  rest() {
+    this.pause();
+    this.app?.seek(this.app.viewer.motion?.start ?? 0);
+  }
+
+  told_time() {
+    if (this.drawing && this.app) this.edit.frame(this.app.viewer.motion, this.app.viewer.scene, this.app.time, this.app.playing);
   }
 
   goOn({ time, playing, chosen }) {
@@ -123,6 +158,13 @@ export class Show {
     this.app = this.live = this.latest = null;
     this.place.replaceChildren();
     this.back.hidden = true;
+    this.offer();
+  }
+
+  // Nothing to show: the model has no bodies yet.
+  blank() {
+    this.badge.hidden = false;
+    this.badge.textContent = "An empty sheet: press Edit to draw on it.";
   }
 
   toggle() {
@@ -132,6 +174,7 @@ export class Show {
   dark(dark) {
     this.theme = dark ? "dark" : "light";
     this.app?.viewer.turnTheme(this.theme);
+    this.edit?.board.turnTheme(dark);
   }
 }
 

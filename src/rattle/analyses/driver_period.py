@@ -1,0 +1,27 @@
+"""How long a turn of the driver takes."""
+
+from __future__ import annotations
+
+import math
+
+from rattle.equations.motion import drive
+from rattle.equations.system import System
+
+STEADY = 1e-9  # [-] relative change of the rate of a driver that turns steadily: rounding of its function
+LOOKS = (0.0, 0.0137, 0.171, 1.93)  # [s] where the rate is looked at: no multiples of each other, as periods are
+
+
+def driver_period(system: System) -> float | None:
+    """Time of one turn [s] of the first driver that turns a joint at constant rate; None if there is none."""
+    workspace = system.workspace()
+    for name in system.model.drivers:
+        if system.rows[system.first_row(name)].unit != "rad":
+            continue
+        slot = system.driver_slot(name)
+        rates = []
+        for t in LOOKS:
+            drive(workspace, t)
+            rates.append(float(workspace.values[slot + 1]))
+        if rates[0] and max(rates) - min(rates) <= STEADY * abs(rates[0]):
+            return 2.0 * math.pi / abs(rates[0])
+    return None

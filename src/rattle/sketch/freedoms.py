@@ -1,0 +1,51 @@
+"""What a drawing can do, in one line: whether it moves, which freedoms are left, what is too much, what stays open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rattle.analyses.assembly.rank import nonunique_reactions, rank
+from rattle.equations.closure import open_by
+from rattle.results.display import quantity
+from rattle.sketch.drawn import Drawn
+
+EMPTY = "Put two ground points, then draw bars between them."
+BARS = "Draw bars between the ground points: drag from one point to the next."
+MOST_NAMED = 3
+
+
+def freedoms(sketch: Drawn) -> str:
+    """What the status line says of a drawing."""
+    if not sketch.bodies:
+        return BARS if len(sketch.model.ground) > 1 else EMPTY
+    if sketch.open_joints:
+        gaps = [f"{pin.name} by {quantity(pin.apart, 'm')}" for pin in sketch.open_joints]
+        more = f" and {len(gaps) - MOST_NAMED} more" if len(gaps) > MOST_NAMED else ""
+        return f"{_counts(sketch)}: does not close, open at {', '.join(gaps[:MOST_NAMED])}{more}"
+    return f"{_counts(sketch)}: {_mobility(sketch)}"
+
+
+def _counts(sketch: Drawn) -> str:
+    joints, motors = len(sketch.model.joints), len(sketch.model.drivers)
+    return f"{joints} {'joint' if joints == 1 else 'joints'}, {motors or 'no'} {'motor' if motors == 1 else 'motors'}"
+
+
+def _mobility(sketch: Drawn) -> str:
+    system = sketch.system
+    assert system is not None
+    q = np.array([sketch.places[name] for name in system.bodies]).ravel()
+    workspace = system.workspace()
+    open_by(workspace, 0.0, q, np.zeros_like(q))
+    independent = rank(system, workspace)
+    left, too_many = 3 * system.body_count - independent, system.row_count - independent
+    unsure = nonunique_reactions(system, workspace) if too_many else ()
+    spare = [name for name in unsure if name in sketch.model.joints][-1:] or unsure[-1:]
+    surplus = f"{too_many} constraint{'s' if too_many > 1 else ''} too many ({', '.join(spare)})" if too_many else ""
+    if left:
+        free = f"{left} freedom{'s' if left > 1 else ''} without a motor"
+        return f"{free}, {surplus}" if surplus else free
+    if not sketch.model.drivers or (too_many and sketch.trouble):
+        return f"cannot move: {surplus or 'no freedom is left'}"
+    if sketch.trouble:
+        return f"cannot move: {sketch.trouble}"
+    return f"moves, {surplus}" if surplus else "moves"

@@ -1,0 +1,118 @@
+"""Points that are dragged: bars and plates follow with their own dimensions, everything else stands."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rattle.description.polygon import figure_of
+from rattle.errors import InputError
+from rattle.sketch.drawn import Spot
+from rattle.sketch.revision import Drawing, Revision
+
+HERE = 1e-9  # share of the size within which a corner is at a point
+
+
+def move(revision: Revision, point: str, to: Spot) -> Drawing | None:
+    """Put a point, with all that pins join to it, to another place [m]; None if it is there.
+
+    Raises InputError where a number that would have to change is an expression.
+    """
+    if math.dist(revision.sketch.points[point], to) <= 0.0:
+        return None
+    carry(revision, point, to)
+    return revision.finish(f"{point} moved", f"point {point}")
+
+
+def carry(revision: Revision, point: str, to: Spot) -> None:
+    """Change what has to change so that a point, and what is pinned to it, is at another place [m]."""
+    for name in revision.sketch.joined(point):
+        body, _, own = name.partition(".")
+        if body == "ground":
+            for k, value in enumerate(to):
+                if abs(revision.sketch.points[name][k] - value) > 0.0:
+                    revision.set_length(("ground", "points", own, str(k)), value, f"{name}.{'xy'[k]}")
+        elif own in revision.document["bodies"][body].get("bar", ()):
+            _stretch(revision, body, own, to)
+        else:
+            _shift(revision, body, own, to)
+
+
+def _stretch(revision: Revision, body: str, end: str, to: Spot) -> None:
+    """Put one end of a bar to another place; its other end and its further points stand."""
+    entry, sketch = revision.document["bodies"][body], revision.sketch
+    other = next(name for name in entry["bar"] if name != end)
+    stands = _now(revision, body, other)
+    first, last = (to, stands) if entry["bar"][0] == end else (stands, to)
+    span = math.dist(first, last)
+    if span <= HERE * sketch.size:
+        raise InputError(f"{body} would have no length: let go elsewhere")
+    extra = {name: sketch.points[f"{body}.{name}"] for name in entry.get("points", {})}
+    angle = math.atan2(last[1] - first[1], last[0] - first[0])
+    if abs(span - math.dist(*(_now(revision, body, name) for name in entry["bar"]))) > 1e-15 * span:
+        revision.set_length(("bodies", body, "length"), span, f"{body}.length")
+    revision.places[body] = (first[0] + last[0]) / 2, (first[1] + last[1]) / 2, angle
+    revision.moved.append(body)
+    for name, spot in extra.items():
+        for k, value in enumerate(revision.in_new_frame(body, spot)):
+            revision.set_length(("bodies", body, "points", name, str(k)), value, f"{body}.{name}.{'xy'[k]}")
+
+
+def _now(revision: Revision, body: str, end: str) -> Spot:
+    """Where an end of a bar is after the changes so far."""
+    entry = revision.document["bodies"][body]
+    span = revision.number(entry["length"])
+    return revision.in_new_plane(body, (-span / 2 if entry["bar"][0] == end else span / 2, 0.0))
+
+
+def _shift(revision: Revision, body: str, own: str, to: Spot) -> None:
+    """Put a point of a body to another place in it, with the corner of a plate that is there."""
+    entry, old = revision.document["bodies"][body], revision.sketch.points[f"{body}.{own}"]
+    for k, value in enumerate(revision.as_written(body, revision.sketch.in_frame(body, to))):
+        revision.set_length(("bodies", body, "points", own, str(k)), value, f"{body}.{own}.{'xy'[k]}")
+    revision.moved.append(body)
+    if "polygon" in entry:
+        _shift_corner(revision, body, old, to, entry)
+
+
+def _shift_corner(revision: Revision, body: str, old: Spot, to: Spot, entry: dict[str, Any]) -> None:
+    sketch = revision.sketch
+    was, new = (revision.as_written(body, sketch.in_frame(body, spot)) for spot in (old, to))
+    ring = [(revision.number(x), revision.number(y)) for x, y in entry["polygon"]]
+    corner = next((k for k, spot in enumerate(ring) if math.dist(spot, was) <= HERE * sketch.size), None)
+    if corner is None:
+        return
+    for k, value in enumerate(new):
+        revision.set_length(("bodies", body, "polygon", str(corner), str(k)), value, f"corner {corner + 1} of {body}")
+    ring[corner] = new
+    holes = [[(revision.number(x), revision.number(y)) for x, y in hole] for hole in entry.get("holes", ())]
+    centre, before = figure_of(ring, holes).centre, revision.as_written(body, (0.0, 0.0))
+    x, y = sketch.in_plane(body, (centre[0] - before[0], centre[1] - before[1]))
+    revision.places[body] = x, y, revision.places[body][2]
+
+
+def drop(revision: Revision, point: str, target: str) -> Drawing | None:
+    """Put a point onto another one and pin them together; None if they are together already.
+
+    Raises InputError for two points of one body.
+    """
+    if target in revision.sketch.joined(point):
+        return None
+    body = point.partition(".")[0]
+    if body == target.partition(".")[0]:
+        raise InputError(f"{point} and {target} both belong to {body}: they cannot be joined")
+    carry(revision, point, revision.sketch.points[target])
+    ends = (point, target) if body == "ground" else (target, point)
+    joint = revision.pin(*ends)
+    return revision.finish(f"{joint} joins {target} and {point}", f"joint {joint}", "Play")
+
+
+def drop_on_line(revision: Revision, point: str, body: str, at: Spot) -> Drawing:
+    """Put a point onto the line of a bar and pin it there."""
+    if point.partition(".")[0] == body:
+        raise InputError(f"{point} belongs to {body}: it cannot be joined to it")
+    own = revision.body_point(body, at)
+    carry(revision, point, at)
+    ends = (point, own) if point.startswith("ground.") else (own, point)
+    joint = revision.pin(*ends)
+    return revision.finish(f"{joint} joins {point} to {body}", f"joint {joint}", "Play")

@@ -1,0 +1,47 @@
+"""Numbers as a person would write them: with the fewest digits that keep what is drawn, in the unit that stood there."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from rattle.language.units import parse_quantity
+
+MOST_DIGITS = 17
+AT_REST = 1e-13  # share of a length, or angle [rad], by which a written number may miss the drawn one
+
+
+def shortest(value: float, within: float) -> float:
+    """The number with the fewest digits that is at most `within` away from this one."""
+    if abs(value) <= within:
+        return 0.0
+    for digits in range(1, MOST_DIGITS):
+        rounded = float(f"{value:.{digits}g}")
+        if abs(rounded - value) <= within:
+            return rounded + 0.0  # not -0
+    return value
+
+
+def length(value: float, size: float = 0.0) -> float:
+    """A length or coordinate [m] with the fewest digits; size: of what it belongs to [m]."""
+    return shortest(value, AT_REST * max(abs(value), size))
+
+
+def degrees(angle: float) -> str:
+    """An angle [rad] as a text in degrees, between -180 and 180."""
+    turned = math.remainder(angle, math.tau)
+    return f"{plain(shortest(math.degrees(turned), math.degrees(AT_REST)))} deg"
+
+
+def plain(value: float) -> str:
+    """A number as text: 5, 0.25, 1e-07."""
+    return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+
+
+def in_unit_of(written: object, value: float) -> float | str:
+    """A length or coordinate [m] in the unit of the quantity that stood there, or as a number in m."""
+    if not isinstance(written, str) or parse_quantity(written) is None:
+        return length(value)
+    unit = re.sub(r"^[\s+\-\d.eE_]+", "", written).strip()
+    one = parse_quantity(f"1 {unit}") if unit else None
+    return length(value) if one is None else f"{plain(length(value / one[0]))} {unit}"

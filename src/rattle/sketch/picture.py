@@ -1,0 +1,55 @@
+"""A drawing as plain data for a page: a scene of one instant, and what can be caught, chosen and typed into."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rattle.pages.scene import scene_of
+from rattle.results.build import build_result
+from rattle.results.trust import Trust
+from rattle.sketch.drawn import Drawn
+from rattle.sketch.fields import fields_of
+from rattle.sketch.freedoms import freedoms
+
+
+def picture_of(sketch: Drawn) -> dict[str, Any]:
+    """What a page needs to show a drawing and to let it be changed."""
+    driven = {driver.joint: name for name, driver in sketch.model.drivers.items() if driver.joint}
+    return {
+        "scene": _scene(sketch) if sketch.bodies else None,
+        "places": {name: list(sketch.places[name]) for name in sketch.bodies},
+        "points": {name: list(spot) for name, spot in sketch.points.items()},
+        "bars": {name: [f"{name}.{end}" for end in entry["bar"]]
+                 for name, entry in sketch.document.get("bodies", {}).items() if "bar" in entry},
+        "joints": [{"name": pin.name, "type": pin.kind, "ends": list(pin.ends), "at": list(pin.at), "driver": driven.get(pin.name, ""),
+                    "play": str(sketch.document["joints"][pin.name].get("clearance", "")),
+                    "apart": pin.apart if pin in sketch.open_joints else 0.0} for pin in sketch.pins],
+        "loads": {name: [f"{end.body}.{end.name}" for end in (load.a, load.b)]
+                  for name, load in ({} if sketch.stand_in else sketch.model.loads).items()},
+        "fields": {chosen: [field._asdict() for field in fields_of(sketch, chosen)] for chosen in _things(sketch)},
+        "status": freedoms(sketch),
+        "picture": sketch.document.get("picture"),
+    }  # fmt: skip
+
+
+def _things(sketch: Drawn) -> list[str]:
+    """Everything that can be chosen."""
+    named = {"joint": "joints", "driver": "drivers", "load": "loads"}
+    return [
+        *(f"body {name}" for name in sketch.bodies),
+        *(f"point {name}" for name in sketch.points),
+        *(f"{kind} {name}" for kind, table in named.items() for name in sketch.document.get(table, {})),
+    ]
+
+
+def _scene(sketch: Drawn) -> dict[str, Any]:
+    """The drawing as a scene of one instant."""
+    names = [f"{body}.{key}" for body in sketch.places for key in ("x", "y", "angle")]
+    units = {name: "rad" if name.endswith("angle") else "m" for name in names}
+    data = np.array([value for place in sketch.places.values() for value in place])[None]
+    result = build_result(sketch.model, "drawing", t=[0.0], data=data, names=names, units=units, trust=Trust(drift=0.0))
+    scene = scene_of([("", result)])
+    scene["runs"][0]["trust"] = {}
+    return scene

@@ -1,0 +1,318 @@
+"""One act of drawing: changes of a text that belong together, and the places of bodies that are meant after them.
+
+An act is checked by drawing the new text: where bodies would stand elsewhere than meant, their angles are written into
+[initial], so that the picture is what was drawn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from rattle.description.changes import Change, Path, copied
+from rattle.errors import InputError
+from rattle.language.expression import value
+from rattle.language.syntax import parse
+from rattle.language.units import parse_quantity
+from rattle.sketch.drawn import Drawn, Place, Spot, drawn, drawn_mechanism, reached
+from rattle.sketch.expressions import shifted, turned
+from rattle.sketch.model_text import renamed, revised
+from rattle.sketch.numbers import degrees, in_unit_of, length
+
+NAMES = ("bodies", "joints", "drivers", "signals", "states", "loads")  # they share their names
+MISSED = 1e-9  # share of the size by which a body may stand elsewhere than drawn
+SAME = 1e-12  # change of a coordinate below which a driver starts as before [m, rad]
+LEAST = 1e-9  # share of the size below which two spots are one
+
+
+class Drawing(NamedTuple):
+    """What an act has made: the new text, what it looks like, and what is to be told."""
+
+    sketch: Drawn
+    words: str = ""
+    chosen: str = ""  # what is chosen after it, such as "body bar1"
+    field: str = ""  # that has the focus
+
+    @property
+    def text(self) -> str:
+        """The model text."""
+        return self.sketch.text
+
+
+class Caught(NamedTuple):
+    """Where a hand let go: on a point, on the line of a bar, or on the bare sheet."""
+
+    at: Spot
+    point: str = ""  # "body.point"
+    line: str = ""  # body
+
+
+class Revision:
+    """Changes of a drawing until they are one new text.
+
+    file: of the model, in whose folder its tables are.  near: bodies are meant where they then close nearest to where
+    they were, instead of exactly at `places`.
+    """
+
+    def __init__(self, sketch: Drawn, file: str = "") -> None:
+        self.sketch, self.file = sketch, file
+        self.document: dict[str, Any] = copied(sketch.document)
+        self.changes: list[Change] = []
+        self.places: dict[str, Place] = {name: sketch.places[name] for name in sketch.bodies}
+        self.moved: list[str] = []  # bodies that stand elsewhere, or are new
+        self.words: list[str] = []
+        self.renaming: tuple[str, str, str] | None = None  # table, old and new name of an entry
+
+    # ------------------------------------------------------------ entries
+    def enter(self, path: Path, value: object) -> None:
+        """Put a value into the text, None to remove it."""
+        self.changes.append((path, value))
+        table = self.document
+        for key in path[:-1]:
+            if isinstance(table, list):
+                table = table[int(key)]
+            else:
+                table = table.setdefault(key, {})
+        if isinstance(table, list):
+            table[int(path[-1])] = value
+        elif value is None:
+            table.pop(path[-1], None)
+        else:
+            table[path[-1]] = value
+
+    def free_name(self, stem: str, first: str = "1") -> str:
+        """The next name of these that nothing has: bar1, bar2; with first "", motor, motor2."""
+        taken = {name for table in NAMES for name in self.document.get(table, {})} | {"ground"}
+        taken |= set(self.document.get("parameters", {})) | set(self.document.get("tables", {}))
+        return next(name for n in range(1, 100_000) if (name := f"{stem}{n if n > 1 else first}") not in taken)
+
+    def joint(self, entry: Mapping[str, object], name: str = "") -> str:
+        """A new joint; its name."""
+        name = name or self.free_name("J")
+        self.enter(("joints", name), dict(entry))
+        return name
+
+    def pin(self, first: str, second: str) -> str:
+        """A revolute joint between two points; its name."""
+        return self.joint({"type": "revolute", "connect": [first, second]})
+
+    def ground_point(self, at: Spot, stem: str = "O") -> str:
+        """A new point of the ground; "ground.O1"."""
+        points = self.document.get("ground", {}).get("points", {})
+        name = next(f"{stem}{n}" for n in range(1, 100_000) if f"{stem}{n}" not in points)
+        self.enter(("ground", "points", name), [length(at[0], self.sketch.size), length(at[1], self.sketch.size)])
+        return f"ground.{name}"
+
+    def body_point(self, body: str, at: Spot) -> str:
+        """A new point of a body at a spot of the plane; "body.C"."""
+        entry = self.document["bodies"][body]
+        known = {*entry.get("points", {}), *entry.get("bar", ())}
+        name = next(sign for sign in _signs() if sign not in known)
+        spot = [length(value, self.sketch.size) for value in self.as_written(body, self.sketch.in_frame(body, at))]
+        if "points" in entry:
+            self.enter(("bodies", body, "points", name), spot)
+        else:
+            self.enter(("bodies", body, "points"), {name: spot})
+        return f"{body}.{name}"
+
+    def end(self, caught: Caught) -> str:
+        """The point at which a hand let go, made on a line if need be; "" on the bare sheet."""
+        if caught.point:
+            return caught.point
+        return self.body_point(caught.line, caught.at) if caught.line else ""
+
+    def spot(self, caught: Caught) -> Spot:
+        """Where a hand let go [m]."""
+        return self.sketch.points[caught.point] if caught.point else caught.at
+
+    # ------------------------------------------------------------ numbers
+    def as_written(self, body: str, spot: Spot) -> Spot:
+        """A spot of the frame about the mass centre, in the frame in which the text gives the points of a body."""
+        first = self._centre(body)
+        return spot[0] + first[0], spot[1] + first[1]
+
+    def in_new_frame(self, body: str, spot: Spot) -> Spot:
+        """Where a spot of the plane is in the frame of a body at the place where that is meant to be [m]."""
+        x, y, angle = self.places[body]
+        c, s = math.cos(angle), math.sin(angle)
+        return c * (spot[0] - x) + s * (spot[1] - y), -s * (spot[0] - x) + c * (spot[1] - y)
+
+    def in_new_plane(self, body: str, spot: Spot) -> Spot:
+        """Where a spot of a body is at the place where that is meant to be [m]."""
+        return _at(self.places[body], spot)
+
+    def _centre(self, body: str) -> Spot:
+        """The mass centre of a body in the frame of its text [m]."""
+        entry, points = self.sketch.document["bodies"].get(body, {}), self.sketch.model.bodies[body].points
+        if "bar" in entry or not points:
+            return 0.0, 0.0
+        name, about = next(iter(points.items()))
+        written = entry.get("points", {}).get(name, (0.0, 0.0))
+        x, y = (self.number(part) for part in written)
+        return x - about[0], y - about[1]
+
+    def number(self, written: object) -> float:
+        """The number that an entry says [SI]."""
+        if isinstance(written, int | float):
+            return float(written)
+        quantity = _quantity(str(written))
+        if quantity is not None:
+            return quantity
+        known = {name: parameter.value for name, parameter in self.sketch.model.parameters.items()}
+        for name, entry in self.document.get("parameters", {}).items():  # those that this act has changed
+            now = entry.get("value") if isinstance(entry, Mapping) else entry
+            if isinstance(now, int | float) or (isinstance(now, str) and _quantity(now) is not None):
+                known[name] = self.number(now)
+        return value(parse(str(written)), known)
+
+    def set_length(self, path: Path, value: float, what: str) -> None:
+        """Give a length or coordinate this value [m], in the text or in the parameter that it is.
+
+        Raises InputError where the text has an expression.
+        """
+        written: Any = self.document
+        for key in path:
+            written = written[int(key)] if isinstance(written, list) else written.get(key)
+        if isinstance(written, str) and _quantity(written) is None:
+            self._set_parameter(written, value, what)
+            return
+        self.enter(path, in_unit_of(written, value))
+
+    def _set_parameter(self, written: str, value: float, what: str) -> None:
+        name, parameters = written.strip(), self.document.get("parameters", {})
+        if name not in parameters:
+            raise InputError(f"{what} is {written}: type a number to replace it")
+        entry = parameters[name]
+        path: Path = ("parameters", name, "value") if isinstance(entry, Mapping) else ("parameters", name)
+        old = entry.get("value") if isinstance(entry, Mapping) else entry
+        if isinstance(old, str) and _quantity(old) is None:
+            self._set_parameter(old, value, f"{what}, {name},")
+            return
+        new = in_unit_of(old, value)
+        self.enter(path, new)
+        self.words.append(
+            f"parameter {name} is {new}{' m' if not isinstance(new, str) else ''} now, wherever it is used"
+        )
+
+    # ------------------------------------------------------------ the new text
+    def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
+        """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
+        self._drive()
+        if near:
+            self._close_near()
+        self._start(self.moved)
+        sketch = self._drawn()
+        astray = self._astray(sketch)
+        if astray:
+            self._start([*self.moved, *self._beside(astray)], all_of_them=True)
+            sketch = self._drawn()
+        told = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
+        return Drawing(sketch, told, chosen, field)
+
+    def _drawn(self) -> Drawn:
+        text = revised(self.sketch.text, self.changes)
+        return drawn(renamed(text, *self.renaming) if self.renaming else text, self.file, self.places)
+
+    def _close_near(self) -> None:
+        """Mean the places at which the changed mechanism closes, near those where it was.
+
+        Raises InputError if it closes nowhere.
+        """
+        text = revised(self.sketch.text, self.changes)
+        sketch = drawn(text, self.file, self.places)
+        beside = drawn_mechanism(text, sketch.document, sketch.mechanism.near(self.places), self.places)
+        if not beside.trouble:
+            self.places = {name: beside.places[name] for name in beside.bodies}
+            self.moved += [name for name in self.document.get("initial", {}) if name in self.places]
+
+    def _drive(self) -> None:
+        """Let drivers start where their joints are meant to be."""
+        for name, driver in self.sketch.model.drivers.items():
+            entry = self.document.get("drivers", {}).get(name)
+            key = next((key for key in ("angle", "position") if isinstance(entry, Mapping) and key in entry), "")
+            if not key or not driver.joint or driver.joint not in self.document.get("joints", {}):
+                continue
+            old, new = (self.coordinate(driver.joint, places) for places in (self.sketch.places, self.places))
+            change = turned(new - old) if key == "angle" else new - old
+            if abs(change) > SAME:
+                assert entry is not None
+                self.enter(("drivers", name, key), shifted(entry[key], old, change, key == "angle"))
+
+    def coordinate(self, joint: str, places: Mapping[str, Place]) -> float:
+        """Angle [rad] or position [m] of B relative to A at these places."""
+        form = self.sketch.model.joints[joint]
+        a, b = (places.get(point.body, (0.0, 0.0, 0.0)) for point in (form.a, form.b))
+        if form.coordinate == "angle":
+            return b[2] - a[2]
+        (ax, ay), (bx, by) = (_at(place, point.at) for place, point in ((a, form.a), (b, form.b)))
+        along = a[2] + (form.line or 0.0)
+        return (bx - ax) * math.cos(along) + (by - ay) * math.sin(along)
+
+    def _start(self, bodies: Iterable[str], all_of_them: bool = False) -> None:
+        """Write the angles of these bodies into [initial], and their places where no joint says them."""
+        held = reached(self.document)
+        initial = self.document.get("initial", {})
+        for body in dict.fromkeys(bodies):
+            if body not in self.document.get("bodies", {}):
+                continue
+            entry = initial.get(body)
+            new = body not in self.sketch.places or self.sketch.stand_in
+            if entry is None and not (new or all_of_them or body not in held):
+                continue
+            x, y, angle = self.places[body]
+            values: dict[str, object] = {"angle": degrees(angle)}
+            if body not in held:
+                values = {"x": length(x, self.sketch.size), "y": length(y, self.sketch.size), **values}
+            self._write_start(body, values)
+        for body in held & set(initial):
+            entry = initial.get(body, {})
+            if body not in self.sketch.grounded and {"x", "y"} & set(entry):
+                for key in ("x", "y"):
+                    if key in entry:
+                        self.enter(("initial", body, key), None)
+
+    def _write_start(self, body: str, values: dict[str, object]) -> None:
+        entry = self.document.get("initial", {}).get(body)
+        if entry is None:
+            self.enter(("initial", body), values)
+            return
+        for key, value in values.items():
+            if entry.get(key) != value:
+                self.enter(("initial", body, key), value)
+
+    def _astray(self, sketch: Drawn) -> list[str]:
+        """Bodies that would stand elsewhere than meant."""
+        size, found = max(sketch.size, self.sketch.size), []
+        for body, (x, y, angle) in self.places.items():
+            place = sketch.places.get(body)
+            if place is None:
+                continue
+            gap = max(abs(place[0] - x), abs(place[1] - y), size * abs(turned(place[2] - angle)))
+            if gap > MISSED * size:
+                found.append(body)
+        return found
+
+    def _beside(self, bodies: Iterable[str]) -> list[str]:
+        """These bodies, and those that joints connect with them."""
+        near = {other for body in bodies for other in reached(self.document, body, moving=True)}
+        return [name for name in self.places if name in near or name in set(bodies)]
+
+
+def _at(place: Place, spot: Spot) -> Spot:
+    c, s = math.cos(place[2]), math.sin(place[2])
+    return place[0] + c * spot[0] - s * spot[1], place[1] + s * spot[0] + c * spot[1]
+
+
+def _quantity(text: str) -> float | None:
+    """The number that a quantity says [SI]; None for an expression.  Raises InputError for a unit that is not known."""
+    quantity = parse_quantity(text)
+    return None if quantity is None else quantity[0]
+
+
+def _signs() -> Iterable[str]:
+    """A, B, ... Z, A2, ..."""
+    letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+    yield from letters
+    for n in range(2, 1000):
+        yield from (f"{letter}{n}" for letter in letters)

@@ -1,0 +1,121 @@
+"""What a session draws: the drawing of its text, the acts of a hand on it, the mechanism that a hand turns.
+
+Everything here is run aside, one thing after the other; what it returns are messages to the page.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from rattle.description import file as model_file
+from rattle.errors import InputError, ModelError
+from rattle.language.units import dimension_of, parse_quantity
+from rattle.sketch.acts import act
+from rattle.sketch.drawn import Drawn, drawn
+from rattle.sketch.model_text import revised
+from rattle.sketch.numbers import length
+from rattle.sketch.picture import picture_of
+from rattle.studio.folder import Folder
+
+Message = dict[str, Any]
+
+
+class Act(NamedTuple):
+    """What an act has made: the new text, and the message that shows it."""
+
+    text: str
+    message: Message
+
+
+class Easel:
+    """The drawing of one session."""
+
+    def __init__(self, folder: Folder) -> None:
+        self.folder = folder
+        self._drawn: Drawn | None = None
+
+    def drawing(self, text: str, file: str) -> Drawn:
+        """The drawing of a text.  Raises ModelError."""
+        last = self._drawn
+        if last is None or last.text != text or last.mechanism._file != file:
+            self._drawn = drawn(text, file, last.places if last else None)
+        assert self._drawn is not None
+        return self._drawn
+
+    def shown(self, text: str, file: str) -> Message:
+        """The drawing of a text as the page shows it, or what is wrong with the text."""
+        try:
+            return {"kind": "sketch", "drawing": picture_of(self.drawing(text, file))}
+        except ModelError as error:
+            return {"kind": "sketch", "trouble": f"Drawing waits for the text: {first_problem(error)}"}
+
+    def acted(self, text: str, file: str, message: Mapping[str, Any]) -> Act | None:
+        """What an act makes of a text; None if it changes and chooses nothing.  Raises InputError."""
+        name = str(message.get("act"))
+        try:
+            if name in PICTURES:
+                after, words = PICTURES[name](self, text, message)
+                sketch = self.drawing(after, file)
+                told = {"words": words, "chosen": "", "field": ""}
+            else:
+                made = act(self.drawing(text, file), message, file)
+                if made is None:
+                    return None
+                self._drawn = sketch = made.sketch
+                told = {"words": made.words, "chosen": made.chosen, "field": made.field}
+        except ModelError as error:
+            raise InputError(first_problem(error)) from None
+        more = {"number": message.get("number"), "act": name, "changed": sketch.text != text}
+        return Act(sketch.text, {"kind": "sketch", "drawing": picture_of(sketch), **told, **more})
+
+    # ------------------------------------------------------------ a picture below the drawing
+    def _put_picture(self, text: str, message: Mapping[str, Any]) -> tuple[str, str]:
+        try:
+            content = base64.b64decode(str(message.get("data")), validate=True)
+        except (binascii.Error, ValueError):
+            raise InputError("the picture has not arrived as a whole; choose it again") from None
+        file = self.folder.keep_picture(str(message.get("name")), content)
+        value = {"file": file, **{key: message[key] for key in ("scale", "origin", "angle")}}
+        return _with_picture(
+            text, value
+        ), f"{file} lies below the drawing: click two points of it whose distance is known"
+
+    def _scale_picture(self, text: str, message: Mapping[str, Any]) -> tuple[str, str]:
+        """Let two points of the picture be at a distance; the first one stays."""
+        picture = model_file.parse(text).get("picture")
+        quantity = parse_quantity(str(message.get("text")))
+        if not isinstance(picture, dict):
+            raise InputError("there is no picture below the drawing")
+        if quantity is None or not quantity[0] > 0.0 or quantity[1] not in (None, dimension_of("m")):
+            raise InputError(f"'{message.get('text')}' is not a distance: type a length such as 0.5 m or 120 mm")
+        (px, py), (qx, qy) = message["from"], message["to"]
+        factor = quantity[0] / (((qx - px) ** 2 + (qy - py) ** 2) ** 0.5)
+        ox, oy = picture.get("origin", (0.0, 0.0))
+        value = {
+            **picture,
+            "scale": length(picture["scale"] * factor),
+            "origin": [length(px + factor * (ox - px), 1.0), length(py + factor * (oy - py), 1.0)],
+        }
+        return _with_picture(text, value), f"the two points are {message['text']} apart"
+
+    def _no_picture(self, text: str, message: Mapping[str, Any]) -> tuple[str, str]:
+        return revised(text, [(("picture",), None)]), "no picture below the drawing"
+
+
+PICTURES = {"picture": Easel._put_picture, "scale-picture": Easel._scale_picture, "no-picture": Easel._no_picture}
+
+
+def _with_picture(text: str, value: Mapping[str, Any]) -> str:
+    if "picture" in model_file.parse(text):
+        return revised(text, [(("picture", key), part) for key, part in value.items()])
+    return revised(text, [(("picture",), value)])
+
+
+def first_problem(error: ModelError) -> str:
+    """The first problem of a text, in one line."""
+    first = error.problems[0]
+    place = f"line {first.line}, " if first.line else ""
+    return f"{place}{first.key}: {first.message}" if first.key else f"{place}{first.message}"

@@ -1,0 +1,369 @@
+// The hand on the sheet: mouse, finger and keyboard as acts of the tool that it holds.  While a button is down only a
+// ghost is drawn; the act is told when it is let go.
+
+import { lengthText } from "./board.js";
+import { Catcher, NEAR } from "./catching.js";
+
+const FAR = 5; // pixels from which on a press is a drag
+const LONG = 550; // a finger that rests so long chooses [ms]
+const LINES = new Set(["Bar", "Spring", "Force", "Slot"]); // from here to there
+
+export class Hand {
+  // told: {act(message), choose(things), say(words), pull(message), stop(), grabbed(), tool}
+  constructor(board, told) {
+    Object.assign(this, { board, told, catcher: new Catcher(board), down: new Map(), act: null, cross: null, over: null });
+    board.marks.push((p) => this.draw(p));
+    const el = board.above;
+    for (const [name, call] of [["pointerdown", this.press], ["pointermove", this.move], ["pointerup", this.release], ["pointercancel", this.lose], ["pointerleave", this.leave], ["dblclick", this.twice]]) {
+      el.addEventListener(name, (event) => call.call(this, event));
+    }
+    el.addEventListener("wheel", (event) => {
+      board.zoom(...this.place(event), Math.exp(-Math.max(-80, Math.min(80, event.deltaY)) / (event.deltaMode ? 12 : 320)));
+      event.preventDefault();
+    }, { passive: false });
+    el.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+
+  get within() { return NEAR[this.pointer === "touch" ? "touch" : "mouse"]; }
+
+  place(event) {
+    const box = this.board.above.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  // A tool was taken: what was begun with another is forgotten.
+  forget() {
+    clearTimeout(this.resting);
+    this.act = null;
+    this.over = null;
+    this.board.invalidate();
+  }
+
+  // Escape: what was begun ends; false if nothing was.
+  cancel() {
+    const begun = this.act !== null;
+    if (this.act?.pulls) this.told.letGo();
+    this.forget();
+    this.cancelled = this.down.size > 0;
+    return begun;
+  }
+
+  // ---------------------------------------------------------------- mouse and fingers
+  press(event) {
+    if (event.button > 0 && event.button !== 1 && event.button !== 2) return;
+    this.pointer = event.pointerType;
+    const at = this.place(event);
+    this.down.set(event.pointerId, { at, from: at });
+    this.board.above.setPointerCapture?.(event.pointerId);
+    this.board.above.focus({ preventScroll: true });
+    this.cross = null;
+    clearTimeout(this.resting);
+    if (this.down.size === 2) { this.cancel(); this.cancelled = true; return; }
+    if (event.button > 0) { this.act = { pans: true }; return; }
+    this.cancelled = false;
+    if (event.pointerType === "touch") this.resting = setTimeout(() => this.rest(at), LONG);
+    this.begin(at, event.altKey);
+    event.preventDefault();
+  }
+
+  move(event) {
+    const at = this.place(event), one = this.down.get(event.pointerId);
+    if (!one) { this.hover(at, event.altKey); return; }
+    if (this.down.size === 2) { this.pinch(event.pointerId, at); return; }
+    const before = one.at;
+    one.at = at;
+    if (!one.moved && Math.hypot(at[0] - one.from[0], at[1] - one.from[1]) <= FAR) return;
+    one.moved = true;
+    clearTimeout(this.resting);
+    if (this.act?.pans) this.board.pan(at[0] - before[0], at[1] - before[1]);
+    else if (this.act) this.drag(at, event.altKey, one.from);
+  }
+
+  release(event) {
+    const one = this.down.get(event.pointerId), at = this.place(event);
+    if (!one) return;
+    this.down.delete(event.pointerId);
+    clearTimeout(this.resting);
+    if (this.down.size || this.cancelled) return;
+    if (this.act?.pans) { if (!one.moved) this.told.choose([]); this.act = null; return; }
+    if (this.act) this.end(at, event.altKey, Boolean(one.moved));
+  }
+
+  lose(event) {
+    this.down.delete(event.pointerId);
+    this.cancel();
+  }
+
+  leave() {
+    this.over = null;
+    this.board.invalidate();
+  }
+
+  // Two fingers move and zoom the sheet.
+  pinch(id, at) {
+    const middle = () => {
+      const [a, b] = [...this.down.values()].map((one) => one.at);
+      return { x: (a[0] + b[0]) / 2, y: (a[1] + b[1]) / 2, size: Math.hypot(a[0] - b[0], a[1] - b[1]) || 1 };
+    };
+    const before = middle();
+    this.down.get(id).at = at;
+    const after = middle();
+    this.board.zoom(after.x, after.y, after.size / before.size);
+    this.board.pan(after.x - before.x, after.y - before.y);
+  }
+
+  // A finger that rests chooses, whatever tool it holds.
+  rest(at) {
+    this.act = null;
+    this.cancelled = true;
+    this.chooseAt(at);
+  }
+
+  twice(event) {
+    const at = this.place(event);
+    if (this.told.tool === "Select") this.told.focus(this.thingsAt(at));
+    if (this.told.tool === "Plate" && this.act?.corners) this.closePlate();
+  }
+
+  // ---------------------------------------------------------------- acts
+  options(free, more = {}) {
+    return { within: this.within, free, ...more };
+  }
+
+  begin(at, free) {
+    const { tool } = this.told;
+    if (this.told.stop(tool, at) && tool !== "Select") return;
+    if (this.act?.waits) { this.drag(at, free, at); return; } // the second click of two
+    if (tool === "Select") { this.begin_select(at); return; }
+    if (LINES.has(tool)) this.act = { tool, from: this.catcher.catch(at, this.options(free, { lines: true })) };
+    else if (this.act?.corners) this.drag(at, free, at);
+    else this.act = { tool, to: this.catcher.catch(at, this.options(free, { lines: tool === "Pin" || tool === "Slider" })), pressed: at };
+    this.told.say(this.act?.from?.words ? `from ${this.act.from.words}` : "");
+    this.board.invalidate();
+  }
+
+  begin_select(at) {
+    const point = this.catcher.points(at, this.within)[0], body = point ? null : this.catcher.body(at, this.within * 0.75);
+    const held = point?.name.split(".")[0] ?? body;
+    if ((body || (this.told.turned && held && held !== "ground"))) this.act = { tool: "Select", pulls: held, at: this.board.inPlane(at) };
+    else if (point) this.act = { tool: "Select", drags: point.name };
+    else this.act = { pans: true };
+  }
+
+  drag(at, free, from) {
+    const { act } = this;
+    if (act.pulls) {
+      if (!act.begun) this.told.grab(act.pulls, act.at);
+      act.begun = true;
+      this.told.pull(this.board.inPlane(at));
+      return;
+    }
+    if (act.drags) {
+      const own = this.catcher.joined(act.drags), bodies = own.map((name) => name.split(".")[0]);
+      act.to = this.catcher.catch(at, this.options(free, { lines: true, without: own, bodies }));
+      this.told.say(act.to.point ? `joins ${act.to.words}` : act.to.line ? `joins ${act.to.line}` : "");
+    } else if (act.tool === "Slider") {
+      act.along = this.direction(act.to.at, this.board.inPlane(at), free);
+    } else if (act.from && !act.held) {
+      act.to = this.catcher.catch(at, this.options(free, { lines: act.tool !== "Force", without: [act.from.point] }));
+      const away = Math.hypot(act.to.at[0] - act.from.at[0], act.to.at[1] - act.from.at[1]);
+      this.told.say(`${act.to.words ? `joins ${act.to.words}, ` : ""}${act.tool === "Force" ? `${(away / this.board.snap).toPrecision(3)} N` : lengthText(away)}`);
+    } else act.to = this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Slot"].includes(act.tool) }));
+    this.board.invalidate();
+  }
+
+  // The direction from one place to another, in steps of 15 degrees unless it is free.
+  direction(a, b, free) {
+    const angle = Math.atan2(b[1] - a[1], b[0] - a[0]), step = Math.PI / 12;
+    return free ? angle : Math.round(angle / step) * step;
+  }
+
+  hover(at, free) {
+    const { act } = this, { tool } = this.told;
+    if (act && (act.waits || act.corners)) { this.drag(at, free, at); return; }
+    const before = JSON.stringify(this.over);
+    this.over = tool === "Select" ? this.overThing(at) : this.catcher.catch(at, this.options(free, { lines: ["Bar", "Pin", "Slider", "Slot", "Spring", "Force"].includes(tool) }));
+    if (tool !== "Select" && this.over.words !== this.told.word) this.told.say(this.over.words);
+    this.board.above.style.cursor = tool === "Select" ? (this.over ? "grab" : "default") : "crosshair";
+    if (JSON.stringify(this.over) !== before) this.board.invalidate();
+  }
+
+  overThing(at) {
+    const point = this.catcher.points(at, this.within)[0];
+    if (point) return { at: point.spot, point: point.name };
+    const body = this.catcher.body(at, this.within * 0.75);
+    return body ? { body } : null;
+  }
+
+  end(at, free, moved) {
+    const { act } = this;
+    this.over = null;
+    if (act.pulls) {
+      this.act = null;
+      if (act.begun) this.told.release();
+      else this.chooseAt(at);
+    } else if (act.drags) {
+      this.act = null;
+      if (moved) this.told.act({ act: "drop", point: act.drags, to: bare(act.to) });
+      else this.chooseAt(at);
+    } else if (act.tool === "Plate") this.corner(act, at, free);
+    else if (LINES.has(act.tool)) this.endLine(act, at, free, moved);
+    else this.endClick(act);
+    this.board.invalidate();
+  }
+
+  endLine(act, at, free, moved) {
+    if (act.held === null) { // a slot that waits for the point that it holds
+      const held = this.catcher.catch(at, this.options(free, { lines: true, without: [act.from.point, act.to.point] }));
+      this.act = null;
+      this.told.act({ act: "slot", from: bare(act.from), to: bare(act.to), held: bare(held) });
+      return;
+    }
+    if (!moved && !act.waits) { act.waits = true; return; } // click, then click
+    if (moved || act.waits) this.drag(at, free, at);
+    if (act.tool === "Slot") {
+      this.act = { ...act, waits: true, held: null };
+      this.told.say("click the point that slides in it");
+      return;
+    }
+    this.act = null;
+    this.told.act({ act: act.tool.toLowerCase(), from: bare(act.from), to: bare(act.to), snap: this.board.snap });
+  }
+
+  endClick(act) {
+    const at = bare(act.to), within = this.within / this.board.view.scale;
+    if (["Gear", "Measure", "Picture"].includes(act.tool)) {
+      const spots = [...(act.spots ?? []), at];
+      this.act = { tool: act.tool, spots, waits: true, to: act.to };
+      if (act.tool === "Gear") {
+        this.told.say(spots.length < 2 ? "click the centre of the other wheel" : "");
+        if (spots.length === 2) { this.act = null; this.told.act({ act: "gear", from: spots[0], to: spots[1] }); }
+      } else this.told.spots(act.tool, spots);
+      return;
+    }
+    this.act = null;
+    const more = act.tool === "Slider" ? { along: act.along ?? 0 } : {};
+    this.told.act({ act: act.tool.toLowerCase(), at, within, ...more });
+  }
+
+  corner(act, at, free) {
+    const { to } = act, corners = act.corners ?? [], first = corners[0];
+    const near = first && Math.hypot(...[0, 1].map((k) => this.board.onCanvas(first.at)[k] - at[k])) <= this.within;
+    if (near && corners.length > 2) { this.closePlate(); return; }
+    if (!near) this.act = { ...act, corners: [...corners, bare(to)] };
+    this.told.say(this.act.corners.length > 2 ? "click the first corner, or press Enter, to close the plate" : "click the next corner");
+  }
+
+  closePlate() {
+    const { corners } = this.act;
+    this.act = null;
+    if (corners.length > 2) this.told.act({ act: "plate", corners });
+    this.board.invalidate();
+  }
+
+  // ---------------------------------------------------------------- choosing
+  // What lies at a place: a pin as its joints and its point, a body, a load.
+  thingsAt(at) {
+    const point = this.catcher.points(at, this.within)[0];
+    if (point) return this.thingsOf(point.name);
+    const load = this.loadAt(at);
+    if (load) return [`load ${load}`];
+    const body = this.catcher.body(at, this.within);
+    return body ? [`body ${body}`] : [];
+  }
+
+  thingsOf(point) {
+    const joints = this.catcher.jointsAt(point);
+    const ground = this.catcher.joined(point).find((name) => name.startsWith("ground.")) ?? point;
+    return [...joints.flatMap(({ name, driver }) => [`joint ${name}`, ...(driver ? [`driver ${driver}`] : [])]), `point ${ground}`];
+  }
+
+  loadAt(at) {
+    const { board } = this;
+    for (const [name, ends] of Object.entries(board.drawing?.loads ?? {})) {
+      const spots = [...new Set(ends)].map((end) => board.position(end)).filter(Boolean).map((spot) => board.onCanvas(spot));
+      if (spots.length === 2) {
+        const middle = [0, 1].map((k) => (spots[0][k] + spots[1][k]) / 2);
+        if (Math.hypot(middle[0] - at[0], middle[1] - at[1]) <= 1.5 * this.within && !this.catcher.body(at, this.within / 2)) return name;
+      }
+    }
+    return null;
+  }
+
+  chooseAt(at) { this.told.choose(this.thingsAt(at)); }
+
+  // Everything that can be chosen, for the Tab key.
+  everything() {
+    const { drawing } = this.board;
+    const seen = new Set(), things = [];
+    for (const name of Object.keys(drawing?.points ?? {})) {
+      if (seen.has(name)) continue;
+      for (const one of this.catcher.joined(name)) seen.add(one);
+      things.push(this.thingsOf(name));
+    }
+    return [...things, ...Object.keys(drawing?.places ?? {}).map((body) => [`body ${body}`]), ...Object.keys(drawing?.loads ?? {}).map((load) => [`load ${load}`])];
+  }
+
+  // ---------------------------------------------------------------- keyboard
+  // The cross hair moves by snaps; Enter presses and lets go where it is.
+  step(dx, dy) {
+    const { board } = this, at = this.cross ?? board.onGrid(board.inPlane([board.width / 2, board.height / 2]));
+    this.cross = board.onGrid([at[0] + dx * board.snap, at[1] + dy * board.snap]);
+    this.hover(board.onCanvas(this.cross), false);
+    this.told.say(`${this.cross.map((x) => lengthText(x)).join(", ")}${this.over?.words || this.over?.point ? `, ${this.over.words || this.over.point}` : ""}`);
+    board.invalidate();
+  }
+
+  enter() {
+    if (this.act?.corners && !this.cross) { this.closePlate(); return true; }
+    if (!this.cross) return false;
+    const at = this.board.onCanvas(this.cross), first = this.act?.corners?.[0];
+    if (first && this.act.corners.length > 2 && Math.hypot(first.at[0] - this.cross[0], first.at[1] - this.cross[1]) < this.board.snap / 2) { this.closePlate(); return true; }
+    if (!this.act) this.begin(at, false);
+    else this.drag(at, false, at);
+    if (this.act) this.end(at, false, false);
+    return true;
+  }
+
+  // ---------------------------------------------------------------- ghosts
+  draw(p) {
+    const { act, board } = this, { theme } = board, soft = { colour: theme.sky, width: 2.5 };
+    const ring = (at) => { if (at) p.dot(at, 9, { colour: theme.sky, width: 2.5, fill: null }); };
+    if (this.over?.point || this.over?.line) ring(this.over.at);
+    if (this.over && !this.over.point && !this.over.line && this.over.at && this.told.tool !== "Select") p.dot(this.over.at, 3, { colour: theme.sky, fill: theme.sky });
+    if (this.cross) this.crossHair(p);
+    if (!act) return;
+    if (act.drags && act.to) {
+      for (const name of this.catcher.joined(act.drags)) {
+        for (const [body, ends] of Object.entries(board.drawing.bars)) {
+          if (ends.includes(name)) p.line([board.position(ends.find((end) => end !== name)), act.to.at], { ...soft, dash: [7, 5] });
+        }
+      }
+      p.dot(act.to.at, 6, { colour: theme.sky, fill: theme.paper, width: 2.5 });
+    }
+    if (act.from && act.to) p.line([act.from.at, act.to.at], { ...soft, width: act.tool === "Bar" ? 5 : 2.5, opacity: 0.7, dash: act.tool === "Slot" ? [8, 5] : null });
+    if (act.from) p.dot(act.from.at, 5, { colour: theme.sky, fill: theme.paper, width: 2.5 });
+    if (act.corners) p.line([...act.corners.map((one) => one.at), act.to.at, act.corners[0].at], { ...soft, dash: [7, 5] });
+    for (const spot of act.spots ?? []) p.dot(spot.at, 6, { colour: theme.pink, fill: theme.paper, width: 2.5 });
+    if (act.spots?.length > 1) p.line(act.spots.map((one) => one.at), { colour: theme.pink, width: 1.6, dash: [5, 4] });
+    if (act.along !== undefined) {
+      const [c, s] = [Math.cos(act.along), Math.sin(act.along)], long = p.metres(70), [x, y] = act.to.at;
+      p.line([[x - c * long, y - s * long], [x + c * long, y + s * long]], { ...soft, dash: [8, 5] });
+    }
+    if (act.to?.point || act.to?.line) ring(act.to.at);
+    if (act.from && act.to && act.tool === "Bar") {
+      const middle = [0, 1].map((k) => (act.from.at[k] + act.to.at[k]) / 2);
+      p.tag(lengthText(Math.hypot(act.to.at[0] - act.from.at[0], act.to.at[1] - act.from.at[1])), middle, { dy: -14 });
+    }
+  }
+
+  crossHair(p) {
+    const r = p.metres(14), [x, y] = this.cross;
+    p.line([[x - r, y], [x + r, y], null, [x, y - r], [x, y + r]], { colour: p.theme.ink, width: 1.6 });
+  }
+}
+
+// What the studio is told of a place.
+function bare({ at, point, line }) {
+  return { at, ...(point ? { point } : {}), ...(line ? { line } : {}) };
+}
