@@ -6,13 +6,15 @@ import base64
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from rattle.errors import InputError, TraceError, suggest
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
+from rattle.pages.measured_data import measured_in, packed_curve
 from rattle.pages.packed import as_json, lettered
 from rattle.pages.replay import write_page
 from rattle.pages.scene import OF_GHOST, frame_of, run_of, scene_json
@@ -32,13 +34,13 @@ EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
 def page(
     m: Mechanism, path: str | os.PathLike[str], *, t_end: float | None = None,
     over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False, title: str = "",
-    curves: Sequence[str] = (), trust: bool = True,
+    curves: Sequence[str] = (), trust: bool = True, measured: str | Path | Iterable[str | Path] = (),
 ) -> str:  # fmt: skip
     """Write the page of a mechanism; returns why it replays runs that were computed before, "" if it computes.
 
     t_end: of the motion at first [s], instead of the model's.  over: values of parameters whose runs a page holds that
-    cannot compute, see `sweep_page.runs_of`.  title, curves, trust: as of `Mechanism.page`.  Raises ModelError,
-    AssemblyError, InputError, OSError.
+    cannot compute, see `sweep_page.runs_of`.  title, curves, trust, measured: as of `Mechanism.page`.  Raises
+    ModelError, AssemblyError, InputError, OSError.
     """
     scene, why = None, "these values were asked for"
     if over is None:
@@ -50,8 +52,11 @@ def page(
     if scene is None or why:
         scene = sweep_scene(m, why, t_end=t_end, over=over, progress=progress)
     _require_curves(scene, curves)
-    shown = {**scene["show"], **({"curves": list(curves)} if curves else {}), **({} if trust else {"trust": False})}
-    write_page({**scene, "show": shown, "title": title or scene["title"]}, path)
+    dots = measured_in(scene, measured, curves)
+    beside = {"measured": [packed_curve(curve)._asdict() for curve in dots]} if dots else {}
+    first = [*dict.fromkeys((*curves, *(curve.curve for curve in dots)))] if curves else []
+    shown = {**scene["show"], **({"curves": first} if first else {}), **({} if trust else {"trust": False})}
+    write_page({**scene, **beside, "show": shown, "title": title or scene["title"]}, path)
     return why
 
 
@@ -83,6 +88,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "live": {
             "packed": lettered(worker_text(live)), "settings": {"t_end": live.t_end},
             "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.names),
+            "units": [live.data["result"]["units"][name] for name in live.names],
             "replay": lettered(scene_json(_replay(m, t_end))),
         },
         "show": {"ghost": live.ideal is not None},

@@ -103,7 +103,8 @@ def plot(
         panel = next(left)
         _fill(panel, result, unit, curves, others, across, own, in_si=ax is not None, robust=robust)
         if unit in differing:
-            draw_residuals(next(left), result, unit, curves, own, across)
+            below = next(left)
+            legend_beside(below, draw_residuals(below, result, unit, curves, own, across))
     for panel in axes:
         panel.margins(x=0.0)
         if over is None:
@@ -198,10 +199,10 @@ def draw_measured(
 
 def draw_residuals(
     ax: Axes, result: Result, unit: str, names: Sequence[str], beside: Sequence[Residual], across: Across
-) -> None:
-    """What measured curves differ by, measured minus computed, in a unit of their own."""
+) -> list[Line2D]:
+    """What measured curves differ by, measured minus computed, in a unit of their own; returned for a legend."""
     factor, shown = handy_unit(unit, max(part.largest for part in beside), units_of_result(result.provenance))
-    lines = []
+    lines: list[Line2D] = []
     for n, part in enumerate(beside):
         words = [shortened(part.measured.column), f"\N{MINUS SIGN} {part.curve}", *part.told(factor, shown)]
         lines += ax.plot(
@@ -211,7 +212,7 @@ def draw_residuals(
         )  # fmt: skip
     ax.axhline(0.0, color=GREY, linewidth=0.7)
     ax.set_ylabel(axis_label("difference", shown))
-    legend_beside(ax, lines)
+    return lines
 
 
 def _places(result: Result, part: Residual, across: Across) -> Array:

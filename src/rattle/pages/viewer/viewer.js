@@ -10,6 +10,7 @@ import { eventTable } from "./events.js";
 import { gestures } from "./gestures.js";
 import { handleKeys } from "./keys.js";
 import { layout, sayTrust, tabbed, toolbar } from "./layout.js";
+import { unpackMeasured } from "./measured.js";
 import { MechanismView } from "./mechanism.js";
 import { Orbits } from "./orbits.js";
 import { Insets } from "./pins.js";
@@ -21,6 +22,7 @@ export class Viewer {
   constructor(root, scene, host) {
     Object.assign(this, { root, scene, host, listeners: new Map(), ends: [], frameId: 0, awake: true, others: [] });
     this.clock = new Clock();
+    this.measured = unpackMeasured(scene.measured ?? []);
     const wish = scene.show ?? {};
     this.show = { forces: wish.forces ?? false, ghost: wish.ghost ?? Boolean(scene.ideal), names: Boolean(wish.names), traces: wish.traces ?? [] };
     this.calm = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? false;
@@ -154,7 +156,7 @@ export class Viewer {
     this.clock.speed = wish.speed > 0 ? wish.speed : usualSpeed(motion.span);
     this.clock.time = motion.start;
     const named = (wish.curves ?? []).filter((name) => motion.has(name));
-    this.choose(named.length ? named : firstChoice(motion, pins));
+    this.choose(named.length ? named : [...this.measured.map((one) => one.curve), ...firstChoice(motion, pins)]);
     if (!wish.traces?.length) this.show.traces = this.freePoints().slice(0, 1);
     this.listPoints();
     if (!this.calm && this.host.autoplay !== false) this.play();
@@ -215,6 +217,12 @@ export class Viewer {
     this.chooser.setChosen(this.curves.chosen);
     this.emit("choose", this.curves.chosen);
     this.invalidate();
+  }
+
+  // Other measured curves: [{curve, label, t, y}]; their curves are shown.
+  setMeasured(list) {
+    this.measured = list;
+    if (this.motion) this.choose([...this.curves.chosen, ...list.map((one) => one.curve)]);
   }
 
   turn(what, on) {
