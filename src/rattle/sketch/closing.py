@@ -32,12 +32,17 @@ def closed_near(document: Mapping[str, Any], near: Mapping[str, Place]) -> dict[
     return None if sketch.trouble else {name: sketch.places[name] for name in sketch.bodies}
 
 
-def closing_range(sketch: Drawn, bar: str, file: str = "") -> tuple[float, float]:
-    """Least and largest length [m] of a bar with which the loops close, drivers where they start; 0, 0 if none does."""
+def closing_range(sketch: Drawn, bar: str, wanted: float, file: str = "") -> tuple[float, float]:
+    """Least and largest length [m] of a bar with which the loops close, drivers where they start; 0, 0 if none does.
+
+    wanted: a length that is enough to know: where it closes, the range goes no farther than there.
+    """
     attempt = _Attempt(sketch, bar, file)
     length = math.dist(*(sketch.points[f"{bar}.{end}"] for end in sketch.document["bodies"][bar]["bar"]))
     if not attempt.closes(length):
         return 0.0, 0.0
+    if attempt.reaches(length, wanted):
+        return min(length, wanted), max(length, wanted)
     return attempt.last(length, 1.0 / GROWTH), attempt.last(length, GROWTH)
 
 
@@ -66,6 +71,14 @@ class _Attempt:
             return False
         self.q = q
         return True
+
+    def reaches(self, length: float, wanted: float) -> bool:
+        """True if the loops close all the way from one length to another."""
+        if not (wanted > 0.0 and abs(math.log(wanted / length)) < STEPS * math.log(GROWTH)):
+            return False
+        steps = math.ceil(abs(math.log(wanted / length)) / math.log(GROWTH))
+        ways = [length * (wanted / length) ** (k / steps) for k in range(1, steps + 1)]
+        return all(self.closes(way) for way in ways)
 
     def last(self, length: float, factor: float) -> float:
         """The last length that closes on the way from one that does; 0 or infinite where all do."""

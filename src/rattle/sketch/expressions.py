@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rattle.errors import InputError
 from rattle.language.units import parse_quantity
-from rattle.sketch.numbers import degrees, in_unit_of, length, shortest, plain
+from rattle.sketch.numbers import degrees, in_unit_of, length, plain, shortest
 
 _LEAD = re.compile(r"\s*([+-]?\s*[\d.]+(?:[eE][+-]?\d+)?(?:\s*[A-Za-z]+)?)\s*(?=[+-]|$)")
 _RATE = re.compile(r"(.*?)(?:^|(?<=[+-])\s*|\s+)([^+*/()]+?)\s*\*\s*t\s*$")

@@ -8,14 +8,13 @@ from typing import Any, NamedTuple
 
 from rattle.description.read_contact import contact_models
 from rattle.description.switch_contact import contact_of, recontact
-from rattle.errors import InputError, ModelError
-from rattle.results.display import quantity
+from rattle.errors import InputError
 from rattle.sketch.closing import closing_range
 from rattle.sketch.drawn import Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
-from rattle.sketch.numbers import degrees, in_unit_of, length, plain
-from rattle.sketch.removing import TABLES, rename
+from rattle.sketch.numbers import degrees, length, plain
+from rattle.sketch.removing import rename
 from rattle.sketch.revision import Drawing, Revision
 
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
@@ -161,7 +160,6 @@ def _into_body(revision: Revision, name: str, field: str, text: str) -> Drawing:
 
 def _enter_length(revision: Revision, name: str, text: str) -> None:
     """Write a length as typed, into the parameter that it is or into its place."""
-    value = revision.number(value_of(text))
     old = revision.document["bodies"][name]["length"]
     parameters = revision.document.get("parameters", {})
     if isinstance(old, str) and old.strip() in parameters and text not in parameters:
@@ -171,9 +169,7 @@ def _enter_length(revision: Revision, name: str, text: str) -> None:
         revision.words.append(f"parameter {key} is {text} now, wherever it is used")
     else:
         revision.enter(("bodies", name, "length"), value_of(text))
-    if not value > 0.0 or not math.isfinite(value):
-        revision.finish()  # the reader of the text says what is wrong
-        raise InputError(f"{name}.length: {text} is not positive")
+    revision.read()  # which says what is wrong with it
 
 
 def _joined_ends(sketch: Drawn, name: str) -> list[str]:
@@ -195,16 +191,15 @@ def _along(revision: Revision, name: str, ends: list[str]) -> None:
 
 def _close(revision: Revision, name: str, text: str, words: str) -> Drawing:
     """Both ends are pinned: the loop is closed anew, or refused with the range in which it closes."""
-    drawing = revision.finish(words, f"body {name}", near=True)
-    if not drawing.sketch.open_joints and not (drawing.sketch.trouble and not revision.sketch.trouble):
-        return drawing
-    low, high = closing_range(revision.sketch, name, revision.file)
+    own = revision.document["bodies"][name]["length"]
+    low, high = closing_range(revision.sketch, name, revision.number(own), revision.file)
+    if low <= revision.number(own) <= high:
+        drawing = revision.finish(words, f"body {name}", near=True)
+        if not drawing.sketch.open_joints and not (drawing.sketch.trouble and not revision.sketch.trouble):
+            return drawing
     ends = f"between {_short(low)} and {_short(high)}" if low > 0.0 else f"up to {_short(high)}"
-    raise InputError(
-        f"length {text}: the loop of {name} closes {ends}"
-        if high > 0.0
-        else f"length {text}: the loop of {name} does not close"
-    )
+    closes = f"closes {ends}" if high > 0.0 else "does not close"
+    raise InputError(f"length {text}: the loop of {name} {closes}")
 
 
 def _short(value: float) -> str:

@@ -15,6 +15,7 @@ from rattle.errors import InputError
 from rattle.language.expression import value
 from rattle.language.syntax import parse
 from rattle.language.units import parse_quantity
+from rattle.mechanism import Mechanism
 from rattle.sketch.drawn import Drawn, Place, Spot, drawn, drawn_mechanism, reached
 from rattle.sketch.expressions import shifted, turned
 from rattle.sketch.model_text import renamed, revised
@@ -209,6 +210,10 @@ class Revision:
             sketch = self._drawn()
         told = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
         return Drawing(sketch, told, chosen, field)
+
+    def read(self) -> None:
+        """Raise ModelError where the new text would be wrong."""
+        Mechanism.from_text(revised(self.sketch.text, self.changes), self.file)
 
     def _drawn(self) -> Drawn:
         text = revised(self.sketch.text, self.changes)

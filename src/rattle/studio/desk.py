@@ -176,6 +176,24 @@ class Desk:
             self._check()
         self.send(made.message)
 
+    def do_grab(self, body: str, at: Sequence[float], places: Message | None = None) -> None:
+        """The hand takes a body, to turn the mechanism."""
+        x, y = map(float, at)
+
+        def grabbed(text: str) -> None:
+            self.easel.grab(text, self.draft.source()["file"], str(body), (x, y), places)
+
+        self._errand("grab", grabbed, lambda _: None)
+
+    def do_pull(self, at: Sequence[float]) -> None:
+        """The hand has moved."""
+        x, y = map(float, at)
+        self._errand("pull", lambda _: self.easel.pulled((x, y)), self.send)
+
+    def do_let_go(self) -> None:
+        """The mechanism goes back to where the text has it."""
+        self._errand("pull", lambda _: self.easel.let_go(), lambda _: None)
+
     def do_picture_file(self, name: str) -> None:
         """The page shows a picture below the drawing, which is a file of the folder."""
         self._errand(

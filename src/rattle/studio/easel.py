@@ -7,17 +7,21 @@ from __future__ import annotations
 
 import base64
 import binascii
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from rattle.description import file as model_file
-from rattle.errors import InputError, ModelError
+from rattle.errors import InputError, ModelError, suggest
 from rattle.language.units import dimension_of, parse_quantity
 from rattle.sketch.acts import act
-from rattle.sketch.drawn import Drawn, drawn
+from rattle.sketch.drawn import Drawn, Spot, drawn
 from rattle.sketch.model_text import revised
 from rattle.sketch.numbers import length
 from rattle.sketch.picture import picture_of
+from rattle.sketch.pull import Pull
 from rattle.studio.folder import Folder
 
 Message = dict[str, Any]
@@ -36,6 +40,7 @@ class Easel:
     def __init__(self, folder: Folder) -> None:
         self.folder = folder
         self._drawn: Drawn | None = None
+        self._pull: Pull | None = None  # while a hand holds a body
 
     def drawing(self, text: str, file: str) -> Drawn:
         """The drawing of a text.  Raises ModelError."""
@@ -70,6 +75,36 @@ class Easel:
             raise InputError(first_problem(error)) from None
         more = {"number": message.get("number"), "act": name, "changed": sketch.text != text}
         return Act(sketch.text, {"kind": "sketch", "drawing": picture_of(sketch), **told, **more})
+
+    # ------------------------------------------------------------ by hand
+    def grab(self, text: str, file: str, body: str, at: Spot, places: Mapping[str, Any] | None) -> None:
+        """A hand takes a body at a spot of the plane [m], where the body is drawn or at these places.
+
+        Raises InputError, ModelError, AssemblyError.
+        """
+        sketch = self.drawing(text, file)
+        m = sketch.mechanism
+        now = dict(sketch.places) | {name: _place(place) for name, place in (places or {}).items()}
+        if body not in now:
+            raise InputError(f"there is no body '{body}' in the drawing{suggest(body, sketch.bodies)}")
+        start = m.start.q.reshape(-1, 3)
+        q = np.array([now.get(name, start[k]) for k, name in enumerate(m.system.bodies)], float).ravel()
+        x, y, angle = now[body]
+        c, s = math.cos(angle), math.sin(angle)
+        dx, dy = at[0] - x, at[1] - y
+        self._pull = Pull(m, body, (c * dx + s * dy, c * dy - s * dx), q)
+
+    def pulled(self, at: Spot) -> Message:
+        """The hand is at a spot of the plane [m]: where the mechanism is then."""
+        if self._pull is None:
+            raise InputError("nothing is held: press on a body first")
+        pulled, bodies = self._pull.to(*at), self._pull.movable.system.bodies
+        places = dict(zip(bodies, pulled.q.reshape(-1, 3).tolist(), strict=True))
+        return {"kind": "pulled", "places": places, "words": pulled.words}
+
+    def let_go(self) -> None:
+        """The hand holds nothing any more."""
+        self._pull = None
 
     # ------------------------------------------------------------ a picture below the drawing
     def _put_picture(self, text: str, message: Mapping[str, Any]) -> tuple[str, str]:
@@ -106,6 +141,11 @@ class Easel:
 
 
 PICTURES = {"picture": Easel._put_picture, "scale-picture": Easel._scale_picture, "no-picture": Easel._no_picture}
+
+
+def _place(told: Any) -> tuple[float, float, float]:
+    x, y, angle = told
+    return float(x), float(y), float(angle)
 
 
 def _with_picture(text: str, value: Mapping[str, Any]) -> str:
