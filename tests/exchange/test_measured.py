@@ -54,10 +54,16 @@ def test_a_column_without_a_unit_is_in_that_of_its_curve(tmp_path: Path) -> None
     assert (curve.values.tolist(), curve.unitless) == ([1.0], True)
 
 
+def test_words_and_counters_beside_a_column_with_the_unit_are_not_taken_for_the_curve(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").write_text("t;count;note;a [deg]\n0;1;x;180\n")
+    (curve,) = measured_curves(str(tmp_path / "m.csv"), UNITS, ["rocker.angle"])
+    assert (curve.column, curve.values.tolist()) == ("a", [np.pi])
+
+
 def test_columns_that_could_both_be_meant_are_refused(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text("t,a [deg],b [deg]\n0,1,2\n")
     with pytest.raises(
-        InputError, match=r"a \[deg\] and b \[deg\] may both be rocker.angle; say which, such as m.csv:a="
+        InputError, match=r"a \[deg\] and b \[deg\] may both be rocker.angle; say which, such as m.csv:b="
     ):
         measured_curves(str(tmp_path / "m.csv"), UNITS, ["rocker.angle"])
 

@@ -158,21 +158,31 @@ def belonging(recording: Recording, units: Mapping[str, str], shown: Sequence[st
     """
     named = [title for title in recording.columns if title.name in units]
     pairs = [(recording.column(title.name), title.name) for title in named if not shown or title.name in shown]
-    taken = {curve for _, curve in pairs}
-    others: dict[str, list[Title]] = {}
-    for title in recording.columns:
-        if title not in named:
-            curve = _only_of_its_unit(recording, title, units, [name for name in shown if name not in taken])
-            if curve:
-                others.setdefault(curve, []).append(title)
-    for curve, titles in others.items():
-        if len(titles) > 1:
-            texts = " and ".join(title.text for title in titles[:3])
-            raise InputError(
-                f"{recording.place}: {texts} may both be {curve}; {_how(recording, titles[0], units, [curve])}"
-            )
-        pairs.append((titles[0], curve))
+    others = [title for title in recording.columns if title not in named and recording.begins_with_a_number(title)]
+    with_unit = [title for title in others if title.unit is not None]
+    pairs += _by_unit(recording, with_unit, units, [name for name in shown if name not in _curves_of(pairs)])
+    without = [title for title in others if title.unit is None]
+    pairs += _by_unit(recording, without, units, [name for name in shown if name not in _curves_of(pairs)])
     return pairs
+
+
+def _curves_of(pairs: Sequence[tuple[Title, str]]) -> set[str]:
+    return {curve for _, curve in pairs}
+
+
+def _by_unit(
+    recording: Recording, titles: Sequence[Title], units: Mapping[str, str], shown: Sequence[str]
+) -> list[tuple[Title, str]]:
+    """The columns among these that belong to the only curve of their unit.  Raises InputError if two belong to one."""
+    belong: dict[str, Title] = {}
+    for title in titles:
+        curve = _only_of_its_unit(recording, title, units, shown)
+        if curve in belong:
+            how = _how(recording, title, units, [curve])
+            raise InputError(f"{recording.place}: {belong[curve].text} and {title.text} may both be {curve}; {how}")
+        if curve:
+            belong[curve] = title
+    return [(title, curve) for curve, title in belong.items()]
 
 
 def curve_of(recording: Recording, title: Title, units: Mapping[str, str], shown: Sequence[str]) -> str:

@@ -124,6 +124,10 @@ class Recording(NamedTuple):
         hint = suggest(name, [title.name for title in self.columns])
         raise InputError(f"{self.place}: no column {quoted(name)}{hint or f'; there are {self.listed}'}")
 
+    def begins_with_a_number(self, title: Title) -> bool:
+        """False for a column of words."""
+        return NUMBER.fullmatch(self.rows[0][title.place]) is not None
+
     def values(self, title: Title) -> Array:
         """(n,) numbers of a column in the unit of its head.  Raises InputError with the line of what is none."""
         return _numbers(self, title.place, dict(self.decimal))

@@ -149,6 +149,7 @@ export class Chart {
       for (let k = before(x, from); k <= last; k++) reach(y[k]);
       for (const single of [line.peak, ...line.bursts]) if (within(single, from, to)) reach(single.y);
     }
+    if (this.differs) reach(0); // how far it is from nothing
     if (!Number.isFinite(low + high)) [low, high] = [0, 1];
     const size = Math.max(Math.abs(low), Math.abs(high)), constant = high - low < 1e-6 * size || size === 0; // but for rounding
     const air = constant ? 0.5 * size || 1 / this.factor : 0.06 * (high - low);

@@ -49,7 +49,7 @@ export class Viewer {
     this.eventSheet = make("div", { class: "sheet" });
     this.tabs = tabbed(parts.tabs, parts.sheets, () => this.invalidate());
     this.tabs.add("curves", "Curves", make("div", { class: "sheet curves" },
-      make("div", { class: "bar" }, this.chooser.toggle, make("span", { class: "quiet hint" }, "click: go to a time, drag or wheel: zoom; ▼ largest value")), this.chooser.element, panels));
+      make("div", { class: "bar" }, this.chooser.toggle, this.host.measured?.button, make("span", { class: "quiet hint" }, "click: go to a time, drag or wheel: zoom; ▼ largest value")), this.host.measured?.rows, this.chooser.element, panels));
     this.tabs.add("orbits", "Orbits", this.orbitSheet);
     this.tabs.add("events", "Events", this.eventSheet);
     this.tabs.choose("curves");
