@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rattle.exchange.residuals import Residual, Source
+    from rattle.exchange.residuals import Residual
 
 
 Array = NDArray[np.float64]
@@ -354,16 +354,16 @@ class Result(OfResult):
     @overload
     def plot(
         self, *names: str, ax: None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None, measured: Source | Iterable[Source | Residual] = (),
+        over: str | None = None, measured: str | Path | Iterable[str | Path | Residual] = (),
     ) -> Figure: ...  # fmt: skip
     @overload
     def plot(
         self, *names: str, ax: Axes, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None, measured: Source | Iterable[Source | Residual] = (),
+        over: str | None = None, measured: str | Path | Iterable[str | Path | Residual] = (),
     ) -> Axes: ...  # fmt: skip
     def plot(
         self, *names: str, ax: Axes | None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None, measured: Source | Iterable[Source | Residual] = (),
+        over: str | None = None, measured: str | Path | Iterable[str | Path | Residual] = (),
     ) -> Figure | Axes:  # fmt: skip
         """Curves over time, one panel per unit, angles in degrees, short lengths in mm or µm.
 
@@ -378,7 +378,7 @@ class Result(OfResult):
         return curves_.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over, measured=measured)
 
     def residuals(
-        self, measured: Source | Iterable[Source | Residual], curves: Sequence[str] = ()
+        self, measured: str | Path | Iterable[str | Path | Residual], curves: Sequence[str] = ()
     ) -> tuple[Residual, ...]:
         """Measured curves beside those of this result: measured minus computed, at the measured times within the run.
 
