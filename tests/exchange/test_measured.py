@@ -54,6 +54,21 @@ def test_a_column_without_a_unit_is_in_that_of_its_curve(tmp_path: Path) -> None
     assert (curve.values.tolist(), curve.unitless) == ([1.0], True)
 
 
+@pytest.mark.parametrize("unit", ["1/min", "Hz", "1/s"])
+def test_a_frequency_is_not_taken_for_an_angular_velocity(tmp_path: Path, unit: str) -> None:
+    """3000 1/min may be 3000 turns or 3000 radians per minute."""
+    (tmp_path / "m.csv").write_text(f"t,n [{unit}]\n0,3000\n")
+    with pytest.raises(InputError, match="leaves open whether turns or radians are meant"):
+        measured_curves(f"{tmp_path / 'm.csv'}:n=rocker.omega", UNITS)
+
+
+@pytest.mark.parametrize(("unit", "value"), [("rpm", np.pi / 30), ("rev/s", 2 * np.pi), ("°/s", np.pi / 180)])
+def test_angular_velocities_have_units_of_turning(tmp_path: Path, unit: str, value: float) -> None:
+    (tmp_path / "m.csv").write_text(f"t,n [{unit}]\n0,1\n", encoding="utf-8")
+    (curve,) = measured_curves(str(tmp_path / "m.csv"), UNITS, ["rocker.omega"])
+    assert curve.values[0] == pytest.approx(value, rel=1e-15)
+
+
 def test_words_and_counters_beside_a_column_with_the_unit_are_not_taken_for_the_curve(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text("t;count;note;a [deg]\n0;1;x;180\n")
     (curve,) = measured_curves(str(tmp_path / "m.csv"), UNITS, ["rocker.angle"])

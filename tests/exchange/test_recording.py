@@ -49,6 +49,11 @@ def test_the_same_numbers_are_read_however_they_are_written(way: str) -> None:
     assert recording.column("force").scale("") == (1000.0, pytest.approx((1, 1, -2, 0)))
 
 
+def test_powers_in_units_may_be_printed_signs() -> None:
+    recording = read("t [s];a [mm/s²]\n0;1\n")
+    assert recording.column("a").scale("")[0] == pytest.approx(1e-3, rel=1e-15)
+
+
 def test_what_numpy_and_rattle_write_is_read(tmp_path: Path) -> None:
     numbers = np.array([T, FORCE]).T
     np.savetxt(tmp_path / "n.csv", numbers, delimiter=",", header="t [s],force [kN]")

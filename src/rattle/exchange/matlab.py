@@ -75,7 +75,7 @@ def mat_bytes(result: Result, units: str | Iterable[str] | None = None, names: S
         "message": result.message,
     }
     out = io.BytesIO()
-    savemat(out, {"r": record}, format="5", oned_as="column", do_compression=True)
+    savemat(out, {"r": record}, format="5", oned_as="column")
     content = out.getvalue()
     return TITLE.ljust(TITLE_BYTES) + content[TITLE_BYTES:]
 

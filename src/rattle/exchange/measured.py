@@ -23,7 +23,7 @@ from rattle.description.read_values import quoted
 from rattle.errors import InputError, WrongType, suggest
 from rattle.exchange.recording import Recording, Title, read_recording
 from rattle.language.times import seconds
-from rattle.language.units import Dimension, describe, dimension_of
+from rattle.language.units import DIMENSIONLESS, Dimension, describe, dimension_of
 from rattle.results.chosen_units import si_unit
 from rattle.user_paths import expanded
 
@@ -201,11 +201,24 @@ def _only_of_its_unit(recording: Recording, title: Title, units: Mapping[str, st
         _, dimension = title.scale(recording.place)
     except InputError:
         return ""
-    suited = [name for name in shown if name in units and (dimension is None or dimension == _dimension(units[name]))]
+    suited = [name for name in shown if name in units and suits(title, dimension, units[name])]
     if dimension is not None and len(suited) > 1:  # a moment is no energy, though both are in N*m
         unit = si_unit(title.unit or "", dimension)
         suited = [name for name in suited if units[name] == unit]
     return suited[0] if len(suited) == 1 else ""
+
+
+def suits(title: Title, dimension: Dimension | None, unit: str) -> bool:
+    """True if a column of this dimension can be compared with a curve in this SI unit."""
+    if dimension is None:
+        return True
+    return dimension == _dimension(unit) and not _leaves_turning_open(title, dimension, unit)
+
+
+def _leaves_turning_open(title: Title, dimension: Dimension | None, unit: str) -> bool:
+    """True for 1/min or Hz of what turns: turns and radians are both plain numbers."""
+    turning = dimension is not None and unit.startswith("rad/")
+    return turning and not si_unit(title.unit or "", dimension or DIMENSIONLESS).startswith("rad/")
 
 
 def _dimension(unit: str) -> Dimension | None:
@@ -226,5 +239,12 @@ def measured(recording: Recording, title: Title, curve: str, unit: str, offset: 
     if dimension is not None and dimension != _dimension(unit):
         is_a = f"{quoted(title.text)} is {describe(dimension)}"
         raise InputError(f"{recording.place}: {is_a}; {curve} is in {unit or 'no unit'}")
+    if (
+        dimension is not None
+        and unit.startswith("rad/")
+        and not si_unit(title.unit or "", dimension).startswith("rad/")
+    ):
+        said = f"{quoted(title.text)} leaves open whether turns or radians are meant"
+        raise InputError(f"{recording.place}: {said}; {curve} is in {unit}: write rpm, rev/s, deg/s or rad/s")
     values = scale * recording.values(title)
     return Measured(curve, title.name or title.text, recording.file, recording.t + offset, values, dimension is None)

@@ -232,7 +232,8 @@ def _title(cell: str, column: int, place: str) -> Title:
     if match is None:
         raise InputError(f"{place}: expected a head such as 'force [kN]', found {quoted(cell)}")
     unit = match["unit"]
-    return Title(match["name"], None if unit is None else unit.strip(), cell, column)
+    typed = None if unit is None else unit.strip().replace("²", "^2").replace("³", "^3")
+    return Title(match["name"], typed, cell, column)
 
 
 def _with_times(read: Recording) -> Recording:

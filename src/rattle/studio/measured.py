@@ -9,9 +9,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rattle.errors import InputError
-from rattle.exchange.measured import belonging
+from rattle.exchange.measured import belonging, suits
 from rattle.exchange.recording import Recording, Title, recording_of
-from rattle.language.units import dimension_of
 from rattle.pages.scene import packed
 
 MOST_COLUMNS = 50  # of a file whose numbers are sent
@@ -50,5 +49,5 @@ def _column(recording: Recording, title: Title, curves: Mapping[str, str]) -> di
     """One column for the page: its numbers in SI, and the units of the curves that it can be compared with."""
     scale, dimension = title.scale(recording.place)
     values = scale * recording.values(title)
-    units = sorted({unit for unit in curves.values() if dimension is None or dimension == dimension_of(unit)})
+    units = sorted({unit for unit in curves.values() if suits(title, dimension, unit)})
     return {"name": title.name or title.text, "head": title.text, "units": units, "y": packed(values.astype("<f8"))}
