@@ -112,8 +112,8 @@ def test_model_built_in_code_survives_being_written_and_read():
 def test_written_model_is_made_for_reading():
     text = in_code().to_toml()
     assert "[bodies.crank]\n" in text
-    assert "points = {P = " in text  # innermost tables in one line
-    assert "dist = {values = " in text
+    assert "points = { P = " in text  # innermost tables in one line
+    assert "dist = { values = " in text
 
 
 # ---------------------------------------------------------------- changes

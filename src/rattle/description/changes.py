@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -19,6 +21,7 @@ MADE_WHOLE = ("tolerances", "tables", "initial", "simulate")  # tables whose ent
 VECTORS = ("gravity", "center")  # [0, 0] unless given
 IN_ONE_LINE = ("points", "contact", "stop", "dist")  # and the tables of a joint's kind of play
 PLAIN = {str, float, int, bool, type(None)}
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
 Path = tuple[str, ...]
 Change = tuple[Path, object]  # path and new value, None to remove it
 
@@ -190,10 +193,29 @@ def item(value: object, short: bool = False) -> Any:
 
     if not isinstance(value, Mapping):
         return plain(value)
-    table: Any = tomlkit.inline_table() if short else tomlkit.table()
+    if short:
+        return tomlkit.value(literal(plain(value)))
+    table = tomlkit.table()
     for key, part in value.items():
-        table[key] = item(part, short or key in _in_one_line())
+        table[key] = item(part, key in _in_one_line())
     return table
+
+
+def literal(value: object) -> str:
+    """A plain value as it is written in one line of TOML."""
+    if isinstance(value, Mapping):
+        inside = ", ".join(f"{bare_key(str(key))} = {literal(part)}" for key, part in value.items())
+        return f"{{ {inside} }}" if inside else "{}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(literal, value))}]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f") if isinstance(value, str) else repr(value)
+
+
+def bare_key(name: str) -> str:
+    """A key as it is written, in quotes where it needs them."""
+    return name if _BARE.fullmatch(name) else json.dumps(name, ensure_ascii=False)
 
 
 def _in_one_line() -> set[str]:

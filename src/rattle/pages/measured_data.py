@@ -23,9 +23,8 @@ class PackedCurve(NamedTuple):
 
 def packed_curve(measured: Measured) -> PackedCurve:
     """A measured curve for a scene."""
-    return PackedCurve(
-        measured.curve, measured.label, packed(measured.t.astype("<f8")), packed(measured.values.astype("<f8"))
-    )
+    label = measured.file if measured.column == measured.curve else measured.label  # in any language
+    return PackedCurve(measured.curve, label, packed(measured.t.astype("<f8")), packed(measured.values.astype("<f8")))
 
 
 def units_of(scene: Tree) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -22,8 +23,11 @@ def act(sketch: Drawn, message: Message, file: str = "") -> Drawing | None:
     return ACTS[name](Revision(sketch, file), message)
 
 
-def caught(sketch: Drawn, told: Any) -> Caught:
-    """Where a hand let go, from {"at": [x, y], "point": ..., "line": ...}.  Raises InputError."""
+def caught(sketch: Drawn, told: Any, snap: float = 0.0) -> Caught:
+    """Where a hand let go, from {"at": [x, y], "point": ..., "line": ...}; on a line in half snaps from its first end.
+
+    Raises InputError.
+    """
     if not isinstance(told, Mapping):
         raise InputError("expected where the hand was, { at, point, line }")
     point, line = str(told.get("point") or ""), str(told.get("line") or "")
@@ -32,16 +36,18 @@ def caught(sketch: Drawn, told: Any) -> Caught:
     if line and line not in sketch.bodies:
         raise InputError(f"there is no body '{line}' in the drawing{suggest(line, sketch.bodies)}")
     spot = _spot(told.get("at"))
-    return Caught(_on_line(sketch, line, spot) if line else spot, point, line)
+    return Caught(_on_line(sketch, line, spot, snap / 2) if line else spot, point, line)
 
 
-def _on_line(sketch: Drawn, body: str, spot: Spot) -> Spot:
-    """The place on the line of a bar that is nearest to a spot; of another body the spot itself."""
+def _on_line(sketch: Drawn, body: str, spot: Spot, step: float) -> Spot:
+    """The place on the line of a bar that is nearest to a spot, in steps from its first end; else the spot itself."""
     ends = sketch.document["bodies"][body].get("bar")
     if not ends:
         return spot
     first, last = (sketch.model.bodies[body].points[end][0] for end in ends)
     along = sketch.in_frame(body, spot)[0]
+    if step > 0.0:
+        along = first + math.copysign(round(abs(along - first) / step) * step, last - first)
     return sketch.in_plane(body, (min(max(first, last), max(min(first, last), along)), 0.0))
 
 
@@ -57,16 +63,17 @@ def _number(message: Message, key: str) -> float:
 
 
 def _ends(revision: Revision, message: Message) -> tuple[Caught, Caught]:
-    return caught(revision.sketch, message.get("from")), caught(revision.sketch, message.get("to"))
+    snap = _number(message, "snap")
+    return caught(revision.sketch, message.get("from"), snap), caught(revision.sketch, message.get("to"), snap)
 
 
 def _at(revision: Revision, message: Message) -> Caught:
-    return caught(revision.sketch, message.get("at"))
+    return caught(revision.sketch, message.get("at"), _number(message, "snap"))
 
 
 def _dropped(revision: Revision, message: Message) -> Drawing | None:
     """A point was dragged to a spot, onto another point, or onto the line of a bar."""
-    point, to = str(message.get("point")), caught(revision.sketch, message.get("to"))
+    point, to = str(message.get("point")), caught(revision.sketch, message.get("to"), _number(message, "snap"))
     caught(revision.sketch, {"at": [0, 0], "point": point})
     if to.point:
         return moving.drop(revision, point, to.point)
@@ -83,10 +90,12 @@ def _nudged(revision: Revision, message: Message) -> Drawing | None:
 
 
 def _kept(revision: Revision, message: Message) -> Drawing:
-    """A measure becomes a signal."""
-    name = revision.free_name(str(message.get("name")), "")
-    revision.enter(("signals", name), str(message.get("signal")))
-    return revision.finish(f"signal {name} is recorded in every result now")
+    """A measure becomes signals."""
+    names = []
+    for wish, expression in message["signals"].items():
+        names.append(revision.free_name(str(wish), ""))
+        revision.enter(("signals", names[-1]), str(expression))
+    return revision.finish(f"signal {', '.join(names)}: recorded in every result from now on")
 
 
 def _started(revision: Revision, message: Message) -> Drawing:
@@ -106,7 +115,7 @@ ACTS: dict[str, Callable[[Revision, Message], Drawing | None]] = {
     "pin": lambda revision, told: tools.pin(revision, _at(revision, told), _number(told, "within")),
     "slider": lambda revision, told: tools.slider(revision, _at(revision, told), _number(told, "along")),
     "slot": lambda revision, told: tools.slot(
-        revision, *_ends(revision, told), caught(revision.sketch, told.get("held"))
+        revision, *_ends(revision, told), caught(revision.sketch, told.get("held"), _number(told, "snap"))
     ),
     "gear": lambda revision, told: tools.gear(revision, *_ends(revision, told)),
     "motor": lambda revision, told: tools.motor(revision, _at(revision, told), _number(told, "within")),

@@ -17,9 +17,11 @@ HALVINGS = 14
 FARTHEST = 0.3  # sizes of the mechanism by which a body moves, and rad by which it turns, in one step
 STRAY = 0.5  # share of a step that closing the joints may change: more may be another branch
 SMALL = 1e-10  # sizes of the mechanism: a step that is none
+LAST = 1e-6  # sizes: behind such a step the next one is none, as Newton's method squares the error
 DIFFERENCE = 1e-7  # sizes of the mechanism, for curvatures by differences
 ROUNDING = 1e-14  # squares of the size below which an aim has not changed
 TOUCHES = 1e-10  # gap, in sizes or rad, of a contact that presses
+SLIGHT = 1e-9  # share of the slope of the aim below which nothing presses
 CUTS = 3  # rounds in which contacts that a step would enter are taken into it
 MOST_NEAR = 80  # contacts that a step minds
 ON_RIDGE = 1e-4  # sizes of the mechanism by which a ridge is near: the side from which it came decides
@@ -93,8 +95,8 @@ class End(NamedTuple):
     """Where and why a descent ended."""
 
     freedom: int  # motions that the joints leave
-    reach: float  # largest part of the point's motion that they have, of all that bodies free of joints would have
-    most: float  # the largest such part since the point was taken
+    reach: float  # largest share of the point in such a motion of all bodies
+    most: float  # the largest such share since the point was taken
     pressing: tuple[int, ...]  # contacts that press
     settled: bool  # nothing is lower near
 
@@ -105,6 +107,7 @@ class Descent:
     def __init__(self, movable: Movable, body: int, point: tuple[float, float]) -> None:
         self.movable, self.point, self._k = movable, point, 3 * body
         self.end = End(0, 0.0, 0.0, (), True)
+        self._most = 0.0
         self._trail: list[np.ndarray] = []  # u of earlier positions, apart from each other
         self._free: np.ndarray | None = None  # motions at the last position that was not singular
 
@@ -120,7 +123,11 @@ class Descent:
         self._note(q)
         for _ in range(STEPS):
             local = self._local(q, first, aim)
+            if q is first:
+                self._most = max(self._most, self._reach(local))
             curve = self._curvature(q, first, aim, local)
+            if not np.isfinite(curve).all():  # at the end of a table or of the domain of a function
+                break
             off = None if escaped else self._off_ridge(q, local, curve)
             escaped |= off is not None
             step = self._step(q, local, curve, aim.weight) if off is None else off
@@ -132,6 +139,9 @@ class Descent:
                 break
             q = q if q_new is None else q_new
             self._note(q)
+            if off is None and float(np.abs(step).max()) <= LAST * self.movable.size and self._presses_as(local):
+                settled = True
+                break
         self._ended(local, settled)
         return q
 
@@ -251,6 +261,11 @@ class Descent:
         step = self._limited(math.copysign(OFF_RIDGE * size, sense) * back)
         return None if (local.sides @ step < -np.maximum(local.gaps, TOUCHES)).any() else step
 
+    def _presses_as(self, local: Local) -> bool:
+        """True if all that touches where it was located last pressed before its last step already."""
+        touching = np.flatnonzero(self.movable.gaps <= TOUCHES)
+        return set(touching.tolist()) == set(local.near[local.factors > 0.0].tolist())
+
     def _note(self, q: np.ndarray) -> None:
         """Add a position to the trail, if it is apart from the last one."""
         u = self.movable.scale * q
@@ -285,10 +300,18 @@ class Descent:
         return aim.value(self.place(q)) + 0.5 * aim.weight * float(change @ change)
 
     def _ended(self, local: Local, settled: bool) -> None:
-        moves = _largest(local.jacobian @ local.free)
-        reach = moves / _largest(local.jacobian)
-        pressing = local.near[local.factors > 1e-9 * max(float(np.linalg.norm(local.slope)), 1e-300)]
-        self.end = End(local.free.shape[1], reach, max(reach, self.end.most), tuple(int(n) for n in pressing), settled)
+        pressing = local.near[local.factors > SLIGHT * max(float(np.linalg.norm(local.slope)), 1e-300)]
+        freedom, reach = local.free.shape[1], self._reach(local)
+        self.end = End(freedom, reach, self._most, tuple(int(n) for n in pressing), settled)
+
+    def _reach(self, local: Local) -> float:
+        """Largest share of the point in a motion of all bodies that the joints leave, angles as arcs at the size."""
+        if not local.free.shape[1]:
+            return 0.0
+        arcs = self.movable.scale.copy()
+        arcs[2::3] /= self.movable.size
+        ways = np.linalg.qr(local.free / arcs[:, None])[0]
+        return _largest((local.jacobian * arcs) @ ways)
 
 
 def _largest(lines: np.ndarray) -> float:

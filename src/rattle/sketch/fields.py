@@ -10,14 +10,17 @@ from rattle.description.read_contact import contact_models
 from rattle.description.switch_contact import contact_of, recontact
 from rattle.errors import InputError
 from rattle.sketch.closing import closing_range
-from rattle.sketch.drawn import Drawn, Spot
+from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
 from rattle.sketch.numbers import degrees, length, plain
-from rattle.sketch.removing import rename
+from rattle.sketch.removing import TABLES, rename
 from rattle.sketch.revision import Drawing, Revision
 
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
+
+
+STRAIGHT = 1e-12  # relative angle of welded bodies that is none [rad]
 
 
 class Field(NamedTuple):
@@ -32,8 +35,9 @@ class Field(NamedTuple):
 def fields_of(sketch: Drawn, chosen: str) -> list[Field]:
     """The fields of something in a drawing, such as "body bar1" or "point ground.O1"."""
     kind, _, name = chosen.partition(" ")
+    there = sketch.points if kind == "point" else sketch.document.get(TABLES.get(kind, ""), {})
     reader: Callable[[Drawn, str], Iterator[Field]] | None = READERS.get(kind)
-    return list(reader(sketch, name)) if reader is not None else []
+    return list(reader(sketch, name)) if reader is not None and name in there else []
 
 
 def _written(value: object) -> str:
@@ -71,6 +75,8 @@ def _of_point(sketch: Drawn, name: str) -> Iterator[Field]:
 def _of_joint(sketch: Drawn, name: str) -> Iterator[Field]:
     entry = sketch.document["joints"][name]
     yield Field("Name", name)
+    if entry["type"] in PINS and "clearance" not in entry:
+        yield Field("Kind", entry["type"], "revolute turns, fixed is welded", PINS)
     if entry["type"] not in ("revolute", "prismatic", "slot"):
         return
     yield Field(
@@ -180,7 +186,7 @@ def _joined_ends(sketch: Drawn, name: str) -> list[str]:
 
 def _along(revision: Revision, name: str, ends: list[str]) -> None:
     """A bar with a free end: what is pinned stands, the other end moves along the bar."""
-    first, last = revision.sketch.document["bodies"][name]["bar"]
+    first = revision.sketch.document["bodies"][name]["bar"][0]
     stands = ends[0] if ends else first
     x, y = revision.sketch.points[f"{name}.{stands}"]
     half = revision.number(revision.document["bodies"][name]["length"]) / 2 * (1 if stands == first else -1)
@@ -248,6 +254,8 @@ def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing
 
 def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing:
     entry = revision.document["joints"][name]
+    if field == "Kind":
+        return _another_kind(revision, name, text)
     if field == "Contact":
         revision.enter(("joints", name, "contact"), recontact(contact_of(revision.document, name), text))
         return revision.finish(f"{name}: contact {text}", f"joint {name}")
@@ -262,6 +270,21 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
     if name in revision.document.get("initial", {}):
         revision.enter(("initial", name), None)
     return revision.finish(f"{name} has no play", f"joint {name}")
+
+
+def _another_kind(revision: Revision, name: str, text: str) -> Drawing:
+    """A pin becomes a weld as the bodies stand, or turns again."""
+    if text not in PINS:
+        raise InputError(f"'{text}' is no kind of pin: expected {' or '.join(PINS)}")
+    revision.enter(("joints", name, "type"), text)
+    if text == "fixed":
+        form = revision.sketch.model.joints[name]
+        a, b = (revision.places.get(end.body, (0.0, 0.0, 0.0))[2] for end in (form.a, form.b))
+        if abs(math.remainder(b - a, math.tau)) > STRAIGHT:
+            revision.enter(("joints", name, "angle"), degrees(b - a))
+    elif "angle" in revision.document["joints"][name]:
+        revision.enter(("joints", name, "angle"), None)
+    return revision.finish(f"{name} is {text}", f"joint {name}")
 
 
 def _model(entry: Mapping[str, Any]) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from rattle.analyses.assembly.rank import nonunique_reactions, rank
@@ -30,15 +32,31 @@ def _counts(sketch: Drawn) -> str:
     return f"{joints} {'joint' if joints == 1 else 'joints'}, {motors or 'no'} {'motor' if motors == 1 else 'motors'}"
 
 
-def _mobility(sketch: Drawn) -> str:
+class _Count(NamedTuple):
+    left: int  # freedoms that neither joints nor drivers take
+    too_many: int  # constraints that repeat others
+    spare: tuple[str, ...]  # whose constraints those may be
+
+
+def _count(sketch: Drawn) -> _Count:
     system = sketch.system
     assert system is not None
     q = np.array([sketch.places[name] for name in system.bodies]).ravel()
     workspace = system.workspace()
     open_by(workspace, 0.0, q, np.zeros_like(q))
     independent = rank(system, workspace)
-    left, too_many = 3 * system.body_count - independent, system.row_count - independent
-    unsure = nonunique_reactions(system, workspace) if too_many else ()
+    too_many = system.row_count - independent
+    spare = nonunique_reactions(system, workspace) if too_many else ()
+    return _Count(3 * system.body_count - independent, too_many, spare)
+
+
+def freedoms_left(sketch: Drawn) -> int:
+    """How many freedoms of a drawing have no motor."""
+    return _count(sketch).left if sketch.bodies else 0
+
+
+def _mobility(sketch: Drawn) -> str:
+    left, too_many, unsure = _count(sketch)
     spare = [name for name in unsure if name in sketch.model.joints][-1:] or unsure[-1:]
     surplus = f"{too_many} constraint{'s' if too_many > 1 else ''} too many ({', '.join(spare)})" if too_many else ""
     if left:

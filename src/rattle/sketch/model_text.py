@@ -12,10 +12,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rattle.description import file as model_file
-from rattle.description.changes import NAMED, TABLES, Change, Path, copied, put
+from rattle.description.changes import NAMED, TABLES, Change, Path, bare_key, copied, literal, put
 from rattle.description.toml_locations import locate_all
 
-PLAIN_KEY = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-"
+WHOLE = 1e15  # numbers below that have no fraction are written without a point
 BY_LINES = ("parameters", "signals", "initial")  # tables whose entries are a line each
 
 
@@ -32,7 +32,7 @@ def revised(text: str, changes: Sequence[Change]) -> str:
 
     Raises ModelError for a text that cannot be read, or a path that leads nowhere.
     """
-    document = model_file.parse(text)
+    document, changes = model_file.parse(text), [(path, tidy(value)) for path, value in changes]
     if model_file.is_json(text):
         renewed = copied(document)
         for path, value in changes:
@@ -184,27 +184,18 @@ def _written(path: Path, value: object) -> list[str]:
         return ["[picture]", *(f"{key} = {literal(part)}" for key, part in value.items())]
     *home, name = path
     if path[0] in BY_LINES or path[0] == "ground":
-        return [f"[{'.'.join(home)}]", f"{_key(name)} = {literal(value)}"]
+        return [f"[{'.'.join(home)}]", f"{bare_key(name)} = {literal(value)}"]
     assert isinstance(value, Mapping)
-    return [f"[{path[0]}.{_key(name)}]", *(f"{_key(key)} = {literal(part)}" for key, part in value.items())]
+    return [f"[{path[0]}.{bare_key(name)}]", *(f"{bare_key(key)} = {literal(part)}" for key, part in value.items())]
 
 
-def _key(name: str) -> str:
-    return name if name and all(sign in PLAIN_KEY for sign in name) else json.dumps(name, ensure_ascii=False)
-
-
-def literal(value: object) -> str:
-    """A value as it is written in one line of TOML."""
+def tidy(value: object) -> object:
+    """A value with whole numbers as such: 2 for 2.0."""
     if isinstance(value, Mapping):
-        inside = ", ".join(f"{_key(str(key))} = {literal(part)}" for key, part in value.items())
-        return f"{{ {inside} }}" if inside else "{}"
+        return {key: tidy(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return f"[{', '.join(map(literal, value))}]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
-        return str(int(value))
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+        return [tidy(part) for part in value]
+    return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < WHOLE else value
 
 
 def _without(text: str, path: Path) -> str:

@@ -34,10 +34,14 @@ def nearest_step(root: np.ndarray, c: np.ndarray, sides: np.ndarray, least: np.n
 
 
 def pressures(lines: np.ndarray, side: np.ndarray) -> np.ndarray:
-    """(k,) factors that are not negative, with which the columns of lines (n, k) come nearest to side (n,)."""
+    """(k,) factors that are not negative, with which the columns of lines (n, k) come nearest to side (n,).
+
+    Zeros where they are not found: a step that minds no gap is then halved.
+    """
     from scipy.optimize import nnls
 
-    if not lines.shape[1]:
-        return np.zeros(0)
-    factors: np.ndarray = nnls(lines, side, maxiter=50 * lines.shape[1] + 100)[0]
+    try:
+        factors: np.ndarray = nnls(lines, side, maxiter=50 * lines.shape[1] + 100)[0]
+    except RuntimeError:
+        return np.zeros(lines.shape[1])
     return factors

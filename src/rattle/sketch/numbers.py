@@ -1,4 +1,4 @@
-"""Numbers as a person would write them: with the fewest digits that keep what is drawn, in the unit that stood there."""
+"""Numbers as a person would write them: with the fewest digits that keep what is drawn, in the unit they had."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ import numpy as np
 from rattle.pages.scene import scene_of
 from rattle.results.build import build_result
 from rattle.results.trust import Trust
-from rattle.sketch.drawn import Drawn
+from rattle.sketch.drawn import Drawn, Pin
 from rattle.sketch.fields import fields_of
 from rattle.sketch.freedoms import freedoms
 
@@ -23,15 +23,25 @@ def picture_of(sketch: Drawn) -> dict[str, Any]:
         "points": {name: list(spot) for name, spot in sketch.points.items()},
         "bars": {name: [f"{name}.{end}" for end in entry["bar"]]
                  for name, entry in sketch.document.get("bodies", {}).items() if "bar" in entry},
-        "joints": [{"name": pin.name, "type": pin.kind, "ends": list(pin.ends), "at": list(pin.at), "driver": driven.get(pin.name, ""),
-                    "play": str(sketch.document["joints"][pin.name].get("clearance", "")),
-                    "apart": pin.apart if pin in sketch.open_joints else 0.0} for pin in sketch.pins],
+        "joints": [_joint(sketch, pin, driven.get(pin.name, "")) for pin in sketch.pins],
         "loads": {name: [f"{end.body}.{end.name}" for end in (load.a, load.b)]
                   for name, load in ({} if sketch.stand_in else sketch.model.loads).items()},
         "fields": {chosen: [field._asdict() for field in fields_of(sketch, chosen)] for chosen in _things(sketch)},
         "status": freedoms(sketch),
         "picture": sketch.document.get("picture"),
     }  # fmt: skip
+
+
+def _joint(sketch: Drawn, pin: Pin, driver: str) -> dict[str, Any]:
+    entry = sketch.document["joints"][pin.name]
+    apart = pin.apart if pin in sketch.open_joints else 0.0
+    return {
+        **pin._asdict(),
+        "type": pin.kind,
+        "driver": driver,
+        "play": str(entry.get("clearance", "")),
+        "apart": apart,
+    }
 
 
 def _things(sketch: Drawn) -> list[str]:

@@ -22,9 +22,10 @@ from rattle.errors import InputError, suggest
 from rattle.mechanism import Mechanism
 from rattle.sketch.descent import Aim, Descent, Force, Hand
 from rattle.sketch.movable import Movable
+from rattle.sketch.nearest_step import pressures
 from rattle.sketch.pull_words import why_not
 
-NEAR = 1e-6  # sizes of the mechanism: a distance or move of the point that is none
+NEAR = 1e-6  # sizes of the mechanism: a distance or move that is none
 PASSES = 4  # times that a move begins anew where it has come, until the part held back by the masses is gone
 
 
@@ -55,6 +56,8 @@ class Pull:
             raise InputError(f"q needs {count} finite numbers, x, y, angle of each body, and a point two")
         self.body, self.point = body, point
         self.movable = Movable(system, start, motors)
+        if len(self.movable.acts):
+            pressures(np.eye(1), np.ones(1))  # loads what is needed, before the mouse moves
         closed = self.movable.closed(start)
         self.q = start if closed is None else closed
         self.descent = Descent(self.movable, system.bodies.index(body), point)
@@ -73,10 +76,13 @@ class Pull:
         if not (math.isfinite(x) and math.isfinite(y)):
             raise InputError(f"the mouse needs two finite numbers, got {x:g}, {y:g}")
         hand = Hand(np.array([x, y]))
+        moved = math.inf
         for _ in range(PASSES):
-            before = self.descent.place(self.q)
+            q, before = self.q, moved
             self._go(hand)
-            if float(np.hypot(*(self.descent.place(self.q) - before))) <= NEAR * self.movable.size:
+            moved = float(np.linalg.norm((self.q - q) * self.movable.scale))
+            share = moved / before if before < math.inf else 1.0
+            if moved * min(1.0, share) <= NEAR * self.movable.size:  # that is how far the next one would go
                 break
         far = float(np.hypot(*(self.descent.place(self.q) - hand.at)))
         reached = far <= NEAR * self.movable.size
@@ -92,7 +98,8 @@ class Pull:
         if not 0.0 < size < math.inf:
             raise InputError("pulling by a force needs one, finite and not zero")
         self._go(Force(np.array([fx, fy]) / size))
-        return Pulled(self.q.copy(), self.descent.end.settled, "")
+        settled = self.descent.end.settled
+        return Pulled(self.q.copy(), settled, "" if settled else "more than play gives way: hold it by a motor")
 
     def _go(self, aim: Aim) -> None:
         self.q = self.descent.lowest(self.q, aim)

@@ -7,7 +7,7 @@ from rattle.results.display import scale
 from rattle.sketch.descent import End
 from rattle.sketch.movable import Movable
 
-STANDS = 1e-2  # share of the motion that a body free of joints would have, below which a point stands still
+STANDS = 1e-3  # share in the motion of all bodies below which a point stands still
 
 
 def why_not(movable: Movable, end: End, far: float) -> str:

@@ -200,6 +200,7 @@ class Revision:
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
         """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
         self._drive()
+        self._hold()
         if near:
             self._close_near()
         self._start(self.moved)
@@ -244,6 +245,23 @@ class Revision:
                 assert entry is not None
                 self.enter(("drivers", name, key), shifted(entry[key], old, change, key == "angle"))
 
+    def _hold(self) -> None:
+        """Let welds and guides hold the relative angles that are meant."""
+        for name, joint in {} if self.sketch.stand_in else self.sketch.model.joints.items():
+            entry = self.document.get("joints", {}).get(name)
+            if joint.kind not in ("fixed", "prismatic") or not isinstance(entry, Mapping):
+                continue
+            old, new = (self._turn(joint.a.body, joint.b.body, places) for places in (self.sketch.places, self.places))
+            if abs(turned(new - old)) > SAME:
+                written = entry.get("angle", degrees(old))
+                self.enter(("joints", name, "angle"), shifted(written, old, turned(new - old), turns=True))
+
+    @staticmethod
+    def _turn(a: str, b: str, places: Mapping[str, Place]) -> float:
+        """Angle of one body relative to another [rad]."""
+        nowhere = (0.0, 0.0, 0.0)
+        return places.get(b, nowhere)[2] - places.get(a, nowhere)[2]
+
     def coordinate(self, joint: str, places: Mapping[str, Place]) -> float:
         """Angle [rad] or position [m] of B relative to A at these places."""
         form = self.sketch.model.joints[joint]
@@ -273,18 +291,16 @@ class Revision:
         for body in held & set(initial):
             entry = initial.get(body, {})
             if body not in self.sketch.grounded and {"x", "y"} & set(entry):
-                for key in ("x", "y"):
-                    if key in entry:
-                        self.enter(("initial", body, key), None)
+                self.enter(("initial", body), {key: part for key, part in entry.items() if key not in ("x", "y")})
 
     def _write_start(self, body: str, values: dict[str, object]) -> None:
         entry = self.document.get("initial", {}).get(body)
         if entry is None:
             self.enter(("initial", body), values)
             return
-        for key, value in values.items():
-            if entry.get(key) != value:
-                self.enter(("initial", body, key), value)
+        for key, start in values.items():
+            if entry.get(key) != start:
+                self.enter(("initial", body, key), start)
 
     def _astray(self, sketch: Drawn) -> list[str]:
         """Bodies that would stand elsewhere than meant."""

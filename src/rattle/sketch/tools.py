@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from rattle.description.polygon import figure_of, is_inside
+from rattle.description.polygon import fault, figure_of, is_inside
 from rattle.errors import InputError
 from rattle.sketch.drawn import Drawn, Place, Spot
 from rattle.sketch.expressions import turned, two_digits
+from rattle.sketch.freedoms import freedoms_left
 from rattle.sketch.numbers import degrees, length, plain
 from rattle.sketch.revision import Caught, Drawing, Revision
 
@@ -20,6 +22,8 @@ PLATE = {"thickness": "5 mm", "density": "7850 kg/m^3"}  # of a new plate: steel
 STIFFNESS = 100  # of a new spring [N/m]
 SPEED = "60 rpm"  # of a new motor
 STROKE = 0.1  # share of the size of the drawing by which a new motor moves a slider
+HERE = 1e-9  # share of the size within which a point is at a spot
+PARALLEL = 1e-3  # sine of an angle below which two bars do not cross clearly
 NOTHING = 0.25  # of a snap: what is shorter is nothing
 DRIVEN = {"revolute": "angle", "prismatic": "position", "slot": "position"}
 
@@ -76,6 +80,8 @@ def plate(revision: Revision, corners: Sequence[Caught]) -> Drawing | None:
     signs = [chr(ord("A") + k) if k < 26 else f"P{k + 1}" for k in range(len(own))]
     points = dict(zip(signs, own, strict=True))
     revision.enter(("bodies", name), {"polygon": own, **PLATE, "points": points})
+    if wrong := fault([(x, y) for x, y in own]):
+        raise InputError(f"this is no plate: {wrong}")
     x, y = figure_of([(x, y) for x, y in own]).centre
     revision.places[name] = spots[0][0] + x, spots[0][1] + y, 0.0
     revision.moved.append(name)
@@ -98,11 +104,29 @@ def pin(revision: Revision, at: Caught, within: float) -> Drawing:
     bodies = [body for body in sketch.bodies if _reaches(sketch, body, spot, within)][:2]
     if not bodies:
         raise InputError("there is no body here: click where two bodies cross, or on a body to pin it to the ground")
-    ends = [_point_there(revision, body, spot, within) for body in bodies]
+    near = [point for body in bodies if (point := _point_near(sketch, body, spot, within))]
+    spot = sketch.points[near[0]] if near else _crossing(sketch, bodies, spot, within)
+    here = HERE * sketch.size
+    ends = [_point_near(sketch, body, spot, here) or revision.body_point(body, spot) for body in bodies]
     if len(ends) == 1:
         ends.insert(0, revision.ground_point(spot))
     name = revision.pin(*ends)
     return revision.finish(f"{name} joins {_and(ends)}", f"joint {name}", "Play")
+
+
+def _crossing(sketch: Drawn, bodies: Sequence[str], spot: Spot, within: float) -> Spot:
+    """Where the lines of two bars cross near a spot; the spot itself where they do not."""
+    bars = [sketch.document["bodies"][body].get("bar") for body in bodies]
+    if len(bars) < 2 or not all(bars):
+        return spot
+    (p, q), (u, v) = ([sketch.points[f"{body}.{end}"] for end in bar] for body, bar in zip(bodies, bars, strict=True))
+    first, second = (q[0] - p[0], q[1] - p[1]), (v[0] - u[0], v[1] - u[1])
+    turn = first[0] * second[1] - first[1] * second[0]
+    if abs(turn) <= PARALLEL * math.hypot(*first) * math.hypot(*second):
+        return spot
+    share = ((u[0] - p[0]) * second[1] - (u[1] - p[1]) * second[0]) / turn
+    crossing = p[0] + share * first[0], p[1] + share * first[1]
+    return crossing if math.dist(crossing, spot) <= within else spot
 
 
 def _reaches(sketch: Drawn, body: str, spot: Spot, within: float) -> bool:
@@ -111,7 +135,7 @@ def _reaches(sketch: Drawn, body: str, spot: Spot, within: float) -> bool:
     if form.outline:
         return is_inside(np.array(form.outline[0]), np.array(sketch.in_frame(body, spot)))
     ends = [sketch.points[f"{body}.{name}"] for name in form.points]
-    pairs = zip(ends, ends[1:], strict=False)
+    pairs = itertools.pairwise(ends)
     return any(_distance(spot, p, q) <= within for p, q in pairs) or any(math.dist(spot, p) <= within for p in ends)
 
 
@@ -123,11 +147,11 @@ def _distance(spot: Spot, p: Spot, q: Spot) -> float:
     return math.dist(spot, (p[0] + share * across[0], p[1] + share * across[1]))
 
 
-def _point_there(revision: Revision, body: str, spot: Spot, within: float) -> str:
-    """The point of a body at a spot, made if there is none."""
-    near = [name for name in revision.sketch.model.bodies[body].points
-            if math.dist(revision.sketch.points[f"{body}.{name}"], spot) <= within]  # fmt: skip
-    return f"{body}.{near[0]}" if near else revision.body_point(body, spot)
+def _point_near(sketch: Drawn, body: str, spot: Spot, within: float) -> str:
+    """The point of a body that is nearest to a spot, "" if none is within reach."""
+    points = [f"{body}.{name}" for name in sketch.model.bodies[body].points]
+    nearest = min(points, key=lambda point: math.dist(sketch.points[point], spot), default="")
+    return nearest if nearest and math.dist(sketch.points[nearest], spot) <= within else ""
 
 
 def slider(revision: Revision, at: Caught, along: float) -> Drawing:
@@ -176,19 +200,29 @@ def gear(revision: Revision, first: Caught, last: Caught) -> Drawing:
     if math.dist(p, q) <= 0.0:
         raise InputError("a pair of gears needs two centres: click two ground points")
     radius = length(math.dist(p, q) / 2)
-    ends = [_turning(revision, caught, radius) for caught in (first, last)]
+    here = [_bodies_at(revision.sketch, caught) for caught in (first, last)]
+    carriers = here[0].keys() & here[1].keys()
+    ends = [_turning(revision, caught, radius, [bodies[name] for name in bodies if name not in carriers])
+            for caught, bodies in zip((first, last), here, strict=True)]  # fmt: skip
     name = revision.joint({"type": "gear", "connect": ends, "radii": [radius, radius]})
     return revision.finish(f"{name}: {_and(ends)} roll on each other", f"joint {name}", "Name")
 
 
-def _turning(revision: Revision, caught: Caught, radius: float) -> str:
-    """The point about which a body turns at a centre, of a new wheel if there is none."""
-    here = revision.sketch.joined(caught.point) if caught.point else []
-    bodies = [point for point in here if not point.startswith("ground.")]
-    if bodies and (len(bodies) < len(here) or not caught.point.startswith("ground.")):
+def _bodies_at(sketch: Drawn, caught: Caught) -> dict[str, str]:
+    """The bodies that turn about a place, each with its point there."""
+    here = sketch.joined(caught.point) if caught.point else []
+    return {point.partition(".")[0]: point for point in here if not point.startswith("ground.")}
+
+
+def _turning(revision: Revision, caught: Caught, radius: float, bodies: Sequence[str]) -> str:
+    """The point about which a wheel turns: that of a body which does, or of a new one.
+
+    A body at both centres carries the wheels, as the arm of a planetary gear does, and is none itself.
+    """
+    if bodies:
         return bodies[0]
     spot = revision.spot(caught)
-    centre = caught.point or revision.ground_point(spot)
+    centre = revision.end(caught) or revision.ground_point(spot)
     wheel = revision.free_name("wheel")
     mass = two_digits(math.pi * radius**2 * 0.01 * 7850)
     inertia = two_digits(mass * radius**2 / 2)
@@ -207,9 +241,11 @@ def motor(revision: Revision, at: Caught, within: float) -> Drawing:
     if not here:
         raise InputError("there is no pin or slider here: click one to drive it")
     driven = {driver.joint: name for name, driver in sketch.model.drivers.items()}
-    for one in here:
-        if one.name in driven:
-            return revision.finish(chosen=f"driver {driven[one.name]}", field="Speed")
+    free = [one for one in here if one.name not in driven]
+    if len(free) < len(here) and not (free and freedoms_left(sketch)):
+        name = next(driven[one.name] for one in here if one.name in driven)
+        return revision.finish(chosen=f"driver {name}", field="Speed")
+    here = free
     joint = here[0]
     key, name = DRIVEN[joint.kind], revision.free_name("motor", "")
     start = revision.coordinate(joint.name, revision.places)

@@ -191,6 +191,14 @@ class Desk:
         x, y = map(float, at)
         self._errand("pull", lambda _: self.easel.pulled((x, y)), self.send)
 
+    def do_measure(self, spots: Sequence[Any], snap: float = 0.0) -> None:
+        """Points were clicked with the measuring tool."""
+
+        def measured(text: str) -> Message:
+            return self.easel.measured(text, self.draft.source()["file"], spots[:3], float(snap))
+
+        self._errand("measure", measured, self.send)
+
     def do_let_go(self) -> None:
         """The mechanism goes back to where the text has it."""
         self._errand("pull", lambda _: self.easel.let_go(), lambda _: None)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import binascii
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,8 +16,9 @@ import numpy as np
 from rattle.description import file as model_file
 from rattle.errors import InputError, ModelError, suggest
 from rattle.language.units import dimension_of, parse_quantity
-from rattle.sketch.acts import act
+from rattle.sketch.acts import act, caught
 from rattle.sketch.drawn import Drawn, Spot, drawn
+from rattle.sketch.measuring import message_of, readings
 from rattle.sketch.model_text import revised
 from rattle.sketch.numbers import length
 from rattle.sketch.picture import picture_of
@@ -101,6 +102,13 @@ class Easel:
         pulled, bodies = self._pull.to(*at), self._pull.movable.system.bodies
         places = dict(zip(bodies, pulled.q.reshape(-1, 3).tolist(), strict=True))
         return {"kind": "pulled", "places": places, "words": pulled.words}
+
+    def measured(self, text: str, file: str, spots: Sequence[Any], snap: float) -> Message:
+        """What clicks of the measuring tool tell.  Raises InputError, ModelError, AssemblyError."""
+        sketch = self.drawing(text, file)
+        if not sketch.bodies:
+            raise InputError("there is nothing to measure yet")
+        return message_of(readings(sketch, [caught(sketch, spot, snap) for spot in spots]))
 
     def let_go(self) -> None:
         """The hand holds nothing any more."""

@@ -8,7 +8,8 @@ export function unpackMeasured(packed) {
   return packed.map(({ curve, label, t, y }) => ({ curve, label, t: new Float64Array(bytesOf(t)), y: new Float64Array(bytesOf(y)) }));
 }
 
-// A measured curve within a motion: {t, y, difference (measured minus computed), rms, told}; null without a value there.
+// A measured curve within a motion: {t, y, difference (measured minus computed), rms,
+// all: how many were measured}.
 export function differing(measured, motion) {
   const known = motion.line(measured.curve), line = { x: known.t, y: known.y }, edge = 1e-9 * motion.span, t = [], y = [], difference = [];
   let squares = 0, count = 0;
@@ -20,8 +21,7 @@ export function differing(measured, motion) {
     difference.push(off);
     if (Number.isFinite(off)) [squares, count] = [squares + off * off, count + 1];
   });
-  const told = t.length < measured.t.length ? `${t.length} of ${measured.t.length} values within the run` : "";
-  return { t, y, difference, rms: count ? Math.sqrt(squares / count) : NaN, told };
+  return { t, y, difference, rms: count ? Math.sqrt(squares / count) : NaN, all: measured.t.length };
 }
 
 // Lines of measured values for a panel of curves, and for the panel of what they differ by.
@@ -29,6 +29,6 @@ export function measuredLines(list, motion, names) {
   return list.filter((one) => names.includes(one.curve)).map((one) => {
     const found = differing(one, motion), style = { name: one.curve, motion, colour: names.indexOf(one.curve), label: one.label, dots: true };
     return { values: { ...style, own: { t: found.t, y: found.y } },
-      off: { ...style, own: { t: found.t, y: found.difference }, joined: true, rms: found.rms, told: found.told } };
+      off: { ...style, own: { t: found.t, y: found.difference }, joined: true, rms: found.rms, all: found.all } };
   });
 }

@@ -11,7 +11,7 @@ export class Panel extends Chart {
   constructor(key, curves) {
     const { host } = curves;
     super(curves.scope, {
-      invalidate: () => host.invalidate(), mayZoom: (event) => host.mayZoom(event), seek: (t) => host.seek(t),
+      invalidate: () => host.invalidate(), mayZoom: (event) => host.mayZoom(event), seek: (t) => host.seek(t), word: host.word,
       readout: (t, span) => `t = ${timeText(span)(t)} s`,
     });
     this.key = key;
@@ -24,13 +24,14 @@ export class Panel extends Chart {
   }
 
   // Which curves it shows: [{name, motion, colour index, label, dash}], of measured ones {own: {t, y}, dots, joined, rms,
-  // told} too; texts of the legend are made once.
+  // all} too; texts of the legend are made once.
   setNames(names, lines) {
     this.names = names;
     const most = Math.max(0, ...lines.map((line) => (line.own ? mostOf(line.own.y) : line.motion.largest(line.name))));
     this.handy = handyUnit(this.quantity, most, this.view.host.scene.units);
-    const quantity = this.differs ? "difference" : HANDY.quantities[this.quantity] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " ");
-    this.notes = this.view.motion.events.map(({ t, joint, kind }) => ({ x: t, strong: kind === "impact", words: `${joint}: ${kind}` }));
+    const { word } = this, kind = HANDY.quantities[this.quantity] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " ");
+    const quantity = this.differs ? word("difference") : word(kind);
+    this.notes = this.view.motion.events.map(({ t, joint, kind: what }) => ({ x: t, strong: what === "impact", words: `${joint}: ${word(what)}` }));
     this.setLines(lines.map(({ motion, name, ...style }) => ({ ...style, name, ...overTime(style.own ?? motion.line(name)),
       peak: style.own ? null : overTime(motion.peak(name)), bursts: style.own ? [] : motion.bursts(name).map(overTime) })), { across: "t [s]", up: `${quantity} [${this.handy.unit || "1"}]`, ...this.handy });
     this.legend.replaceChildren(...(this.differs ? this.lines.map((line) => this.difference(line)) : names.map((name) => this.entry(name))));
@@ -44,8 +45,8 @@ export class Panel extends Chart {
       const label = line.label ? make("span", { class: "quiet" }, line.label) : null;
       return line.dash || line.dots ? make("span", { class: "beside" }, line.swatch, label, line.value) : line.value;
     });
-    const { swatch } = lines[0];
-    const close = make("button", { type: "button", class: "close", "aria-label": `Remove ${name}`, title: `Remove ${name}`,
+    const { swatch } = lines[0], remove = this.word("Remove {name}", { name });
+    const close = make("button", { type: "button", class: "close", "aria-label": remove, title: remove,
       onclick: () => this.view.host.choose(this.view.chosen.filter((other) => other !== name)) }, "×");
     return make("li", {}, swatch, make("span", { class: "name" }, name), ...values, make("span", { class: "quiet" }, this.handy.unit), close);
   }
@@ -54,9 +55,10 @@ export class Panel extends Chart {
   difference(line) {
     line.swatch = make("span", { class: "swatch dots" });
     line.value = make("span", { class: "number" });
-    const rms = `rms ${short(this.factor * line.rms)} ${this.handy.unit}`;
+    const rms = this.word("rms {value}", { value: `${short(this.factor * line.rms)} ${this.handy.unit}` }), count = line.x.length;
+    const told = count < line.all ? this.word("{count} of {all} values within the run", { count, all: line.all }) : "";
     return make("li", {}, line.swatch, make("span", { class: "name" }, `${line.label} \u2212 ${line.name}`), make("span", { class: "rms" }, rms),
-      line.value, make("span", { class: "quiet" }, line.told));
+      line.value, make("span", { class: "quiet" }, told));
   }
 
   drawAt(time, theme) {

@@ -63,12 +63,13 @@ export class Catcher {
     return { at: board.onGrid(bare), words: "" };
   }
 
-  // All points that pins put at the place of this one.
+  // All points that joints put at the place of this one; a block is where it is drawn on its guide.
   joined(name) {
-    const group = [name];
+    const group = [name], { points, joints } = this.board.drawing;
+    const together = ({ type, ends: [a, b] }) => type !== "prismatic" || distance(points[a], points[b]) < 1e-9;
     for (let k = 0; k < group.length; k++) {
-      for (const { type, ends } of this.board.drawing.joints) {
-        if (type === "revolute" && ends.includes(group[k])) group.push(...ends.filter((end) => !group.includes(end)));
+      for (const { type, ends } of joints.filter(together)) {
+        if (["revolute", "fixed", "prismatic"].includes(type) && ends.includes(group[k])) group.push(...ends.filter((end) => !group.includes(end)));
       }
     }
     return group;

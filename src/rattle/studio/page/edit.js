@@ -13,24 +13,24 @@ const TOOLS = [
   ["Pin", "J", "click where two bodies cross, or on a joint for its play"], ["Slider", "L", "click an end, drag for a direction"],
   ["Slot", "U", "drag along a bar, then click the point that slides"], ["Gear", "W", "click two centres"],
   ["Motor", "M", "click a pin on the ground, or a slider"], ["Spring", "S", "drag from point to point"],
-  ["Force", "F", "drag from a point: 1 N per step of the grid"], ["Measure", "R", "click two points, or three for an angle"],
+  ["Force", "F", "drag from a point: 1 N per step of the grid"], ["Measure", "R", "click a point for its path, a bar for its centrodes, two points, three for an angle"],
   ["Picture", "I", "a photograph below the drawing, scaled by two points"],
 ];
 const FIELDS_FIRST = ["Length", "Play", "Speed", "X", "Force", "Stiffness"]; // into which digits go
+const MOST_LINES = 24; // paths and centrodes on the sheet at once
 const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class Edit {
   // send: tells the studio.  show: the Motion tab.  text(): the model text now.
   constructor({ send, show, text }) {
-    Object.assign(this, { send, show, on: false, tool: "Select", things: [], count: 0, turned: null });
+    Object.assign(this, { send, show, on: false, tool: "Select", things: [], count: 0, turned: null, lines: [] });
     this.board = new Board();
     this.hand = new Hand(this.board, this.told());
     this.panel = new Panel({
-      write: (chosen, field, value) => (chosen === "picture" || chosen === "measure" ? this.typedBeside(chosen, value) : this.act({ act: "type", chosen, field, text: value })),
+      write: (chosen, field, value) => (chosen === "picture" ? this.typedBeside(chosen, value) : this.act({ act: "type", chosen, field, text: value })),
       left: () => this.board.above.focus(),
       start: () => this.act({ act: "start", places: this.turned }),
       remove: () => this.remove(),
-      keep: () => this.keep(),
     });
     this.underlay = new Underlay(this);
     this.buttons = new Map(TOOLS.map(([name, key, what]) => [name, h("button", { "aria-pressed": String(name === this.tool), "aria-label": name,
@@ -104,10 +104,10 @@ export class Edit {
     this.hand.forget();
     this.show_still();
     this.complain("");
-    this.measured = null;
-    this.panel.keep.hidden = true;
+    if (this.lines.length) this.lines = [];
+    this.panel.list([]);
     if (name !== "Select") this.choose([]);
-    else this.choose(this.things.filter((thing) => !["picture", "measure"].includes(thing)));
+    else this.choose(this.things.filter((thing) => thing !== "picture"));
     this.say(TOOLS.find(([one]) => one === name)[2]);
     if (name === "Picture") this.underlay.ask();
   }
@@ -189,7 +189,7 @@ export class Edit {
 
   choose(things) {
     const known = this.drawing?.fields ?? {};
-    this.things = things.filter((thing) => thing in known || thing === "picture" || thing === "measure");
+    this.things = things.filter((thing) => thing in known || thing === "picture");
     const first = this.things[0] ?? "", extra = this.extraFields();
     this.panel.show(first ? titleOf(this.things, this.drawing) : this.turned ? "turned by hand" : "", this.things, { ...known, ...extra });
     if (!this.panel.asked) this.panel.complain("");
@@ -197,8 +197,8 @@ export class Edit {
   }
 
   extraFields() {
-    const spots = this.underlay.spots ?? [], field = (text) => [{ name: "Distance", text, hint: "such as 0.5 m", choices: [] }];
-    return { picture: field(spots.length === 2 ? lengthText(distance(spots), 6) : ""), measure: [] };
+    const spots = this.underlay.spots ?? [];
+    return { picture: [{ name: "Distance", text: spots.length === 2 ? lengthText(distance(spots), 6) : "", hint: "such as 0.5 m", choices: [] }] };
   }
 
   typedBeside(chosen, text) {
@@ -207,7 +207,7 @@ export class Edit {
 
   remove() {
     const thing = this.things.find((one) => !one.startsWith("point ") || one.startsWith("point ground."));
-    if (thing && !["picture", "measure"].includes(thing)) this.act({ act: "delete", chosen: thing });
+    if (thing && thing !== "picture") this.act({ act: "delete", chosen: thing });
     if (thing === "picture") this.act({ act: "no-picture" });
   }
 
@@ -221,20 +221,18 @@ export class Edit {
       return;
     }
     if (spots.length > 3) { this.hand.act = { ...this.hand.act, spots: spots.slice(3) }; spots = spots.slice(3); }
-    if (spots.length < 2) { this.say("click another point"); return; }
-    this.send({ do: "measure", spots });
+    if (spots.length === 1 && !spots[0].point && !spots[0].line) { this.say("click a second point"); return; }
+    this.send({ do: "measure", spots, snap: this.board.snap });
   }
 
-  measures(message) {
-    this.measured = message;
-    this.say(message.words);
-    this.panel.keep.hidden = !message.signal;
-    this.panel.el.hidden = !message.signal;
-    this.panel.title.textContent = message.words;
-  }
-
-  keep() {
-    if (this.measured?.signal) this.act({ act: "keep", name: this.measured.name, signal: this.measured.signal });
+  // What was measured: rows of words, each with what would record it, and lines on the sheet.
+  measures({ rows }) {
+    if (this.tool !== "Measure") return;
+    const curves = rows.flatMap((row) => row.curves);
+    this.lines = [...this.lines, ...curves].slice(-MOST_LINES);
+    this.panel.list(rows.map((row) => ({ words: row.words, keep: Object.keys(row.signals).length ? () => this.act({ act: "keep", signals: row.signals }) : null })));
+    this.say(rows.length ? rows[0].words : "");
+    this.board.invalidate();
   }
 
   // ---------------------------------------------------------------- by hand
@@ -339,6 +337,7 @@ export class Edit {
   // ---------------------------------------------------------------- what is chosen, and what is open
   drawChosen(p) {
     const { board, drawing } = this, { theme } = board;
+    this.lines.forEach((line, k) => p.line(line.map((at) => (at[0] === null ? null : at)), { colour: theme.curve(k), width: 2 }));
     if (!drawing || board.running) return;
     for (const thing of this.things) {
       const [kind, name] = thing.split(/ (.*)/s);
@@ -385,7 +384,7 @@ function titleOf(things, drawing) {
     return `${joint.type === "revolute" ? "pin" : joint.type} ${name}, ${bodies.join(" and ")}${joint.play ? `, play ${joint.play}` : ""}`;
   }
   if (kind === "body") return `${drawing.bars[name] ? "bar" : "body"} ${name}`;
-  if (kind === "driver") return `motor ${name}`;
+  if (kind === "driver") return `${name} drives ${drawing.joints.find((one) => one.driver === name)?.name ?? "a coordinate"}`;
   if (kind === "picture") return "picture below the drawing";
   return things[0] ?? "";
 }

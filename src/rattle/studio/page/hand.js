@@ -137,7 +137,7 @@ export class Hand {
     if (tool === "Select") { this.begin_select(at); return; }
     if (LINES.has(tool)) this.act = { tool, from: this.catcher.catch(at, this.options(free, { lines: true })) };
     else if (this.act?.corners) this.drag(at, free, at);
-    else this.act = { tool, to: this.catcher.catch(at, this.options(free, { lines: tool === "Pin" || tool === "Slider" })), pressed: at };
+    else this.act = { tool, to: this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Measure"].includes(tool) })), pressed: at };
     this.told.say(this.act?.from?.words ? `from ${this.act.from.words}` : "");
     this.board.invalidate();
   }
@@ -158,17 +158,18 @@ export class Hand {
       this.told.pull(this.board.inPlane(at));
       return;
     }
-    if (act.drags) {
+    if (act.held === null) this.over = this.catcher.catch(at, this.options(free, { lines: true, without: [act.from.point, act.to.point] }));
+    else if (act.drags) {
       const own = this.catcher.joined(act.drags), bodies = own.map((name) => name.split(".")[0]);
       act.to = this.catcher.catch(at, this.options(free, { lines: true, without: own, bodies }));
       this.told.say(act.to.point ? `joins ${act.to.words}` : act.to.line ? `joins ${act.to.line}` : "");
     } else if (act.tool === "Slider") {
       act.along = this.direction(act.to.at, this.board.inPlane(at), free);
-    } else if (act.from && !act.held) {
+    } else if (act.from && act.held === undefined) {
       act.to = this.catcher.catch(at, this.options(free, { lines: act.tool !== "Force", without: [act.from.point] }));
       const away = Math.hypot(act.to.at[0] - act.from.at[0], act.to.at[1] - act.from.at[1]);
       this.told.say(`${act.to.words ? `joins ${act.to.words}, ` : ""}${act.tool === "Force" ? `${(away / this.board.snap).toPrecision(3)} N` : lengthText(away)}`);
-    } else act.to = this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Slot"].includes(act.tool) }));
+    } else act.to = this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Slot", "Measure"].includes(act.tool) }));
     this.board.invalidate();
   }
 
@@ -215,7 +216,7 @@ export class Hand {
   endLine(act, at, free, moved) {
     if (act.held === null) { // a slot that waits for the point that it holds
       const held = this.catcher.catch(at, this.options(free, { lines: true, without: [act.from.point, act.to.point] }));
-      this.act = null;
+      this.act = this.over = null;
       this.told.act({ act: "slot", from: bare(act.from), to: bare(act.to), held: bare(held) });
       return;
     }
@@ -342,6 +343,7 @@ export class Hand {
       p.dot(act.to.at, 6, { colour: theme.sky, fill: theme.paper, width: 2.5 });
     }
     if (act.from && act.to) p.line([act.from.at, act.to.at], { ...soft, width: act.tool === "Bar" ? 5 : 2.5, opacity: 0.7, dash: act.tool === "Slot" ? [8, 5] : null });
+    if (act.held === null && this.over) ring(this.over.at);
     if (act.from) p.dot(act.from.at, 5, { colour: theme.sky, fill: theme.paper, width: 2.5 });
     if (act.corners) p.line([...act.corners.map((one) => one.at), act.to.at, act.corners[0].at], { ...soft, dash: [7, 5] });
     for (const spot of act.spots ?? []) p.dot(spot.at, 6, { colour: theme.pink, fill: theme.paper, width: 2.5 });

@@ -6,17 +6,17 @@ const AGAIN = { driver: ["Name"], point: ["Name"] }; // not shown again where a 
 
 export class Panel {
   // write(chosen, field, text): a value was entered; act(name): a button.
-  constructor({ write, left, start, remove, keep }) {
+  constructor({ write, left, start, remove }) {
     this.write = write;
     this.left = left;
     this.title = h("h2", {}, "");
     this.form = h("div", { class: "fields" });
     this.alert = h("p", { class: "trouble", role: "alert", hidden: true });
     this.start = h("button", { class: "main", hidden: true, onclick: start }, "Start here");
-    this.keep = h("button", { hidden: true, onclick: keep }, "Keep");
+    this.readings = h("div", { class: "readings", hidden: true });
     this.remove = h("button", { class: "quiet", onclick: remove, title: "Delete (Del)" }, "Delete");
-    this.el = h("aside", { class: "edit-panel", "aria-label": "What is chosen", hidden: true }, this.title, this.form, this.alert,
-      h("div", { class: "buttons-of" }, this.start, this.keep, this.remove));
+    this.el = h("aside", { class: "edit-panel", "aria-label": "What is chosen", hidden: true }, this.title, this.form, this.readings, this.alert,
+      h("div", { class: "buttons-of" }, this.start, this.remove));
     this.inputs = new Map();
   }
 
@@ -25,7 +25,7 @@ export class Panel {
     const rows = things.flatMap((thing, k) => (fields[thing] ?? []).filter((field) => !(k > 0 && AGAIN[thing.split(" ")[0]]?.includes(field.name)))
       .map((field) => ({ ...field, thing })));
     const shape = JSON.stringify([title, rows.map((row) => [row.thing, row.name, row.choices])]);
-    this.el.hidden = !rows.length && this.start.hidden && this.keep.hidden;
+    this.el.hidden = !rows.length && this.start.hidden && this.readings.hidden;
     this.title.textContent = title;
     this.remove.hidden = !things.length;
     if (shape !== this.shape) this.build(rows);
@@ -36,6 +36,14 @@ export class Panel {
       if (!input.matches(":focus") || input.entered) input.value = row.text;
       input.entered = false;
     }
+  }
+
+  // Measures: words, and a button that keeps each as a signal.
+  list(rows) {
+    this.readings.hidden = !rows.length;
+    replace(this.readings, rows.map(({ words, keep }) => h("p", {}, words, keep ? h("button", { onclick: keep, title: "Record it as a signal of the model" }, "Keep") : null)));
+    this.el.hidden = !rows.length && !this.inputs.size && this.start.hidden;
+    if (rows.length) this.title.textContent = "Measured";
   }
 
   build(rows) {
