@@ -61,3 +61,14 @@ def test_what_does_not_fit_is_refused_and_nothing_is_drawn(bench, monkeypatch, w
     assert done.exit_code == 2
     assert words in done.output
     assert not (bench / "never.svg").exists()
+
+
+@pytest.mark.machine
+def test_a_report_names_the_measured_file_without_its_folder(tmp_path):
+    (tmp_path / "m.csv").write_text("t [ms];phi [deg]\n0;0,5\n4;-20,5\n", encoding="utf-8")
+    words = ("slider_crank", "--t-end", "5ms", "--with", f"{tmp_path}/./m.csv:phi=rod.angle")
+    done = call("-q", "report", *words, "-o", tmp_path / "r.html")
+    assert done.exit_code == 0, done.output
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "--with m.csv:phi=rod.angle" in text
+    assert str(tmp_path) not in text

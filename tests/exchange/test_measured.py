@@ -9,7 +9,7 @@ import pytest
 
 import rattle as rt
 from rattle.errors import InputError
-from rattle.exchange.measured import measured_curves, read_wanted
+from rattle.exchange.measured import measured_curves, read_wanted, without_folder
 from rattle.results.event import Breaks
 from rattle.results.result import Result
 from rattle.results.trust import Trust
@@ -109,6 +109,7 @@ def test_signs_in_names_of_files_and_columns_are_told_from_those_of_the_text(tmp
     (curve,) = measured_curves(f"{name}:x=y@z:1=p@0.5", {"p": "m"})
     assert (curve.column, curve.curve, curve.t.tolist()) == ("x=y@z:1", "p", [0.5])
     assert read_wanted(f"{name}@2s").offset == 2.0
+    assert without_folder(f"{tmp_path}/./{name.name}:x=y@z:1=p@0.5") == f"{name.name}:x=y@z:1=p@0.5"
     with pytest.raises(InputError, match=r"there is no file 'none\.csv'"):
         read_wanted("none.csv:x=y@2s")
 

@@ -64,25 +64,19 @@ def _typed(ctx: click.Context, file: str, target: object) -> str:
     import shlex
     from pathlib import Path
 
+    from rattle.exchange.measured import without_folder
+
     words = ["rattle", "report", Path(file).name]
     options = {param.name: param for param in ctx.command.params if isinstance(param, click.Option)}
     for name, value in ctx.params.items():
         option = options.get(name)
         if option is not None and name != "output" and value and value != option.default:
-            entries = map(_without_folder, value) if name == "measured" else value
+            entries = map(without_folder, value) if name == "measured" else value
             words += _flags(option.opts[-1], entries if isinstance(value, tuple) else (value,))
     words += ["--units", units] if (units := ctx.meta.get("rattle.units")) else []
     words += [part for path in ctx.meta.get("rattle.without", ()) for part in ("--without", path)]
     words += [part for path in ctx.meta.get("rattle.laws", ()) for part in ("--laws", Path(path).name)]
     return shlex.join([*words, "-o", Path(str(target)).name])
-
-
-def _without_folder(text: str) -> str:
-    """A measured curve with the name of its file alone."""
-    from rattle.exchange.measured import read_wanted
-
-    path = str(read_wanted(text).path)
-    return path.rpartition("/")[2] + text[len(path) :]
 
 
 def _flags(flag: str, entries: Iterable[object]) -> list[str]:

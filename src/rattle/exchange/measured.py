@@ -83,12 +83,7 @@ def read_wanted(text: str | Path) -> Wanted:
         return Wanted(text)
     if not isinstance(text, str):
         raise WrongType(f"expected a measured curve such as 'measured.csv:theta', got {text!r}")
-    if _is_file(text):
-        return Wanted(Path(text))
-    cuts = [k for k, sign in enumerate(text) if sign in ":@" and k > 1]  # C:\... is a path
-    end = next((k for k in reversed(cuts) if _is_file(text[:k])), None)
-    if end is None:
-        raise InputError(f"there is no file {quoted(text[: cuts[0]] if cuts else text)}")
+    end = _file_end(text)
     rest, at, offset = text[end:].rpartition("@")
     if not at:
         rest, offset = text[end:], ""
@@ -100,6 +95,23 @@ def read_wanted(text: str | Path) -> Wanted:
     if rest and not column:
         raise InputError(f"{quoted(text)}: a name of a column is missing after ':'")
     return Wanted(Path(text[:end]), column, seconds(offset, "the offset in time") if offset else 0.0)
+
+
+def _file_end(text: str) -> int:
+    """Where the name of the file ends in a text.  Raises InputError where there is no file."""
+    if _is_file(text):
+        return len(text)
+    cuts = [k for k, sign in enumerate(text) if sign in ":@" and k > 1]  # C:\... is a path
+    end = next((k for k in reversed(cuts) if _is_file(text[:k])), None)
+    if end is None:
+        raise InputError(f"there is no file {quoted(text[: cuts[0]] if cuts else text)}")
+    return end
+
+
+def without_folder(text: str) -> str:
+    """The same text with the name of the file alone."""
+    end = _file_end(text)
+    return Path(text[:end]).name + text[end:]
 
 
 def _is_file(text: str) -> bool:
