@@ -69,6 +69,12 @@ def test_angular_velocities_have_units_of_turning(tmp_path: Path, unit: str, val
     assert curve.values[0] == pytest.approx(value, rel=1e-15)
 
 
+def test_a_unit_in_round_brackets_is_refused_under_the_name_before_it(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").write_text("t,force (kN)\n0,1\n")
+    with pytest.raises(InputError, match=r"write the unit in square brackets, 'force \[kN\]'"):
+        measured_curves(f"{tmp_path / 'm.csv'}:force=O3.fx", UNITS)
+
+
 def test_words_and_counters_beside_a_column_with_the_unit_are_not_taken_for_the_curve(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text("t;count;note;a [deg]\n0;1;x;180\n")
     (curve,) = measured_curves(str(tmp_path / "m.csv"), UNITS, ["rocker.angle"])

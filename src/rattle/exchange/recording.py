@@ -48,6 +48,12 @@ class Title(NamedTuple):
     text: str
     place: int  # of the column, counted from 0
 
+    @property
+    def without_brackets(self) -> str:
+        """The name in front of a unit that stands in round brackets or behind a stroke."""
+        match = OTHERWISE.fullmatch(self.text) if self.unit is None else None
+        return match["name"] if match else ""
+
     def scale(self, place: str) -> tuple[float, Dimension | None]:
         """Size of the unit in SI and its dimension, None without a unit.  Raises InputError."""
         if self.unit is None:
@@ -115,6 +121,7 @@ class Recording(NamedTuple):
     def column(self, name: str) -> Title:
         """The title of a column, by its name or by all of its head.  Raises InputError if there is none, or several."""
         matching = [title for title in self.columns if name in (title.name, title.text)]
+        matching = matching or [title for title in self.columns if title.without_brackets == name]  # refused later
         if len(matching) == 1:
             return matching[0]
         if matching:
