@@ -24,6 +24,7 @@ from rattle.studio.draft import EMPTY, Draft
 from rattle.studio.easel import Act, Easel
 from rattle.studio.facts import facts, problem_without_place, problems_of
 from rattle.studio.folder import Folder
+from rattle.studio.measured import measured_columns
 from rattle.studio.shelf import Source
 from rattle.studio.tabs import TABS
 
@@ -209,6 +210,14 @@ class Desk:
             lambda _: {"kind": "picture-file", "name": name, "data": self.folder.picture(name)},
             self.send,
         )
+
+    def do_measured(self, file: str, text: str, curves: dict[str, str], shown: list[str]) -> None:
+        """A file of measured numbers was dropped on the page; nothing of it goes into the model."""
+        if not isinstance(file, str) or not isinstance(text, str):
+            raise InputError("expected a file of text")
+        units = {str(name): str(unit) for name, unit in dict(curves).items()}
+        chosen = [str(name) for name in shown]
+        self._errand(f"measured {file}", lambda _: measured_columns(file, text, units, chosen), self.send)
 
     def do_pick(self, number: int) -> None:
         """A bar of the ensemble was clicked: its mechanism is to be seen."""
