@@ -179,7 +179,27 @@ def _enter(table: Any, key: str, value: object, short: bool) -> None:
         return
     from tomlkit.items import InlineTable
 
-    table[key] = item(value, short or isinstance(table, InlineTable))
+    if isinstance(table, InlineTable):
+        _enter_in_line(table, key, value)
+    else:
+        table[key] = item(value, short)
+
+
+def _enter_in_line(table: Any, key: str, value: object) -> None:
+    """An entry of a table of one line, with the blanks about it that such a table has."""
+    import tomlkit
+    from tomlkit.items import Whitespace
+
+    entry, body, last = tomlkit.item(item(value, short=True)), table.value.body, None
+    if key in table:
+        table[key] = entry
+        return
+    while body and isinstance(body[-1][1], Whitespace):
+        last = body.pop()
+    entry.trivia.indent = " "
+    table[key] = entry
+    if last is not None or len(table) == 1:
+        body.append(last or (None, Whitespace(" ")))
 
 
 def _section(table: Any, key: str) -> None:

@@ -24,6 +24,7 @@ from rattle.sketch.numbers import degrees, in_unit_of, length
 NAMES = ("bodies", "joints", "drivers", "signals", "states", "loads")  # they share their names
 MISSED = 1e-9  # share of the size by which a body may stand elsewhere than drawn
 SAME = 1e-12  # change of a coordinate below which a driver starts as before [m, rad]
+SAME_LENGTH = 1e-12  # share of the size by which two values of a parameter are one
 LEAST = 1e-9  # share of the size below which two spots are one
 
 
@@ -64,6 +65,7 @@ class Revision:
         self.moved: list[str] = []  # bodies that stand elsewhere, or are new
         self.words: list[str] = []
         self.renaming: tuple[str, str, str] | None = None  # table, old and new name of an entry
+        self.parameters: dict[str, float] = {}  # parameters that get another value [SI]
 
     # ------------------------------------------------------------ entries
     def enter(self, path: Path, value: object) -> None:
@@ -184,12 +186,13 @@ class Revision:
         name, parameters = written.strip(), self.document.get("parameters", {})
         if name not in parameters:
             raise InputError(f"{what} is {written}: type a number to replace it")
-        entry = parameters[name]
-        path: Path = ("parameters", name, "value") if isinstance(entry, Mapping) else ("parameters", name)
-        old = entry.get("value") if isinstance(entry, Mapping) else entry
+        path = parameter_path(parameters, name)
+        old = _at_path(self.document, path)
         if isinstance(old, str) and _quantity(old) is None:
             self._set_parameter(old, value, f"{what}, {name},")
             return
+        if abs(self.parameters.setdefault(name, value) - value) > SAME_LENGTH * max(abs(value), self.sketch.size):
+            raise InputError(f"{what} is {name}, which would have to be two lengths: type a number to replace it")
         new = in_unit_of(old, value)
         self.enter(path, new)
         self.words.append(
@@ -341,6 +344,11 @@ class Revision:
         """These bodies, and those that joints connect with them."""
         near = {other for body in bodies for other in reached(self.document, body, moving=True)}
         return [name for name in self.places if name in near or name in set(bodies)]
+
+
+def parameter_path(parameters: Mapping[str, Any], name: str) -> Path:
+    """Where the value of a parameter stands."""
+    return ("parameters", name, "value") if isinstance(parameters[name], Mapping) else ("parameters", name)
 
 
 def _at_path(document: Mapping[str, Any], path: Path) -> Any:
