@@ -202,14 +202,15 @@ class Revision:
     # ------------------------------------------------------------ the new text
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
         """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
-        self._drive()
-        self._hold()
-        if near:
-            self._close_near()
-        self._start(self.moved)
+        if self.renaming is None:
+            self._drive()
+            self._hold()
+            if near:
+                self._close_near()
+            self._start(self.moved)
         sketch = self._drawn()
         for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
-            if not (astray := self._astray(sketch)):
+            if self.renaming is not None or not (astray := self._astray(sketch)):
                 break
             start([*self.moved, *self._beside(astray)])
             sketch = self._drawn()
