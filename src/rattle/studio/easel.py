@@ -148,7 +148,10 @@ class Easel:
         if quantity is None or not quantity[0] > 0.0 or quantity[1] not in (None, dimension_of("m")):
             raise InputError(f"'{message.get('text')}' is not a distance: type a length such as 0.5 m or 120 mm")
         (px, py), (qx, qy) = message["from"], message["to"]
-        factor = quantity[0] / (((qx - px) ** 2 + (qy - py) ** 2) ** 0.5)
+        between = math.hypot(qx - px, qy - py)
+        if not between > 0.0:
+            raise InputError("both clicks are at one place: click two points of the picture that are apart")
+        factor = quantity[0] / between
         ox, oy = picture.get("origin", (0.0, 0.0))
         value = {
             **picture,
