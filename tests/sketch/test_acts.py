@@ -352,3 +352,11 @@ def test_acts_are_plain_data_and_wrong_ones_are_answered():
     for message in ({"act": "bar", "from": 1, "to": 2}, {"act": "ground", "at": {"at": ["x", 1]}}, {"act": "ground"}):
         with pytest.raises(InputError):
             act(sketch, message)
+
+
+def test_a_body_is_turned_in_a_model_whose_table_lies_beside_it(tmp_path):
+    (tmp_path / "push.csv").write_text("t,f\n0,0\n1,1\n")
+    file = str(tmp_path / "m.toml")
+    text = fourbar().sketch.text + '[tables.push]\nfile = "push.csv"\n'
+    made = act(drawn(text, file), {"act": "type", "chosen": "body bar1", "field": "Angle", "text": "93 deg"}, file)
+    assert made.sketch.places["bar1"][2] == pytest.approx(math.radians(93), abs=1e-9)

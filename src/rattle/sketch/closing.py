@@ -23,11 +23,14 @@ STEPS = 60  # in which a length goes to where it no longer closes
 GROWTH = 1.25  # of the length in one such step
 
 
-def closed_near(document: Mapping[str, Any], near: Mapping[str, Place]) -> dict[str, Place] | None:
-    """Places of bodies where the mechanism of a document closes near these places; None where it does not."""
+def closed_near(document: Mapping[str, Any], near: Mapping[str, Place], file: str) -> dict[str, Place] | None:
+    """Places of bodies where the mechanism of a document closes near these places; None where it does not.
+
+    file: of the model, in whose folder its tables are.
+    """
     text = model_file.dump_json(document)
     try:
-        sketch = drawn_mechanism(text, dict(document), Mechanism.from_text(text).near(near), near)
+        sketch = drawn_mechanism(text, dict(document), Mechanism.from_text(text, file).near(near), near)
     except ModelError:
         return None
     return None if sketch.trouble else {name: sketch.places[name] for name in sketch.bodies}

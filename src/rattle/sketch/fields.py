@@ -218,7 +218,7 @@ def _short(value: float) -> str:
 def _turn(revision: Revision, name: str, text: str) -> Drawing:
     """Turn a body to an angle: the mechanism follows, and its motor starts there."""
     wanted = revision.number(value_of(text))
-    turned = turned_to(revision.sketch, name, wanted)
+    turned = turned_to(revision.sketch, name, wanted, revision.file)
     if turned is None:
         raise InputError(f"{name} cannot be at {text}: the mechanism does not reach it, or joints hold it")
     revision.places |= turned
@@ -226,7 +226,7 @@ def _turn(revision: Revision, name: str, text: str) -> Drawing:
     return revision.finish(f"{name} starts at {text}", f"body {name}")
 
 
-def turned_to(sketch: Drawn, name: str, angle: float) -> Mapping[str, Any] | None:
+def turned_to(sketch: Drawn, name: str, angle: float, file: str) -> Mapping[str, Any] | None:
     """Places at which a body has this angle, near where they are; None where it cannot be."""
     from rattle.sketch.closing import closed_near
 
@@ -238,7 +238,7 @@ def turned_to(sketch: Drawn, name: str, angle: float) -> Mapping[str, Any] | Non
             start[body] = {"x": sketch.places[body][0], "y": sketch.places[body][1], "angle": sketch.places[body][2]}
     start[name] = {**start[name], "angle": angle}
     near = {**sketch.places, name: (x, y, angle)}
-    places = closed_near({**document, "initial": start}, near)
+    places = closed_near({**document, "initial": start}, near, file)
     if places is None or abs(math.remainder(places[name][2] - angle, math.tau)) > 1e-9:
         return None
     return places
