@@ -11,7 +11,9 @@ from rattle.language.units import parse_quantity
 from rattle.sketch.numbers import degrees, in_unit_of, length, plain, shortest
 
 _LEAD = re.compile(r"\s*([+-]?\s*[\d.]+(?:[eE][+-]?\d+)?(?:\s*[A-Za-z]+)?)\s*(?=[+-]|$)")
-_RATE = re.compile(r"(.*?)(?:^|(?<=[+-])\s*|\s+)([^+*/()]+?)\s*\*\s*t\s*$")
+_FACTOR = r"(?:\d[\d.]*(?:[eE][+-]?\d+)?(?:\s*[A-Za-z][\w/]*)?|[A-Za-z_]\w*|\([^()]*\))"
+_RATE = re.compile(rf"(?P<start>.*?)\s*(?P<sign>(?<![\d.][eE])[+-])?\s*(?P<factor>{_FACTOR})\s*\*\s*t\s*")
+_SIMPLE = re.compile(rf"(?P<minus>-?)\s*(?P<factor>{_FACTOR})")
 _PRODUCT = re.compile(r"[\w.\s*/]+")
 
 
@@ -40,14 +42,23 @@ def shifted(written: object, start: float, change: float, turns: bool) -> str | 
 class Rate(NamedTuple):
     """The factor of t in "start + rate*t"."""
 
-    before: str
-    text: str
+    start: str
+    text: str  # with its sign
 
 
 def rate_of(written: object) -> Rate | None:
-    """What stands before "*t" at the end of a function of time; None where it is written otherwise."""
-    match = _RATE.match(written) if isinstance(written, str) else None
-    return Rate(match[1], match[2].strip()) if match else None
+    """Start and rate of a function of time, "start + rate*t" or "rate*t"; None where it is written otherwise."""
+    match = _RATE.fullmatch(written) if isinstance(written, str) else None
+    if match is None or (match["start"] and (not match["sign"] or _is_no_start(match["start"]))):
+        return None
+    factor = match["factor"]
+    inner = factor[1:-1].strip() if factor.startswith("(") and match["sign"] != "-" else factor
+    return Rate(match["start"].strip(), f"-{inner}" if match["sign"] == "-" else inner)
+
+
+def _is_no_start(text: str) -> bool:
+    """True of what has the time in it, or a parenthesis or sign that goes on behind it."""
+    return re.search(r"\b(t|if)\b", text) is not None or text.count("(") != text.count(")") or text[-1] in "+-*/(,"
 
 
 def with_rate(written: object, rate: str) -> str:
@@ -55,9 +66,11 @@ def with_rate(written: object, rate: str) -> str:
     old = rate_of(written)
     if old is None:
         raise InputError(f"the function is {written!r}, not a start and a rate: write it under Text")
-    sign = old.before.rstrip()
-    factor = rate if re.fullmatch(r"[\w.\s/-]+", rate) else f"({rate})"
-    return f"{sign} {factor}*t" if sign else f"{factor}*t"
+    simple = _SIMPLE.fullmatch(rate)
+    if old.start:
+        sign = "-" if simple and simple["minus"] else "+"
+        return f"{old.start} {sign} {simple['factor'] if simple else f'({rate})'}*t"
+    return f"{rate if simple else f'({rate})'}*t"
 
 
 def turned(angle: float) -> float:
