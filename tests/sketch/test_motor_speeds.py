@@ -6,6 +6,7 @@ import pytest
 from sheet import Sheet
 
 import rattle as rt
+from rattle.sketch.expressions import shifted
 from rattle.sketch.fields import fields_of
 
 ROTOR = """format = 1
@@ -48,3 +49,16 @@ def test_a_typed_speed_is_the_speed_and_the_start_stays(function, shown, begin, 
 def test_a_function_that_is_no_start_and_rate_is_shown_as_a_whole(function):
     fields = fields_of(Sheet(ROTOR.replace("FUNCTION", function)).sketch, "driver m")
     assert {field.name: field.text for field in fields}["Function"] == function
+
+
+@pytest.mark.parametrize(
+    "function",
+    ["90 deg - 60 rpm*t", "- 5 deg + w*t", "1.5e+0 - w*t", "0.25*pi + w*t", "w*t + 90 deg", "2*3 + w*t", "10 deg/2 - 3",
+     "sin(w*t)", "1/2 + w*t", "0.5 + w*t if t < 1 else 10.5", "max(1, 2) + w*t", "-w*t"],
+)  # fmt: skip
+def test_a_function_that_begins_elsewhere_differs_by_that_at_all_times(function):
+    before = rt.loads(ROTOR.replace("FUNCTION", function)).kinematics([0.0, 0.5, 1.5])["a.angle"]
+    moved = shifted(function, float(before[0]), 0.3, turns=True)
+    after = rt.loads(ROTOR.replace("FUNCTION", str(moved))).kinematics([0.0, 0.5, 1.5])["a.angle"]
+    for now, then in zip(after, before, strict=True):
+        assert math.remainder(now - then - 0.3, math.tau) == pytest.approx(0.0, abs=1e-9)

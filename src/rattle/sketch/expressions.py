@@ -25,7 +25,7 @@ def shifted(written: object, start: float, change: float, turns: bool) -> str | 
     if isinstance(written, int | float):
         return math.remainder(written + change, math.tau) if turns else length(written + change)
     text = str(written)
-    match = _LEAD.match(text)
+    match = _LEAD.match(text) if re.search(r"\bif\b", text) is None else None  # a start of one way would be no start
     lead = parse_quantity(match[1].replace(" ", "", 1) if match[1][0] in "+-" else match[1]) if match else None
     if match and lead is not None:
         if turns:
