@@ -62,3 +62,20 @@ def test_a_function_that_begins_elsewhere_differs_by_that_at_all_times(function)
     after = rt.loads(ROTOR.replace("FUNCTION", str(moved))).kinematics([0.0, 0.5, 1.5])["a.angle"]
     for now, then in zip(after, before, strict=True):
         assert math.remainder(now - then - 0.3, math.tau) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_point_of_a_driven_block_goes_along_its_line_and_the_block_stands():
+    """A guide along 30 deg through S: the motor begins where the point of the block is now."""
+    sheet = Sheet(
+        "format = 1\n[ground.points]\nS = [0.1, 0.2]\n"
+        "[bodies.b]\npoints = { P = [0, 0], Q = [0.05, 0.02] }\nmass = 1\ninertia = 0.01\n"
+        '[joints.G]\ntype = "prismatic"\nconnect = ["ground.S", "b.P"]\naxis = "30 deg"\n'
+        '[drivers.m]\njoint = "G"\nposition = "20 mm + 5 mm/s*t"\n'
+    )
+    along, other = (math.cos(math.pi / 6), math.sin(math.pi / 6)), sheet.place("b.Q")
+    to = [0.1 + 0.05 * along[0], 0.2 + 0.05 * along[1]]
+    sheet.do("drop", point="b.P", to={"at": to})
+    assert sheet.place("b.P") == pytest.approx(to, abs=1e-12)
+    assert sheet.place("b.Q") == pytest.approx(other, abs=1e-12)
+    assert sheet.table["drivers"]["m"]["position"] == "50 mm + 5 mm/s*t"
+    assert sheet.table["bodies"]["b"]["points"]["P"] == [pytest.approx(0.03, abs=1e-13), 0]

@@ -38,10 +38,10 @@ def plain(value: float) -> str:
     return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
 
 
-def in_unit_of(written: object, value: float) -> float | str:
-    """A length or coordinate [m] in the unit of the quantity that stood there, or as a number in m."""
+def in_unit_of(written: object, value: float, size: float = 0.0) -> float | str:
+    """A length or coordinate [m] in the unit of the quantity that stood there, or as a number in m; size as above."""
     if not isinstance(written, str) or parse_quantity(written) is None:
-        return length(value)
+        return length(value, size)
     unit = re.sub(r"^[\s+\-\d.eE_]+", "", written).strip()
     one = parse_quantity(f"1 {unit}") if unit else None
-    return length(value) if one is None else f"{plain(length(value / one[0]))} {unit}"
+    return length(value, size) if one is None else f"{plain(length(value / one[0], size / one[0]))} {unit}"

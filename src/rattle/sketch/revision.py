@@ -180,7 +180,7 @@ class Revision:
         if isinstance(written, str) and _quantity(written) is None:
             self._set_parameter(written, value, what)
             return
-        self.enter(path, in_unit_of(written, value))
+        self.enter(path, in_unit_of(written, value, self.sketch.size))
 
     def _set_parameter(self, written: str, value: float, what: str) -> None:
         name, parameters = written.strip(), self.document.get("parameters", {})
@@ -193,7 +193,7 @@ class Revision:
             return
         if abs(self.parameters.setdefault(name, value) - value) > SAME_LENGTH * max(abs(value), self.sketch.size):
             raise InputError(f"{what} is {name}, which would have to be two lengths: type a number to replace it")
-        new = in_unit_of(old, value)
+        new = in_unit_of(old, value, self.sketch.size)
         self.enter(path, new)
         self.words.append(
             f"parameter {name} is {new}{' m' if not isinstance(new, str) else ''} now, wherever it is used"
@@ -203,7 +203,7 @@ class Revision:
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
         """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
         if self.renaming is None:
-            self._drive(self.sketch.places)
+            self._drive(self.sketch)
             self._hold()
             if near:
                 self._close_near()
@@ -211,8 +211,8 @@ class Revision:
         sketch = self._drawn()
         if self.renaming is None and self._recentre(sketch):
             sketch = self._drawn()
-        if self.parameters and not sketch.trouble and self._drive(sketch.places):  # functions may depend on them
-            sketch = self._drawn()
+        if (self.parameters or self.moved) and not sketch.trouble and self._drive(sketch):
+            sketch = self._drawn()  # functions have parameters that change, or joints points that move in their bodies
         for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
             if self.renaming is not None or not (astray := self._astray(sketch)):
                 break
@@ -270,15 +270,15 @@ class Revision:
         self._start(self.moved[before:])
         return len(self.moved) > before
 
-    def _drive(self, places: Mapping[str, Place]) -> bool:
-        """Let drivers start where their joints are meant to be, from where these places have them; True if any does."""
+    def _drive(self, sketch: Drawn) -> bool:
+        """Let drivers start where their joints are meant to be, from where this drawing has them; True if any does."""
         before = len(self.changes)
         for name, driver in self.sketch.model.drivers.items():
             entry = self.document.get("drivers", {}).get(name)
             key = next((key for key in ("angle", "position") if isinstance(entry, Mapping) and key in entry), "")
             if not key or not driver.joint or driver.joint not in self.document.get("joints", {}):
                 continue
-            old, new = self.coordinate(driver.joint, places), self.coordinate(driver.joint, self.places)
+            old, new = (self.coordinate(driver.joint, places, sketch) for places in (sketch.places, self.places))
             change = turned(new - old) if key == "angle" else new - old
             if abs(change) > SAME:
                 assert entry is not None
@@ -302,9 +302,9 @@ class Revision:
         nowhere = (0.0, 0.0, 0.0)
         return places.get(b, nowhere)[2] - places.get(a, nowhere)[2]
 
-    def coordinate(self, joint: str, places: Mapping[str, Place]) -> float:
+    def coordinate(self, joint: str, places: Mapping[str, Place], sketch: Drawn | None = None) -> float:
         """Angle [rad] or position [m] of B relative to A at these places."""
-        form = self.sketch.model.joints[joint]
+        form = (sketch or self.sketch).model.joints[joint]
         a, b = (places.get(point.body, (0.0, 0.0, 0.0)) for point in (form.a, form.b))
         if form.coordinate == "angle":
             return b[2] - a[2]
