@@ -27,6 +27,7 @@ export class Show {
     this.latest = value;
     this.otherwise = false;
     this.badge.hidden = true;
+    this.edit?.fail("");
     const run = value.scene.runs[0];
     if (this.live && this.live.base === value.base && this.follows(run.parameters)) {
       if (this.lost) this.app.setRun(run); // what the page could not compute the studio could
@@ -121,6 +122,7 @@ export class Show {
   }
 
   failed(words) {
+    this.edit?.fail(words);
     this.badge.hidden = false;
     this.badge.textContent = `${this.app ? "old; " : ""}no motion: ${words}`;
   }
@@ -155,6 +157,7 @@ export class Show {
 
   clear() {
     this.app?.destroy();
+    this.edit?.board.run(null);
     this.app = this.live = this.latest = null;
     this.place.replaceChildren();
     this.back.hidden = true;
