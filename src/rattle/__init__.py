@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rattle.elements.custom.contact_law import friction_law, normal_law
     from rattle.elements.custom.load_law import load_law
     from rattle.errors import AssemblyError, InputError, ModelError, SolverError
+    from rattle.exchange.read import read
     from rattle.loading import example, examples, load, loads
     from rattle.mechanism import Mechanism
     from rattle.questions.film.bearing import Film
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "Mechanism": "mechanism", "load": "loading", "loads": "loading", "example": "loading",
-    "examples": "loading",
+    "examples": "loading", "read": "exchange.read",
     "InputError": "errors", "ModelError": "errors", "AssemblyError": "errors", "SolverError": "errors",
     "Result": "results.result", "Event": "results.event", "Trust": "results.trust", "load_result": "results.result",
     "load_law": "elements.custom.load_law", "normal_law": "elements.custom.contact_law",
@@ -52,6 +53,7 @@ __all__ = [
     "load_result",
     "loads",
     "normal_law",
+    "read",
 ]
 
 

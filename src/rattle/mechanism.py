@@ -50,15 +50,18 @@ class Mechanism(OfMechanism, AnalysedModel):
             return table(("where", "what is still wrong or missing"), problems, repr(self)[1:-1])
         return card(repr(self)[1:-1].partition(": ")[2], drawing(self), tables, hint="m.check(), m.simulate()")
 
-    def view(self, t_end: Seconds | None = None) -> Any:
+    def view(
+        self, t_end: Seconds | None = None, *, title: str = "", curves: Sequence[str] = (), language: str = "en"
+    ) -> Any:
         """The mechanism in a notebook, moving, with sliders; a widget.  t_end: of the motion at first [s].
 
-        Computed in the browser where the model can be recorded, else by the kernel.  Raises MissingPackage, ModelError,
-        AssemblyError.
+        Computed in the browser where the model can be recorded, else by the kernel.  title, curves, language: as of
+        `page`.  Raises MissingPackage, ModelError, AssemblyError, ValueError for an unknown curve or language.
         """
         from rattle.pages.notebook import view
+        from rattle.pages.wishes import Wishes
 
-        return view(self, seconds_or_none(t_end, "t_end"))
+        return view(self, seconds_or_none(t_end, "t_end"), Wishes(title, curves, language=language))
 
     def report(
         self, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: Seconds | None = None,
@@ -79,7 +82,7 @@ class Mechanism(OfMechanism, AnalysedModel):
     def page(
         self, path: str | os.PathLike[str], *, t_end: Seconds | None = None,
         over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False, title: str = "",
-        curves: Sequence[str] = (), trust: bool = True,
+        curves: Sequence[str] = (), trust: bool = True, language: str = "en",
     ) -> str:  # fmt: skip
         """Write the mechanism as one web page that computes: `m.page("fourbar.html")`; no server, no internet.
 
@@ -90,11 +93,12 @@ class Mechanism(OfMechanism, AnalysedModel):
         SI or texts such as "1 mm", all combinations.  progress: show a progress bar.
         title: above the page, instead of the name of the model.  curves: those shown at first.  trust: False leaves one
         word of how far the motion can be trusted, and hides the reasons.
-        Raises ModelError, AssemblyError, OSError; ValueError for more than 40 runs or an unknown curve.
+        language: of the labels: "en", "de", "fr", "es" or "zh"; sentences about trust and errors stay English.
+        Raises ModelError, AssemblyError, OSError; ValueError for more than 40 runs, an unknown curve or language.
         """
         from rattle.pages.page import page
 
         return page(
             self, path, t_end=seconds_or_none(t_end, "t_end"), over=over, progress=progress, title=title,
-            curves=curves, trust=trust,
+            curves=curves, trust=trust, language=language,
         )  # fmt: skip

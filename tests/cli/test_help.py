@@ -9,6 +9,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
+import foreign_texts
 import rattle as rt
 from rattle.cli.main import COMMANDS, main
 
@@ -34,8 +35,10 @@ LINES = [
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """A folder with what the examples work on: model files, and results of the four-bar."""
+    """A folder with what the examples work on: model files, files of other programs, results of the four-bar."""
     folder = tmp_path_factory.mktemp("help")
+    (folder / "bars.asmt").write_text(foreign_texts.fourbar().text())
+    (folder / "walker.json").write_text(foreign_texts.pylinkage())
     for name, path in rt.examples().items():
         shutil.copy(path, folder / f"{name}.toml")
     rt.example("fourbar").simulate("50 ms").save(folder / "out.nc")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from browsing import becomes
 from rattle.errors import MissingPackage
 from rattle.pages.notebook import Kernel, kernel_scene, module_text, view, widget_class
 from rattle.results.archive import package
@@ -143,6 +144,31 @@ def test_a_widget_is_live_without_a_kernel(open_page, tmp_path):
         got = page.evaluate("async (force) => { await app.set('F', force); return app.curve('block.x'); }", force)
         np.testing.assert_allclose(got["y"], 0.5 * force * np.array(got["t"]) ** 2, rtol=0.0, atol=1e-9)
     assert page.evaluate("window.sent.length") == 0
+
+
+SECOND = """() => {
+  const place = document.createElement("div"), { words, language, ...scene } = app.viewer.scene;
+  document.body.append(place);
+  window.other = app.mount(place, scene);
+}"""
+
+
+def test_views_of_one_notebook_may_have_their_own_languages(open_page, tmp_path):
+    """With the title and the curves that were asked for; the viewer is one module for all of them."""
+    pytest.importorskip("anywidget")
+    m = rt.loads(SLIDER)
+    page = opened(open_page, tmp_path, m.view(title="Ein Klotz", curves=["block.vx"], language="de"))
+    page.evaluate(SECOND)
+    becomes(page, "() => other.names.length > 5 && other.viewer.curves.chosen.length > 0")
+    assert page.evaluate("app.viewer.curves.chosen") == ["block.vx"]
+    assert page.evaluate("[app.viewer, other.viewer].map(({ parts }) => parts.title.textContent)") == ["Ein Klotz"] * 2
+    page.evaluate("[app, other].forEach(({ viewer }) => viewer.trace('block', true))")
+    assert page.evaluate("[app, other].map(({ viewer }) => viewer.tools.traces.textContent)") == [
+        "Bahnen (1)",
+        "Paths (1)",
+    ]
+    with pytest.raises(ValueError, match=r"no curve 'block\.v'; did you mean"):
+        m.view(curves=["block.v"])
 
 
 def test_a_slider_of_a_widget_is_answered_by_the_kernel(open_page, tmp_path, stopped):

@@ -7,6 +7,7 @@ import logging
 import os
 import sys
 from functools import partial
+from keyword import iskeyword
 from typing import Any
 
 import click
@@ -21,6 +22,7 @@ STOPPED = 130  # exit status after Ctrl-C, as shells have it
 OTHERS = {
     "demo": ("show", 10, "What two loose pins do to a crank-rocker: a table, a picture, a page with sliders, CSV."),
     "example": ("files", 20, "List the shipped examples, or print one as a model file."),
+    "import": ("import_", 25, "Read a mechanism of FreeCAD, Ondsel, PMKS+, pylinkage, or a DXF drawing."),
     "studio": ("studio", 60, "A page on this computer in which one turns knobs, looks, analyses and writes the model."),
     "plot": ("show", 190, "Plot curves, spectra, paths of points or pin orbits of a saved result."),
     "animate": ("show", 200, "Animate a saved result (GIF or MP4)."),
@@ -157,7 +159,8 @@ def _command(name: str) -> click.Command:
         from rattle.cli.asked import command_of
 
         return command_of(ASKED[name])
-    command: click.Command = getattr(module, name.replace("-", "_"))
+    word = name.replace("-", "_")
+    command: click.Command = getattr(module, f"{word}_" if iskeyword(word) else word)
     return command
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rattle.pages.words import ENGLISH, LANGUAGES
+
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
@@ -85,6 +87,21 @@ settings_option = click.option(
     help="Where a model is given in place of a result: change a parameter or any entry of it; may be given more than"
     " once.",
 )  # fmt: skip
+
+
+def page_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options --title, --curves and --language to a command that writes a page."""
+    function = click.option(
+        "--language", type=click.Choice(LANGUAGES), default=ENGLISH, show_default=True,
+        help="Language of the labels of the page; sentences about trust, notes and errors stay English.",
+    )(function)  # fmt: skip
+    function = click.option(
+        "--curves", multiple=True, metavar="NAME,NAME",
+        help="Curves that the page shows at first; several with commas, or give the option again.",
+    )(function)  # fmt: skip
+    return click.option("--title", default="", help="What stands above the page; default: the name of the model.")(
+        function
+    )
 
 
 def model_options(function: Callable[..., Any]) -> Callable[..., Any]:

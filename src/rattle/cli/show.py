@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rattle.answers.arguments import listed
 from rattle.cli.command import Command
-from rattle.cli.options import read_result, settings_option
+from rattle.cli.options import page_options, read_result, settings_option
 from rattle.cli.output import check_files, check_pictures, say_written
 
 if TYPE_CHECKING:
@@ -172,6 +173,7 @@ def _labelled(text: str) -> tuple[str, str]:
     help="Point whose path is drawn, e.g. coupler.P; may be given more than once.",
 )
 @settings_option
+@page_options
 @click.option("--names", is_flag=True, help="Label the bodies with their names.")
 @click.option("--power", is_flag=True, help="Arrows through joints, drivers and loads, as wide as their power.")
 def animate(
@@ -183,11 +185,14 @@ def animate(
     settings: tuple[str, ...],
     names: bool,
     power: bool,
+    title: str,
+    curves: tuple[str, ...],
+    language: str,
 ) -> None:
     """Animate a saved result, with the pin in its bush magnified beside it.
 
     A page (.html) is one file that needs no network: play, stop, go back, choose curves and forces, in any browser and
-    on a phone.  --frames and --power are for .gif and .mp4.
+    on a phone.  --title, --curves and --language are for pages, --frames and --power for .gif and .mp4.
 
     \b
     Example:  rattle animate out.nc -o out.html
@@ -198,5 +203,8 @@ def animate(
     if Path(output).suffix.lower() != ".html":
         require_film(output)
     check_files(result, output)
-    read_result(result, settings).animate(output, frames=frames, trace=trace, speed=speed, names=names, power=power)
+    read_result(result, settings).animate(
+        output, frames=frames, trace=trace, speed=speed, names=names, power=power, title=title,
+        curves=listed(*curves), language=language,
+    )  # fmt: skip
     say_written(output)

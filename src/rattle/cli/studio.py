@@ -22,7 +22,9 @@ OPEN = (
 def studio(file: str | None, port: int, no_browser: bool, address: str, yes: bool) -> None:
     """See a mechanism, turn its knobs and analyse it, in a browser on this computer.
 
-    FILE is a model file or the name of a shipped example; without it the studio begins with an example.  Its address
+    FILE is a model file or the name of a shipped example; without it the studio begins with an example.  Edit turns the
+    Motion tab into a sheet on which mechanisms are drawn with the mouse; New, or a file with nothing but `format = 1`,
+    is an empty one.  Its address
     is printed, and works once; Enter prints a new one.  Only model files in the folder where it was started are read
     and written.  Ctrl-C ends it.
 

@@ -27,10 +27,10 @@ _DOT = re.compile(r"[\w-][ \t]*+\.(?=[ \t]*+[\w-])")
 _NO_KEY = re.compile(r"[^\w.\- \t]+")
 
 
-def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Text and name of a model file.
+def read_bytes(path: str | os.PathLike[str]) -> tuple[bytes, str]:
+    """Content and name of a file that holds a mechanism.
 
-    Raises ModelError if the file is missing, too large or not UTF-8, and TypeError if `path` is not a path.
+    Raises ModelError if the file is missing or too large, and TypeError if `path` is not a path.
     """
     if not isinstance(path, str | os.PathLike):
         raise WrongType(f"expected the name of a model file, got {path!r:.60}")
@@ -46,6 +46,15 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
         raise ModelError([Problem((), f"not a file name: {error}")], name) from None
     if len(content) > LARGEST:
         raise ModelError([Problem((), _too_large("file", size))], name)
+    return content, name
+
+
+def read_file(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Text and name of a model file.
+
+    Raises ModelError if the file is missing, too large or not UTF-8, and TypeError if `path` is not a path.
+    """
+    content, name = read_bytes(path)
     try:
         return content.decode("utf-8"), name
     except UnicodeDecodeError as error:

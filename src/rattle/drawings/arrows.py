@@ -24,6 +24,8 @@ FEWEST, WIDEST = 0.5, 1.5 * math.pi  # angle of an arc that is drawn, and of the
 SPOT, SMALL = (12.0, -2.0), 9.0  # middle and radius of the arc of the scale [pixels]
 STEP = 0.45  # least share of the usual force that the scale shows
 UP = 0.5 * math.pi
+# what the scales of arrows are of
+OF_JOINTS, OF_LOADS, OF_TURNS = "joint, on its second body", "spring, bushing, actuator", "driver, load"
 
 
 class Style(NamedTuple):
@@ -132,7 +134,7 @@ def _straight_ones(
     for force, colour in [*own, *((f, "green") for f in other)]:
         way = stretched(sheet, force.x, force.y, usual, (LONG * sheet.side, MOST))
         straight(sheet, force.at, way, Style(colour), force.when)
-    titles = (("joint, on its second body", "black"), ("spring, bushing, actuator", "green"))
+    titles = ((OF_JOINTS, "black"), (OF_LOADS, "green"))
     return [_scale(sheet, usual, some, *words) for some, words in zip(sizes, titles, strict=True) if some]
 
 
@@ -198,7 +200,7 @@ def _scale(sheet: Sheet, usual: Number, sizes: Sequence[Number], text: str, colo
 def _scale_of_moments(sheet: Sheet, usual: Number, moments: Sequence[Number]) -> dict[str, Any]:
     step = call("nice", STEP * usual)
     drawn = sheet.apart(lambda: _moment(sheet, sheet.spot(*SPOT), step / usual, SMALL))
-    words = {"text": "driver, load", "unit": "N*m", "line": ["pink", 0.0], "drawn": drawn}
+    words = {"text": OF_TURNS, "unit": "N*m", "line": ["pink", 0.0], "drawn": drawn}
     return _told(sheet, moments, step, sheet.number(2.0 * SPOT[0])) | words
 
 

@@ -17,6 +17,7 @@ from rattle.mechanism import Mechanism
 from rattle.pages.page import live_scene, words_of
 from rattle.pages.scene import run_of, scene_json, scene_of
 from rattle.pages.viewer_text import viewer_text
+from rattle.pages.wishes import AS_USUAL, Wishes
 from rattle.plots.diagram import drawing
 from rattle.results.archive import package
 from rattle.results.columns import geometry
@@ -27,20 +28,20 @@ from rattle.value_types import Tree
 LATER = {"error": "another motion was asked for meanwhile"}
 
 
-def view(m: Mechanism, t_end: float | None = None) -> Any:
+def view(m: Mechanism, t_end: float | None = None, wishes: Wishes = AS_USUAL) -> Any:
     """A widget with the mechanism, sliders for its parameters, curves and trust; see `Mechanism.view`."""
     kind = widget_class("m.view()")
     try:
         scene, by_kernel = live_scene(m, t_end), None
     except TraceError as error:
         scene, by_kernel = kernel_scene(m, t_end, str(error)), Kernel(m, t_end)
-    return kind(scene, by_kernel, _still(m))
+    return kind(wishes.of(scene), by_kernel, _still(m))
 
 
-def view_result(r: Result) -> Any:
+def view_result(r: Result, wishes: Wishes = AS_USUAL) -> Any:
     """A widget that plays one result; see `Result.view`."""
     kind = widget_class("r.view()")
-    return kind(scene_of([("", r)]), None, r._repr_html_())
+    return kind(wishes.of(scene_of([("", r)])), None, r._repr_html_())
 
 
 def kernel_scene(m: Mechanism, t_end: float | None, why: str) -> dict[str, Any]:

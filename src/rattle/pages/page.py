@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rattle.errors import InputError, TraceError, suggest
+from rattle.errors import TraceError
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
@@ -19,10 +19,10 @@ from rattle.pages.scene import OF_GHOST, frame_of, run_of, scene_json
 from rattle.pages.sweep_page import sweep_scene
 from rattle.pages.thinning import shared_rows
 from rattle.pages.viewer_text import joined, viewer_files
+from rattle.pages.wishes import Wishes
+from rattle.pages.words import ENGLISH, UNNAMED, words_in
 from rattle.results.columns import geometry
-from rattle.results.derived import rules
 from rattle.results.handy_units import written_units
-from rattle.value_types import Tree
 
 WORKER = "live_worker.js"
 REPLAYED = 101  # instants of the motion that a browser shows which cannot compute
@@ -32,14 +32,15 @@ EXPORT = re.compile(r"^export \{.*\};\n|^export ", re.MULTILINE)
 def page(
     m: Mechanism, path: str | os.PathLike[str], *, t_end: float | None = None,
     over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False, title: str = "",
-    curves: Sequence[str] = (), trust: bool = True,
+    curves: Sequence[str] = (), trust: bool = True, language: str = ENGLISH,
 ) -> str:  # fmt: skip
     """Write the page of a mechanism; returns why it replays runs that were computed before, "" if it computes.
 
     t_end: of the motion at first [s], instead of the model's.  over: values of parameters whose runs a page holds that
-    cannot compute, see `sweep_page.runs_of`.  title, curves, trust: as of `Mechanism.page`.  Raises ModelError,
-    AssemblyError, InputError, OSError.
+    cannot compute, see `sweep_page.runs_of`.  title, curves, trust, language: as of `Mechanism.page`.  Raises
+    ModelError, AssemblyError, InputError, OSError.
     """
+    words_in(language)  # it is refused before anything runs
     scene, why = None, "these values were asked for"
     if over is None:
         try:
@@ -49,19 +50,8 @@ def page(
             why = str(error).replace("straight-line code", "a page")
     if scene is None or why:
         scene = sweep_scene(m, why, t_end=t_end, over=over, progress=progress)
-    _require_curves(scene, curves)
-    shown = {**scene["show"], **({"curves": list(curves)} if curves else {}), **({} if trust else {"trust": False})}
-    write_page({**scene, "show": shown, "title": title or scene["title"]}, path)
+    write_page(Wishes(title, curves, trust, language).of(scene), path)
     return why
-
-
-def _require_curves(scene: Tree, curves: Sequence[str]) -> None:
-    """Raise InputError for a curve that the motions of a page do not have."""
-    stored = scene["runs"][0]["names"] if scene["runs"] else scene["live"]["names"]
-    present = [*stored, *rules(scene["geometry"], set(stored))]
-    for name in curves:
-        if name not in present:
-            raise InputError(f"the motion has no curve '{name}'{suggest(name, present)}")
 
 
 def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
@@ -74,7 +64,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
     drawing = json.loads(json.dumps(geometry(m.model)))
     return {
         **frame_of(drawing),
-        "title": m.name or "Mechanism",
+        "title": m.name or UNNAMED,
         "geometry": drawing,
         "units": written_units(m.to_json()),
         "runs": [],

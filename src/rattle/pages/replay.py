@@ -14,6 +14,8 @@ from rattle.pages.ghost import ghost_of
 from rattle.pages.packed import lettered
 from rattle.pages.scene import require_motion, scene_json, scene_of
 from rattle.pages.viewer_text import joined, viewer_files, viewer_text
+from rattle.pages.wishes import AS_USUAL, Wishes
+from rattle.pages.words import ENGLISH, words_in
 from rattle.plots.orbit import require_point
 from rattle.results.result import Result
 from rattle.value_types import Tree
@@ -22,7 +24,7 @@ from rattle.value_types import Tree
 # may evaluate expressions in it
 POLICY = "default-src 'unsafe-inline' 'unsafe-eval' data: blob:"
 PAGE = """<!DOCTYPE html>
-<html lang="en">
+<html lang="{language}">
 <head>
 <meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="{policy}">
@@ -35,7 +37,7 @@ PAGE = """<!DOCTYPE html>
 <body>
 <div id="rattle"></div>
 <script>window.rattle = undefined; // until it is there: a browser would give the element of that name</script>
-<noscript>This page shows a motion: it needs JavaScript, which is switched off here.</noscript>
+<noscript>{silent}</noscript>
 <script type="application/json" id="scene">{scene}</script>
 <script type="module">
 {viewer}
@@ -46,6 +48,7 @@ window.rattle = mount(document.getElementById("rattle"), scene, {host});
 </html>
 """
 
+SILENT = "This page shows a motion: it needs JavaScript, which is switched off here."
 # the viewer of a page that computes, compressed: such a page needs a browser that can unpack anyway
 UNPACKED = """@unpack@async function unpackedViewer(letters) {
   const text = await unpackedText(letters);
@@ -60,7 +63,7 @@ UNPACK = "unpack.js"
 
 def replay(
     result: Result, path: str | os.PathLike[str], *, trace: Iterable[str] = (), names: bool = False,
-    speed: float | None = None, ideal: Result | None = None,
+    speed: float | None = None, ideal: Result | None = None, wishes: Wishes = AS_USUAL,
 ) -> None:  # fmt: skip
     """Write the page of one result.
 
@@ -72,12 +75,12 @@ def replay(
     for point in show["traces"]:
         require_point(result, point)
     scene = scene_of([("", result)], ideal=ideal, show=show)
-    write_page(scene, path)
+    write_page(wishes.of(scene), path)
 
 
 def animate(
     result: Result, path: str | os.PathLike[str], *, trace: Iterable[str], names: bool, speed: float | None,
-    film: Mapping[str, bool],
+    wishes: Wishes, film: Mapping[str, bool],
 ) -> None:  # fmt: skip
     """`Result.animate` for a page; film: settings that only .gif and .mp4 have, and whether they were given."""
     if asked := [key for key, is_given in film.items() if is_given]:
@@ -85,7 +88,7 @@ def animate(
     if speed is not None and not 0.0 < speed < math.inf:
         raise InputError(f"speed must be positive and finite, got {speed:g}")
     require_motion(result)
-    replay(result, path, trace=trace, names=names, speed=speed, ideal=ghost_of(result))
+    replay(result, path, trace=trace, names=names, speed=speed, ideal=ghost_of(result), wishes=wishes)
 
 
 def write_page(scene: Tree, path: str | os.PathLike[str]) -> None:
@@ -97,11 +100,12 @@ def write_page(scene: Tree, path: str | os.PathLike[str]) -> None:
 
 def page_text(scene: Tree) -> str:
     """A scene with the viewer as the text of one HTML file."""
-    text = viewer_text()
+    text, language = viewer_text(), scene.get("language", ENGLISH)
     viewer = _unpacked(text) if scene["live"] else text.replace("</script", "<\\/script")
     return PAGE.format(
         policy=html.escape(POLICY), program=html.escape(str(scene["program"])), title=html.escape(str(scene["title"])),
-        scene=scene_json(scene), viewer=viewer, host="{ page: true }",
+        scene=scene_json(scene), viewer=viewer, host="{ page: true }", language=language,
+        silent=words_in(language).get(SILENT, SILENT),
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from rattle.drawings.forms import display_list, form_of, play_of
 from rattle.errors import InputError
 from rattle.pages.derived_curves import derived_curves
 from rattle.pages.thinning import Between, Rows, between, shared_rows
+from rattle.pages.words import UNNAMED
 from rattle.plots.scene import BODIES
 from rattle.results.contact_summary import contact_lines, far_apart
 from rattle.results.handy_units import units_of_result
@@ -59,7 +60,7 @@ def scene_of(
     remarks += [TOWERING] if any(result.trust.unread for _, result in results) else []
     scene: dict[str, Any] = plain({
         **frame_of(first.geometry),
-        "title": title or str(first.provenance.get("model") or "") or "Mechanism",
+        "title": title or str(first.provenance.get("model") or "") or UNNAMED,
         "geometry": first.geometry,
         "units": units_of_result(first.provenance),
         "runs": runs,

@@ -356,14 +356,16 @@ class Result(OfResult):
 
         return amplitude_spectrum(self.t, self[name])
 
-    def view(self) -> Any:
+    def view(self, *, title: str = "", curves: Iterable[str] = (), language: str = "en") -> Any:
         """The motion in a notebook: play, curves, forces, orbits.  Returns a widget.
 
-        Raises MissingPackage without anywidget, ValueError for a result without motion.
+        title, curves, language: as of `animate`.  Raises MissingPackage without anywidget, ValueError for a result
+        without motion, an unknown curve or language.
         """
         from rattle.pages.notebook import view_result
+        from rattle.pages.wishes import Wishes
 
-        return view_result(self)
+        return view_result(self, Wishes(title, tuple(curves), language=language))
 
     @overload
     def plot_path(self, *points: str, ax: None = None) -> Figure: ...
@@ -395,6 +397,7 @@ class Result(OfResult):
     def animate(
         self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),
         dpi: float = 90.0, speed: float | None = None, names: bool = False, power: bool = False,
+        title: str = "", curves: Iterable[str] = (), language: str = "en",
     ) -> Picture:  # fmt: skip
         """Write the motion of the mechanism as a page (.html), or as .gif or .mp4; a notebook shows it.
 
@@ -403,19 +406,24 @@ class Result(OfResult):
         `fps` [1/s].  trace: points ("coupler.P") whose paths are drawn.  dpi: resolution [1/inch].  speed: of the
         animation relative to the motion, 0.1 for ten times slower; of a .gif or .mp4 it sets the number of frames.
         names: label the bodies with their names.  power: arrows show the power that goes through joints, and from
-        drivers and loads, by their width.
-        Raises InputError for another suffix or a result without instants, UnknownName, MissingProgram without ffmpeg.
+        drivers and loads, by their width.  Of a page: title stands above it, instead of the name of the model; curves
+        are those shown at first; language is that of its labels: "en", "de", "fr", "es" or "zh".
+        Raises InputError for another suffix, a result without instants, an unknown curve or language, UnknownName,
+        MissingProgram without ffmpeg.
         """
         if Path(path).suffix.lower() == ".html":
             from rattle.pages import replay
+            from rattle.pages.wishes import Wishes
 
             replay.animate(
-                self, path, trace=trace, names=names, speed=speed,
+                self, path, trace=trace, names=names, speed=speed, wishes=Wishes(title, tuple(curves), True, language),
                 film={"frames": frames != 120, "fps": fps != 20, "dpi": dpi != 90.0, "power": power},
             )  # fmt: skip
             return Picture(Path(path))
         from rattle.plots import animation
 
+        if title or tuple(curves) or language != "en":
+            raise InputError("title, curves and language: only pages (.html) have them, leave them out")
         animation.animate(
             self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names, power=power
         )

@@ -13,9 +13,8 @@ from rattle.description import file as model_file
 from rattle.equations.closure import close_position, open_by
 from rattle.errors import AssemblyError, ModelError
 from rattle.mechanism import Mechanism
-from rattle.sketch.drawn import Drawn, Place, drawn_mechanism
+from rattle.sketch.drawn import SHUT, Drawn, Place, drawn_mechanism
 
-SHUT = 1e-9  # share of the size up to which joints count as closed
 ROUNDS = 40  # of Newton's method
 HALVINGS = 9  # of an interval in which the last length that closes lies
 STEPS = 60  # in which a length goes to where it no longer closes

@@ -18,15 +18,18 @@ from rattle.analyses.assembly.assembly import has_play, without_play
 from rattle.analyses.assembly.start_constants import as_guessed
 from rattle.description import file as model_file
 from rattle.description.model import Model, is_ground, point_of_ground
-from rattle.equations.closure import open_by
+from rattle.equations.closure import close_position, open_by
 from rattle.equations.dense import dense_rows
 from rattle.equations.system import System
 from rattle.errors import AssemblyError
+from rattle.jit import functions
 from rattle.jit import layout as at
 from rattle.mechanism import Mechanism
 
 PINS = ("revolute", "fixed")  # joints whose two points are one place
 OPEN = 1e-6  # share of the size of the drawing from which on joints that are apart are told
+SHUT = 1e-9  # share of the size up to which joints count as closed
+ROUNDS = 60  # of Newton's method
 STAND_IN = "nothing"  # a body that a text without bodies is given, so that it can be read
 NEARNESS = 1e-6  # weight of the change of a place beside what is open, where joints cannot be closed
 
@@ -180,12 +183,16 @@ def drawn(text: str, file: str = "", before: Mapping[str, Place] | None = None) 
 def drawn_mechanism(text: str, document: dict[str, Any], m: Mechanism, before: Mapping[str, Place]) -> Drawn:
     """Draw a mechanism whose text has been read.  Raises ModelError."""
     m.model  # noqa: B018  reads it: problems of the text are problems here
+    functions.start()  # one drawing follows the other: machine code pays
+    guess = _Guess(m, before) if before else None
+    if guess is not None and not guess.closes():  # to look everywhere for a closing would take seconds
+        return Drawn(text, document, m, _by_body(*guess.nearly()), guess.why, guess.system)
     try:
         system, q = _closed(m)
         trouble = ""
     except AssemblyError as error:
+        system, q = (guess or _Guess(m, before)).nearly()
         trouble = str(error)
-        system, q = _nearly_closed(m, before)
     return Drawn(text, document, m, _by_body(system, q), trouble, system)
 
 
@@ -212,33 +219,55 @@ def _closed(m: Mechanism) -> tuple[System, np.ndarray]:
     return system, m.start.q
 
 
-def _nearly_closed(m: Mechanism, before: Mapping[str, Place]) -> tuple[System, np.ndarray]:
-    """Places where the joints are as nearly closed as can be, near those that bodies had."""
-    from scipy.optimize import least_squares
+class _Guess:
+    """A mechanism as [initial] has it and as it was before: whether it closes near there, and how nearly it does."""
 
-    system, guess = as_guessed(m.model)
-    rates = np.zeros_like(guess)
-    workspace = system.workspace()
-    as_before = guess.copy()
-    for k, name in enumerate(system.bodies):
-        as_before[3 * k : 3 * k + 3] = before.get(name, guess[3 * k : 3 * k + 3])
+    def __init__(self, m: Mechanism, before: Mapping[str, Place]) -> None:
+        self.system, guess = as_guessed(m.model)
+        self.workspace = self.system.workspace()
+        self.rates = np.zeros_like(guess)
+        as_before = guess.copy()
+        for k, name in enumerate(self.system.bodies):
+            as_before[3 * k : 3 * k + 3] = before.get(name, guess[3 * k : 3 * k + 3])
+        self.guesses = [guess, as_before]
 
-    def residuals(q: np.ndarray) -> np.ndarray:
-        open_by(workspace, 0.0, q, rates)
-        return np.array(workspace.rows[:, at.RES])
+    @property
+    def why(self) -> str:
+        """That it is open, in words."""
+        return "the joints do not close near where they are drawn"
 
-    gaps = [(float(np.linalg.norm(np.nan_to_num(residuals(q), nan=math.inf))), q) for q in (guess, as_before)]
-    start = min(gaps, key=lambda pair: pair[0])[1]
-    if not len(system.rows) or not np.isfinite(residuals(start)).all():
-        return system, start
-    scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
+    def residuals(self, q: np.ndarray) -> np.ndarray:
+        """What the joints are open by at these positions [m or rad]."""
+        open_by(self.workspace, 0.0, q, self.rates)
+        return np.array(self.workspace.rows[:, at.RES])
 
-    def merit(z: np.ndarray) -> np.ndarray:
-        return np.concatenate([np.nan_to_num(residuals(start + z * scale), nan=1e3), NEARNESS * z])
+    def closes(self) -> bool:
+        """True if Newton's method closes the joints from one of the guesses."""
+        return any(self._closes(guess.copy()) for guess in self.guesses)
 
-    def slope(z: np.ndarray) -> np.ndarray:
-        residuals(start + z * scale)
-        return np.vstack([dense_rows(system, workspace) * scale, NEARNESS * np.eye(len(z))])
+    def _closes(self, q: np.ndarray) -> bool:
+        if not np.isfinite(self.residuals(q)).all():
+            return False
+        shut = SHUT * self.system.size
+        gap, _ = close_position(self.workspace, 0.0, q, np.zeros_like(q), shut, ROUNDS)
+        return bool(gap <= shut)
 
-    solved = least_squares(merit, np.zeros_like(start), slope, max_nfev=60)
-    return system, start + solved.x * scale
+    def nearly(self) -> tuple[System, np.ndarray]:
+        """Places where the joints are as nearly closed as can be, near the better guess."""
+        from scipy.optimize import least_squares
+
+        gaps = [float(np.linalg.norm(np.nan_to_num(self.residuals(q), nan=math.inf))) for q in self.guesses]
+        start, system = self.guesses[int(np.argmin(gaps))], self.system
+        if not len(system.rows) or not math.isfinite(min(gaps)):
+            return system, start
+        scale = np.tile([1.0, 1.0, 1.0 / system.size], system.body_count)
+
+        def merit(z: np.ndarray) -> np.ndarray:
+            return np.concatenate([np.nan_to_num(self.residuals(start + z * scale), nan=1e3), NEARNESS * z])
+
+        def slope(z: np.ndarray) -> np.ndarray:
+            self.residuals(start + z * scale)
+            return np.vstack([dense_rows(system, self.workspace) * scale, NEARNESS * np.eye(len(z))])
+
+        solved = least_squares(merit, np.zeros_like(start), slope, max_nfev=60)
+        return system, start + solved.x * scale

@@ -14,7 +14,7 @@ from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
 from rattle.sketch.numbers import degrees, length, plain
-from rattle.sketch.removing import rename
+from rattle.sketch.removing import TABLES, rename
 from rattle.sketch.revision import Drawing, Revision
 
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
@@ -35,8 +35,9 @@ class Field(NamedTuple):
 def fields_of(sketch: Drawn, chosen: str) -> list[Field]:
     """The fields of something in a drawing, such as "body bar1" or "point ground.O1"."""
     kind, _, name = chosen.partition(" ")
+    there = sketch.points if kind == "point" else sketch.document.get(TABLES.get(kind, ""), {})
     reader: Callable[[Drawn, str], Iterator[Field]] | None = READERS.get(kind)
-    return list(reader(sketch, name)) if reader is not None else []
+    return list(reader(sketch, name)) if reader is not None and name in there else []
 
 
 def _written(value: object) -> str:

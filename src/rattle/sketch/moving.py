@@ -113,11 +113,11 @@ def drop(revision: Revision, point: str, target: str) -> Drawing | None:
 
 
 def drop_on_line(revision: Revision, point: str, body: str, at: Spot) -> Drawing:
-    """Put a point onto the line of a bar and pin it there."""
-    if point.partition(".")[0] == body:
-        raise InputError(f"{point} belongs to {body}: it cannot be joined to it")
-    own = revision.body_point(body, at)
+    """Put a point onto the line of a bar and pin it there.  Raises InputError for a point that is joined to it."""
+    if body in {name.partition(".")[0] for name in revision.sketch.joined(point)}:
+        raise InputError(f"{point} belongs to {body}, or is pinned to it: it cannot be joined to it again")
     carry(revision, point, at)
+    own = revision.body_point(body, at)
     ends = (point, own) if point.startswith("ground.") else (own, point)
     joint = revision.pin(*ends)
     return revision.finish(f"{joint} joins {point} to {body}", f"joint {joint}", "Play")

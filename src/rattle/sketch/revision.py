@@ -200,6 +200,7 @@ class Revision:
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
         """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
         self._drive()
+        self._hold()
         if near:
             self._close_near()
         self._start(self.moved)
@@ -243,6 +244,23 @@ class Revision:
             if abs(change) > SAME:
                 assert entry is not None
                 self.enter(("drivers", name, key), shifted(entry[key], old, change, key == "angle"))
+
+    def _hold(self) -> None:
+        """Let welds and guides hold the relative angles that are meant."""
+        for name, joint in {} if self.sketch.stand_in else self.sketch.model.joints.items():
+            entry = self.document.get("joints", {}).get(name)
+            if joint.kind not in ("fixed", "prismatic") or not isinstance(entry, Mapping):
+                continue
+            old, new = (self._turn(joint.a.body, joint.b.body, places) for places in (self.sketch.places, self.places))
+            if abs(turned(new - old)) > SAME:
+                written = entry.get("angle", degrees(old))
+                self.enter(("joints", name, "angle"), shifted(written, old, turned(new - old), turns=True))
+
+    @staticmethod
+    def _turn(a: str, b: str, places: Mapping[str, Place]) -> float:
+        """Angle of one body relative to another [rad]."""
+        nowhere = (0.0, 0.0, 0.0)
+        return places.get(b, nowhere)[2] - places.get(a, nowhere)[2]
 
     def coordinate(self, joint: str, places: Mapping[str, Place]) -> float:
         """Angle [rad] or position [m] of B relative to A at these places."""

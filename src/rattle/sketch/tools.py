@@ -8,12 +8,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rattle.description.polygon import figure_of, is_inside
+from rattle.description.polygon import fault, figure_of, is_inside
 from rattle.errors import InputError
 from rattle.sketch.drawn import Drawn, Place, Spot
 from rattle.sketch.expressions import turned, two_digits
 from rattle.sketch.freedoms import freedoms_left
-from rattle.sketch.numbers import degrees, length, plain
+from rattle.sketch.numbers import degrees, length, plain, shortest
 from rattle.sketch.revision import Caught, Drawing, Revision
 
 PER_METRE = 1.0  # mass of a new bar [kg/m]
@@ -22,6 +22,8 @@ PLATE = {"thickness": "5 mm", "density": "7850 kg/m^3"}  # of a new plate: steel
 STIFFNESS = 100  # of a new spring [N/m]
 SPEED = "60 rpm"  # of a new motor
 STROKE = 0.1  # share of the size of the drawing by which a new motor moves a slider
+ROUND = 1e-6  # of a force, by which what is written may miss the arrow [N]
+HERE = 1e-9  # share of the size within which a point is at a spot
 PARALLEL = 1e-3  # sine of an angle below which two bars do not cross clearly
 NOTHING = 0.25  # of a snap: what is shorter is nothing
 DRIVEN = {"revolute": "angle", "prismatic": "position", "slot": "position"}
@@ -79,6 +81,8 @@ def plate(revision: Revision, corners: Sequence[Caught]) -> Drawing | None:
     signs = [chr(ord("A") + k) if k < 26 else f"P{k + 1}" for k in range(len(own))]
     points = dict(zip(signs, own, strict=True))
     revision.enter(("bodies", name), {"polygon": own, **PLATE, "points": points})
+    if wrong := fault([(x, y) for x, y in own]):
+        raise InputError(f"this is no plate: {wrong}")
     x, y = figure_of([(x, y) for x, y in own]).centre
     revision.places[name] = spots[0][0] + x, spots[0][1] + y, 0.0
     revision.moved.append(name)
@@ -101,8 +105,10 @@ def pin(revision: Revision, at: Caught, within: float) -> Drawing:
     bodies = [body for body in sketch.bodies if _reaches(sketch, body, spot, within)][:2]
     if not bodies:
         raise InputError("there is no body here: click where two bodies cross, or on a body to pin it to the ground")
-    spot = _crossing(sketch, bodies, spot, within)
-    ends = [_point_there(revision, body, spot, within) for body in bodies]
+    near = [point for body in bodies if (point := _point_near(sketch, body, spot, within))]
+    spot = sketch.points[near[0]] if near else _crossing(sketch, bodies, spot, within)
+    here = HERE * sketch.size
+    ends = [_point_near(sketch, body, spot, here) or revision.body_point(body, spot) for body in bodies]
     if len(ends) == 1:
         ends.insert(0, revision.ground_point(spot))
     name = revision.pin(*ends)
@@ -142,11 +148,11 @@ def _distance(spot: Spot, p: Spot, q: Spot) -> float:
     return math.dist(spot, (p[0] + share * across[0], p[1] + share * across[1]))
 
 
-def _point_there(revision: Revision, body: str, spot: Spot, within: float) -> str:
-    """The point of a body at a spot, made if there is none."""
-    near = [name for name in revision.sketch.model.bodies[body].points
-            if math.dist(revision.sketch.points[f"{body}.{name}"], spot) <= within]  # fmt: skip
-    return f"{body}.{near[0]}" if near else revision.body_point(body, spot)
+def _point_near(sketch: Drawn, body: str, spot: Spot, within: float) -> str:
+    """The point of a body that is nearest to a spot, "" if none is within reach."""
+    points = [f"{body}.{name}" for name in sketch.model.bodies[body].points]
+    nearest = min(points, key=lambda point: math.dist(sketch.points[point], spot), default="")
+    return nearest if nearest and math.dist(sketch.points[nearest], spot) <= within else ""
 
 
 def slider(revision: Revision, at: Caught, along: float) -> Drawing:
@@ -276,7 +282,7 @@ def force(revision: Revision, at: Caught, to: Spot, snap: float) -> Drawing | No
     if not point or point.startswith("ground."):
         raise InputError("a force acts on a body: drag from a point of one")
     name = revision.free_name("force")
-    parts = [length((b - a) / snap, 1.0) for a, b in zip(spot, to, strict=True)]
+    parts = [shortest((b - a) / snap, ROUND) for a, b in zip(spot, to, strict=True)]
     revision.enter(("loads", name), {"type": "force", "at": point, "force": parts})
     size = plain(two_digits(math.hypot(*parts)))
     return revision.finish(f"{name} at {point}, {size} N", f"load {name}", "Force")

@@ -248,7 +248,7 @@ class Desk:
         self._errand("open", lambda _: example_text(library[name]), lambda text: self._begin(text, ""))
 
     def do_new(self) -> None:
-        """Begin with an empty text."""
+        """Begin with an empty sheet."""
         self._begin(EMPTY, "")
 
     def do_save(self, name: str = "", sure: bool = False) -> None:

@@ -10,26 +10,7 @@ from rattle.studio.folder import Folder, Refused, mark_of
 from rattle.studio.shelf import Source
 
 EMPTY = """format = 1
-name = "my mechanism"
 gravity = [0, -9.81]
-
-[parameters]
-l = { value = "1 m", min = "0.2 m", max = "2 m" }
-
-[ground.points]
-O = [0, 0]
-
-[bodies.rod]
-bar = ["A", "B"]
-length = "l"
-mass = 1
-
-[joints.O]
-type = "revolute"
-connect = ["ground.O", "rod.A"]
-
-[simulate]
-t_end = "2 s"
 """
 
 

@@ -6,13 +6,25 @@ import logging
 
 from rattle.loading import loads
 from rattle.studio import worker  # noqa: F401  # what the processes import
-from rattle.studio.draft import EMPTY
+
+PENDULUM = """format = 1
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[bodies.rod]
+bar = ["A", "B"]
+length = 1
+mass = 1
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "rod.A"]
+"""
 
 
 def warm() -> None:
     """Run a small model once."""
     try:
-        loads(EMPTY).simulate(0.01)
+        loads(PENDULUM).simulate(0.01)
     except Exception as error:  # a session will say what is wrong
         logging.getLogger("rattle").debug(f"nothing could be run: {error}")
 

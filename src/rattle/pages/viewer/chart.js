@@ -6,12 +6,12 @@ import { make, say } from "./dom.js";
 import { gestures } from "./gestures.js";
 import { FONT, sized } from "./painter.js";
 import { axisTicks, steady } from "./units.js";
+import { inEnglish } from "./words.js";
 
 const LEFT = 58, RIGHT = 12, TOP = 10, BOTTOM = 24; // pixels around the lines
 const LETTER = 6.5; // of the label of the horizontal axis, which stands right of its numbers [pixels]
 const CLOSEST = 1e-5; // shortest part of an axis that can be shown, as a share of the whole
 const NEAR = 4; // so close the mouse is at something [pixels]
-const AFTER = "after the horizon: statistics only";
 
 // The part of the horizontal axis that is shown; several charts may share one.
 export class Scope {
@@ -45,10 +45,11 @@ export class Scope {
 }
 
 export class Chart {
-  // host: {invalidate(), mayZoom(event), readout(x, span): a text, seek(x) where a click goes to a place}
+  // host: {invalidate(), mayZoom(event), readout(x, span): a text, seek(x) where a click goes to a place, word: of its language}
   constructor(scope, host) {
     this.scope = scope;
     this.host = host;
+    this.word = host.word ?? inEnglish;
     this.lines = [];
     this.notes = []; // marks on the upper edge, {x, strong, words}
     this.horizon = null; // right of it the ground is grey
@@ -117,7 +118,7 @@ export class Chart {
   setLines(lines, { across, up, factor = 1, unit = "" }) {
     Object.assign(this, { lines, across, up, factor, unit, fresh: null });
     for (const line of lines) line.text = steady(factor * largest(line)); // a small curve keeps its digits beside a large one
-    this.below.setAttribute("aria-label", `${up} over ${across}: ${lines.map((line) => line.name).join(", ")}`);
+    this.below.setAttribute("aria-label", this.word("{up} over {across}: {names}", { up, across, names: lines.map((line) => line.name).join(", ") }));
   }
 
   get seen() { return this.lines.filter((line) => !line.hidden); }
@@ -205,7 +206,7 @@ export class Chart {
     c.fillStyle = theme.grey;
     c.font = `11px ${FONT}`;
     c.textAlign = "right";
-    if (labelled && wide > 60) c.fillText(AFTER, this.X(to) - 6, TOP + 12, wide - 10);
+    if (labelled && wide > 60) c.fillText(this.word("after the horizon: statistics only"), this.X(to) - 6, TOP + 12, wide - 10);
   }
 
   // Notes as short ticks on the upper edge.
@@ -336,7 +337,7 @@ export class Chart {
     const near = (single) => single && Math.abs(this.X(single.x) - x) < NEAR;
     const named = this.seen.filter((line) => line.name);
     say(this.tip, [this.host.readout(at, this.scope.span), ...named.map((line) => row(line, valueOf(line, at))),
-      ...named.filter((line) => !line.dash && near(line.peak)).map((line) => `largest ${row(line, line.peak.y)}, within the steps`),
+      ...named.filter((line) => !line.dash && near(line.peak)).map((line) => this.word("largest {value}, within the steps", { value: row(line, line.peak.y) })),
       ...this.notes.filter(near).slice(0, 3).map((note) => note.words)].join("\n"));
     this.tip.hidden = false;
     const left = x > this.width / 2 ? x - this.tip.offsetWidth - 10 : x + 10;

@@ -4,31 +4,32 @@ import { make } from "./dom.js";
 import { printed } from "./units.js";
 
 // Groups [{title, names}] of names of curves: by what stands before the first dot; what belongs to nothing comes last.
-export function grouped(motion) {
+export function grouped(motion, word) {
   const { geometry } = motion, groups = new Map();
-  const kindOf = (owner) => owner in geometry.bodies ? `${owner} (body)` : owner in geometry.joints ? `${owner} (joint)`
-    : owner in geometry.loads ? `${owner} (load)` : owner === "energy" ? "energy" : owner;
+  const kindOf = (name) => name in geometry.bodies ? word("{name} (body)", { name }) : name in geometry.joints ? word("{name} (joint)", { name })
+    : name in geometry.loads ? word("{name} (load)", { name }) : name === "energy" ? word("energy") : name;
   for (const name of motion.names) {
-    const dot = name.indexOf("."), title = dot > 0 ? kindOf(name.slice(0, dot)) : "signals and states";
+    const dot = name.indexOf("."), title = dot > 0 ? kindOf(name.slice(0, dot)) : word("signals and states");
     groups.set(title, [...(groups.get(title) ?? []), name]);
   }
   return [...groups].map(([title, names]) => ({ title, names }));
 }
 
 export class Chooser {
-  // host: {choose(names)}
+  // host: {choose(names), word}
   constructor(host) {
+    const { word } = host;
     this.host = host;
     this.chosen = [];
-    this.search = make("input", { type: "search", placeholder: "Search: angle, O3, force …", "aria-label": "Search curves",
+    this.search = make("input", { type: "search", placeholder: word("Search: angle, O3, force …"), "aria-label": word("Search curves"),
       oninput: () => this.filter() });
-    this.list = make("div", { class: "names", role: "group", "aria-label": "Curves" });
-    this.none = make("p", { class: "quiet", hidden: true }, "No curve has all of these words.");
-    this.element = make("div", { class: "chooser", role: "dialog", "aria-label": "Choose curves", hidden: true,
+    this.list = make("div", { class: "names", role: "group", "aria-label": word("Curves") });
+    this.none = make("p", { class: "quiet", hidden: true }, word("No curve has all of these words."));
+    this.element = make("div", { class: "chooser", role: "dialog", "aria-label": word("Choose curves"), hidden: true,
       onkeydown: (event) => { if (event.key === "Escape") { event.stopPropagation(); this.open(false); } } },
     this.search, this.none, this.list);
     this.toggle = make("button", { type: "button", class: "chip strong", "aria-expanded": "false", onclick: () => this.open(this.element.hidden) },
-      "Choose curves");
+      word("Choose curves"));
   }
 
   open(now) {
@@ -42,7 +43,7 @@ export class Chooser {
     if (this.names === motion.names.join("\n")) return;
     this.names = motion.names.join("\n");
     this.rows = [];
-    this.groups = grouped(motion).map(({ title, names }) => {
+    this.groups = grouped(motion, this.host.word).map(({ title, names }) => {
       const rows = names.map((name) => this.row(name, printed(motion.unit(name))));
       this.rows.push(...rows);
       const element = make("details", {}, make("summary", {}, title, make("span", { class: "quiet" }, ` ${names.length}`)),

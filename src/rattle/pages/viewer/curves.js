@@ -5,7 +5,7 @@ import { Panel } from "./panel.js";
 import { handyUnit } from "./units.js";
 
 export class Curves {
-  // host: {seek(t), choose(names), invalidate(), mayZoom(event)}
+  // host: {seek(t), choose(names), invalidate(), mayZoom(event), word}
   constructor(element, host) {
     this.element = element;
     this.host = host;

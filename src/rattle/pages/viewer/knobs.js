@@ -25,6 +25,7 @@ export class Knobs {
   constructor(viewer, source, { ideal = false, model = "", first = null } = {}) {
     const { knobs, live } = viewer.scene;
     this.viewer = viewer;
+    this.word = viewer.word;
     this.source = source;
     this.hasIdeal = ideal;
     this.model = model;
@@ -60,42 +61,44 @@ export class Knobs {
 
   // ---------------------------------------------------------------- what is shown
   build(root) {
+    const { word } = this;
     const limited = [...this.knobs.values()].filter((one) => one.min !== null && one.max !== null);
     const others = [...this.knobs.values()].filter((one) => !limited.includes(one));
-    this.which = make("div", { class: "which", role: "group", "aria-label": "Set of parameters" });
-    this.compare = make("button", { type: "button", class: "chip", "aria-pressed": "false", title: "Two sets of parameters side by side",
-      onclick: () => this.turnSecond(!this.sets.B) }, "Compare");
-    this.reset = make("button", { type: "button", class: "chip", title: "All parameters as in the model file", onclick: () => this.resetAll() }, "Reset");
-    this.said = make("p", { class: "refused bad", role: "alert", hidden: true });
-    this.time = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": "End of the motion", title: "End of the motion, such as 2 s",
+    this.which = make("div", { class: "which", role: "group", "aria-label": word("Set of parameters") });
+    this.compare = make("button", { type: "button", class: "chip", "aria-pressed": "false", title: word("Two sets of parameters side by side"),
+      onclick: () => this.turnSecond(!this.sets.B) }, word("Compare"));
+    this.reset = make("button", { type: "button", class: "chip", title: word("All parameters as in the model file"), onclick: () => this.resetAll() }, word("Reset"));
+    this.said = make("p", { class: "refused bad", role: "alert", lang: "en", hidden: true });
+    this.time = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": word("End of the motion"), title: word("End of the motion, such as 2 s"),
       onchange: () => this.typeEnd() });
     const list = make("div", { class: "rows" }, ...limited.map((one) => this.row(one)));
     root.append(
-      make("div", { class: "bar" }, make("b", {}, "Parameters"), this.which, this.compare, this.reset, make("span", { class: "grow" }),
-        make("label", { class: "until" }, "until", this.time), this.handing()),
+      make("div", { class: "bar" }, make("b", {}, word("Parameters")), this.which, this.compare, this.reset, make("span", { class: "grow" }),
+        make("label", { class: "until" }, word("until"), this.time), this.handing()),
       this.said, list,
-      ...(others.length ? [make("details", { class: "more", ...(limited.length ? {} : { open: true }) }, make("summary", {}, limited.length ? `${others.length} more` : "All parameters"),
+      ...(others.length ? [make("details", { class: "more", ...(limited.length ? {} : { open: true }) }, make("summary", {}, limited.length ? word("{count} more", { count: others.length }) : word("All parameters")),
         make("div", { class: "rows" }, ...others.map((one) => this.row(one))))] : []));
     root.hidden = false;
   }
 
   row(knob) {
-    const own = knob.shown ? unitOf(knob.shown) : null;
+    const { word } = this, own = knob.shown ? unitOf(knob.shown) : null;
     const handy = handyUnit(knob.unit, Math.max(...[knob.min, knob.max, knob.value].filter((x) => x !== null).map(Math.abs)), this.viewer.scene.units);
     const shown = own ? { unit: knob.shown, factor: own[0] } : { unit: handy.unit, factor: 1 / handy.factor };
     const around = Math.abs(knob.value) || 1;
     const range = { min: knob.min ?? knob.value - 0.5 * around, max: knob.max ?? knob.value + 0.5 * around, value: knob.value, factor: shown.factor };
     const name = knob.label || knob.name;
-    const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": name, title: "Double-click: as in the model file",
+    const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": name, title: word("Double-click: as in the model file"),
       oninput: () => this.quietly(this.turned(knob.name, valueAt(row.range, Number(slider.value)))),
       ondblclick: () => this.quietly(this.turned(knob.name, knob.value)) });
-    const box = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": `${name} in ${shown.unit || "its unit"}`,
-      title: `Type a number, in ${printed(shown.unit) || "its own unit"} unless you write another unit`,
+    const box = make("input", { type: "text", class: "typed", inputmode: "decimal", "aria-label": shown.unit ? word("{name} in {unit}", { name, unit: shown.unit }) : word("{name} in its unit", { name }),
+      title: shown.unit ? word("Type a number, in {unit} unless you write another unit", { unit: printed(shown.unit) })
+        : word("Type a number, in its own unit unless you write another unit"),
       onchange: () => this.typed(row), onkeydown: (event) => this.nudge(row, event) });
     const long = name !== knob.name, label = make("label", { class: "name", title: long ? `${name} (${knob.name})` : name,
       ondblclick: () => this.quietly(this.turned(knob.name, knob.value)) }, make("span", {}, ...broken(name)));
     const about = knob.description ? make("p", { class: "about quiet", hidden: true }, knob.description) : null;
-    if (about) label.append(make("button", { type: "button", class: "ask quiet", "aria-label": `What ${name} is`, "aria-expanded": "false",
+    if (about) label.append(make("button", { type: "button", class: "ask quiet", "aria-label": word("What {name} is", { name }), "aria-expanded": "false",
       onclick: ({ currentTarget: ask }) => {
         about.hidden = !about.hidden;
         ask.setAttribute("aria-expanded", String(!about.hidden));
@@ -121,7 +124,7 @@ export class Knobs {
     this.time.parentElement.hidden = this.end === null;
     const names = this.sets.B ? ["A", "B"] : [];
     this.which.replaceChildren(...names.map((one) => make("button", { type: "button", class: "chip strong", "aria-pressed": String(one === this.now),
-      title: `Turn the parameters of ${one}; the other one is dashed`, onclick: () => this.look(one) }, one)));
+      title: this.word("Turn the parameters of {name}; the other one is dashed", { name: one }), onclick: () => this.look(one) }, one)));
     this.compare.setAttribute("aria-pressed", String(Boolean(this.sets.B)));
   }
 
@@ -254,7 +257,6 @@ export class Knobs {
     if (!main) return;
     const other = this.now === "A" ? B : A;
     main.label = B ? this.now : "";
-    if (ideal) ideal.label = "without play";
     this.viewer.setRun(main, { ghost: ideal, others: B && other ? [other] : [] });
   }
 
@@ -272,15 +274,15 @@ export class Knobs {
     const { busy } = this.viewer.parts;
     if (!this.working) busy.hidden = true;
     else this.sayBusy = setTimeout(() => {
-      const stop = make("button", { type: "button", class: "chip", title: "Show what was computed so far", onclick: () => this.source.stop?.() }, "Stop");
-      this.share = make("span", {}, "computing …");
+      const stop = make("button", { type: "button", class: "chip", title: this.word("Show what was computed so far"), onclick: () => this.source.stop?.() }, this.word("Stop"));
+      this.share = make("span", {}, this.word("computing …"));
       busy.replaceChildren(this.share, ...(this.source.stop ? [stop] : []));
       busy.hidden = false;
     }, 250);
   }
 
   progress(share) {
-    if (this.share) say(this.share, `computing … ${Math.floor(100 * share)} %`);
+    if (this.share) say(this.share, `${this.word("computing …")} ${Math.floor(100 * share)} %`);
   }
 
   refuse(text) {
@@ -290,17 +292,17 @@ export class Knobs {
 
   // ---------------------------------------------------------------- handing over
   handing() {
-    const menu = make("div", { class: "menu right", hidden: true, role: "group", "aria-label": "Hand over" });
+    const { word } = this, menu = make("div", { class: "menu right", hidden: true, role: "group", "aria-label": word("Hand over") });
     const act = (text, title, call) => make("button", { type: "button", class: "item", title, onclick: () => { open(false); call(); } }, text);
-    const toggle = make("button", { type: "button", class: "chip", "aria-expanded": "false", title: "Link, model file, curves",
-      onclick: () => open(menu.hidden) }, "Send");
+    const toggle = make("button", { type: "button", class: "chip", "aria-expanded": "false", title: word("Link, model file, curves"),
+      onclick: () => open(menu.hidden) }, word("Send"));
     const open = (on) => {
       menu.hidden = !on;
       toggle.setAttribute("aria-expanded", String(on));
     };
-    menu.append(act("Copy a link to this setting", "The address of this page with the parameters in it", () => this.copyLink()),
-      ...(this.model ? [act("Model file with these parameters", "A .toml file for rattle", () => downloadText("model.toml", modelFile(this.model, this.sets[this.now], this.knobs)))] : []),
-      act("Curves that are shown, as CSV", "One row per instant, SI units", () => downloadText("curves.csv", runTable(this.viewer.motion, this.viewer.curves.chosen))));
+    menu.append(act(word("Copy a link to this setting"), word("The address of this page with the parameters in it"), () => this.copyLink()),
+      ...(this.model ? [act(word("Model file with these parameters"), word("A .toml file for rattle"), () => downloadText("model.toml", modelFile(this.model, this.sets[this.now], this.knobs)))] : []),
+      act(word("Curves that are shown, as CSV"), word("One row per instant, SI units"), () => downloadText("curves.csv", runTable(this.viewer.motion, this.viewer.curves.chosen))));
     menu.addEventListener("keydown", (event) => {
       if (event.key !== "Escape") return;
       event.stopPropagation();
@@ -352,11 +354,11 @@ export class Knobs {
     try {
       await navigator.clipboard.writeText(address);
       this.refuse("");
-      say(this.viewer.parts.busy, "copied");
+      say(this.viewer.parts.busy, this.word("copied"));
       this.viewer.parts.busy.hidden = false;
       setTimeout(() => { this.viewer.parts.busy.hidden = true; }, 1200);
     } catch {
-      globalThis.prompt("Copy this address:", address);
+      globalThis.prompt(this.word("Copy this address:"), address);
     }
   }
 

@@ -2,33 +2,37 @@
 
 import { button, make, say, toggle } from "./dom.js";
 
-const KEYS = [
-  ["Space", "play and pause"], ["← →", "one instant back or on, with Shift ten"], ["Home, End", "to the start, to the end"],
-  ["+ −", "faster, slower"], ["L", "loop"], ["T", "paths of points"], ["F", "forces"], ["G", "the mechanism without play"],
-  ["N", "names of bodies"], ["0", "show everything again"], ["D", "dark or light"], ["?", "this help"],
+const keysIn = (word) => [
+  [word("Space"), word("play and pause")], ["← →", word("one instant back or on, with Shift ten")],
+  [word("Home, End"), word("to the start, to the end")], ["+ −", word("faster, slower")], ["L", word("loop")], ["T", word("paths of points")],
+  ["F", word("forces")], ["G", word("the mechanism without play")], ["N", word("names of bodies")], ["0", word("show everything again")],
+  ["D", word("dark or light")], ["?", word("this help")],
 ];
-const MOUSE = [
-  ["Mechanism", "point at a joint to read its name and force, drag to move, wheel or pinch to zoom, double-click to show everything"],
-  ["Curves", "click to go to a time, drag to zoom into a span, wheel or pinch to zoom, double-click to show everything"],
+const mouseIn = (word) => [
+  [word("Mechanism"), word("point at a joint to read its name and force, drag to move, wheel or pinch to zoom, double-click to show everything")],
+  [word("Curves"), word("click to go to a time, drag to zoom into a span, wheel or pinch to zoom, double-click to show everything")],
 ];
+
+// Texts that have no other language.
+const ENGLISH = { lang: "en" };
 
 // All elements of one viewer by name; host: the viewer.
 export function layout(host, scene) {
-  const title = make("h1", {}, scene.title ?? "Mechanism");
-  const theme = button("moon", "Dark or light (D)", () => host.turnTheme());
-  const help = button("?", "Help (?)", () => host.help(true), { class: "round" });
+  const { word } = host, named = scene.title ?? word("Mechanism"), title = make("h1", {}, named);
+  const theme = button("moon", word("Dark or light (D)"), () => host.turnTheme());
+  const help = button("?", word("Help (?)"), () => host.help(true), { class: "round" });
   const trust = make("div", { class: "trust", role: "status", "aria-live": "polite" });
-  const canvas = make("canvas", { class: "mechanism", role: "img", "aria-label": `${scene.title ?? "Mechanism"}, to scale` });
-  const tools = make("div", { class: "tools", role: "toolbar", "aria-label": "What is shown" });
+  const canvas = make("canvas", { class: "mechanism", role: "img", "aria-label": word("{title}, to scale", { title: named }) });
+  const tools = make("div", { class: "tools", role: "toolbar", "aria-label": word("What is shown") });
   const insets = make("div", { class: "insets" });
   const busy = make("div", { class: "busy", role: "status", hidden: true });
-  const late = make("div", { class: "late quiet", hidden: true }, "after the horizon: statistics only");
-  const stage = make("section", { class: "stage", "aria-label": "Mechanism" }, canvas, tools, insets, busy);
-  const knobs = make("section", { class: "knobs", "aria-label": "Parameters", hidden: true });
+  const late = make("div", { class: "late quiet", hidden: true }, word("after the horizon: statistics only"));
+  const stage = make("section", { class: "stage", "aria-label": word("Mechanism") }, canvas, tools, insets, busy);
+  const knobs = make("section", { class: "knobs", "aria-label": word("Parameters"), hidden: true });
   const runs = make("div", { class: "runs", hidden: true });
   const tabs = make("div", { class: "tabs", role: "tablist" });
   const sheets = make("div", { class: "sheets" });
-  const side = make("section", { class: "side", "aria-label": "Curves and orbits" }, runs, knobs, tabs, sheets);
+  const side = make("section", { class: "side", "aria-label": word("Curves and orbits") }, runs, knobs, tabs, sheets);
   const header = make("header", {}, title, make("span", { class: "grow" }), theme, help);
   const main = make("main", {}, stage, side);
   return { title, theme, header, trust, canvas, tools, insets, busy, late, stage, knobs, runs, tabs, sheets, side, main,
@@ -36,38 +40,39 @@ export function layout(host, scene) {
 }
 
 function helpSheet(host) {
+  const { word } = host;
   const rows = (list) => list.flatMap(([key, text]) => [make("dt", {}, key), make("dd", {}, text)]);
-  const close = button("close", "Close help (Escape)", () => host.help(false));
-  const sheet = make("div", { class: "help", role: "dialog", "aria-modal": "true", "aria-label": "Help", tabindex: -1, hidden: true },
-    make("div", { class: "card" }, make("h2", {}, "Keys"), close, make("dl", {}, ...rows(KEYS)), make("h2", {}, "Mouse and fingers"),
-      make("dl", {}, ...rows(MOUSE)), make("h2", {}, "Colours"),
-      make("p", {}, "Black arrows are forces of joints on their second body; red where a massless link would have to pull, so that the pin "
-        + "would lift off. Red ticks on the time line are impacts. The shaded time lies after the horizon: there only statistics can be trusted.")));
+  const close = button("close", word("Close help (Escape)"), () => host.help(false));
+  const sheet = make("div", { class: "help", role: "dialog", "aria-modal": "true", "aria-label": word("Help"), tabindex: -1, hidden: true },
+    make("div", { class: "card" }, make("h2", {}, word("Keys")), close, make("dl", {}, ...rows(keysIn(word))), make("h2", {}, word("Mouse and fingers")),
+      make("dl", {}, ...rows(mouseIn(word))), make("h2", {}, word("Colours")),
+      make("p", {}, word("Black arrows are forces of joints on their second body; red where a massless link would have to pull, so that the pin would lift off.")),
+      make("p", {}, word("Red ticks on the time line are impacts. The shaded time lies after the horizon: there only statistics can be trusted."))));
   sheet.addEventListener("click", (event) => { if (event.target === sheet) host.help(false); });
   return sheet;
 }
 
 // How far a run can be trusted, in one word that opens; a run that stopped says why at once.
-// lines: false where the page was asked to show no more than the word.
-export function sayTrust(element, motion, remarks, lines) {
+// The reasons are sentences of rattle, which are English.  lines: false where the page was asked to show no more than the word.
+export function sayTrust(element, motion, remarks, word, lines) {
   const { run, trust } = motion, pulled = Object.values(trust.pulled ?? {}).some((share) => share > 0);
   const limited = pulled || motion.horizon !== null || (trust.limits ?? []).length > 0;
   const level = run.success === false ? "bad" : limited ? "mind" : "good";
-  const word = { bad: "Stopped", mind: "With limits", good: "Trusted" }[level];
-  const stopped = run.success === false ? [make("p", {}, `The run stopped: ${run.message || "no reason was given"}`)] : [];
-  const badge = make("span", { class: "badge" }, word);
+  const said = { bad: word("Stopped"), mind: word("With limits"), good: word("Trusted") }[level];
+  const stopped = run.success === false ? [make("p", ENGLISH, `The run stopped: ${run.message || "no reason was given"}`)] : [];
+  const badge = make("span", { class: "badge" }, said);
   element.className = `trust ${level}`;
   if (lines === false) return void element.replaceChildren(badge, ...stopped);
   const open = element.querySelector("details")?.open ?? (level === "mind" && !isSmall());
   const [solved = "", more = ""] = trust.text ?? [], reach = solved.split("; ").slice(1).join("; "); // behind the errors
   const first = level === "mind" ? trust.limits?.[0] ?? trust.word ?? (pulled ? more : reach || more) : ""; // the reason in one line, while it is closed
-  const count = remarks.length ? ` · ${remarks.length} note${remarks.length > 1 ? "s" : ""}` : "";
-  const head = trust.word ? [trust.word] : trust.limits ?? [], said = (part) => head.some((line) => line.includes(part));
-  const rest = (trust.text ?? []).map((line) => line.split("; ").filter((part) => !said(part)).join("; ")).filter((line) => line);
+  const count = remarks.length, notes = count ? ` · ${count > 1 ? word("{count} notes", { count }) : word("1 note")}` : "";
+  const head = trust.word ? [trust.word] : trust.limits ?? [], repeated = (part) => head.some((line) => line.includes(part));
+  const rest = (trust.text ?? []).map((line) => line.split("; ").filter((part) => !repeated(part)).join("; ")).filter((line) => line);
   const all = [...head, ...(trust.contacts ?? []), ...rest]; // as `rattle run`
-  element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `why?${count}`),
-    ...(first ? [make("span", { class: "first quiet" }, first)] : [])),
-    make("div", { class: "lines" }, ...all.map((line) => make("p", {}, line)),
+  element.replaceChildren(make("details", { open }, make("summary", {}, badge, make("span", { class: "why quiet" }, `${word("why?")}${notes}`),
+    ...(first ? [make("span", { class: "first quiet", ...ENGLISH }, first)] : [])),
+    make("div", { class: "lines", ...ENGLISH }, ...all.map((line) => make("p", {}, line)),
       make("ul", { class: "notes" }, ...remarks.map((line) => make("li", {}, line))))), ...stopped);
 }
 
@@ -119,14 +124,14 @@ export function tabbed(tabs, sheets, changed) {
 
 // Chips of the toolbar, and the list of points whose paths can be drawn.
 export function toolbar(host, scene) {
-  const forces = toggle("Forces", "Forces at joints (F)", host.show.forces, (on) => host.turn("forces", on));
-  const ghost = toggle("Without play", "The mechanism without play, dotted (G)", host.show.ghost, (on) => host.turn("ghost", on));
-  const names = toggle("Names", "Names of bodies (N)", host.show.names, (on) => host.turn("names", on));
-  const list = make("div", { class: "menu", role: "group", "aria-label": "Points", hidden: true,
+  const { word } = host, forces = toggle(word("Forces"), word("Forces at joints (F)"), host.show.forces, (on) => host.turn("forces", on));
+  const ghost = toggle(word("Without play"), word("The mechanism without play, dotted (G)"), host.show.ghost, (on) => host.turn("ghost", on));
+  const names = toggle(word("Names"), word("Names of bodies (N)"), host.show.names, (on) => host.turn("names", on));
+  const list = make("div", { class: "menu", role: "group", "aria-label": word("Points"), hidden: true,
     onkeydown: (event) => { if (event.key === "Escape") { event.stopPropagation(); host.openTraces(false); } } });
-  const traces = make("button", { type: "button", class: "chip", "aria-expanded": "false", title: "Paths of points (T)",
-    onclick: () => host.openTraces(list.hidden) }, "Paths");
-  const fit = button("fit", "Show everything (0)", () => host.fit(), { class: "chip icon" });
+  const traces = make("button", { type: "button", class: "chip", "aria-expanded": "false", title: word("Paths of points (T)"),
+    onclick: () => host.openTraces(list.hidden) }, word("Paths"));
+  const fit = button("fit", word("Show everything (0)"), () => host.fit(), { class: "chip icon" });
   ghost.hidden = !scene.ideal;
   return { forces, ghost, names, traces, list, fit, all: [forces, traces, ghost, names, fit, list] };
 }

@@ -5,12 +5,14 @@ import { FONT, Painter, sized } from "./painter.js";
 import { ghostPlayer, player } from "./play.js";
 import { Stage } from "./stage.js";
 import { handyUnit, niceStep, short } from "./units.js";
+import { inEnglish } from "./words.js";
 
 const DASHED = [6, 5];
 
 export class MechanismView {
-  constructor(canvas) {
+  constructor(canvas, word = inEnglish) {
     this.canvas = canvas;
+    this.word = word;
     this.width = this.height = 0;
     this.own = null; // the view that a user chose: {scale, x, y}, or null where everything is shown
   }
@@ -112,7 +114,7 @@ export class MechanismView {
     };
     for (const part of stage.parts()) {
       const force = motion.has(`${part.name}.force`) ? `${part.name}.force` : null, { factor, unit } = handyUnit(force ? motion.unit(force) : "", force ? motion.largest(force) : 0, this.units);
-      const text = `${part.name}, ${part.form.type}${force ? `, ${short(factor * motion.value(force, time))} ${unit}` : ""}`;
+      const text = `${part.name}, ${this.word(part.form.type)}${force ? `, ${short(factor * motion.value(force, time))} ${unit}` : ""}`;
       for (const at of stage.ends(part.form, pose)) add(text, at);
     }
     for (const body of Object.keys(stage.bodies).filter((one) => pose[one])) {
@@ -174,8 +176,9 @@ export class MechanismView {
     values.set(pose, time, 1, side);
     forces.forEach(({ text: what, unit, line: [name], step, wide, draw }, k) => {
       const base = y - 22 * (forces.length - 1 - k), size = values.get(step), handy = handyUnit(unit, size), across = values.get(wide);
+      const room = Math.max(80, this.width - across - length - 52); // right of the scale bar
       context.fillStyle = theme[name];
-      context.fillText(`${short(handy.factor * size)} ${handy.unit} ${what}`, this.width - 26 - across, base + 4);
+      context.fillText(`${short(handy.factor * size)} ${handy.unit} ${this.word(what)}`, this.width - 26 - across, base + 4, room);
       const corner = new Painter(context, { x: this.width - 16 - across, y: base, scale: 1 }, theme);
       for (const play of draw) play(corner);
     });

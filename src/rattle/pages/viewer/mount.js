@@ -87,8 +87,8 @@ function runWith(runs, now, name, value) {
 
 // Which of several runs is shown, and which one is dashed beside it.
 function chooseRuns(viewer, runs) {
-  const options = (none) => [...(none ? [make("option", { value: "" }, "nothing")] : []),
-    ...runs.map((run, k) => make("option", { value: k }, run.label || `run ${k + 1}`))];
+  const { word } = viewer, options = (none) => [...(none ? [make("option", { value: "" }, word("nothing"))] : []),
+    ...runs.map((run, k) => make("option", { value: k }, run.label ? word(run.label) : word("run {number}", { number: k + 1 })))];
   const shown = make("select", {}, ...options(false)), beside = make("select", {}, ...options(true));
   if (runs.length === 2) beside.value = "1";
   const change = () => {
@@ -101,6 +101,6 @@ function chooseRuns(viewer, runs) {
     shown.value = String(runWith(runs, runs[Number(shown.value)].parameters ?? {}, name, value));
     change();
   };
-  viewer.parts.runs.append(make("label", {}, "Motion ", shown), make("label", {}, "dashed beside it ", beside));
+  viewer.parts.runs.append(make("label", {}, word("Motion"), shown), make("label", {}, word("dashed beside it"), beside));
   viewer.parts.runs.hidden = false;
 }

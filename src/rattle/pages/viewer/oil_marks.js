@@ -67,10 +67,10 @@ function leastOf(values) {
 }
 
 // The same in words.
-export function oilKey(motion, joint, crank) {
+export function oilKey(motion, joint, crank, word) {
   const thin = motion.curve(`${joint}.film_thickness`), least = thin[leastOf(thin)], { factor, unit } = handyUnit("m", Math.abs(least));
-  const found = [`diamond: least film, ${short(factor * least)} ${unit}`];
-  if (crank) found.push(`dots: every ${DOT}° of ${crank.name} in its last turn`);
-  if (motion.has(`${joint}.regime`) && motion.largest(`${joint}.regime`) > 0) found.push("red: the dry contact carries too");
+  const found = [word("diamond: least film, {size}", { size: `${short(factor * least)} ${unit}` })];
+  if (crank) found.push(word("dots: every {step}° of {name} in its last turn", { step: DOT, name: crank.name }));
+  if (motion.has(`${joint}.regime`) && motion.largest(`${joint}.regime`) > 0) found.push(word("red: the dry contact carries too"));
   return found;
 }

@@ -11,8 +11,9 @@ const BAR = 78; // pixels for the colour bar with its numbers
 
 // All orbits of a motion, one figure for each pin with play.
 export class Orbits {
-  constructor(host) {
+  constructor(host, word) {
     this.host = host;
+    this.word = word;
     this.tiles = [];
   }
 
@@ -44,13 +45,15 @@ export class Orbits {
     Object.assign(tile, { form, path, oil, strength, top, most, factor, unit, fresh: false, stale: null });
     tile.crank = oil ? crankOf(motion) : null;
     tile.shown = handyUnit(oil ? "Pa" : "N", most);
+    tile.upTo = this.word("up to {value}", { value: short(tile.shown.factor * most, 4) });
     tile.least = Math.max(1, ...Array.from(path.x, (x, k) => Math.hypot(x, path.y[k]) / form.clearance).filter(Number.isFinite));
     tile.hits = motion.events.filter((one) => one.joint === name && one.kind === "impact" && one.impulse > 0);
     tile.lasting = motion.events.filter((one) => one.joint === name && one.kind === "contact");
     tile.pulls = form.contact === "massless-link" ? Array.from(path.normal.keys()).filter((k) => path.normal[k] < 0) : [];
-    say(tile.title, `${name}: orbit of the pin${oil ? " in oil" : ""}, clearance ${short(factor * form.clearance)} ${unit}`);
+    const { word } = this, size = `${short(factor * form.clearance)} ${unit}`;
+    say(tile.title, oil ? word("{name}: orbit of the pin in oil, clearance {size}", { name, size }) : word("{name}: orbit of the pin, clearance {size}", { name, size }));
     tile.below.setAttribute("aria-label", tile.title.textContent);
-    say(tile.key, keyOf(motion, tile));
+    say(tile.key, keyOf(motion, tile, word));
     tile.texts = {
       place: steady(factor * form.clearance, 4), angle: steady(360, 4),
       force: steady(tile.shown.factor * most, 4),
@@ -79,21 +82,21 @@ export class Orbits {
     p.line([[0, 0], at], { colour: p.theme.grey, width: 1 });
     p.dot(at, 6, { colour: p.theme.paper, fill: pulls ? p.theme.red : p.theme.ink, width: 2 });
     const e = Math.hypot(...at), turn = (Math.atan2(now.y, now.x) * 180) / Math.PI;
-    const ratio = short(e / tile.form.clearance, 3);
+    const ratio = short(e / tile.form.clearance, 3), { word } = this;
     const size = this.motion.value(`${tile.name}.${tile.oil ? "film_pressure" : "normal"}`, time);
-    say(tile.live, `${tile.texts.place(tile.factor * e)} ${tile.unit} from the centre (${ratio} of the clearance) at ${tile.texts.angle(turn)}°, `
-      + `${tile.oil ? "pressure" : "N"} ${tile.texts.force(tile.shown.factor * size)} ${tile.shown.unit}${pulls ? ": the bush would have to pull" : ""}`);
+    const place = word("{distance} from the centre ({ratio} of the clearance) at {angle}°", { distance: `${tile.texts.place(tile.factor * e)} ${tile.unit}`, ratio, angle: tile.texts.angle(turn) });
+    say(tile.live, `${place}, ${tile.oil ? word("pressure") : "N"} ${tile.texts.force(tile.shown.factor * size)} ${tile.shown.unit}${pulls ? `: ${word("the bush would have to pull")}` : ""}`);
   }
 }
 
-function keyOf(motion, tile) {
+function keyOf(motion, tile, word) {
   const found = [];
-  if (tile.pulls.length) found.push("red ticks: the bush would have to pull");
-  if (tile.hits.length) found.push(`dots: ${tile.hits.length} impact${tile.hits.length > 1 ? "s" : ""}, area by impulse`);
-  if (tile.lasting.length) found.push(`rings: ${tile.lasting.length} contact${tile.lasting.length > 1 ? "s" : ""} begin`);
+  if (tile.pulls.length) found.push(word("red ticks: the bush would have to pull"));
+  if (tile.hits.length) found.push(tile.hits.length > 1 ? word("dots: {count} impacts, area by impulse", { count: tile.hits.length }) : word("dot: 1 impact"));
+  if (tile.lasting.length) found.push(tile.lasting.length > 1 ? word("rings: {count} contacts begin", { count: tile.lasting.length }) : word("ring: 1 contact begins"));
   if (tile.oil) {
     const { boundary } = tile.form.oil, { factor, unit } = handyUnit("m", boundary);
-    found.push(`red ring: boundary film, ${short(factor * boundary)} ${unit}`, ...oilKey(motion, tile.name, tile.crank));
+    found.push(word("red ring: boundary film, {size}", { size: `${short(factor * boundary)} ${unit}` }), ...oilKey(motion, tile.name, tile.crank, word));
   }
   return found.join("; ");
 }
@@ -138,7 +141,7 @@ function drawMarks(p, motion, tile) {
 }
 
 function drawBar(p, tile, side, height) {
-  const { context, theme } = p, x = side + 6, top = 0.14 * height, tall = 0.72 * height, { factor, unit } = tile.shown;
+  const { context, theme } = p, x = side + 6, top = Math.max(46, 0.14 * height), tall = 0.86 * height - top, { factor, unit } = tile.shown;
   for (let k = 0; k < tall; k++) {
     context.fillStyle = theme.force(1 - k / tall);
     context.fillRect(x, top + k, 12, 1.5);
@@ -150,7 +153,7 @@ function drawBar(p, tile, side, height) {
   const scale = ticks(0, factor * tile.top, 4);
   for (const value of scale.values) context.fillText(scale.text(value), x + 17, top + tall * (1 - value / (factor * tile.top)));
   context.textBaseline = "alphabetic";
-  if (tile.most > tile.top) overBar(context, x, top, `up to ${short(factor * tile.most, 4)}`);
+  if (tile.most > tile.top) overBar(context, x, top, tile.upTo);
   context.fillText(`${tile.oil ? "p" : "|N|"} [${unit}]`, x - 4, top - 30);
 }
 

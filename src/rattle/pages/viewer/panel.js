@@ -11,7 +11,7 @@ export class Panel extends Chart {
   constructor(key, curves) {
     const { host } = curves;
     super(curves.scope, {
-      invalidate: () => host.invalidate(), mayZoom: (event) => host.mayZoom(event), seek: (t) => host.seek(t),
+      invalidate: () => host.invalidate(), mayZoom: (event) => host.mayZoom(event), seek: (t) => host.seek(t), word: host.word,
       readout: (t, span) => `t = ${timeText(span)(t)} s`,
     });
     this.key = key;
@@ -27,8 +27,8 @@ export class Panel extends Chart {
     this.names = names;
     const most = Math.max(0, ...lines.map((line) => line.motion.largest(line.name)));
     this.handy = handyUnit(this.quantity, most, this.view.host.scene.units);
-    const quantity = HANDY.quantities[this.quantity] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " ");
-    this.notes = this.view.motion.events.map(({ t, joint, kind }) => ({ x: t, strong: kind === "impact", words: `${joint}: ${kind}` }));
+    const { word } = this, quantity = word(HANDY.quantities[this.quantity] ?? names[0].slice(names[0].lastIndexOf(".") + 1).replaceAll("_", " "));
+    this.notes = this.view.motion.events.map(({ t, joint, kind }) => ({ x: t, strong: kind === "impact", words: `${joint}: ${word(kind)}` }));
     this.setLines(lines.map(({ motion, name, ...style }) => ({ ...style, name, ...overTime(motion.line(name)),
       peak: overTime(motion.peak(name)), bursts: motion.bursts(name).map(overTime) })), { across: "t [s]", up: `${quantity} [${this.handy.unit || "1"}]`, ...this.handy });
     this.legend.replaceChildren(...names.map((name) => this.entry(name)));
@@ -42,8 +42,8 @@ export class Panel extends Chart {
       const label = line.label ? make("span", { class: "quiet" }, line.label) : null;
       return line.dash ? make("span", { class: "beside" }, line.swatch, label, line.value) : line.value;
     });
-    const { swatch } = lines[0];
-    const close = make("button", { type: "button", class: "close", "aria-label": `Remove ${name}`, title: `Remove ${name}`,
+    const { swatch } = lines[0], remove = this.word("Remove {name}", { name });
+    const close = make("button", { type: "button", class: "close", "aria-label": remove, title: remove,
       onclick: () => this.view.host.choose(this.view.chosen.filter((other) => other !== name)) }, "×");
     return make("li", {}, swatch, make("span", { class: "name" }, name), ...values, make("span", { class: "quiet" }, this.handy.unit), close);
   }

@@ -7,8 +7,9 @@ import { handyUnit, short, steady } from "./units.js";
 
 // The insets of one motion, beside the mechanism: primitives of which 1 is the width of the picture.
 export class Insets {
-  constructor(host) {
+  constructor(host, word) {
     this.host = host;
+    this.word = word;
     this.tiles = [];
   }
 
@@ -23,15 +24,15 @@ export class Insets {
       tile.link = form.contact === "massless-link";
       tile.curve = `${tile.name}.${motion.has(`${tile.name}.film_pressure`) ? "force" : "normal"}`;
       const most = motion.has(tile.curve) ? motion.largest(tile.curve) : 0, { factor: of, unit: newtons } = handyUnit("N", most);
-      tile.say = { factor: of, unit: newtons, text: steady(of * most, 3), name: tile.curve.endsWith("normal") ? "N" : "force" };
-      say(tile.size, `play ${short(factor * form.clearance)} ${unit}`);
+      tile.say = { factor: of, unit: newtons, text: steady(of * most, 3), name: tile.curve.endsWith("normal") ? "N" : this.word("force") };
+      say(tile.size, this.word("play {size}", { size: `${short(factor * form.clearance)} ${unit}` }));
     });
     this.host.hidden = !every.length;
   }
 
   build(every) {
     this.tiles = every.map(({ joint: name }) => {
-      const canvas = make("canvas", { role: "img", "aria-label": `${name}, magnified` });
+      const canvas = make("canvas", { role: "img", "aria-label": this.word("{name}, magnified", { name }) });
       const size = make("span", { class: "quiet" }), force = make("span", { class: "number" });
       const element = make("figure", { class: "inset" }, make("figcaption", {}, make("b", {}, name), size), canvas, force);
       return { name, canvas, size, force, element };
@@ -48,7 +49,7 @@ export class Insets {
       values.set(motion.pose(time), time, p.metres(1), 1);
       for (const draw of tile.draw) draw(p);
       const normal = motion.has(tile.curve) ? motion.value(tile.curve, time) : 0, pulls = tile.link && normal < 0;
-      say(tile.force, `${tile.say.name} =${tile.say.text(tile.say.factor * normal)} ${tile.say.unit}${pulls ? " would pull" : ""}`);
+      say(tile.force, `${tile.say.name} =${tile.say.text(tile.say.factor * normal)} ${tile.say.unit}${pulls ? ` ${this.word("would pull")}` : ""}`);
       tile.force.classList.toggle("bad", pulls);
     }
   }

@@ -1,25 +1,26 @@
 // Buttons and the time line below the mechanism.
 
-import { button, make, say } from "./dom.js";
+import { button, icon, make, say } from "./dom.js";
 import { sized } from "./painter.js";
 import { short, timeText } from "./units.js";
 
 export class Player {
-  // host: the viewer {clock, play(), pause(), seek(t), setSpeed(v), faster(way), setLoop(on), invalidate()}
+  // host: the viewer {clock, play(), pause(), seek(t), setSpeed(v), faster(way), setLoop(on), invalidate(), word}
   constructor(host) {
+    const { word } = host, relative = word("Speed of the animation relative to the motion");
     this.host = host;
-    this.go = button("play", "Play", () => (host.clock.playing ? host.pause() : host.play()), { class: "go" });
-    this.first = button("first", "To the start (Home)", () => host.seek(host.clock.motion.start));
-    this.line = make("input", { type: "range", min: 0, max: 1, step: "any", value: 0, "aria-label": "Time",
+    this.go = button("play", word("Play (space)"), () => (host.clock.playing ? host.pause() : host.play()), { class: "go" });
+    this.first = button("first", word("To the start (Home)"), () => host.seek(host.clock.motion.start));
+    this.line = make("input", { type: "range", min: 0, max: 1, step: "any", value: 0, "aria-label": word("Time"),
       oninput: () => host.seek(Number(this.line.value)) });
     this.marks = make("canvas", { class: "marks", "aria-hidden": "true" });
     this.time = make("span", { class: "number time" });
-    this.slower = button("−", "Slower (−)", () => host.faster(-1));
-    this.speed = make("select", { "aria-label": "Speed of the animation relative to the motion", title: "Speed of the animation relative to the motion",
+    this.slower = button("−", word("Slower (−)"), () => host.faster(-1));
+    this.speed = make("select", { "aria-label": relative, title: relative,
       onchange: () => host.setSpeed(Number(this.speed.value)) });
-    this.quicker = button("+", "Faster (+)", () => host.faster(1));
-    this.loop = button("loop", "Loop (L)", () => host.setLoop(!host.clock.loop), { "aria-pressed": "true", class: "loop" });
-    this.element = make("div", { class: "player", role: "group", "aria-label": "Player" }, this.first, this.go,
+    this.quicker = button("+", word("Faster (+)"), () => host.faster(1));
+    this.loop = button("loop", word("Loop (L)"), () => host.setLoop(!host.clock.loop), { "aria-pressed": "true", class: "loop" });
+    this.element = make("div", { class: "player", role: "group", "aria-label": word("Player") }, this.first, this.go,
       make("div", { class: "track" }, this.marks, this.line), this.time,
       make("span", { class: "speed" }, this.slower, this.speed, this.quicker), this.loop);
   }
@@ -38,10 +39,10 @@ export class Player {
     const { clock } = this.host;
     if (this.shown !== clock.playing) {
       this.shown = clock.playing;
-      const next = button(clock.playing ? "pause" : "play", clock.playing ? "Pause" : "Play", () => {});
-      this.go.replaceChildren(...next.childNodes);
-      this.go.setAttribute("aria-label", clock.playing ? "Pause (space)" : "Play (space)");
-      this.go.title = this.go.getAttribute("aria-label");
+      const { word } = this.host, now = clock.playing ? word("Pause (space)") : word("Play (space)");
+      this.go.replaceChildren(icon(clock.playing ? "pause" : "play"));
+      this.go.setAttribute("aria-label", now);
+      this.go.title = now;
     }
     if (Number(this.line.value) !== time) this.line.value = time;
     const share = this.motion.span ? (time - this.motion.start) / this.motion.span : 0;

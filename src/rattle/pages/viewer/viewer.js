@@ -16,10 +16,12 @@ import { Insets } from "./pins.js";
 import { Player } from "./player.js";
 import { pinsWithPlay } from "./stage.js";
 import { viewerStyle } from "./style.js";
+import { speaking } from "./words.js";
 
 export class Viewer {
   constructor(root, scene, host) {
     Object.assign(this, { root, scene, host, listeners: new Map(), ends: [], frameId: 0, awake: true, others: [] });
+    this.word = speaking(scene.words);
     this.clock = new Clock();
     const wish = scene.show ?? {};
     this.show = { forces: wish.forces ?? false, ghost: wish.ghost ?? Boolean(scene.ideal), names: Boolean(wish.names), traces: wish.traces ?? [] };
@@ -33,25 +35,26 @@ export class Viewer {
     this.box = make("div", { class: "rattle-viewer" });
     this.root.append(this.box);
     this.shadow = this.box.attachShadow({ mode: "open" });
-    const parts = this.parts = layout(this, this.scene);
-    this.view = new MechanismView(parts.canvas);
-    this.insets = new Insets(parts.insets);
+    const { word } = this, parts = this.parts = layout(this, this.scene);
+    this.view = new MechanismView(parts.canvas, word);
+    this.insets = new Insets(parts.insets, word);
     this.player = new Player(this);
     this.tools = toolbar(this, this.scene);
     parts.tools.append(...this.tools.all, parts.late);
-    const panels = make("div", { class: "panels" });
+    const panels = make("div", { class: "panels", "data-empty": word("Choose curves to see them over time.") });
     this.curves = new Curves(panels, this);
     this.chooser = new Chooser(this);
     this.orbitSheet = make("div", { class: "sheet orbits" });
-    this.orbits = new Orbits(this.orbitSheet);
+    this.orbits = new Orbits(this.orbitSheet, word);
     this.eventSheet = make("div", { class: "sheet" });
     this.tabs = tabbed(parts.tabs, parts.sheets, () => this.invalidate());
-    this.tabs.add("curves", "Curves", make("div", { class: "sheet curves" },
-      make("div", { class: "bar" }, this.chooser.toggle, make("span", { class: "quiet hint" }, "click: go to a time, drag or wheel: zoom; ▼ largest value")), this.chooser.element, panels));
-    this.tabs.add("orbits", "Orbits", this.orbitSheet);
-    this.tabs.add("events", "Events", this.eventSheet);
+    this.tabs.add("curves", word("Curves"), make("div", { class: "sheet curves" },
+      make("div", { class: "bar" }, this.chooser.toggle, make("span", { class: "quiet hint" }, word("click: go to a time, drag or wheel: zoom; ▼ largest value"))), this.chooser.element, panels));
+    this.tabs.add("orbits", word("Orbits"), this.orbitSheet);
+    this.tabs.add("events", word("Events"), this.eventSheet);
     this.tabs.choose("curves");
-    this.frame = make("div", { class: `frame${this.host.page ? " page" : this.host.inside ? " inside" : ""}`, tabindex: 0, role: "region", "aria-label": this.scene.title ?? "Mechanism" },
+    this.frame = make("div", { class: `frame${this.host.page ? " page" : this.host.inside ? " inside" : ""}`, tabindex: 0, role: "region",
+      "aria-label": this.scene.title ?? word("Mechanism"), lang: this.scene.language },
       parts.header, parts.trust, parts.main, this.player.element, parts.help);
     this.shadow.append(make("style", {}, viewerStyle), this.frame);
   }
@@ -123,9 +126,9 @@ export class Viewer {
     this.insets.setMotion(this.view.stage);
     this.player.setMotion(this.motion);
     this.chooser.setMotion(this.motion);
-    const pins = this.orbits.setMotion(this.motion, this.scene), events = this.motion.events.length;
-    this.tabs.show("orbits", pins > 0, pins > 1 ? `Orbits (${pins})` : "Orbit");
-    this.tabs.show("events", events > 0, `Events (${events})`);
+    const { word } = this, pins = this.orbits.setMotion(this.motion, this.scene), events = this.motion.events.length;
+    this.tabs.show("orbits", pins > 0, pins > 1 ? `${word("Orbits")} (${pins})` : word("Orbit"));
+    this.tabs.show("events", events > 0, `${word("Events")} (${events})`);
     this.eventSheet.replaceChildren(); // filled when someone looks
     this.sayTrust();
     this.listPoints();
@@ -136,7 +139,7 @@ export class Viewer {
 
   sayTrust() {
     this.motion.trust = this.motion.run.trust ?? this.motion.trust;
-    sayTrust(this.parts.trust, this.motion, this.scene.notes ?? [], this.scene.show?.trust);
+    sayTrust(this.parts.trust, this.motion, this.scene.notes ?? [], this.word, this.scene.show?.trust);
     this.invalidate();
   }
 
@@ -144,8 +147,8 @@ export class Viewer {
   regroup() {
     const shown = [...(this.ghost ? [{ motion: this.ghost, name: "ideal" }] : []), ...this.others.map((motion) => ({ motion, name: motion.label }))];
     this.view.setMotion(this.motion, this.scene, shown);
-    const compared = [...(this.ghost && this.show.ghost ? [{ motion: this.ghost, label: this.ghost.label || "without play" }] : []),
-      ...this.others.map((motion) => ({ motion, label: motion.label }))];
+    const compared = [...(this.ghost && this.show.ghost ? [{ motion: this.ghost, label: this.word(this.ghost.label || "without play") }] : []),
+      ...this.others.map((motion) => ({ motion, label: this.word(motion.label) }))];
     this.curves.setMotion(this.motion, compared);
   }
 
@@ -172,18 +175,23 @@ export class Viewer {
   }
 
   listPoints() {
-    const names = pathNames(this.motion), { list, traces } = this.tools;
+    const names = pathNames(this.motion), { list } = this.tools;
     list.replaceChildren(...names.map((name) => {
       const box = make("input", { type: "checkbox", onchange: () => this.trace(name, box.checked) });
       box.checked = this.show.traces.includes(name);
-      return make("label", {}, box, make("span", {}, name), name.includes(".") ? null : make("span", { class: "quiet" }, "mass centre"));
+      return make("label", {}, box, make("span", {}, name), name.includes(".") ? null : make("span", { class: "quiet" }, this.word("mass centre")));
     }));
-    say(traces, this.show.traces.length ? `Paths (${this.show.traces.length})` : "Paths");
+    this.countTraces();
+  }
+
+  countTraces() {
+    const { length } = this.show.traces, paths = this.word("Paths");
+    say(this.tools.traces, length ? `${paths} (${length})` : paths);
   }
 
   trace(name, on) {
     this.show.traces = on ? [...this.show.traces, name] : this.show.traces.filter((one) => one !== name);
-    say(this.tools.traces, this.show.traces.length ? `Paths (${this.show.traces.length})` : "Paths");
+    this.countTraces();
     this.invalidate();
   }
 
@@ -322,7 +330,7 @@ export class Viewer {
     this.player.draw(time, theme);
     if (this.tabs.current === "curves") this.curves.draw(time, theme);
     if (this.tabs.current === "orbits") this.orbits.draw(time, theme);
-    if (this.tabs.current === "events" && !this.eventSheet.childNodes.length) this.eventSheet.append(...eventTable(this.motion, (t) => this.seek(t)));
+    if (this.tabs.current === "events" && !this.eventSheet.childNodes.length) this.eventSheet.append(...eventTable(this.motion, this.word, (t) => this.seek(t)));
     parts.late.hidden = !(this.motion.horizon !== null && time > this.motion.horizon);
   }
 

@@ -14,7 +14,7 @@ export class Header {
     this.el = h("header", { class: "top" },
       h("div", { class: "names" }, this.title, this.file),
       h("nav", { "aria-label": "Model" }, this.edit,
-        button("Examples", acts.gallery, "Gallery of examples (G)"), button("Open", acts.open, "Open a model file (Ctrl O)"),
+        button("New", acts.blank, "An empty sheet to draw on"), button("Examples", acts.gallery, "Gallery of examples (G)"), button("Open", acts.open, "Open a model file (Ctrl O)"),
         button("Save", acts.save, "Save (Ctrl S)"), button("Save as", acts.saveAs, "Save under another name (Ctrl Shift S)"),
         button("Copy as Python", acts.python, "The same mechanism as Python code"),
         h("span", { class: "gap" }), this.undo, this.redo, this.theme,

@@ -46,7 +46,7 @@ class Page {
     this.show.edit = this.edit;
     this.show.el.prepend(this.edit.el);
     this.header = new Header({
-      edit: () => this.draw(),
+      edit: () => this.draw(), blank: () => this.unlessUnsaved(() => this.blank()),
       gallery: () => this.tell({ do: "files", gallery: true }), open: () => this.tell({ do: "files" }),
       save: () => this.tell({ do: "save" }), saveAs: () => this.tell({ do: "save-as" }), python: () => this.tell({ do: "python" }),
       undo: () => this.step("undo"), redo: () => this.step("redo"), theme: () => this.theme.next(), keys: () => this.dialogs.keys(),
@@ -61,6 +61,13 @@ class Page {
     else if (this.edit.on) { this.edit.toggle(false); this.header.draws(false); return; }
     if (!this.edit.on) this.edit.toggle(true);
     this.header.draws(true);
+  }
+
+  // An empty sheet, and the tools.
+  blank() {
+    this.tell({ do: "new" });
+    this.choose("motion");
+    if (!this.edit.on) this.draw();
   }
 
   build() {

@@ -88,6 +88,7 @@ export class Show {
   // Drawing begins or ends: the time line alone stays below the sheet.
   draws(on) {
     this.el.classList.toggle("drawing", on);
+    if (!this.app) this.badge.hidden = on;
     this.offer();
   }
 
@@ -166,7 +167,7 @@ export class Show {
 
   // Nothing to show: the model has no bodies yet.
   blank() {
-    this.badge.hidden = false;
+    this.badge.hidden = this.drawing;
     this.badge.textContent = "An empty sheet: press Edit to draw on it.";
   }
 

@@ -1,0 +1,1 @@
+"""Mechanisms of pylinkage: joints with places, and links that join them, as JSON."""
