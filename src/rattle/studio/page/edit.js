@@ -6,7 +6,7 @@ import { Chosen, FIELDS_FIRST } from "./chosen.js";
 import { h, icon, replace } from "./dom.js";
 import { Hand } from "./hand.js";
 import { Panel } from "./panel.js";
-import { TOOLS, nextOf, ofOneJoint, titleOf, toolWords } from "./telling.js";
+import { TOOLS, headingOf, nextOf, titleOf, toolWords } from "./telling.js";
 import { Underlay } from "./underlay.js";
 
 const MOST_LINES = 24; // paths and centrodes on the sheet at once
@@ -93,7 +93,11 @@ export class Edit {
       this.board.above.focus({ preventScroll: true });
     } else { this.hand.forget(); this.choose([]); }
     this.send({ do: "edit", on });
+    this.waits(on);
   }
+
+  // The drawing is that of an earlier text until the studio has drawn the new one.
+  waits(waits) { this.board.above.setAttribute("aria-busy", String(waits)); }
 
   take(name) {
     this.tool = name;
@@ -127,6 +131,7 @@ export class Edit {
   // ---------------------------------------------------------------- what the studio says
   // message: {drawing, words, chosen, field, number} or {trouble}.
   hear(message) {
+    if (message.number === undefined || message.number === this.count) this.waits(false);
     this.breaks(Boolean(message.trouble));
     if (message.trouble) {
       this.status.textContent = message.trouble;
@@ -180,14 +185,15 @@ export class Edit {
   fullThings(chosen) {
     const [kind, name] = chosen.split(/ (.*)/s), joint = (this.drawing.joints ?? []).find((one) => (kind === "joint" && one.name === name) || (kind === "driver" && one.driver === name));
     if (joint) {
-      const things = this.hand.thingsOf(joint.ends[0]);
-      return [chosen, ...things.filter((one) => one !== chosen)];
+      const things = this.hand.from(this.hand.thingsOf(joint.ends[0]), `joint ${joint.name}`);
+      return [chosen, ...things.filter((thing) => thing !== chosen)];
     }
     return kind === "point" ? this.hand.thingsOf(name) : [chosen];
   }
 
   refuse(words) {
     this.hand.forget();
+    this.waits(false);
     if (this.panel.asked) this.panel.complain(words);
     else this.complain(words);
   }
@@ -219,6 +225,7 @@ export class Edit {
   act(message) {
     if (this.broken) return;
     this.complain("");
+    this.waits(true);
     this.send({ do: "act", number: ++this.count, snap: this.board.snap, ...message });
   }
 
@@ -226,7 +233,7 @@ export class Edit {
     const known = this.drawing?.fields ?? {};
     this.things = things.filter((thing) => thing in known || thing === "picture");
     const extra = this.extraFields(), title = this.things.length ? titleOf(this.things, this.drawing) : this.turned ? "turned by hand" : "";
-    this.panel.show(title, ofOneJoint(this.things, this.drawing), { ...known, ...extra });
+    this.panel.show(title, this.things, { ...known, ...extra }, (thing) => headingOf(thing, this.things, this.drawing));
     if (!this.panel.asked) this.panel.complain("");
     this.panel.dodge(this.board, this.drawing);
     this.board.invalidate();

@@ -140,6 +140,7 @@ class Page {
     const text = this.history[way]();
     this.header.steps(this.history);
     if (text === null) return;
+    this.edit.waits(this.edit.on);
     this.editor.show(text, "change");
     this.show.otherwise = true;
     this.wire.send({ do: "text", text });

@@ -33,10 +33,10 @@ export class Panel {
   }
 
   // things: ["joint J3", "point ground.O1"]; fields: those of all things, the name of the first alone.
-  // What is being written into stays as it is.
-  show(title, things, fields) {
-    const rows = things.flatMap((thing, k) => (fields[thing] ?? []).filter(({ name }) => !(k > 0 && name === "Name")).map((field) => ({ ...field, thing })));
-    const shape = JSON.stringify([things[0], rows.map((row) => [row.thing, row.name, row.choices])]);
+  // headingOf(thing): above its fields.  What is being written into stays as it is.
+  show(title, things, fields, headingOf) {
+    const rows = things.flatMap((thing, k) => (fields[thing] ?? []).filter(({ name }) => !(k > 0 && name === "Name")).map((field, n) => ({ ...field, thing, heading: n ? "" : headingOf(thing) })));
+    const shape = JSON.stringify([things[0], rows.map((row) => [row.thing, row.name, row.choices, row.heading])]);
     this.el.hidden = !rows.length && this.start.hidden && this.readings.hidden;
     this.title.textContent = title;
     this.remove.hidden = !things.length || things[0] === "picture";
@@ -65,9 +65,12 @@ export class Panel {
   build(rows) {
     this.inputs.clear();
     this.complain("");
-    replace(this.form, rows.map((row) => {
-      const input = row.choices.length ? h("select", {}, row.choices.map((one) => h("option", { value: one }, one)))
-        : h("input", { spellcheck: "false", autocomplete: "off", placeholder: row.name === "Play" ? "none" : "", title: row.hint });
+    const seen = new Set();
+    replace(this.form, rows.flatMap((row) => {
+      const label = seen.has(row.name) ? `${row.name} of ${row.thing.split(" ")[1]}` : row.name; // the first has the plain name
+      seen.add(row.name);
+      const input = row.choices.length ? h("select", { "aria-label": label }, row.choices.map((one) => h("option", { value: one }, one)))
+        : h("input", { "aria-label": label, spellcheck: "false", autocomplete: "off", placeholder: row.name === "Play" ? "none" : "", title: row.hint });
       input.now = row.text;
       input.value = row.text;
       const enter = () => {
@@ -90,7 +93,7 @@ export class Panel {
       });
       input.addEventListener("focus", () => input.select?.());
       this.inputs.set(`${row.thing} ${row.name}`, input);
-      return h("label", {}, h("span", {}, row.name), input);
+      return [row.heading ? h("h3", {}, row.heading) : null, h("label", {}, h("span", {}, row.name), input)];
     }));
   }
 

@@ -25,8 +25,7 @@ export function titleOf(things, drawing) {
   if (kind === "joint") {
     const joint = drawing.joints.find((other) => other.name === name), bodies = joint.ends.map((end) => end.split(".")[0]);
     const what = joint.type === "revolute" ? "joint" : `${joint.type} joint`;
-    const here = things.filter((thing) => thing.startsWith("joint ")).length;
-    return `${what} ${name}, ${bodies.join(" and ")}${joint.play ? `, play ${joint.play}` : ""}${here > 1 ? ` (one of ${here} here: click again for the next)` : ""}`;
+    return `${what} ${name}, ${bodies.join(" and ")}${joint.play ? `, play ${joint.play}` : ""}`;
   }
   if (kind === "body") return `${drawing.bars[name] ? "bar" : "body"} ${name}`;
   if (kind === "driver") return `${name} drives ${drawing.joints.find((joint) => joint.driver === name)?.name ?? "a coordinate"}`;
@@ -34,12 +33,10 @@ export function titleOf(things, drawing) {
   return things[0] ?? "";
 }
 
-// Of several joints at one place the one that is chosen, with its motor and its point.
-export function ofOneJoint(things, drawing) {
-  const [kind, name] = (things[0] ?? "").split(/ (.*)/s);
-  const joint = drawing?.joints.find((other) => (kind === "joint" && other.name === name) || (kind === "driver" && other.driver === name));
-  if (!joint) return things;
-  return things.filter((thing) => !/^(joint|driver) /.test(thing) || thing === `joint ${joint.name}` || thing === `driver ${joint.driver}`);
+// Above the fields of each of several joints at one place; "" where there is one alone, and for all else.
+export function headingOf(thing, things, drawing) {
+  if (!thing.startsWith("joint ") || things.filter((other) => other.startsWith("joint ")).length < 2) return "";
+  return titleOf([thing], drawing);
 }
 
 // What may come next in a drawing that was begun on an empty sheet; "" where its status says that already.
