@@ -1,7 +1,8 @@
-"""A hand on the sheet of the studio, in metres of the ground plane: mouse, finger and keys, waiting for what they do."""
+"""A hand on the sheet of the studio, in metres of the ground plane: mouse and finger, waiting for what they do."""
 
 from __future__ import annotations
 
+import itertools
 import math
 import tomllib
 from typing import Any
@@ -64,26 +65,27 @@ class Hand:
 
     # ------------------------------------------------------------ acts
     def take(self, tool: str) -> None:
-        button = self.page.get_by_role("button", name=tool, exact=True)
-        button.tap() if self.touch else button.click()
+        self.page.get_by_role("button", name=tool, exact=True).click()
 
     def click(self, spot: tuple[float, float]) -> None:
         self.drag(spot)
 
     def drag(self, *spots: tuple[float, float]) -> None:
         """Press at the first place, let go at the last; with one place a click, or a tap."""
-        if self.touch:
+        if self.touch and len(spots) == 1:
+            self.page.touchscreen.tap(*self.screen(spots[0]))
+        elif self.touch:
             self._finger(*map(self.screen, spots))
-            return
-        self.page.mouse.move(*self.screen(spots[0]))
-        self.page.mouse.down()
-        for spot in spots[1:]:
-            self.page.mouse.move(*self.screen(spot), steps=4)
-        self.page.mouse.up()
+        else:
+            self.page.mouse.move(*self.screen(spots[0]))
+            self.page.mouse.down()
+            for spot in spots[1:]:
+                self.page.mouse.move(*self.screen(spot), steps=4)
+            self.page.mouse.up()
 
     def _finger(self, *places: tuple[float, float]) -> None:
         self.fingers("touchStart", places[0])
-        for (x, y), (u, v) in zip(places, places[1:], strict=False):
+        for (x, y), (u, v) in itertools.pairwise(places):
             for share in (0.3, 0.6, 0.8, 1.0):
                 self.fingers("touchMove", (x + share * (u - x), y + share * (v - y)))
         self.fingers("touchEnd")

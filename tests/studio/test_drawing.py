@@ -1,4 +1,4 @@
-"""Mechanisms drawn on the sheet of the studio in a real browser: the text that is written, and back again byte by byte."""
+"""Mechanisms drawn on the sheet of the studio in a real browser: the text that is written, and the way back."""
 
 import json
 import math
@@ -11,8 +11,12 @@ from drawing import EMPTY, Hand, apart, at
 from studio_models import start_studio
 
 import rattle as rt
-from browsing import becomes, keep_picture, shows
+from browsing import becomes, frames, keep_picture, shows
 
+SMALL = """() => [...document.querySelectorAll("button, input, select")].map((el) => el.getBoundingClientRect())
+  .filter(({ width, height }) => width && Math.min(width, height) < 24).length"""  # how many targets
+# a machine that is busy may take longer over a tap than a finger that rests does: let that take two seconds
+PATIENT = "const soon = setTimeout; window.setTimeout = (call, wait) => soon(call, wait === 550 ? 2000 : wait)"
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 EXACT = 1e-8  # of lengths and angles that follow from the closure of loops [m, rad]
 FOURBAR = """# every comment stays
@@ -84,6 +88,8 @@ def sheet(open_page, drawn):
         (drawn.folder / "m.toml").write_text(text)
         page = open_page("about:blank", **options)
         page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
+        if options.get("has_touch"):
+            page.add_init_script(PATIENT)
         page.goto(drawn.new_address())
         becomes(page, "window.rattle && window.rattle.edit && window.rattle.edit.text !== ''")
         hand = Hand(page, touch=options.get("has_touch", False))
@@ -161,7 +167,13 @@ def check_scotch_yoke(text):
 def wiper(hand):
     for spot in (at(-10, 0), at(0, 0), at(12, 0)):
         hand.act("Ground", spot)
-    for first, last in ((at(-10, 0), at(-10, 2)), (at(-10, 2), at(0, 4)), (at(0, 4), at(0, 0)), (at(0, 4), at(12, 4)), (at(12, 4), at(12, 0))):
+    for first, last in (
+        (at(-10, 0), at(-10, 2)),
+        (at(-10, 2), at(0, 4)),
+        (at(0, 4), at(0, 0)),
+        (at(0, 4), at(12, 4)),
+        (at(12, 4), at(12, 0)),
+    ):
         hand.bar(first, last)
     hand.act("Motor", at(-10, 0))
     return at(12, 4), at(12, 3)
@@ -248,3 +260,197 @@ def test_a_mechanism_is_drawn_dragged_saved_and_undone_to_the_last_byte(sheet, d
     assert hand.text == finished
     hand.acts -= 1
     assert hand.undo_all() == EMPTY
+
+
+# ---------------------------------------------------------------- fingers, keys
+def test_a_finger_draws_on_a_phone_rests_to_choose_and_two_of_them_zoom(sheet):
+    hand = sheet(**PHONE)
+    slider_crank(hand)
+    check_slider_crank(hand.text)
+    finished = hand.text
+    assert hand.page.evaluate(SMALL) == 0
+    panel, board = (hand.page.locator(name).bounding_box() for name in (".edit-panel", ".board"))
+    assert panel["y"] >= board["y"] + board["height"] - 1  # the fields lie on nothing that is drawn
+    hand.take("Bar")
+    hand.fingers("touchStart", hand.screen(at(-6, 3)))
+    becomes(hand.page, "window.rattle.edit.selected === 'joint J2'")  # a finger that rests, whatever the tool
+    hand.fingers("touchEnd")
+    wide = apart(hand.screen(at(0, 0)), hand.screen(at(1, 0)))
+    hand.fingers("touchStart", (100, 350))
+    hand.fingers("touchStart", (100, 350), (200, 350))
+    hand.fingers("touchMove", (50, 350), (250, 350))
+    hand.fingers("touchEnd")
+    assert apart(hand.screen(at(0, 0)), hand.screen(at(1, 0))) == pytest.approx(2 * wide, rel=0.02)
+    assert hand.text == finished
+    keep_picture(hand.page, "drawn_on_a_phone")
+
+
+def test_a_fourbar_is_drawn_with_keys_alone(sheet):
+    hand = sheet(viewport={"width": 1280, "height": 800})
+    snap = hand.page.evaluate("window.rattle.edit.snap")
+    assert snap == 0.01
+    press = hand.page.keyboard.press
+    arrows = {(1, 0): "ArrowRight", (-1, 0): "ArrowLeft", (0, 1): "ArrowUp", (0, -1): "ArrowDown"}
+
+    def go(dx, dy):
+        for axis, steps in enumerate((dx, dy)):
+            sign = int(math.copysign(1, steps))
+            key = arrows[(sign, 0) if axis == 0 else (0, sign)]
+            for many, name in ((abs(steps) // 10, f"Shift+{key}"), (abs(steps) % 10, key)):
+                for _ in range(many):
+                    press(name)
+
+    def enter():
+        before = hand.text
+        press("Enter")
+        hand.acts += 1
+        return hand.becomes_text(before)
+
+    press("o")
+    press("Enter")  # the cross hair appears in the middle
+    go(-6, -2)
+    hand.says("-60 mm, -20 mm")
+    enter()
+    go(10, 0)
+    enter()
+    press("b")
+    go(-10, 0)
+    for dx, dy in ((0, 3), (8, 4), (2, -7)):
+        press("Enter")
+        go(dx, dy)
+        enter()
+    press("m")
+    go(-10, 0)
+    enter()
+    press("v")
+    told = []
+    while len(told) < 12 and not any("bar2 and bar3" in word for word in told):
+        press("Tab")
+        told.append(hand.word)
+    assert told[0] == "joint J1, ground and bar1"
+    assert told[-1] == "joint J3, bar2 and bar3"
+    before = hand.text
+    hand.page.keyboard.type("0.2 mm")  # digits go into its play
+    press("Enter")
+    hand.acts += 1
+    hand.becomes_text(before)
+    assert hand.table["joints"]["J3"]["clearance"] == "0.2 mm"
+    lengths = sorted(entry["length"] for entry in hand.table["bodies"].values())
+    assert lengths == pytest.approx(sorted([3 * snap, math.sqrt(80) * snap, math.sqrt(53) * snap]), abs=EXACT)
+    assert hand.undo_all() == EMPTY
+
+
+# ---------------------------------------------------------------- changing
+def test_values_that_cannot_be_are_refused_with_a_word_and_the_text_stays(sheet):
+    hand = sheet(FOURBAR)
+    hand.take("Select")
+    hand.click(at(-2, 3))
+    for value, words in (("abc", "abc"), ("-5 mm", "length"), ("3 kg", "length"), ("5 m", "closes between")):
+        length = hand.field("Length")
+        length.fill(value)
+        length.press("Enter")
+        shows(hand.page.locator(".edit-panel [role=alert]", has_text=words))
+        assert length.get_attribute("aria-invalid") == "true"
+        assert hand.text == FOURBAR
+    length.press("Escape")
+    assert length.input_value() == "0.17888543819998318 m"
+    hand.drag(B, at(3, 5))  # the rocker's length is an expression
+    hand.says("rocker.length is 2.4*l1 + 0.00160219778561037: type a number to replace it")
+    hand.drag(A, B)
+    hand.says("let go elsewhere")
+    assert hand.text == FOURBAR
+
+
+def test_a_double_click_on_the_label_opens_its_field_and_alt_puts_a_point_beside_the_grid(sheet):
+    hand = sheet(FOURBAR)
+    hand.take("Select")
+    hand.click(at(-2, 3))
+    becomes(hand.page, "window.rattle.edit.selected === 'body coupler'")
+    frames(hand.page)
+    x, y = hand.screen(at(-2, 3))
+    hand.page.mouse.dblclick(x + 60, y - 18)
+    becomes(hand.page, "document.activeElement.getAttribute('aria-label') === 'Length'")
+    hand.page.keyboard.press("Escape")
+    hand.page.keyboard.down("Alt")
+    hand.act("Ground", (0.0, -0.0633))
+    hand.page.keyboard.up("Alt")
+    _, y = hand.table["ground"]["points"]["O2"]
+    assert abs(y + 0.0633) < 0.001
+    assert abs(y / 0.001 - round(y / 0.001)) > 1e-6
+    assert hand.undo_all() == FOURBAR
+
+
+def test_tools_rest_while_the_text_has_an_error_and_undo_goes_through_text_knobs_and_drawing(sheet):
+    hand = sheet(FOURBAR)
+    hand.act("Ground", at(0, -3))
+    before = hand.text
+    hand.page.locator("#knob-l1").press("ArrowRight")
+    hand.becomes_text(before)
+    hand.page.get_by_role("tab", name="Text").click()
+    area, good = hand.page.locator("textarea.area"), hand.text
+    area.fill(good.replace("mass = 0.3", "mass = = 0.3"))
+    hand.page.get_by_role("tab", name="Motion").click()
+    line = good[: good.index("mass = 0.3")].count("\n") + 1
+    hand.says(f"line {line}")
+    assert hand.page.get_by_role("button", name="Bar", exact=True).is_disabled()
+    assert hand.undo() == good
+    assert hand.page.get_by_role("button", name="Bar", exact=True).is_enabled()
+    assert hand.undo() == before
+    assert hand.undo() == FOURBAR
+
+
+def test_a_body_is_turned_by_hand_and_the_motion_starts_there(sheet):
+    hand = sheet(FOURBAR)
+    hand.take("Select")
+    hand.drag(at(-6, -0.4), at(-5, -0.7))
+    shows(hand.page.get_by_role("button", name="Start here"))
+    becomes(hand.page, "window.rattle.edit.position('crank.A')[0] > -0.11")
+    ends = {name: hand.position(name) for name in ("crank.O", "crank.A", "coupler.A", "coupler.B")}
+    assert apart(ends["crank.A"], A) > 0.01
+    assert apart(ends["crank.A"], ends["coupler.A"]) < 1e-6
+    assert hand.text == FOURBAR
+    hand.page.get_by_role("button", name="Start here").click()
+    text = hand.becomes_text(FOURBAR)
+    turned = math.atan2(ends["crank.A"][1] - ends["crank.O"][1], ends["crank.A"][0] - ends["crank.O"][0])
+    assert motion(text, "crank.angle")[1][0] == pytest.approx(turned, abs=1e-6)
+    assert "# the short one" in text
+    assert "# worn" in text
+    assert hand.undo() == FOURBAR
+
+
+def test_a_photograph_lies_below_scaled_by_two_points(sheet):
+    hand = sheet()
+    before = hand.text
+    with hand.page.expect_file_chooser() as chooser:
+        hand.take("Picture")
+    chooser.value.set_files([{"name": "photo.png", "mimeType": "image/png", "buffer": grey_png(200, 100)}])
+    hand.becomes_text(before)
+    hand.acts += 1
+    becomes(hand.page, "window.rattle.edit.picture !== null")
+    scale = hand.page.evaluate("window.rattle.edit.picture.scale")
+    hand.click(at(-3, 1))
+    hand.says("click a second point")
+    hand.click(at(3, 1))
+    becomes(hand.page, "document.activeElement.getAttribute('aria-label') === 'Distance'")
+    hand.type("Distance", "0.3 m")
+    assert hand.page.evaluate("window.rattle.edit.picture.scale") == pytest.approx(scale * 0.3 / 0.12, rel=0.02)
+    assert "bodies" not in hand.table
+    assert hand.undo_all() == EMPTY
+
+
+def test_a_model_in_json_is_drawn_on_and_stays_json(sheet):
+    text = json.dumps({"format": 1, "ground": {"points": {"O": [0, 0]}}}, indent=2) + "\n"
+    hand = sheet(text)
+    hand.bar(at(0, 0), at(4, 3))
+    body = json.loads(hand.text)["bodies"]["bar1"]
+    assert body["length"] == pytest.approx(0.1, abs=EXACT)
+    assert hand.undo_all() == text
+
+
+def grey_png(width, height):
+    def part(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = part(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
+    rows = zlib.compress(b"".join(b"\0" + bytes([150] * width) for _ in range(height)))
+    return b"\x89PNG\r\n\x1a\n" + head + part(b"IDAT", rows) + part(b"IEND", b"")

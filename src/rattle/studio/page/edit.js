@@ -21,7 +21,7 @@ export class Edit {
     this.panel = new Panel({
       write: (chosen, field, value) => (chosen === "picture" ? this.typedBeside(chosen, value) : this.act({ act: "type", chosen, field, text: value })),
       left: () => this.board.above.focus(),
-      start: () => this.act({ act: "start", places: this.turned }),
+      start: () => { if (this.turned) this.act({ act: "start", places: this.turned }); },
       remove: () => this.remove(),
     });
     this.underlay = new Underlay(this);
@@ -120,8 +120,9 @@ export class Edit {
       this.show.rest();
       this.board.run(null);
     }
-    if (this.turned) {
+    if (this.turned || this.expects) {
       this.turned = null;
+      this.expects = false;
       this.board.pull(null);
       this.panel.start.hidden = true;
       this.send({ do: "let-go" });
@@ -141,6 +142,7 @@ export class Edit {
     this.began ??= message.drawing.scene ? "with a model" : "empty";
     this.drawing = message.drawing;
     if (this.turned) { this.turned = null; this.panel.start.hidden = true; }
+    this.expects = false;
     this.board.show(message.drawing);
     this.underlay.show(message.drawing.picture);
     this.status.textContent = message.drawing.status;
@@ -199,7 +201,7 @@ export class Edit {
   }
 
   pulled(message) {
-    if (!this.pulling && !this.turned) return;
+    if (!this.pulling && !this.turned && !this.expects) return;
     this.turned = message.places;
     this.board.pull(message.places);
     this.say(message.words);
@@ -317,6 +319,8 @@ export class Edit {
 
   release() {
     this.pulling = false;
+    if (this.asking) this.send({ do: "pull", at: this.wanted }); // an answer may come after the hand has let go
+    this.expects = true;
     if (this.grabbedFrom && this.wasRunning) { this.show_still(); this.show.play(); }
     else {
       this.panel.start.hidden = false;
@@ -360,7 +364,7 @@ export class Edit {
 
   escape() {
     if (this.hand.cancel()) { this.say(""); return true; }
-    if (this.turned || this.board.running) { this.show_still(); this.choose(this.things); return true; }
+    if (this.turned || this.expects || this.board.running) { this.show_still(); this.choose(this.things); return true; }
     if (this.tool !== "Select") { this.take("Select"); return true; }
     this.complain("");
     this.choose([]);

@@ -76,8 +76,8 @@ export class Panel {
       const enter = () => {
         if (input.value.trim() === input.now) return this.complain("");
         input.entered = true;
-        this.asked = input;
         this.complain("");
+        this.asked = input;
         this.write(row.thing, row.name, input.value.trim());
       };
       input.addEventListener("change", () => { if (row.choices.length || !input.matches(":focus")) enter(); });
