@@ -247,7 +247,7 @@ export class Edit {
   }
 
   typedBeside(chosen, text) {
-    if (chosen === "picture") this.act({ act: "scale-picture", from: this.underlay.spots[0], to: this.underlay.spots[1], text });
+    if (chosen === "picture" && this.underlay.spots?.length === 2) this.act({ act: "scale-picture", from: this.underlay.spots[0], to: this.underlay.spots[1], text });
   }
 
   remove() {

@@ -63,6 +63,7 @@ export class Panel {
   }
 
   build(rows) {
+    for (const input of this.inputs.values()) input.now = input.value.trim(); // one that goes writes nothing more
     this.inputs.clear();
     this.complain("");
     const seen = new Set();
