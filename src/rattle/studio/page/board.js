@@ -132,7 +132,8 @@ export class Board {
     }
     this.away = new Set();
     this.unmoved = false;
-    const low = [0, 1].map((k) => Math.min(...points.map((at) => at[k]))), high = [0, 1].map((k) => Math.max(...points.map((at) => at[k])));
+    const reach = this.running ? [this.moving.stage.low, this.moving.stage.high] : []; // of the motion that runs
+    const [low, high] = [Math.min, Math.max].map((extreme) => [0, 1].map((k) => extreme(...[...points, ...reach].map((at) => at[k]))));
     const spans = [0, 1].map((k) => high[k] - low[k]), size = Math.max(...spans) || WIDE / 4;
     const room = [this.width, this.height].map((one) => one * (1 - 2 * MARGIN));
     const scale = Math.min(...[0, 1].map((k) => room[k] / Math.max(spans[k], 0.2 * size)));

@@ -87,7 +87,7 @@ export class Show {
 
   // Drawing begins or ends: the time line alone stays below the sheet.
   draws(on) {
-    this.el.classList.toggle("drawing", on);
+    this.el.classList.toggle("draws", on);
     if (!this.app) this.badge.hidden = on;
     this.offer();
   }
