@@ -16,7 +16,8 @@ ROOT = Path(__file__).parents[1]
 SOURCES = Path(rt.__file__).parent
 PLAIN = {  # what is not to be read -> what is
     r"\bwant(s|ed)\b": "expected, or needs",
-    r"(?<!\bof )(?<!\bfinite )\bfreedoms?\b": "degrees of freedom",  # "finite freedom dynamics" is a title
+    # "finite freedom dynamics" is a title, "1 freedom without a motor" stands in the status line of a drawing
+    r"(?<!\bof )(?<!\bfinite )\bfreedoms?\b(?! without a motor)": "degrees of freedom",
     r"\b(positions? of rest|resting position)": "equilibrium",
     r"\bslow motion": "quasi-static",
     r"\b(taken|takes?) for granted": "assumed",

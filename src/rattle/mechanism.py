@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rattle.analyses.analysed_model import AnalysedModel
@@ -65,24 +65,28 @@ class Mechanism(OfMechanism, AnalysedModel):
 
     def report(
         self, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: Seconds | None = None,
-        paper: str = "A4", progress: bool = False,
+        paper: str = "A4", progress: bool = False, measured: str | Path | Iterable[str | Path] = (),
     ) -> Path:  # fmt: skip
         """Write a report to hand on: one .html page that needs nothing else and prints well, or a .pdf.
 
         What is in it: docs/report.md.  A motion that fails gives a report that says so at its top.
         title: default the name of the model.  t_end: end of the motion [s].  paper: A4 or Letter, of a .pdf, which a
-        browser prints.  progress: show a progress bar.  Returns the path.
+        browser prints.  progress: show a progress bar.  measured: measured curves beside the motion, see
+        `Result.residuals`; without a curve a column may belong to the output of the mechanism.  Returns the path.
         Raises ModelError, ValueError for another suffix, MissingProgram for a .pdf without a browser, OSError.
         """
         from rattle.pages.report import report
 
         end = seconds_or_none(t_end, "t_end")
-        return report(self, path, title=title, author=author, t_end=end, paper=paper, progress=progress)
+        return report(
+            self, path, title=title, author=author, t_end=end, paper=paper, progress=progress, measured=measured
+        )
 
     def page(
         self, path: str | os.PathLike[str], *, t_end: Seconds | None = None,
         over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False, title: str = "",
         curves: Sequence[str] = (), trust: bool = True, language: str = "en",
+        measured: str | Path | Iterable[str | Path] = (),
     ) -> str:  # fmt: skip
         """Write the mechanism as one web page that computes: `m.page("fourbar.html")`; no server, no internet.
 
@@ -94,11 +98,13 @@ class Mechanism(OfMechanism, AnalysedModel):
         title: above the page, instead of the name of the model.  curves: those shown at first.  trust: False leaves one
         word of how far the motion can be trusted, and hides the reasons.
         language: of the labels: "en", "de", "fr", "es" or "zh"; sentences about trust and errors stay English.
+        measured: measured curves that are drawn beside the motion whatever is turned, such as
+        "measured.csv:theta=rocker.angle@0.2s", see `Result.residuals`.
         Raises ModelError, AssemblyError, OSError; ValueError for more than 40 runs, an unknown curve or language.
         """
         from rattle.pages.page import page
 
         return page(
             self, path, t_end=seconds_or_none(t_end, "t_end"), over=over, progress=progress, title=title,
-            curves=curves, trust=trust, language=language,
+            curves=curves, trust=trust, language=language, measured=measured,
         )  # fmt: skip

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.io import loadmat
 
 import rattle as rt
 from circling import circling
@@ -20,6 +21,7 @@ from rattle.cli.main import main
 from rattle.pages import engine
 from rattle.results import archive
 from rattle.results.result import load_result
+from workbooks import read_workbook
 
 pytestmark = pytest.mark.nojit
 PLAIN = {**os.environ, "RATTLE_JIT": "python"}
@@ -80,7 +82,7 @@ def never(monkeypatch):
     [
         ("run model.toml -o out.csv", "a result is saved as .nc or .npz; --csv out.csv writes its curves"),
         ("run model.toml --csv nowhere/x.csv", "the folder nowhere does not exist"),
-        ("run model.toml --csv x.xlsx", "give a name ending in .csv"),
+        ("run model.toml --csv x.xls", "give a name ending in .csv"),
         ("run model.toml --csv model.toml.csv", "it is the input file"),
         ("run model.toml -o out.nc --fallback nowhere", "needs a folder"),
         ("run model.toml -o out.npz --csv ./folder", "it is a folder"),
@@ -91,7 +93,9 @@ def never(monkeypatch):
         ("accuracy model.toml --of a -o x.gif", "a picture needs a name ending in"),
         ("equilibrium model.toml -o x.nc", "they need --path"),
         ("export same.npz -o same.npz", "it is the input file"),
-        ("export same.npz -o out.xlsx", "give a name ending in .csv"),
+        ("export same.npz -o out.xls", "give a name ending in .csv"),
+        ("ensemble model.toml --of lift --csv x.mat", "give a name ending in .csv"),
+        ("run model.toml -o x.xlsx", "--csv x.xlsx writes its curves"),
         ("plot same.npz lift -o x.bmp", "a picture needs a name ending in"),
         ("animate same.npz -o x.mov", "an animation needs a name ending in .gif or .mp4"),
     ],
@@ -558,6 +562,21 @@ def test_export_writes_the_curves_that_are_named(tmp_path):
         in call("export", tmp_path / "r.npz", "upper.omeg", "-o", tmp_path / "two.csv").output
     )
     assert call("export", tmp_path / "r.npz", "upper.omega", "-o", tmp_path / "two.nc").exit_code == 2
+    for suffix in ("xlsx", "mat"):
+        assert call("export", tmp_path / "r.npz", "upper.omega", "-o", tmp_path / f"two.{suffix}").exit_code == 0
+    assert read_workbook((tmp_path / "two.xlsx").read_bytes())["curves"][0] == ["t [s]", "upper.omega [rad/s]"]
+    assert loadmat(tmp_path / "two.mat")["r"]["values"][0, 0].shape == (len(rt.load_result(tmp_path / "r.npz").t), 1)
+
+
+def test_curves_of_a_run_are_written_in_the_format_of_their_name(tmp_path):
+    for suffix in ("csv", "xlsx", "mat"):
+        assert call("run", "double_pendulum", "--t-end", "5 ms", "--csv", tmp_path / f"r.{suffix}").exit_code == 0
+    rows = read_workbook((tmp_path / "r.xlsx").read_bytes())["curves"]
+    header, *lines = (tmp_path / "r.csv").read_text().splitlines()
+    column = rows[0].index("upper.omega [rad/s]")
+    written = [float(line.split(",")[header.split(",").index("upper.omega [rad/s]")]) for line in lines]
+    assert [row[column] for row in rows[1:]] == written
+    assert loadmat(tmp_path / "r.mat")["r"]["t"][0, 0].ravel().tolist() == [row[0] for row in rows[1:]]
 
 
 def test_a_table_for_o_names_the_option_that_writes_it(tmp_path):

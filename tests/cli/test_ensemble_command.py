@@ -1,5 +1,6 @@
 """`rattle ensemble` and `rattle sweep`: their tables, files and refusals."""
 
+import csv
 import json
 from importlib.util import find_spec
 
@@ -10,6 +11,7 @@ from click.testing import CliRunner
 import rattle as rt
 from rattle.cli.main import main
 from rattle.questions.ensemble import engines
+from workbooks import read_workbook
 
 pytestmark = pytest.mark.nojit
 OF = "at(rocker.angle, 0.01)"
@@ -53,6 +55,12 @@ def test_tables_pictures_and_a_folder_that_goes_on(tmp_path):
     assert f"kept in {tmp_path / 'runs'}" in seen.stdout
     assert len(table.read_text().splitlines()) == 33
     assert "rocker.angle" in picture.read_text()
+    assert run("ensemble", *words, "-n", "32", "--csv", str(table.with_suffix(".xlsx"))).exit_code == 0
+    head, *rows = read_workbook(table.with_suffix(".xlsx").read_bytes())["samples"]
+    with table.open(newline="") as file:
+        text = list(csv.reader(file))
+    assert head == text[0]
+    assert [row[1:3] for row in rows] == [[float(cell) for cell in line[1:3]] for line in text[1:]]
     seen = run("ensemble", *words, "-n", "32", "--seed", "1")
     assert seen.exit_code == 2
     assert "holds another run" in seen.output
@@ -129,7 +137,7 @@ def test_a_limit_of_another_unit_is_refused_before_anything_runs(monkeypatch):
         (("ensemble", "fourbar", "--vary", "r3=1 mm", "--of", "share(O3.normal > 0)", "--limit", "5 kN"), "force"),
         (("ensemble", *SHORT, "--vary", "r3=1 kg"), "mass"),
         (("ensemble", "fourbar", "--of", "biggest(x)"), "biggest"),
-        (("ensemble", *SHORT, "--csv", "e.xlsx"), ".csv"),
+        (("ensemble", *SHORT, "--csv", "e.xls"), ".csv"),
         (("ensemble", *SHORT, "--plot", "e.doc"), "picture"),
         pytest.param(
             ("ensemble", *SHORT, "--scheduler", "tcp://127.0.0.1:1", "-n", "4"),

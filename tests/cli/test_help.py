@@ -43,6 +43,7 @@ def results(tmp_path_factory):
         shutil.copy(path, folder / f"{name}.toml")
     rt.example("fourbar").simulate("50 ms").save(folder / "out.nc")
     rt.example("fourbar").ideal().simulate("50 ms").save(folder / "ideal.nc")
+    (folder / "measured.csv").write_text("t [ms];theta [deg]\n0;-60,1\n20;-64,4\n40;-66\n", encoding="utf-8")
     return folder
 
 

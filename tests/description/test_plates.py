@@ -245,6 +245,8 @@ def test_the_report_says_what_follows_from_the_polygon():
         ({"polygon": SQUARE, "thickness": 1, "density": 1, "mass": 1}, "mass", "thickness and density, or a mass in kg, not both"),
         ({"polygon": SQUARE, "mass": 1, "inertia": 2}, "inertia", "the polygon says the inertia; leave this out"),
         ({"polygon": SQUARE, "mass": 1, "center": [0, 0]}, "center", "the polygon says the mass centre; leave this out"),
+        ({"polygon": SQUARE, "mass": 1, "center": [0, 0], "inertia": -1}, "inertia", "-1 must not be negative"),
+        ({"polygon": SQUARE, "mass": 1, "center": [0, 0], "inertia": 0}, "", "its inertia = 0 kg*m^2 is out of range"),
         ({"polygon": SQUARE, "mass": 1, "hole": []}, "hole", "unknown key; did you mean 'holes'?"),
         ({"polygon": SQUARE, "thickness": 1e-40, "density": 1e-40}, "", "its mass = 1e-80 kg is out of range"),
         ({"polygon": SQUARE, "mass": 1, "holes": [[[0.2, 0.2], [1.4, 0.2], [0.4, 0.4]]]}, "holes[0]", "is not inside of the polygon"),
@@ -264,6 +266,15 @@ def test_a_plate_that_cannot_be_says_what_is_wrong(given, path, words):
     assert words in problem.message
     assert problem.line
     assert problem.caret
+
+
+def test_mass_centre_and_inertia_of_a_plate_may_be_its_own():
+    """Its shape stays that of the polygon, about the mass centre given: a plate with something heavy on it."""
+    text = rt.Mechanism().ground(O=[0, 0]).bar("b", "A", "B", length=1, mass=1).to_toml()
+    body = 'polygon = [[0, 0], [2, 0], [2, 1], [0, 1]]\nmass = 3\ncenter = [0.5, "25 cm"]\ninertia = 7\npoints = { P = [1, 1] }'
+    plate = rt.loads(f"{text}\n[bodies.p]\n{body}\n").model.bodies["p"]
+    assert (plate.mass, plate.inertia, plate.points) == (3, 7, {"P": (0.5, 0.75)})
+    assert plate.outline == (((-0.5, -0.25), (1.5, -0.25), (1.5, 0.75), (-0.5, 0.75)),)
 
 
 def test_corners_on_straight_edges_and_deep_notches_are_no_fault():

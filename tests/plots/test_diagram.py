@@ -1,6 +1,7 @@
 """The drawing of a model: every name in it once and readable, loads as they act, what moves freely, what stays open."""
 
 from itertools import combinations
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -183,6 +184,14 @@ def test_names_are_text_in_the_file_that_is_drawn(tmp_path):
     again = tmp_path / "again.svg"
     CliRunner().invoke(main, ["draw", str(tmp_path / "lift.toml"), "-o", str(again)])
     assert again.read_bytes() == path.read_bytes()
+
+
+def test_shapes_of_bodies_are_groups_with_their_names(tmp_path):
+    """So that a program for drawing finds them; every name is there once."""
+    rt.example("windows").plot().savefig(tmp_path / "own.svg")
+    names = [group.get("id") for group in ElementTree.parse(tmp_path / "own.svg").iter("{http://www.w3.org/2000/svg}g")]
+    for body in rt.example("windows").model.moving_bodies:
+        assert names.count(body) == names.count(f"{body}-outline") == 1
 
 
 def test_a_figure_that_the_user_saves_keeps_its_text(tmp_path):

@@ -66,28 +66,34 @@ def _write_example(path: Path, output: str, tables: list[str]) -> None:
 @click.argument("names", nargs=-1)
 @settings_option
 @click.option(
-    "-o", "--output", metavar="FILE", required=True, help="File to write: .csv with units in its header, .nc or .npz."
+    "-o",
+    "--output",
+    metavar="FILE",
+    required=True,
+    help="File to write: .csv, .xlsx or .mat with names and units, .nc or .npz.",
 )
 def export(result: str, names: tuple[str, ...], settings: tuple[str, ...], output: str) -> None:
-    """Write a saved result as CSV, units in the header, or as .nc or .npz.
+    """Write a saved result as CSV, Excel workbook or MATLAB file with units, or as .nc or .npz.
 
-    NAMES are the curves of a CSV file; without them it has all.
+    NAMES are the curves of a .csv, .xlsx or .mat file; without them it has all.
 
     \b
     Examples: rattle export out.nc -o out.csv
               rattle export out.nc O3.normal rocker.angle -o two.csv
+              rattle export out.nc -o out.xlsx
+              rattle export out.nc -o out.mat
     """
+    from rattle.exchange.curve_files import require_curve_file, write_curves
     from rattle.results import archive
-    from rattle.results.result import require_table
 
     check_files(result, output)
     table = Path(output).suffix.lower() not in archive.SUFFIXES
-    (require_table if table else archive.require)(output)
+    (require_curve_file if table else archive.require)(output)
     if names and not table:
-        raise click.UsageError(f"NAMES are the columns of a CSV file; {output} keeps every curve")
+        raise click.UsageError(f"NAMES are the columns of a .csv, .xlsx or .mat file; {output} keeps every curve")
     loaded = read_result(result, settings)
     if table:
-        loaded.to_csv(output, names=names or None)
+        write_curves(loaded, output, names=names or None)
     else:
         loaded.save(output)
     say_written(output)

@@ -23,9 +23,9 @@ def import_(
 ) -> None:  # fmt: skip
     """Read a mechanism of another program and write it as a model file.
 
-    FILE is an assembly of Ondsel or FreeCAD (.asmt), a drawing (.dxf), a text file with a link of PMKS+ (pmks: and the
-    link, or the address of the page), or a mechanism of pylinkage (.json).  The content says which it is.  What was
-    taken, what is assumed and what was left out is listed, by the names that things have in the file.
+    FILE is an assembly of Ondsel or FreeCAD (.asmt), a drawing (.dxf, .svg), a text file with a link of PMKS+ (pmks:
+    and the link, or the address of the page), or a mechanism of pylinkage (.json).  The content says which it is.  What
+    was taken, what is assumed and what was left out is listed, by the names that things have in the file.
 
     A file that cannot be read, or a mechanism that does not move in a plane, is refused in one line, and nothing is
     written.

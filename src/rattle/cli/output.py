@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +48,9 @@ def save_options(note: str = "") -> Options:
 
     def add(function: Callable[..., Any]) -> Callable[..., Any]:
         function = fallback_option(function)
-        function = click.option("--csv", metavar="FILE", help=f"{note}Also write all curves as CSV.")(function)
+        function = click.option("--csv", metavar="FILE", help=f"{note}Also write all curves: .csv, .xlsx or .mat.")(
+            function
+        )
         return click.option(
             "-o", "--output", metavar="FILE", help=f"{note}Save the result (.nc or .npz), for plot, animate and export."
         )(function)
@@ -57,11 +60,11 @@ def save_options(note: str = "") -> Options:
 
 def check_results(read: str, output: str | None, csv: str | None, fallback: str | None) -> None:
     """Refuse file names under which a result cannot be saved. Raises InputError, OSError, click.UsageError."""
+    from rattle.exchange.curve_files import require_curve_file
     from rattle.results import archive
-    from rattle.results.result import require_table
     from rattle.user_paths import expanded
 
-    if output is not None and Path(output).suffix.lower() == ".csv":
+    if output is not None and Path(output).suffix.lower() in (".csv", ".xlsx", ".mat"):
         raise click.UsageError(
             f"-o {output}: a result is saved as .nc or .npz; --csv {output} writes its curves, and `rattle export` does"
             " so later"
@@ -69,7 +72,7 @@ def check_results(read: str, output: str | None, csv: str | None, fallback: str 
     if output is not None:
         archive.require(output)
     if csv is not None:
-        require_table(csv)
+        require_curve_file(csv)
     check_files(read, output, csv)
     if fallback is not None and not expanded(fallback).is_dir():
         raise click.UsageError(f"--fallback needs a folder; {fallback} is not one")
@@ -109,8 +112,10 @@ def check_files(read: str, *paths: str | Path | None) -> None:
 # ---------------------------------------------------------------- after the analysis
 def keep(result: Result, output: str | None, csv: str | None, fallback: str | None) -> bool:
     """Save a result; an interrupted one does not replace a file that is there.  False if it could not be saved."""
+    from rattle.exchange.curve_files import write_curves
+
     kept = True
-    for path, save in ((output, result.save), (csv, result.to_csv)):
+    for path, save in ((output, result.save), (csv, partial(write_curves, result))):
         if path is None:
             continue
         place = beside(path) if result.interrupted else path

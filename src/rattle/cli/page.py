@@ -8,6 +8,7 @@ import click
 
 from rattle.answers.arguments import listed
 from rattle.cli.command import Command
+from rattle.cli.measured import measured_option
 from rattle.cli.options import model_options, page_options, read_model, shows_progress, time
 from rattle.cli.output import check_files, say_written
 
@@ -24,13 +25,15 @@ from rattle.cli.output import check_files, say_written
     " combinations.",
 )  # fmt: skip
 @page_options
+@measured_option
 @click.option(
     "--trust/--no-trust", default=True, help="Whether one can read why a run can be trusted, or see the word alone."
 )
 @click.pass_context
 def page(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str, t_end: float | None,
-    ranges: tuple[str, ...], title: str, curves: tuple[str, ...], trust: bool, language: str,
+    ranges: tuple[str, ...], title: str, curves: tuple[str, ...], measured: tuple[str, ...], trust: bool,
+    language: str,
 ) -> None:  # fmt: skip
     """Write a mechanism as one web page that computes: turn a parameter and the motion follows.
 
@@ -48,6 +51,7 @@ def page(
               rattle page slider_crank --set "speed=3000 rpm" -o fast.html
               rattle page slider_crank_play --over "c=0.2 mm:0.6 mm:3" --t-end 6ms -o play.html
               rattle page fourbar --title "Task 3" --curves rocker.angle,O3.normal --no-trust -o task.html
+              rattle page fourbar --with measured.csv:theta=rocker.angle -o beside.html
               rattle page slider_crank --title "Schubkurbel" --language de -o schubkurbel.html
     """
     from rattle.cli.over import axes_of
@@ -61,7 +65,7 @@ def page(
     m, axes = axes_of(read_model(file, settings, ideal), ranges)
     why = write(
         m, output, t_end=t_end, over=axes or None, progress=shows_progress(ctx), title=title, curves=listed(*curves),
-        trust=trust, language=language,
+        trust=trust, language=language, measured=measured,
     )  # fmt: skip
     if why and not ranges:
         logging.getLogger("rattle").info(f"the page replays runs that were computed now, because {why}")

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import click
 
 from rattle.cli.command import Command
+from rattle.cli.measured import measured_option
 from rattle.cli.options import model_options, read_model, shows_progress, time
 from rattle.cli.output import check_files, say_written
 
@@ -20,10 +21,11 @@ from rattle.cli.output import check_files, say_written
 @click.option("--title", default="", help="Title of the report; default: the name of the model.")
 @click.option("--author", default="", help="Who made it, below the title.")
 @click.option("--paper", type=click.Choice(["A4", "Letter"]), default="A4", show_default=True, help="Paper of a .pdf.")
+@measured_option
 @click.pass_context
 def report(
     ctx: click.Context, file: str, settings: tuple[str, ...], ideal: bool, output: str | None, t_end: float | None,
-    title: str, author: str, paper: str,
+    title: str, author: str, paper: str, measured: tuple[str, ...],
 ) -> None:  # fmt: skip
     """A report to hand on: model, drawing, assumptions, motion, forces, contacts, power, and how far to trust them.
 
@@ -35,6 +37,7 @@ def report(
     \b
     Example:  rattle report slider_crank -o engine.html
               rattle report slider_crank --set speed="3000 rpm" --author "A. Engineer" -o slower.html
+              rattle report fourbar --with measured.csv:theta=rocker.angle
     """
     from pathlib import Path
 
@@ -47,7 +50,7 @@ def report(
     command = _typed(ctx, file, target)
     written = write_report(
         m, target, title=title, author=author, t_end=t_end, paper=paper, command=command,
-        progress=shows_progress(ctx),
+        progress=shows_progress(ctx), measured=measured,
     )  # fmt: skip
     say_written(target)
     if written.trouble:
@@ -61,12 +64,15 @@ def _typed(ctx: click.Context, file: str, target: object) -> str:
     import shlex
     from pathlib import Path
 
+    from rattle.exchange.measured import without_folder
+
     words = ["rattle", "report", Path(file).name]
     options = {param.name: param for param in ctx.command.params if isinstance(param, click.Option)}
     for name, value in ctx.params.items():
         option = options.get(name)
         if option is not None and name != "output" and value and value != option.default:
-            words += _flags(option.opts[-1], value if isinstance(value, tuple) else (value,))
+            entries = map(without_folder, value) if name == "measured" else value
+            words += _flags(option.opts[-1], entries if isinstance(value, tuple) else (value,))
     words += ["--units", units] if (units := ctx.meta.get("rattle.units")) else []
     words += [part for path in ctx.meta.get("rattle.without", ()) for part in ("--without", path)]
     words += [part for path in ctx.meta.get("rattle.laws", ()) for part in ("--laws", Path(path).name)]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import click
 
 from rattle.answers.arguments import listed
 from rattle.cli.command import Command
+from rattle.cli.measured import measured_option, say_residual
 from rattle.cli.options import page_options, read_result, settings_option
 from rattle.cli.output import check_files, check_pictures, say_written
 
@@ -55,6 +57,7 @@ def demo(output: str, paper: bool, why: bool) -> None:
 @click.option("--over", metavar="NAME", help="Put this curve on the horizontal axis, e.g. crank.angle; default: time.")
 @click.option("--spectrum", is_flag=True, help="Draw the amplitude spectra of the curves instead.")
 @click.option("--compare", multiple=True, metavar="[LABEL=]FILE", help="Another saved result, whose curves are dashed.")
+@measured_option
 @settings_option
 @click.option(
     "--robust", is_flag=True, help="Leave rare spikes out of the range of the axis; a note says how far they reach."
@@ -69,7 +72,8 @@ def demo(output: str, paper: bool, why: bool) -> None:
 )
 def plot(
     result: str, names: tuple[str, ...], orbit: tuple[str, ...], xy: tuple[str, ...], over: str | None,
-    spectrum: bool, compare: tuple[str, ...], settings: tuple[str, ...], robust: bool, output: str | None,
+    spectrum: bool, compare: tuple[str, ...], measured: tuple[str, ...], settings: tuple[str, ...], robust: bool,
+    output: str | None,
 ) -> None:  # fmt: skip
     """Plot curves, their spectra, paths of points or pin orbits of a saved result; without NAMES lists all names.
 
@@ -77,6 +81,7 @@ def plot(
     Example:  rattle plot out.nc O3.normal O4.normal -o forces.svg
               rattle plot out.nc motor.torque --over crank.angle
               rattle plot out.nc rocker.angle --compare "no play=ideal.nc"
+              rattle plot out.nc rocker.angle --with measured.csv:theta@5ms
               rattle plot out.nc O3.fx O3.fy --spectrum
               rattle plot out.nc --xy coupler.O3
               rattle plot out.nc --orbit O3
@@ -85,11 +90,13 @@ def plot(
 
     read = Path(result)
     target = Path(output) if output else read.with_suffix(".png") if read.name else Path("result.png")
-    drawn = bool(names or orbit or xy)
+    drawn = bool(names or orbit or xy or measured)
     _require_names(result, {"--orbit": orbit, "--xy": xy, "--over": (over or "",)})
     if output and not drawn:
         raise click.UsageError(f"name what to draw; `rattle plot {result}` lists all names")
-    _require_curves(names, over, spectrum, bool(compare), robust)
+    _require_curves((*names, *measured), over, spectrum, bool(compare), robust)
+    if spectrum and measured:
+        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --with out")
     if drawn:
         check_pictures(result, target)
     loaded = read_result(result, settings)
@@ -98,26 +105,34 @@ def plot(
             click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
         return
     others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
-    figures = [*_figures(loaded, target, names, orbit, xy, over, spectrum, others, robust, output is not None)]
+    beside = loaded.residuals(measured, names)
+    curves = partial(loaded.plot, *names, over=over, compare=others, robust=robust, measured=beside)
+    if spectrum:
+        curves = partial(loaded.plot_spectrum, *names, compare=others)
+    word = "spectrum" if spectrum else ""
+    figures = [*_figures(loaded, target, curves if names or measured else None, word, orbit, xy, output is not None)]
+    for part in beside:
+        say_residual(loaded, part)
     for figure, path in figures:  # nothing is written if one of them cannot be drawn
         save_figure(figure, path)
         say_written(path)
 
 
 def _figures(
-    loaded: Result, target: Path, names: tuple[str, ...], orbit: tuple[str, ...], xy: tuple[str, ...],
-    over: str | None, spectrum: bool, others: list[tuple[str, Result]], robust: bool, to_file: bool,
+    loaded: Result, target: Path, curves: Callable[[], Figure] | None, word: str, orbit: tuple[str, ...],
+    xy: tuple[str, ...], to_file: bool,
 ) -> Iterator[tuple[Figure, Path]]:  # fmt: skip
-    """Figures and where they go: what is drawn alone into a file that is named goes there, others beside it."""
-    alone = to_file and bool(names) + bool(xy) + len(orbit) == 1
+    """Figures and where they go: what is drawn alone into a file that is named goes there, others beside it.
+
+    curves: draws curves, whose file has `word` behind its name.
+    """
+    alone = to_file and (curves is not None) + bool(xy) + len(orbit) == 1
 
     def beside(word: str) -> Path:
-        return target if alone else target.with_stem(f"{target.stem}-{word}")
+        return target if alone or not word else target.with_stem(f"{target.stem}-{word}")
 
-    if names and spectrum:
-        yield loaded.plot_spectrum(*names, compare=others), beside("spectrum")
-    elif names:
-        yield loaded.plot(*names, over=over, compare=others, robust=robust), target
+    if curves is not None:
+        yield curves(), beside(word)
     if xy:
         yield loaded.plot_path(*xy), beside("path")
     for joint in orbit:

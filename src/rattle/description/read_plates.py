@@ -13,7 +13,7 @@ from rattle.description.reading import Path, Table
 from rattle.description.tables import PLATE
 from rattle.language.recorded import bare
 
-FOLLOW = {"center": "the mass centre", "inertia": "the inertia"}  # what the polygon says
+FOLLOW = {"center": "the mass centre", "inertia": "the inertia"}  # what the polygon says, unless both are given
 
 
 def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
@@ -22,10 +22,12 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
     Its inertia about the mass centre is the second moment of its area times its mass per area.
     """
     values, path = reader.values, ("bodies", name)
-    for key, what in FOLLOW.items():
-        if key in table:
-            values.wrong((*path, key), f"the polygon says {what}; leave this out", at_key=True)
-    read = reader.form(PLATE, {key: written for key, written in table.items() if key not in FOLLOW}, path)
+    stated = [key for key in FOLLOW if key in table]
+    own = len(stated) == len(FOLLOW) and "mass" in table
+    for key in () if own else stated:
+        why = f"the polygon says {FOLLOW[key]}; leave this out, or give mass, center and inertia"
+        values.wrong((*path, key), why, at_key=True)
+    read = reader.form(PLATE, {key: written for key, written in table.items() if own or key not in FOLLOW}, path)
     outline, holes, points = read["polygon"], read["holes"], read["points"] or {}
     holes = () if "holes" not in table else holes
     sound = bool(outline) and holes is not None and _rings_fit(values, outline, holes, path)
@@ -35,12 +37,12 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
     watch((outline, *holes))
     figure = figure_of(outline, holes)
     mass = per_area * figure.area if math.isnan(bare(mass)) else mass
-    inertia = mass / figure.area * figure.second
+    inertia = read["inertia"] if own else mass / figure.area * figure.second
     for what, number, unit in (("mass", mass, "kg"), ("inertia", inertia, "kg*m^2")):
         if not is_computable(number) and not math.isnan(bare(number)):
             values.wrong(path, f"its {what} = {number:g} {unit} is out of range")
             break
-    cx, cy = figure.centre
+    cx, cy = (own and read["center"]) or figure.centre
 
     def of_centre(ring: list[Vector]) -> tuple[Vector, ...]:
         return tuple((x - cx, y - cy) for x, y in ring)

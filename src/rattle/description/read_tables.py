@@ -265,10 +265,10 @@ def text_of(place: FilePath, name: str) -> str:
         raise InputError(f"{quoted(name)} is not UTF-8 text") from None
 
 
-def rows_of(text: str, name: str, delimiter: str = ",") -> list[list[str]]:
+def rows_of(text: str, name: str, delimiter: str = ",") -> Iterator[list[str]]:
     """The cells of every line; name: as messages call the file.  Raises InputError for what is no table of cells."""
     try:
-        return list(csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True))
+        yield from csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True)
     except csv.Error as error:
         raise InputError(f"{quoted(name)} is not a table of numbers: {error}") from None
 

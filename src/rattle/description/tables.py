@@ -93,8 +93,10 @@ PLATE = Form(
         "polygon": Field("m", "corners in order around, in any frame of the body", shape="ring"),
         "holes": Field("m", "corners of each hole, in the same frame", None, shape="rings"),
         "points": _points("points in the same frame"),
+        "center": Field("m", "mass centre in the same frame, with mass and inertia", None, shape="pair"),
+        "inertia": Field("kg*m^2", "about the mass centre, with mass and center", None, least="not negative"),
     },
-    "a plate: its polygon says mass centre and inertia",
+    "a plate: its polygon says mass centre and inertia, unless mass, center and inertia are given",
     ways=(
         {
             "thickness": Field("m", "thickness", least="positive"),

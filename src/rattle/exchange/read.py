@@ -28,6 +28,7 @@ UNITS = {  # of what a user states: unit, example
 BINARY = {  # how files begin that are no text, and what to do
     b"PK": "a packed file (zip), such as a FreeCAD document; export the assembly as .asmt, the drawing as .dxf",
     b"AutoCAD Binary DXF": "a binary drawing; save it as ASCII DXF",
+    b"\x1f\x8b": "a packed file (gzip); unpack it, or save the drawing as plain SVG",
     b"AC10": "a DWG drawing; save it as ASCII DXF",
     b"\xff\xfe": "text in UTF-16; save it as UTF-8",
     b"\xfe\xff": "text in UTF-16; save it as UTF-8",
@@ -35,6 +36,7 @@ BINARY = {  # how files begin that are no text, and what to do
 SEEN = 4000  # characters at the beginning that say which program wrote a file
 _MODEL = re.compile(r"^[ \t]*(format\s*=|\[(bodies|joints|ground|parameters)\b)", re.MULTILINE)
 _DRAWING = re.compile(r"\s*(999[ \t]*\r?\n[^\n]*\n\s*)*0[ \t]*\r?\n[ \t]*SECTION\b")
+_OUTLINES = re.compile(r"\s*<(?:[^<]*<){0,40}?svg[\s>]")
 _LINK = re.compile(r"\s*(pmks:|https?://)", re.IGNORECASE)
 
 
@@ -65,6 +67,8 @@ READERS = (
     Reader("links of PMKS+", (".pmks", ".url"), lambda text: bool(_LINK.match(text)), "pmks.read", "read_pmks", ()),
     Reader("drawings", (".dxf",), lambda text: bool(_DRAWING.match(text)), "dxf.read", "read_dxf",
            ("scale", "thickness", "density")),
+    Reader("outlines", (".svg",), lambda text: bool(_OUTLINES.match(text)), "svg.read", "read_svg",
+           ("scale", "thickness", "density")),
     Reader("mechanisms of pylinkage", (".json",), _is_linkage, "pylinkage.read", "read_pylinkage",
            ("scale", "steps_per_second")),
 )  # fmt: skip
@@ -81,7 +85,7 @@ def read(
 ) -> Mechanism:
     """A mechanism from a file of another program, or from a model file.
 
-    Reads .asmt (Ondsel, FreeCAD), .dxf, links of PMKS+ in a text file, JSON of pylinkage; the content says which it is.
+    Reads .asmt (Ondsel, FreeCAD), .dxf, .svg, links of PMKS+ in a text file, JSON of pylinkage, as the content says.
     What a format does not hold can be stated: scale, length of its unit [m]; steps_per_second of a format that
     counts steps [1/s]; thickness [m] and density [kg/m^3] of outlines.  `rattle import` prints what is assumed.
     Raises ModelError with file, place and name for what cannot be read or is not planar, InputError for bad values.

@@ -6,13 +6,15 @@ import base64
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from rattle.errors import TraceError
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
+from rattle.pages.measured_data import measured_in, packed_curve
 from rattle.pages.packed import as_json, lettered
 from rattle.pages.replay import write_page
 from rattle.pages.scene import OF_GHOST, frame_of, run_of, scene_json
@@ -33,11 +35,12 @@ def page(
     m: Mechanism, path: str | os.PathLike[str], *, t_end: float | None = None,
     over: Mapping[str, Sequence[float | str]] | None = None, progress: bool = False, title: str = "",
     curves: Sequence[str] = (), trust: bool = True, language: str = ENGLISH,
+    measured: str | Path | Iterable[str | Path] = (),
 ) -> str:  # fmt: skip
     """Write the page of a mechanism; returns why it replays runs that were computed before, "" if it computes.
 
     t_end: of the motion at first [s], instead of the model's.  over: values of parameters whose runs a page holds that
-    cannot compute, see `sweep_page.runs_of`.  title, curves, trust, language: as of `Mechanism.page`.  Raises
+    cannot compute, see `sweep_page.runs_of`.  title, curves, trust, language, measured: as of `Mechanism.page`.  Raises
     ModelError, AssemblyError, InputError, OSError.
     """
     words_in(language)  # it is refused before anything runs
@@ -50,7 +53,10 @@ def page(
             why = str(error).replace("straight-line code", "a page")
     if scene is None or why:
         scene = sweep_scene(m, why, t_end=t_end, over=over, progress=progress)
-    write_page(Wishes(title, curves, trust, language).of(scene), path)
+    dots = measured_in(scene, measured, curves)
+    beside = {"measured": [packed_curve(curve)._asdict() for curve in dots]} if dots else {}
+    first = [*dict.fromkeys((*curves, *(curve.curve for curve in dots)))] if curves else []
+    write_page(Wishes(title, first, trust, language).of({**scene, **beside}), path)
     return why
 
 
@@ -73,6 +79,7 @@ def live_scene(m: Mechanism, t_end: float | None = None) -> dict[str, Any]:
         "live": {
             "packed": lettered(worker_text(live)), "settings": {"t_end": live.t_end},
             "ideal": live.ideal is not None, "model": m.to_toml(), "names": list(live.names),
+            "units": [live.data["result"]["units"][name] for name in live.names],
             "replay": lettered(scene_json(_replay(m, t_end))),
         },
         "show": {"ghost": live.ideal is not None},

@@ -8,7 +8,7 @@ import logging
 import math
 import os
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 from html import escape
 from importlib.resources import files
@@ -17,7 +17,10 @@ from typing import TYPE_CHECKING
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
-from rattle.pages import report_model, report_summary
+from rattle.exchange.measured import read_wanted
+from rattle.exchange.recording import read_recording
+from rattle.exchange.residuals import Source
+from rattle.pages import report_measured, report_model, report_summary
 from rattle.pages.print_pdf import print_pdf, require_browser
 from rattle.pages.report_figures import drawing
 from rattle.pages.report_html import Section, listed, paragraph, sentence, table
@@ -38,21 +41,24 @@ _log = logging.getLogger("rattle")
 
 def report(
     m: Mechanism, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: float | None = None,
-    paper: str = "A4", progress: bool = False,
+    paper: str = "A4", progress: bool = False, measured: Source | Iterable[Source] = (),
 ) -> Path:  # fmt: skip
     """Write a report of a mechanism; see `Mechanism.report`."""
-    write_report(m, path, title=title, author=author, t_end=t_end, paper=paper, progress=progress)
+    sources = [measured] if isinstance(measured, str | Path) else list(measured)
+    write_report(m, path, title=title, author=author, t_end=t_end, paper=paper, progress=progress, measured=sources)
     return Path(path)
 
 
 def write_report(
     m: Mechanism, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: float | None = None,
-    paper: str = "A4", command: str = "", progress: bool = False,
+    paper: str = "A4", command: str = "", progress: bool = False, measured: Sequence[Source] = (),
 ) -> Study:  # fmt: skip
     """As `report`; returns what was found out.  command: what was typed to make it; "" says how to make it again."""
     target = Path(path)
     require_name(target, paper)
-    findings = study(m, t_end, progress)
+    for source in measured:  # a file that cannot be read is refused before anything runs
+        read_recording(read_wanted(source).path)
+    findings = study(m, t_end, progress, measured)
     _log.info("report: drawing and writing")
     page = page_of(findings, title, author, command)
     if target.suffix.lower() == ".pdf":
@@ -103,6 +109,7 @@ def _sections(s: Study) -> list[Section]:
     before = [report_summary.trust_section(s), report_model.model_section(s), report_model.assumptions_section(s)]
     asked = [entry for part in section_parts() for entry in part.SECTIONS]
     asked += [(OF_ANSWERS, partial(answer_section, question=question)) for question in in_blocks()]
+    asked.append((report_measured.PLACE, report_measured.measured_section))
     last = FIRST_OF_MOTION if s.run is None else math.inf
     in_order = sorted((entry for entry in asked if entry[0] < last), key=lambda entry: entry[0])
     return before + [make(s) for _, make in in_order]

@@ -48,7 +48,7 @@ def panels(s: Study, names: Sequence[str]) -> Figure:
     axes = style.new_axes(HALF, HIGH * len(names) + AXIS, rows=len(names))
     for ax, name in zip(axes, names, strict=True):
         _panel(ax, run, s.ideal, name)
-        _over_time(ax, run)
+        over_time(ax, run)
     return with_time(axes)
 
 
@@ -88,7 +88,7 @@ def together(run: Result, names: Sequence[str], robust: bool = False) -> Figure:
         ax.set_ylabel(style.axis_label(QUANTITY.get(unit, ""), shown) or "no unit", fontsize=8)
         spikes = robust and style.robust_limits(ax, tops, side="right")
         names_above(ax, LINE_OF_NOTE if spikes else 0.0)
-        _over_time(ax, run)
+        over_time(ax, run)
     return with_time(axes)
 
 
@@ -107,7 +107,8 @@ def names_above(ax: Axes, higher: float = 0.0) -> None:
         text.set_parse_math(False)
 
 
-def _over_time(ax: Axes, run: Result) -> None:
+def over_time(ax: Axes, run: Result) -> None:
+    """The look of a panel over time."""
     style.shade_after_horizon(ax, run)
     ax.margins(x=0.0)
     ax.tick_params(labelsize=7.5)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from types import ModuleType
@@ -18,6 +18,7 @@ from rattle.pages.report_html import Section, paragraph
 from rattle.question import Question, questions
 
 if TYPE_CHECKING:
+    from rattle.exchange.residuals import Residual, Source
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
 
@@ -40,6 +41,7 @@ class Study:
     reasons: dict[str, str] = field(default_factory=dict)  # why a study is not in the report
     run: Result | None = None
     ideal: Result | None = None  # the same motion without play
+    measured: tuple[Residual, ...] = ()  # measured curves beside those of the motion
     path: Result | None = None  # the quasi-static motion of a mechanism that is fully driven
     answers: dict[str, object] = field(default_factory=dict)  # of questions, by name
 
@@ -52,6 +54,10 @@ class Study:
         """What a question answered; None if it was not asked, or could not be answered."""
         answer = self.answers.get(name)
         return answer if isinstance(answer, kind) else None
+
+    def run_beside(self, measured: Sequence[Source]) -> tuple[Residual, ...]:
+        """Measured curves beside those of the motion; what is shown is its output."""
+        return self.run.residuals(measured, [self.output]) if self.run is not None else ()
 
     def left_out(self, title: str, name: str, otherwise: str = "") -> Section:
         """The section without a body of a question that has no answer, with the reason."""
@@ -92,11 +98,14 @@ def motion_of(run: Result, body: str) -> str:
     return max((f"{body}.x", f"{body}.y"), key=lambda name: float(np.ptp(run[name])))
 
 
-def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> Study:
+def study(
+    m: Mechanism, t_end: float | None = None, progress: bool = False, measured: Sequence[Source] = ()
+) -> Study:  # fmt: skip
     """Run the analyses that apply to a mechanism.
 
-    t_end: end of the motion [s].  Raises ModelError for a model that cannot be read, ValueError for such an end; what
-    goes wrong later is in `trouble`.
+    t_end: end of the motion [s].  measured: measured curves, as of `Result.residuals`.  Raises ModelError for a model
+    that cannot be read, ValueError for such an end and for measured curves that do not fit; what goes wrong later is in
+    `trouble`.
     """
     _ = m.model
     results = Study(m)
@@ -111,6 +120,12 @@ def study(m: Mechanism, t_end: float | None = None, progress: bool = False) -> S
         return results
     if not results.run.success:
         results.trouble.append(f"The motion ends early, at t = {results.run.trust.t_end:.4g} s: {results.run.message}")
+    if measured:
+        found = tried(
+            results, "measured", "comparing with what was measured", lambda: results.run_beside(measured),
+            fatal=results.run.success,
+        )  # fmt: skip
+        results.measured = found or ()
     for question in questions().values():
         gather = getattr(question.part("section"), "gather", None)
         if gather is not None:

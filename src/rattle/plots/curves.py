@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
+from rattle.exchange.measured import shortened
+from rattle.exchange.residuals import Residual, Source, residuals
 from rattle.results.chosen_units import Shown
 from rattle.results.handy_units import QUANTITY, Units, handy_unit, units_of_result
 from rattle.results.within_steps import bursts, cut, largest, shown_curve, summit
@@ -33,6 +35,7 @@ CURVES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 MORE = ("#882255", "#44AA99", "#999933", "#332288", "#AA4499")
 GREY, SHADE, LINES, BORE = "#777777", "#ECECEC", "#DDDDDD", "#F4F4F4"
 AFTER = "after the horizon: statistics only"
+MARKS = "os^Dv"  # of measured curves
 LARGEST = "largest "  # before the name of a curve: what marks its largest value
 NOTE = "_note"  # label of notes that may be left out where a caption says the same
 SUFFIXES = (".svg", ".png", ".pdf")
@@ -47,6 +50,7 @@ def plot(
     compare: Iterable[tuple[str, Result]] = (),
     robust: bool = False,
     over: str | None = None,
+    measured: Source | Iterable[Source | Residual] = (),
 ) -> Figure: ...
 @overload
 def plot(
@@ -56,6 +60,7 @@ def plot(
     compare: Iterable[tuple[str, Result]] = (),
     robust: bool = False,
     over: str | None = None,
+    measured: Source | Iterable[Source | Residual] = (),
 ) -> Axes: ...
 def plot(
     result: Result,
@@ -64,6 +69,7 @@ def plot(
     compare: Iterable[tuple[str, Result]] = (),
     robust: bool = False,
     over: str | None = None,
+    measured: Source | Iterable[Source | Residual] = (),
 ) -> Figure | Axes:
     """Curves over time [s]: one panel per unit, one time axis; the time after the horizon is shaded.
 
@@ -72,10 +78,14 @@ def plot(
     over: a curve for the horizontal axis instead of time, such as "crank.angle".
     compare: further results as (label, result); their curves of the same names are dashed.
     robust: leave rare spikes out of the range of the axis (a note says how far they reach).
+    measured: measured curves as dots, such as "measured.csv:theta=rocker.angle@0.2s", see `Result.residuals`; what they
+    belong to is drawn too.  Below them is what they differ by, unless there is `ax`.
     ax: draw there; then all names must have one unit.  Returns a new figure, or `ax` if it is given.
 
     Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
     """
+    beside = residuals(result, measured, names)
+    names = (*names, *(part.curve for part in beside))
     if not names:
         raise InputError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
     panels: dict[str, list[str]] = {}
@@ -84,10 +94,17 @@ def plot(
     if ax is not None and len(panels) > 1:
         raise InputError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
     others = list(compare)
-    axes = [ax] if ax is not None else new_axes(8.0, 1.0 + 2.2 * len(panels), rows=len(panels))
     across, along = _across(result, over)
-    for panel, (unit, curves) in zip(axes, panels.items(), strict=True):
-        _fill(panel, result, unit, curves, others, across, in_si=ax is not None, robust=robust)
+    differing = () if ax is not None else tuple(unit for unit in panels if any(part.unit == unit for part in beside))
+    axes = [ax] if ax is not None else _axes_for(panels, differing)
+    left = iter(axes)
+    for unit, curves in panels.items():
+        own = [part for part in beside if part.unit == unit]
+        panel = next(left)
+        _fill(panel, result, unit, curves, others, across, own, in_si=ax is not None, robust=robust)
+        if unit in differing:
+            below = next(left)
+            legend_beside(below, draw_residuals(below, result, unit, curves, own, across))
     for panel in axes:
         panel.margins(x=0.0)
         if over is None:
@@ -101,23 +118,31 @@ def plot(
     return drawn(axes[0], ax)
 
 
+def _axes_for(panels: Iterable[str], differing: Sequence[str]) -> list[Axes]:
+    """Axes of a new figure: a panel for each unit, and below those with measured curves a flat one."""
+    heights = [height for unit in panels for height in ((2.2, 1.3) if unit in differing else (2.2,))]
+    return new_axes(8.0, 1.0 + sum(heights), rows=len(heights), heights=heights)
+
+
 Across = Callable[["Result"], Array]
 Curve = Callable[["Result", str], tuple[Array, Array]]  # of a result and a name
 
 
 def _fill(
     panel: Axes, result: Result, unit: str, names: Sequence[str], others: Sequence[tuple[str, Result]], across: Across,
-    *, in_si: bool, robust: bool,
+    beside: Sequence[Residual], *, in_si: bool, robust: bool,
 ) -> None:  # fmt: skip
-    """Draw the curves of one unit."""
+    """Draw the curves of one unit; beside: the measured ones."""
     present = [(r, name) for r in (result, *(other for _, other in others)) for name in names if name in r]
     size = max((largest(r, name) for r, name in present), default=0.0)
     factor, shown = Shown(1.0, unit) if in_si else handy_unit(unit, size, units_of_result(result.provenance))
-    panel_of(panel, result, names, others, lambda r, name: (across(r), shown_curve(r, name)), factor, cut)
+    dots = draw_measured(panel, result, names, beside, across, factor, shown if in_si else None)
+    panel_of(panel, result, names, others, lambda r, name: (across(r), shown_curve(r, name)), factor, cut, dots)
     tops = [mark_largest(panel, result, name, CURVES[k % len(CURVES)], factor, across) for k, name in enumerate(names)]
     panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
     if robust:
-        robust_limits(panel, [factor * values for values in [*(shown_curve(r, name) for r, name in present), *tops]])
+        known = [*(shown_curve(r, name) for r, name in present), *tops, *(part.values for part in beside)]
+        robust_limits(panel, [factor * values for values in known])
 
 
 def _across(result: Result, over: str | None) -> tuple[Across, str]:
@@ -150,6 +175,58 @@ def mark_largest(
     return np.array([peak.y for peak in (top, *short) if peak is not None])
 
 
+def draw_measured(
+    ax: Axes, result: Result, names: Sequence[str], beside: Sequence[Residual], across: Across, factor: float,
+    told_in: str | None,
+) -> list[Line2D]:  # fmt: skip
+    """Measured values as dots in a darker shade of the colour of their curve, each file with its own mark.
+
+    factor: on their values.  told_in: the unit in which their labels say how far they are, None where a panel below
+    does.  Returns them, for the legend.
+    """
+    dots = []
+    for n, part in enumerate(beside):
+        (line,) = ax.plot(
+            _places(result, part, across), factor * part.values, MARKS[n % len(MARKS)],
+            color=_darker(names, part.curve), markersize=3.2, markerfacecolor="none", markeredgewidth=0.8,
+            linestyle="none", zorder=4,
+        )  # fmt: skip
+        words = part.told(factor, told_in) if told_in is not None else []
+        line.set_label("\n".join([part.measured.label, *words]))
+        dots.append(line)
+    return dots
+
+
+def draw_residuals(
+    ax: Axes, result: Result, unit: str, names: Sequence[str], beside: Sequence[Residual], across: Across
+) -> list[Line2D]:
+    """What measured curves differ by, measured minus computed, in a unit of their own; returned for a legend."""
+    factor, shown = handy_unit(unit, max(part.largest for part in beside), units_of_result(result.provenance))
+    lines: list[Line2D] = []
+    for n, part in enumerate(beside):
+        words = [shortened(part.measured.column), f"\N{MINUS SIGN} {part.curve}", *part.told(factor, shown)]
+        lines += ax.plot(
+            _places(result, part, across), factor * part.residual, f"{MARKS[n % len(MARKS)]}-",
+            color=_darker(names, part.curve), markersize=2.5, markerfacecolor="none", markeredgewidth=0.7,
+            linewidth=0.6, label="\n".join(words),
+        )  # fmt: skip
+    ax.axhline(0.0, color=GREY, linewidth=0.7)
+    ax.set_ylabel(axis_label("difference", shown))
+    return lines
+
+
+def _places(result: Result, part: Residual, across: Across) -> Array:
+    """Where measured values stand on the horizontal axis."""
+    return np.interp(part.t, result.t, across(result))
+
+
+def _darker(names: Sequence[str], name: str) -> tuple[float, ...]:
+    """A darker shade of the colour of a curve."""
+    from matplotlib.colors import to_rgb
+
+    return tuple(0.55 * channel for channel in to_rgb(CURVES[names.index(name) % len(CURVES)]))
+
+
 def title_of(ax: Axes, result: Result) -> None:
     """The name of the model above the axes."""
     if title := str(result.provenance.get("model", "")):
@@ -158,11 +235,12 @@ def title_of(ax: Axes, result: Result) -> None:
 
 def panel_of(
     ax: Axes, result: Result, names: Sequence[str], others: Sequence[tuple[str, Result]], curve: Curve,
-    factor: float, told: Callable[[Result, str], str] | None = None,
+    factor: float, told: Callable[[Result, str], str] | None = None, dots: Sequence[Line2D] = (),
 ) -> None:  # fmt: skip
     """Curves of a result, and dashed those of others, with a legend beside them.
 
-    factor: on their values.  told: words on a curve of a result that stand in the legend, "" for none.
+    factor: on their values.  told: words on a curve of a result that stand in the legend, "" for none.  dots: what else
+    stands there.
     """
     from matplotlib.colors import to_rgb
 
@@ -179,7 +257,7 @@ def panel_of(
                 style |= {"color": tuple(0.45 * part for part in to_rgb(colour)), "label": f"{name}, {label}"}
                 x, y = curve(other, name)
                 lines += ax.plot(x, factor * y, **style)
-    legend_beside(ax, lines)
+    legend_beside(ax, [*lines, *dots])
 
 
 def legend_beside(ax: Axes, lines: Sequence[Line2D]) -> None:
@@ -207,10 +285,13 @@ def new_figure(width: float, height: float) -> Figure:
     return Page(width, height)
 
 
-def new_axes(width: float, height: float, rows: int = 1, columns: int = 1) -> list[Axes]:
-    """Axes of a new figure (width, height [inches]), row by row, with one time axis."""
+def new_axes(
+    width: float, height: float, rows: int = 1, columns: int = 1, heights: Sequence[float] | None = None
+) -> list[Axes]:
+    """Axes of a new figure (width, height [inches]), row by row, with one time axis; heights: of rows, as ratios."""
     figure = new_figure(width, height)
-    return [tidy(ax) for ax in figure.subplots(rows, columns, sharex=True, squeeze=False).flat]
+    axes = figure.subplots(rows, columns, sharex=True, squeeze=False, height_ratios=heights)
+    return [tidy(ax) for ax in axes.flat]
 
 
 def tidy(ax: Axes) -> Axes:

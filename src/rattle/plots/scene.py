@@ -119,11 +119,11 @@ def draw_line(ax: Axes, path: Array, **style: Any) -> Update:
     return update
 
 
-def draw_area(ax: Axes, path: Array, colour: str, alpha: float, zorder: float) -> Update:
-    """A filled polygon with the corners `path` (frames, points, 2) [m]."""
+def draw_area(ax: Axes, path: Array, colour: str, alpha: float, zorder: float, name: str | None = None) -> Update:
+    """A filled polygon with the corners `path` (frames, points, 2) [m]; name: of its group in an .svg."""
     from matplotlib.patches import Polygon
 
-    area = Polygon(path[0], facecolor=colour, alpha=alpha, linewidth=0, zorder=zorder)
+    area = Polygon(path[0], facecolor=colour, alpha=alpha, linewidth=0, zorder=zorder, gid=name)
     ax.add_patch(area)
 
     def update(k: int) -> None:
@@ -132,8 +132,10 @@ def draw_area(ax: Axes, path: Array, colour: str, alpha: float, zorder: float) -
     return update
 
 
-def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, alpha: float, zorder: float) -> Update:
-    """A filled polygon with holes: corners of each ring (frames, points, 2) [m]."""
+def draw_plate(
+    ax: Axes, rings: Sequence[Array], colour: str, alpha: float, zorder: float, name: str | None = None
+) -> Update:
+    """A filled polygon with holes: corners of each ring (frames, points, 2) [m]; name: as above."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
@@ -143,7 +145,7 @@ def draw_plate(ax: Axes, rings: Sequence[Array], colour: str, alpha: float, zord
     closed = [np.concatenate([ring, ring[:, :1]], axis=1)[:, ::way] for ring, way in zip(rings, ways, strict=True)]
     codes = [[Path.MOVETO, *[Path.LINETO] * (ring.shape[1] - 2), Path.CLOSEPOLY] for ring in closed]
     corners, code = np.concatenate(closed, axis=1), np.concatenate(codes)
-    area = PathPatch(Path(corners[0], code), facecolor=colour, alpha=alpha, linewidth=0, zorder=zorder)
+    area = PathPatch(Path(corners[0], code), facecolor=colour, alpha=alpha, linewidth=0, zorder=zorder, gid=name)
     ax.add_patch(area)
 
     def update(k: int) -> None:

@@ -81,8 +81,9 @@ def draw_shape(ax: Axes, scene: Scene, shape: Shape) -> list[Update]:
         return [draw_line(ax, wall, **own), draw_line(ax, hatches, **{**own, "linewidth": 0.6, "alpha": 0.8})]
     updates = []
     if fill is not None:
-        area = draw_plate(ax, rings, fill, style["opacity"], style["z"]) if len(rings) > 1 else draw_area(
-            ax, rings[0], fill, style["opacity"], style["z"])  # fmt: skip
+        name = style.get("body")
+        area = draw_plate(ax, rings, fill, style["opacity"], style["z"], name) if len(rings) > 1 else draw_area(
+            ax, rings[0], fill, style["opacity"], style["z"], name)  # fmt: skip
         updates.append(area)
     return updates + (_draw_outline(ax, style, rings, own) if line is not None else [])
 
@@ -94,7 +95,11 @@ def _draw_outline(ax: Axes, style: Mapping[str, Any], rings: Sequence[Array], ow
     cap = "butt" if style["butt"] else "round"
     dash = style.get("dash")
     dashed = {"linestyle": (0, [length / style["width"] for length in dash])} if dash else {}
-    return [draw_line(ax, ring, solid_capstyle=cap, **own, **dashed) for ring in rings]
+    names = [f"{style['body']}-outline{n or ''}" if "body" in style else None for n in range(len(rings))]
+    return [
+        draw_line(ax, ring, solid_capstyle=cap, gid=name, **own, **dashed)
+        for ring, name in zip(rings, names, strict=True)
+    ]
 
 
 def extent(scene: Scene) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from contextvars import ContextVar
 from typing import NamedTuple
 
-from rattle.errors import InputError
+from rattle.errors import InputError, WrongType
 from rattle.language.units import Dimension, dimension_of, unit_name, unit_of_quantity
 
 
@@ -66,7 +66,10 @@ def read_units(units: str | Iterable[str]) -> Choice:
 
     Raises InputError for an unknown unit, a plain number and two units of one kind.
     """
-    words = [word.strip() for word in (units.split(",") if isinstance(units, str) else units)]
+    parts = units.split(",") if isinstance(units, str) else list(units)
+    if wrong := [part for part in parts if not isinstance(part, str)]:
+        raise WrongType(f"units: expected names such as 'mm', got {wrong[0]!r:.60}")
+    words = [word.strip() for word in parts]
     if [word.lower() for word in words] == [SI]:
         return Choice({}, everything=True)
     choice: dict[str, Shown] = {}

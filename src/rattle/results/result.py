@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rattle.exchange.residuals import Residual
+
 
 Array = NDArray[np.float64]
 NEXT_TO = 1e-6  # share of the mean interval of outputs within which an output lies on an event
@@ -271,14 +273,7 @@ class Result(OfResult):
         Raises InputError for a suffix of another format, UnknownName, OSError.
         """
         require_table(path)
-        columns = self.names if names is None else tuple(names)
-        time, shown = column_unit("s", units), [column_unit(self.unit(name), units) for name in columns]
-        header = [f"t [{time.unit}]"] + [
-            f"{name} [{quantity.unit}]" if quantity.unit else name
-            for name, quantity in zip(columns, shown, strict=True)
-        ]
-        curves = (quantity.factor * self[name] for name, quantity in zip(columns, shown, strict=True))
-        table = np.column_stack([time.factor * self.t, *curves])
+        header, table = self.titled_columns(names, units)
 
         def write(place: Path) -> None:
             with atomic(place) as file, file.open("w", newline="", encoding="utf-8") as out:
@@ -287,6 +282,51 @@ class Result(OfResult):
                 writer.writerows(table.tolist())
 
         return archive.first_place(write, path, fallback)
+
+    def to_excel(
+        self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None,
+        units: str | Iterable[str] | None = None, names: Sequence[str] | None = None,
+    ) -> Path:  # fmt: skip
+        """Write a workbook (`.xlsx`): sheets `curves`, one for each joint, `peaks`, `events`, `parameters`, `trust`.
+
+        The first row of curves is as that of a CSV file, numbers have full precision; nan is an empty cell, infinity
+        the text "inf".  Arguments, return value as of `to_csv`.
+        Raises InputError for another suffix or too many numbers, UnknownName, OSError.
+        """
+        from rattle.exchange import result_workbook
+
+        return result_workbook.write_workbook(self, path, fallback=fallback, units=units, names=names)
+
+    def to_mat(
+        self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None,
+        units: str | Iterable[str] | None = None, names: Sequence[str] | None = None,
+    ) -> Path:  # fmt: skip
+        """Write a MATLAB file (`.mat`, version 5) with a struct `r`: `t` (n, 1) [s], cells `names` and `units` (m),
+        `values` (n, m), `parameters`, `events`, `trust`.
+
+        Arguments, return value as of `to_csv`.  Raises InputError for another suffix or too many numbers, UnknownName,
+        OSError.
+        """
+        from rattle.exchange import matlab
+
+        return matlab.write_mat(self, path, fallback=fallback, units=units, names=names)
+
+    def titled_columns(
+        self, names: Sequence[str] | None = None, units: str | Iterable[str] | None = None
+    ) -> tuple[list[str], Array]:
+        """Titles such as `coupler.x [m]`, the first of time, and their columns (n, 1 + len(names)), in these units.
+
+        names, units: as of `to_csv`.  Raises UnknownName, InputError.
+        """
+        words = [*units] if units is not None and not isinstance(units, str) else units
+        columns = self.names if names is None else tuple(names)
+        time, shown = column_unit("s", words), [column_unit(self.unit(name), words) for name in columns]
+        titles = [f"t [{time.unit}]"] + [
+            f"{name} [{quantity.unit}]" if quantity.unit else name
+            for name, quantity in zip(columns, shown, strict=True)
+        ]
+        curves = (quantity.factor * self[name] for name, quantity in zip(columns, shown, strict=True))
+        return titles, np.column_stack([time.factor * self.t, *curves])
 
     def save(self, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None) -> Path:
         """Write everything as netCDF (`.nc`) or `.npz`; `load_result` reads it back, bit for bit.
@@ -314,27 +354,42 @@ class Result(OfResult):
     @overload
     def plot(
         self, *names: str, ax: None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None,
+        over: str | None = None, measured: str | Path | Iterable[str | Path | Residual] = (),
     ) -> Figure: ...  # fmt: skip
     @overload
     def plot(
         self, *names: str, ax: Axes, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None,
+        over: str | None = None, measured: str | Path | Iterable[str | Path | Residual] = (),
     ) -> Axes: ...  # fmt: skip
     def plot(
         self, *names: str, ax: Axes | None = None, compare: Iterable[tuple[str, Result]] = (), robust: bool = False,
-        over: str | None = None,
+        over: str | None = None, measured: str | Path | Iterable[str | Path | Residual] = (),
     ) -> Figure | Axes:  # fmt: skip
         """Curves over time, one panel per unit, angles in degrees, short lengths in mm or µm.
 
         ax: draw there, in SI; then all names must have one unit.  Returns a new figure, or `ax` if it is given.
         compare: further results as (label, result), dashed.  robust: rare spikes are left out of the axis, and a note
         says how far they reach.  over: a curve for the horizontal axis instead of time, such as "crank.angle".
-        Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
+        measured: measured curves as dots, such as "measured.csv:theta=rocker.angle", and what they differ by below
+        them; see `residuals`.  Raises UnknownName, or ValueError if there is nothing to draw or one axis for two units.
         """
         from rattle.plots import curves as curves_
 
-        return curves_.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over)
+        return curves_.plot(self, *names, ax=ax, compare=compare, robust=robust, over=over, measured=measured)
+
+    def residuals(
+        self, measured: str | Path | Iterable[str | Path | Residual], curves: Sequence[str] = ()
+    ) -> tuple[Residual, ...]:
+        """Measured curves beside those of this result: measured minus computed, at the measured times within the run.
+
+        measured: files of numbers over time, each as "FILE", "FILE:COLUMN", "FILE:COLUMN=CURVE", with "@0.2s" behind
+        it for what is added to its times.  Without a curve a column belongs to the curve of its name, or to the only
+        one of its unit among `curves`.  Each has `.curve`, `.t`, `.values`, `.residual`, `.rms`, `.largest` in SI.
+        Raises InputError with file and line for what cannot be read or does not fit, UnknownName.
+        """
+        from rattle.exchange.residuals import residuals as residuals_
+
+        return residuals_(self, measured, curves)
 
     def plot_spectrum(self, *names: str, compare: Iterable[tuple[str, Result]] = ()) -> Figure:
         """Amplitude spectra of curves over the frequency [Hz], and multiples of the driver's turning if it is steady.

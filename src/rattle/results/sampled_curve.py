@@ -86,6 +86,18 @@ class SampledCurve:
         with np.errstate(invalid="ignore"):
             return float(_polynomial(self.coefficients[:, k], np.float64(instant - self.t[k])))
 
+    def through(self, instants: ArrayLike) -> Array:
+        """(m,) values at instants (m,) [s] of the run, each as by `at`."""
+        wanted = np.asarray(instants, dtype=np.float64)
+        k = np.clip(np.searchsorted(self.t, wanted, side="right") - 1, 0, len(self.t) - 1)
+        on = self.t[k] == wanted
+        if len(self.t) == 1 or on.all():
+            return self.values[k]
+        before = np.minimum(k, len(self.t) - 2)
+        with np.errstate(invalid="ignore"):
+            between = _polynomial(self.coefficients[:, before], wanted - self.t[before])
+        return np.where(on, self.values[k], between)
+
     def integral(self) -> float:
         """Integral over time [unit s]."""
         h = np.diff(self.t)

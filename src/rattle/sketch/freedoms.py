@@ -60,10 +60,10 @@ def _mobility(sketch: Drawn) -> str:
     spare = [name for name in unsure if name in sketch.model.joints][-1:] or unsure[-1:]
     surplus = f"{too_many} constraint{'s' if too_many > 1 else ''} too many ({', '.join(spare)})" if too_many else ""
     if left:
-        free = f"{left} freedom{'s' if left > 1 else ''} without a motor"
+        free = f"{left} {'freedom without a motor' if left == 1 else 'freedoms without a motor'}"
         return f"{free}, {surplus}" if surplus else free
     if not sketch.model.drivers or (too_many and sketch.trouble):
-        return f"cannot move: {surplus or 'no freedom is left'}"
+        return f"cannot move: {surplus or 'nothing is left that could'}"
     if sketch.trouble:
         return f"cannot move: {sketch.trouble}"
     return f"moves, {surplus}" if surplus else "moves"

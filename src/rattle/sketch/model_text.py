@@ -110,7 +110,10 @@ def sections(text: str) -> list[Section]:
     document, lines = model_file.parse(text), text.split("\n")
     paths = list(_tables(document))
     found = locate_all(text, [(path, True) for path in paths])
-    heads = {place[0] - 1: path for path, place in zip(paths, found, strict=True) if place is not None}
+    heads: dict[int, Path] = {}
+    for path, place in zip(paths, found, strict=True):
+        if place is not None and len(path) > len(heads.get(place[0] - 1, ())):  # a heading mentions the tables above it
+            heads[place[0] - 1] = path
     starts = sorted(line for line, path in heads.items() if lines[line].lstrip().startswith("["))
     own = {line: heads[line] for line in starts}
     after = [*starts, len(lines)][1:]
@@ -120,8 +123,8 @@ def sections(text: str) -> list[Section]:
 def _tables(value: Any, path: Path = ()) -> Any:
     for key, part in value.items():
         if isinstance(part, Mapping):
-            yield from _tables(part, (*path, key))  # before its parent, which would be found on the same line
             yield (*path, key)
+            yield from _tables(part, (*path, key))
 
 
 def _end(lines: Sequence[str], start: int, after: int) -> int:
@@ -136,25 +139,29 @@ def _end(lines: Sequence[str], start: int, after: int) -> int:
 
 # ---------------------------------------------------------------- entries that come and go
 def _with_entry(text: str, path: Path, value: object) -> str:
-    lines, every = text.split("\n"), sections(text)
-    block = _written(path, value)
-    by_lines = path[0] in BY_LINES or path[0] == "ground"
-    home = path[:-1] if by_lines else path[:1]
-    if by_lines and any(part.path == home for part in every):
-        last = next(part for part in every if part.path == home)
-        return _spliced(lines, last.end, block[1:], apart=False)
-    if by_lines and not _is_new(model_file.parse(text), home):  # a table in one line, or with dotted keys
+    """The text with a new entry: a line of its table, or a table with a heading."""
+    if path[0] in BY_LINES or path[0] == "ground":
+        home, every = path[:-1], sections(text)
+        table = next((part for part in every if part.path == home), None)
+        if table is not None:
+            return _spliced(text.split("\n"), table.end, _written(path, value)[1:], apart=False)
         document = model_file.parse(text)
-        return model_file.dump(document, text, [(path, value)])
+        if not _is_new(document, home):  # a table in one line, or with dotted keys
+            return model_file.dump(document, text, [(path, value)])
+        return _with_block(text, every, home, _written(path, value))
+    return _with_block(text, sections(text), path[:1], _written(path, value))
+
+
+def _with_block(text: str, every: Sequence[Section], home: Path, block: Sequence[str]) -> str:
+    """The text with a table behind the last of its kind, or where the file would have it."""
+    lines = text.split("\n")
     same = [part for part in every if part.path[: len(home)] == home]
-    before = same or [part for part in every if _order(part.path) <= _order(path)]
-    apart = len(same) < 2 or not lines[_first_of_last(same) - 1].strip()
+    before = same or [part for part in every if _order(part.path) <= _order(home)]
     if before:
+        apart = len(same) < 2 or not lines[_first_of_last(same) - 1].strip()
         return _spliced(lines, before[-1].end, block, apart)
     head = min((part.start for part in every), default=len(lines))
-    while head > 0 and lines[head - 1].lstrip().startswith("#"):
-        head -= 1
-    while head > 0 and not lines[head - 1].strip():
+    while head > 0 and (not lines[head - 1].strip() or (every and lines[head - 1].lstrip().startswith("#"))):
         head -= 1
     return _spliced(lines, head, block, apart=head > 0)
 

@@ -205,19 +205,34 @@ class Revision:
             self._close_near()
         self._start(self.moved)
         sketch = self._drawn()
-        astray = self._astray(sketch)
-        if astray:
-            self._start([*self.moved, *self._beside(astray)], all_of_them=True)
+        for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
+            if not (astray := self._astray(sketch)):
+                break
+            start([*self.moved, *self._beside(astray)])
             sketch = self._drawn()
         told = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
         return Drawing(sketch, told, chosen, field)
 
+    def _text(self) -> str:
+        """The text with all changes; entries that are new come with what was changed in them since."""
+        new = {
+            path
+            for path, value in self.changes
+            if isinstance(value, Mapping) and not _at_path(self.sketch.document, path)
+        }
+        changes: dict[Path, object] = {}
+        for path, entry in self.changes:
+            root = next((path[:n] for n in range(1, len(path) + 1) if path[:n] in new), None)
+            changes[root or path] = _at_path(self.document, root) if root else entry
+        kept = [(path, value) for path, value in changes.items() if path not in new or value is not None]
+        return revised(self.sketch.text, kept)
+
     def read(self) -> None:
         """Raise ModelError where the new text would be wrong."""
-        Mechanism.from_text(revised(self.sketch.text, self.changes), self.file)
+        Mechanism.from_text(self._text(), self.file)
 
     def _drawn(self) -> Drawn:
-        text = revised(self.sketch.text, self.changes)
+        text = self._text()
         return drawn(renamed(text, *self.renaming) if self.renaming else text, self.file, self.places)
 
     def _close_near(self) -> None:
@@ -225,7 +240,7 @@ class Revision:
 
         Raises InputError if it closes nowhere.
         """
-        text = revised(self.sketch.text, self.changes)
+        text = self._text()
         sketch = drawn(text, self.file, self.places)
         beside = drawn_mechanism(text, sketch.document, sketch.mechanism.near(self.places), self.places)
         if not beside.trouble:
@@ -272,28 +287,36 @@ class Revision:
         along = a[2] + (form.line or 0.0)
         return (bx - ax) * math.cos(along) + (by - ay) * math.sin(along)
 
-    def _start(self, bodies: Iterable[str], all_of_them: bool = False) -> None:
-        """Write the angles of these bodies into [initial], and their places where no joint says them."""
-        held = reached(self.document)
-        initial = self.document.get("initial", {})
+    def _start(self, bodies: Iterable[str]) -> None:
+        """Write where these bodies start: all of new ones and of those that no joint holds, else what is written."""
+        held, initial = reached(self.document), self.document.get("initial", {})
         for body in dict.fromkeys(bodies):
-            if body not in self.document.get("bodies", {}):
-                continue
-            entry = initial.get(body)
             new = body not in self.sketch.places or self.sketch.stand_in
-            if entry is None and not (new or all_of_them or body not in held):
-                continue
-            x, y, angle = self.places[body]
-            values: dict[str, object] = {"angle": degrees(angle)}
-            if body not in held:
-                values = {"x": length(x, self.sketch.size), "y": length(y, self.sketch.size), **values}
-            self._write_start(body, values)
+            if body in initial or new or body not in held:
+                self._write_start(body, place=body not in held)
         for body in held & set(initial):
             entry = initial.get(body, {})
             if body not in self.sketch.grounded and {"x", "y"} & set(entry):
                 self.enter(("initial", body), {key: part for key, part in entry.items() if key not in ("x", "y")})
 
-    def _write_start(self, body: str, values: dict[str, object]) -> None:
+    def _start_angles(self, bodies: Iterable[str]) -> None:
+        """Write the angles of these bodies, and the places of those that no joint holds."""
+        held = reached(self.document)
+        for body in dict.fromkeys(bodies):
+            self._write_start(body, place=body not in held)
+
+    def _start_places(self, bodies: Iterable[str]) -> None:
+        """Write angles and places of these bodies."""
+        for body in dict.fromkeys(bodies):
+            self._write_start(body, place=True)
+
+    def _write_start(self, body: str, place: bool) -> None:
+        if body not in self.document.get("bodies", {}):
+            return
+        x, y, angle = self.places[body]
+        values: dict[str, object] = {"angle": degrees(angle)}
+        if place:
+            values = {"x": length(x, self.sketch.size), "y": length(y, self.sketch.size), **values}
         entry = self.document.get("initial", {}).get(body)
         if entry is None:
             self.enter(("initial", body), values)
@@ -318,6 +341,14 @@ class Revision:
         """These bodies, and those that joints connect with them."""
         near = {other for body in bodies for other in reached(self.document, body, moving=True)}
         return [name for name in self.places if name in near or name in set(bodies)]
+
+
+def _at_path(document: Mapping[str, Any], path: Path) -> Any:
+    """What stands at a path of a document; None if nothing does."""
+    part: Any = document
+    for key in path:
+        part = part.get(key) if isinstance(part, Mapping) else part[int(key)] if isinstance(part, list) else None
+    return part
 
 
 def _at(place: Place, spot: Spot) -> Spot:

@@ -24,6 +24,7 @@ from rattle.studio.draft import EMPTY, Draft
 from rattle.studio.easel import Act, Easel
 from rattle.studio.facts import facts, problem_without_place, problems_of
 from rattle.studio.folder import Folder
+from rattle.studio.measured import measured_columns
 from rattle.studio.shelf import Source
 from rattle.studio.tabs import TABS
 
@@ -176,12 +177,12 @@ class Desk:
             self._check()
         self.send(made.message)
 
-    def do_grab(self, body: str, at: Sequence[float], places: Message | None = None) -> None:
-        """The hand takes a body, to turn the mechanism."""
+    def do_grab(self, body: str, at: Sequence[float], places: Message | None = None, force: bool = False) -> None:
+        """The hand takes a body, to turn the mechanism, or to pull with a force at what its motors hold."""
         x, y = map(float, at)
 
         def grabbed(text: str) -> None:
-            self.easel.grab(text, self.draft.source()["file"], str(body), (x, y), places)
+            self.easel.grab(text, self.draft.source()["file"], str(body), (x, y), places, bool(force))
 
         self._errand("grab", grabbed, lambda _: None)
 
@@ -209,6 +210,14 @@ class Desk:
             lambda _: {"kind": "picture-file", "name": name, "data": self.folder.picture(name)},
             self.send,
         )
+
+    def do_measured(self, file: str, text: str, curves: dict[str, str], shown: list[str]) -> None:
+        """A file of measured numbers was dropped on the page; nothing of it goes into the model."""
+        if not isinstance(file, str) or not isinstance(text, str):
+            raise InputError("expected a file of text")
+        units = {str(name): str(unit) for name, unit in dict(curves).items()}
+        chosen = [str(name) for name in shown]
+        self._errand(f"measured {file}", lambda _: measured_columns(file, text, units, chosen), self.send)
 
     def do_pick(self, number: int) -> None:
         """A bar of the ensemble was clicked: its mechanism is to be seen."""

@@ -16,13 +16,14 @@ import numpy as np
 from rattle.description import file as model_file
 from rattle.errors import InputError, ModelError, suggest
 from rattle.language.units import dimension_of, parse_quantity
+from rattle.results.display import quantity
 from rattle.sketch.acts import act, caught
 from rattle.sketch.drawn import Drawn, Spot, drawn
 from rattle.sketch.measuring import message_of, readings
 from rattle.sketch.model_text import revised
 from rattle.sketch.numbers import length
 from rattle.sketch.picture import picture_of
-from rattle.sketch.pull import Pull
+from rattle.sketch.pull import Pull, Pulled
 from rattle.studio.folder import Folder
 
 Message = dict[str, Any]
@@ -42,6 +43,7 @@ class Easel:
         self.folder = folder
         self._drawn: Drawn | None = None
         self._pull: Pull | None = None  # while a hand holds a body
+        self._held: Spot | None = None  # where it began to pull with a force [m]
 
     def drawing(self, text: str, file: str) -> Drawn:
         """The drawing of a text.  Raises ModelError."""
@@ -78,9 +80,12 @@ class Easel:
         return Act(sketch.text, {"kind": "sketch", "drawing": picture_of(sketch), **told, **more})
 
     # ------------------------------------------------------------ by hand
-    def grab(self, text: str, file: str, body: str, at: Spot, places: Mapping[str, Any] | None) -> None:
+    def grab(
+        self, text: str, file: str, body: str, at: Spot, places: Mapping[str, Any] | None, force: bool = False
+    ) -> None:
         """A hand takes a body at a spot of the plane [m], where the body is drawn or at these places.
 
+        force: it pulls with a force while the motors hold, so that play alone lets the body follow.
         Raises InputError, ModelError, AssemblyError.
         """
         sketch = self.drawing(text, file)
@@ -93,15 +98,23 @@ class Easel:
         x, y, angle = now[body]
         c, s = math.cos(angle), math.sin(angle)
         dx, dy = at[0] - x, at[1] - y
-        self._pull = Pull(m, body, (c * dx + s * dy, c * dy - s * dx), q)
+        self._pull = Pull(m, body, (c * dx + s * dy, c * dy - s * dx), q, motors=force)
+        self._held = self._pull.place if force else None
 
     def pulled(self, at: Spot) -> Message:
         """The hand is at a spot of the plane [m]: where the mechanism is then."""
         if self._pull is None:
             raise InputError("nothing is held: press on a body first")
-        pulled, bodies = self._pull.to(*at), self._pull.movable.system.bodies
-        places = dict(zip(bodies, pulled.q.reshape(-1, 3).tolist(), strict=True))
+        pulled = self._pull.to(*at) if self._held is None else self._pulled_by_force(self._pull, self._held, at)
+        places = dict(zip(self._pull.movable.system.bodies, pulled.q.reshape(-1, 3).tolist(), strict=True))
         return {"kind": "pulled", "places": places, "words": pulled.words}
+
+    @staticmethod
+    def _pulled_by_force(pull: Pull, held: Spot, at: Spot) -> Pulled:
+        """Where play lets a force towards a spot take the point that is held."""
+        pulled = pull.by_force(at[0] - held[0], at[1] - held[1])
+        gives = math.dist(pull.place, held)
+        return pulled._replace(words=f"{pull.body} gives {quantity(gives, 'm')} this way, motors held")
 
     def measured(self, text: str, file: str, spots: Sequence[Any], snap: float) -> Message:
         """What clicks of the measuring tool tell.  Raises InputError, ModelError, AssemblyError."""

@@ -112,7 +112,7 @@ export class Chart {
     return true;
   }
 
-  // Which curves it shows: [{name, label, x, y, peak, bursts, colour, dash, over, swatch}], the first on top but for those that
+  // Which curves it shows: [{name, label, x, y, peak, bursts, colour, dash, dots, joined, over, swatch}], the first on top but for those that
   // lie over all; x increases, peak and bursts {x, y} are single values that lie between.
   // across, up: labels of the axes; values times `factor` are in `unit`, in which they are shown.
   setLines(lines, { across, up, factor = 1, unit = "" }) {
@@ -150,6 +150,7 @@ export class Chart {
       for (let k = before(x, from); k <= last; k++) reach(y[k]);
       for (const single of [line.peak, ...line.bursts]) if (within(single, from, to)) reach(single.y);
     }
+    if (this.differs) reach(0); // how far it is from nothing
     if (!Number.isFinite(low + high)) [low, high] = [0, 1];
     const size = Math.max(Math.abs(low), Math.abs(high)), constant = high - low < 1e-6 * size || size === 0; // but for rounding
     const air = constant ? 0.5 * size || 1 / this.factor : 0.06 * (high - low);
@@ -236,8 +237,9 @@ export class Chart {
   stroke(c, theme, line, from, to) {
     const { x, y, dash } = line, first = Math.max(0, before(x, from) - 1), last = Math.min(x.length - 1, before(x, to) + 2);
     const colour = theme.curve(line.colour);
-    c.strokeStyle = dash ? mix(colour, theme.ink, 0.5) : colour;
+    c.strokeStyle = dash || line.dots ? mix(colour, theme.ink, 0.5) : colour;
     if (line.swatch) line.swatch.style.color = c.strokeStyle;
+    if (line.dots) return void this.dots(c, line, first, last);
     c.lineWidth = dash ? 1.5 : 1.7;
     c.globalAlpha = dash ? 0.85 : 1;
     c.setLineDash(dash ?? []);
@@ -253,6 +255,22 @@ export class Chart {
     c.stroke();
     c.setLineDash([]);
     c.globalAlpha = 1;
+  }
+
+  // Single values as small circles, where joined with a thin line; very many as a line alone.
+  dots(c, { x, y, joined }, first, last) {
+    const many = last - first > this.room / 2;
+    c.lineWidth = 0.9;
+    c.beginPath();
+    if (many) this.envelope(c, x, y, first, last);
+    else if (joined) this.polyline(c, x, y, first, last);
+    for (let k = first; k <= last && !many; k++) {
+      const right = this.X(x[k]), top = this.Y(this.factor * y[k]);
+      if (!Number.isFinite(top)) continue;
+      c.moveTo(right + 2.2, top);
+      c.arc(right, top, 2.2, 0, 2 * Math.PI);
+    }
+    c.stroke();
   }
 
   polyline(c, x, y, first, last) {
@@ -311,7 +329,7 @@ export class Chart {
     if (x >= LEFT - 0.5 && x <= this.width - RIGHT + 0.5) {
       c.fillStyle = theme.ink;
       c.fillRect(x - 0.6, TOP - 4, 1.2, tall + 4);
-      for (const line of this.seen) this.dot(c, theme, line, x, valueOf(line, at));
+      for (const line of this.seen) if (!line.dots) this.dot(c, theme, line, x, valueOf(line, at));
     }
     if (this.over !== null && this.over !== undefined) this.hover(c, theme, tall);
   }
@@ -349,8 +367,9 @@ function within(single, from, to) {
   return single && single.x >= from && single.x <= to;
 }
 
-// A curve at a place, linear between its values.
-export function valueOf({ x, y }, at) {
+// A curve at a place, linear between its values; single values say nothing beyond the first and the last of them.
+export function valueOf({ x, y, dots }, at) {
+  if (dots && !(at >= x[0] && at <= x[x.length - 1])) return NaN;
   const k = before(x, at), next = Math.min(x.length - 1, k + 1);
   return next === k || !(at > x[k]) ? y[k] : y[k] + ((at - x[k]) / (x[next] - x[k])) * (y[next] - y[k]);
 }

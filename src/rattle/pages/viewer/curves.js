@@ -1,6 +1,7 @@
 // Curves over time: one panel for each unit, all with the same window of time.
 
 import { Scope } from "./chart.js";
+import { measuredLines } from "./measured.js";
 import { Panel } from "./panel.js";
 import { handyUnit } from "./units.js";
 
@@ -29,18 +30,28 @@ export class Curves {
       const unit = this.panelOf(name);
       units.set(unit, [...(units.get(unit) ?? []), name]);
     }
-    for (const panel of this.panels.filter((one) => !units.has(one.key))) panel.end();
-    this.panels = [...units.keys()].map((unit) => this.panels.find((one) => one.key === unit) ?? new Panel(unit, this));
-    for (const panel of this.panels) {
-      const own = units.get(panel.key);
-      panel.setNames(own, own.flatMap((name, k) => [
-        { name, motion: this.motion, colour: k },
-        ...this.others.filter((one) => one.motion.has(name)).map((one, n) =>
-          ({ name, motion: one.motion, colour: k, label: one.label, dash: n ? [2, 3] : [6, 4] })),
-      ]));
-    }
+    const shown = [...units].flatMap(([unit, own]) => this.panelsOf(unit, own));
+    for (const panel of this.panels.filter((one) => !shown.some(({ key }) => key === one.key))) panel.end();
+    this.panels = shown.map(({ key, names: own, lines }) => {
+      const panel = this.panels.find((one) => one.key === key) ?? new Panel(key, this);
+      panel.setNames(own, lines);
+      return panel;
+    });
     this.element.replaceChildren(...this.panels.map((one) => one.element));
     this.element.classList.toggle("empty", !this.panels.length);
+  }
+
+  // What is in the panel of a unit, and below it in that of what measured curves differ by: [{key, names, lines}].
+  panelsOf(unit, names) {
+    const measured = measuredLines(this.host.measured, this.motion, names);
+    const lines = names.flatMap((name, k) => [
+      { name, motion: this.motion, colour: k },
+      ...this.others.filter((one) => one.motion.has(name)).map((one, n) =>
+        ({ name, motion: one.motion, colour: k, label: one.label, dash: n ? [2, 3] : [6, 4] })),
+      ...measured.filter(({ values }) => values.name === name).map(({ values }) => values),
+    ]);
+    const key = `${unit} difference`, off = measured.map((one) => one.off);
+    return [{ key: unit, names, lines }, ...(off.length ? [{ key, names: names.filter((name) => off.some((one) => one.name === name)), lines: off }] : [])];
   }
 
   // Curves are in one panel if they have one unit, and lengths in µm, mm and m apart.

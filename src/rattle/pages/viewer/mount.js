@@ -4,6 +4,7 @@ import { make } from "./dom.js";
 import { unpack } from "./data.js";
 import { HostSource, LiveSource } from "./live.js";
 import { Knobs } from "./knobs.js";
+import { differing } from "./measured.js";
 import { unpackedText } from "./unpack.js";
 import { Viewer } from "./viewer.js";
 
@@ -49,6 +50,7 @@ function appOf(viewer) {
       const { steps, rejected, evaluations } = viewer.motion?.run.stats ?? {};
       return steps === undefined ? null : { steps, rejected, evaluations };
     },
+    get measured() { return viewer.motion ? viewer.measured.filter((one) => viewer.motion.has(one.curve)).map((one) => ({ curve: one.curve, label: one.label, ...differing(one, viewer.motion) })) : []; },
     get trust() { return viewer.motion?.trust ?? null; },
     get run() { return viewer.motion?.run ?? null; },
     setRun: (run, options) => viewer.setRun(run, options),

@@ -10,6 +10,7 @@ import { eventTable } from "./events.js";
 import { gestures } from "./gestures.js";
 import { handleKeys } from "./keys.js";
 import { layout, sayTrust, tabbed, toolbar } from "./layout.js";
+import { unpackMeasured } from "./measured.js";
 import { MechanismView } from "./mechanism.js";
 import { Orbits } from "./orbits.js";
 import { Insets } from "./pins.js";
@@ -23,6 +24,7 @@ export class Viewer {
     Object.assign(this, { root, scene, host, listeners: new Map(), ends: [], frameId: 0, awake: true, others: [] });
     this.word = speaking(scene.words);
     this.clock = new Clock();
+    this.measured = unpackMeasured(scene.measured ?? []);
     const wish = scene.show ?? {};
     this.show = { forces: wish.forces ?? false, ghost: wish.ghost ?? Boolean(scene.ideal), names: Boolean(wish.names), traces: wish.traces ?? [] };
     this.calm = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? false;
@@ -49,7 +51,7 @@ export class Viewer {
     this.eventSheet = make("div", { class: "sheet" });
     this.tabs = tabbed(parts.tabs, parts.sheets, () => this.invalidate());
     this.tabs.add("curves", word("Curves"), make("div", { class: "sheet curves" },
-      make("div", { class: "bar" }, this.chooser.toggle, make("span", { class: "quiet hint" }, word("click: go to a time, drag or wheel: zoom; ▼ largest value"))), this.chooser.element, panels));
+      make("div", { class: "bar" }, this.chooser.toggle, this.host.measured?.button, make("span", { class: "quiet hint" }, word("click: go to a time, drag or wheel: zoom; ▼ largest value"))), this.host.measured?.rows, this.chooser.element, panels));
     this.tabs.add("orbits", word("Orbits"), this.orbitSheet);
     this.tabs.add("events", word("Events"), this.eventSheet);
     this.tabs.choose("curves");
@@ -157,7 +159,7 @@ export class Viewer {
     this.clock.speed = wish.speed > 0 ? wish.speed : usualSpeed(motion.span);
     this.clock.time = motion.start;
     const named = (wish.curves ?? []).filter((name) => motion.has(name));
-    this.choose(named.length ? named : firstChoice(motion, pins));
+    this.choose(named.length ? named : [...this.measured.map((one) => one.curve), ...firstChoice(motion, pins)]);
     if (!wish.traces?.length) this.show.traces = this.freePoints().slice(0, 1);
     this.listPoints();
     if (!this.calm && this.host.autoplay !== false) this.play();
@@ -223,6 +225,12 @@ export class Viewer {
     this.chooser.setChosen(this.curves.chosen);
     this.emit("choose", this.curves.chosen);
     this.invalidate();
+  }
+
+  // Other measured curves: [{curve, label, t, y}]; their curves are shown.
+  setMeasured(list) {
+    this.measured = list;
+    if (this.motion) this.choose([...this.curves.chosen, ...list.map((one) => one.curve)]);
   }
 
   turn(what, on) {

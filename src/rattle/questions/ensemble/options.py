@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -52,12 +53,28 @@ vary_option = click.option(
 )  # fmt: skip
 
 
+def _is_workbook(csv: str | None) -> bool:
+    return Path(csv or "").suffix.lower() == ".xlsx"
+
+
+def _require_table(ctx: click.Context, param: click.Parameter, csv: str | None) -> str | None:
+    """Refuse a name under which no table of samples is written, before anything runs.  Raises InputError."""
+    from rattle.results.result import require_table
+
+    if csv is not None and not _is_workbook(csv):
+        require_table(csv)
+    return csv
+
+
 def engine_options(function: Plain) -> Plain:
     """Add to a command where runs take place, and where they are kept."""
     for option in (
         json_option("The answer as JSON, in SI units."),
         picture_option("Draw the first output (.svg, .png, .pdf).", "--plot"),
-        click.option("--csv", metavar="FILE", help="Write one row per mechanism, in SI units."),
+        click.option(
+            "--csv", metavar="FILE", callback=_require_table,
+            help="Write one row per mechanism, in SI units: .csv or .xlsx.",
+        ),
         click.option(
             "-o", "--output", "folder", metavar="FOLDER",
             help="Keep the runs there as they come (Parquet); the same command goes on after any interruption.",
@@ -75,7 +92,8 @@ def shown_runs(
     record: dict[str, Any], verdicts: Sequence[Verdict] = (),
 ) -> Shown:  # fmt: skip
     """What is shown of runs: their own words and record, and more; table and picture are written."""
-    table = () if asked.csv is None else (Written(asked.csv, runs.to_csv),)
+    write = runs.to_excel if _is_workbook(asked.csv) else runs.to_csv
+    table = () if asked.csv is None else (Written(asked.csv, write),)
     status = STOPPED if runs.interrupted else int(not runs.counts()["ok"])
     return Shown(
         lambda: "\n".join([str(runs), *words]), lambda: runs.record() | record, (*table, *asked.drawn(draw)), verdicts,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,8 @@ import numpy as np
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError, suggest
+from rattle.exchange.result_workbook import require_workbook
+from rattle.exchange.workbook import Cell, Sheet, workbook
 from rattle.questions.ensemble.pieces import OK, STATUS, WAITING, column_name
 from rattle.questions.ensemble.plans import Plan
 from rattle.questions.ensemble.store import Store
@@ -141,19 +144,34 @@ class Samples(ABC):
         Raises ValueError for a suffix of another format, OSError; the file is written completely or not at all.
         """
         require_table(path)
-        names = [*self.parameters, *self.outputs]
-        shown = [column_unit(self.unit(name)) for name in names]
-        columns = [unit.factor * np.asarray(self[name]) for name, unit in zip(names, shown, strict=True)]
-        status, messages = self.status, self.messages
         with atomic(path) as file, file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out, lineterminator="\n")
-            titles = [
-                column_name(name) + (f" [{unit.unit}]" if unit.unit else "")
-                for name, unit in zip(names, shown, strict=True)
-            ]
-            writer.writerow(["sample", *titles, "status", "message"])
-            for n in np.flatnonzero(self.store.status() != WAITING).tolist():
-                writer.writerow([n, *(column[n] for column in columns), status[n], messages.get(n, "")])
+            writer.writerow(self._titles())
+            writer.writerows(self._rows())
+
+    def to_excel(self, path: str | os.PathLike[str]) -> None:
+        """Write the table of `to_csv` as a workbook (`.xlsx`) of one sheet.  Raises as `to_csv`."""
+        require_workbook(path)
+        rows = [*self._rows()]
+        content = workbook([Sheet("samples", self._titles(), rows, len(rows))])
+        with atomic(path) as file:
+            file.write_bytes(content)
+
+    def _titles(self) -> list[str]:
+        names = [*self.parameters, *self.outputs]
+        units = [column_unit(self.unit(name)).unit for name in names]
+        titles = [
+            f"{column_name(name)} [{unit}]" if unit else column_name(name)
+            for name, unit in zip(names, units, strict=True)
+        ]
+        return ["sample", *titles, "status", "message"]
+
+    def _rows(self) -> Iterator[list[Cell]]:
+        names = [*self.parameters, *self.outputs]
+        columns = [column_unit(self.unit(name)).factor * np.asarray(self[name]) for name in names]
+        status, messages = self.status, self.messages
+        for n in np.flatnonzero(self.store.status() != WAITING).tolist():
+            yield [n, *(column[n] for column in columns), str(status[n]), messages.get(n, "")]
 
     def record(self) -> dict[str, Json]:
         """What was found as plain data, in SI units."""

@@ -41,7 +41,7 @@ class Page {
     this.strip = new Strip((name) => this.choose(name));
     this.status = new Status((message) => this.tell(message));
     this.report = new Report();
-    this.show = new Show((run) => this.computed(run));
+    this.show = new Show((run) => this.computed(run), (message) => this.tell(message));
     this.edit = new Edit({ send: (message) => this.tell(message), show: this.show, text: () => this.history.now });
     this.show.edit = this.edit;
     this.show.el.prepend(this.edit.el);
@@ -270,8 +270,11 @@ class Page {
     if (this.facts.settings) this.knobs.show(this.facts); // what was entered is taken back
     if (["act", "measure", "grab", "pull"].includes(message.about)) this.edit.refuse(message.words);
     else if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
+    else if (message.about === "measured") this.show.measured.say(message.words);
     else this.say(message.words);
   }
+
+  on_measured(message) { this.show.measured.hear(message); }
 
   on_entries(message) { this.editor.know(message); }
 

@@ -2,17 +2,19 @@
 // motion comes from the studio, and the old one stays until the new one is there, marked as old.
 
 import { h, replace } from "./dom.js";
+import { Measured } from "./measured.js";
 import { mount } from "./viewer.js";
 
 export class Show {
-  // told: called with a run that the page has computed.
-  constructor(told) {
+  // told: called with a run that the page has computed; send: a message to the studio.
+  constructor(told, send) {
     this.told = told;
     this.place = h("div", { class: "viewer" });
     this.badge = h("div", { class: "badge", role: "status", hidden: true });
     this.back = h("div", { class: "sample", hidden: true });
     this.el = h("div", { class: "motion-of" }, this.back, this.badge, this.place);
     this.edit = null; // drawing, see edit.js
+    this.measured = new Measured(this.el, { send, app: () => this.app });
     this.app = null;
     this.live = null; // the scene that the page computes by itself, with its base
     this.values = {};
@@ -62,7 +64,8 @@ export class Show {
       const before = this.app && { time: this.app.time, playing: this.app.playing, chosen: this.app.viewer.curves.chosen };
       this.app?.destroy();
       this.place.replaceChildren();
-      this.app = mount(this.place, scene, { inside: true, theme: this.theme, autoplay: !this.drawing });
+      this.app = mount(this.place, scene, { inside: true, theme: this.theme, autoplay: !this.drawing, measured: this.measured });
+      if (this.measured.shown.length) this.measured.apply();
       this.app.on("time", () => this.told_time());
       this.offer();
       if (before && this.title === scene.title) this.goOn(before);
@@ -162,6 +165,7 @@ export class Show {
     this.app = this.live = this.latest = null;
     this.place.replaceChildren();
     this.back.hidden = true;
+    this.measured.clear();
     this.offer();
   }
 

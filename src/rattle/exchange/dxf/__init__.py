@@ -1,0 +1,1 @@
+"""Drawings as DXF, the format in which programs for drawing exchange them."""
