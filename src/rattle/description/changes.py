@@ -173,8 +173,13 @@ def _index(table: list[object], path: Sequence[str], n: int) -> int:
 
 # ---------------------------------------------------------------- plain or tomlkit
 def _enter(table: Any, key: str, value: object, short: bool) -> None:
-    """table[key] = value; in tomlkit, tables are written in one line if `short`."""
-    table[key] = plain(value) if type(table) is dict else item(value, short)
+    """table[key] = value; in tomlkit, tables are written in one line if `short`, and in tables of one line."""
+    if type(table) is dict:
+        table[key] = plain(value)
+        return
+    from tomlkit.items import InlineTable
+
+    table[key] = item(value, short or isinstance(table, InlineTable))
 
 
 def _section(table: Any, key: str) -> None:
