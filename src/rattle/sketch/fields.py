@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from rattle.sketch.closing import closing_range
 from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
-from rattle.sketch.numbers import degrees, length, plain
+from rattle.sketch.numbers import degrees, length, plain, typed_number
 from rattle.sketch.removing import TABLES, rename
 from rattle.sketch.revision import Drawing, Revision
 
@@ -58,7 +59,7 @@ def _of_body(sketch: Drawn, name: str) -> Iterator[Field]:
     yield Field("Name", name)
     if "bar" in entry:
         yield Field("Length", _with_unit(entry["length"], "m"), "such as 180 mm, or an expression over parameters")
-    yield Field("Angle", degrees(sketch.places[name][2]), "at the start")
+    yield Field("Angle", degrees(sketch.places[name][2]), "at the start; a number alone is in degrees")
     if "mass" in entry:
         yield Field("Mass", _with_unit(entry["mass"], "kg"), "such as 0.3 kg")
 
@@ -141,10 +142,16 @@ def typed(revision: Revision, chosen: str, field: str, text: str) -> Drawing | N
 
 def value_of(text: str) -> float | str:
     """A plain number as a number, all else as it is typed."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    return float(text) if re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", text) else text
+
+
+def _number(revision: Revision, text: str, unit: str) -> float:
+    """What was typed [SI].  Raises InputError for a quantity of another kind, or a number that is not finite."""
+    typed = typed_number(text, unit)
+    value = revision.number(text) if typed is None else typed
+    if not math.isfinite(value):
+        raise InputError(f"'{text}' is not a finite number")
+    return value
 
 
 def _into_body(revision: Revision, name: str, field: str, text: str) -> Drawing:
@@ -172,7 +179,7 @@ def _enter_length(revision: Revision, name: str, text: str) -> None:
         key = old.strip()
         whole = isinstance(parameters[key], Mapping)
         revision.enter(("parameters", key, "value") if whole else ("parameters", key), value_of(text))
-        revision.words.append(f"parameter {key} is {text} now, wherever it is used")
+        revision.words.append(f"parameter {key} is {text} now{revision.uses(key)}")
     else:
         revision.enter(("bodies", name, "length"), value_of(text))
     revision.read()  # which says what is wrong with it
@@ -214,7 +221,8 @@ def _short(value: float) -> str:
 
 def _turn(revision: Revision, name: str, text: str) -> Drawing:
     """Turn a body to an angle: the mechanism follows, and its motor starts there."""
-    wanted = revision.number(value_of(text))
+    text = f"{text} deg" if isinstance(value_of(text), float) else text  # as the field shows it
+    wanted = _number(revision, text, "rad")
     turned = turned_to(revision.sketch, name, wanted)
     if turned is None:
         raise InputError(f"{name} cannot be at {text}: the mechanism does not reach it, or joints hold it")
@@ -244,7 +252,7 @@ def turned_to(sketch: Drawn, name: str, angle: float) -> Mapping[str, Any] | Non
 def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing:
     k, (body, _, own) = "XY".index(field), name.partition(".")
     spot = list(revision.sketch.points[name])
-    spot[k] = revision.number(value_of(text))
+    spot[k] = _number(revision, text, "m")
     target: Spot = spot[0], spot[1]
     carry(revision, name, target)
     if body == "ground":
@@ -259,7 +267,7 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
     if field == "Contact":
         revision.enter(("joints", name, "contact"), recontact(contact_of(revision.document, name), text))
         return revision.finish(f"{name}: contact {text}", f"joint {name}")
-    if text and revision.number(value_of(text)) != 0.0:
+    if text and _number(revision, text, "m") != 0.0:
         revision.enter(("joints", name, "clearance"), value_of(text))
         if "contact" not in entry:
             revision.enter(("joints", name, "contact"), CONTACTS[0])
