@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
+from rattle.description.changes import Path
 from rattle.description.read_contact import contact_models
 from rattle.description.switch_contact import contact_of, recontact
 from rattle.errors import InputError
@@ -16,7 +17,7 @@ from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
 from rattle.sketch.numbers import degrees, length, plain, typed_number
 from rattle.sketch.removing import TABLES, rename
-from rattle.sketch.revision import Drawing, Revision
+from rattle.sketch.revision import Drawing, Revision, parameter_path
 
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
 
@@ -173,16 +174,17 @@ def _into_body(revision: Revision, name: str, field: str, text: str) -> Drawing:
 
 def _enter_length(revision: Revision, name: str, text: str) -> None:
     """Write a length as typed, into the parameter that it is or into its place."""
-    old = revision.document["bodies"][name]["length"]
+    _enter_typed(revision, ("bodies", name, "length"), revision.document["bodies"][name]["length"], text)
+    revision.read()  # which says what is wrong with it
+
+
+def _enter_typed(revision: Revision, path: Path, old: object, text: str) -> None:
+    """Write a value as typed, into the parameter that stands at a path or else at the path."""
     parameters = revision.document.get("parameters", {})
     if isinstance(old, str) and old.strip() in parameters and text not in parameters:
-        key = old.strip()
-        whole = isinstance(parameters[key], Mapping)
-        revision.enter(("parameters", key, "value") if whole else ("parameters", key), value_of(text))
-        revision.words.append(f"parameter {key} is {text} now{revision.uses(key)}")
-    else:
-        revision.enter(("bodies", name, "length"), value_of(text))
-    revision.read()  # which says what is wrong with it
+        path = parameter_path(parameters, old.strip())
+        revision.words.append(f"parameter {old.strip()} is {text} now{revision.uses(old.strip())}")
+    revision.enter(path, value_of(text))
 
 
 def _joined_ends(sketch: Drawn, name: str) -> list[str]:
@@ -211,6 +213,7 @@ def _close(revision: Revision, name: str, text: str, words: str) -> Drawing:
         if not drawing.sketch.open_joints and not (drawing.sketch.trouble and not revision.sketch.trouble):
             return drawing
     ends = f"between {_short(low)} and {_short(high)}" if low > 0.0 else f"up to {_short(high)}"
+    ends = f"from {_short(low)} on" if math.isinf(high) else ends
     closes = f"closes {ends}" if high > 0.0 else "does not close"
     raise InputError(f"length {text}: the loop of {name} {closes}")
 
@@ -254,9 +257,10 @@ def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing
     spot = list(revision.sketch.points[name])
     spot[k] = _number(revision, text, "m")
     target: Spot = spot[0], spot[1]
-    carry(revision, name, target)
     if body == "ground":
-        revision.enter(("ground", "points", own, str(k)), value_of(text))
+        written = revision.document["ground"]["points"][own]
+        _enter_typed(revision, ("ground", "points", own, str(k)), written[k], text)
+    carry(revision, name, target, typed=name)
     return revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
 
 

@@ -11,6 +11,7 @@ from rattle.errors import InputError, ModelError
 from rattle.sketch.model_text import texts_of
 from rattle.sketch.revision import Drawing, Revision
 
+FILES = ("file", "profile")  # names of files: what they say is no name of the model
 TABLES = {"body": "bodies", "joint": "joints", "driver": "drivers", "load": "loads", "signal": "signals"}
 
 
@@ -19,6 +20,9 @@ def delete(revision: Revision, kind: str, name: str) -> Drawing:
 
     Raises InputError where something else still uses it.
     """
+    body, _, own = name.partition(".")
+    if kind == "point" and own in revision.document.get("bodies", {}).get(body, {}).get("bar", ()):
+        raise InputError(f"{name} is an end of the bar {body}, which cannot be without it: delete {body}")
     gone = dict.fromkeys([_path(kind, name)])
     ahead = list(gone)
     while ahead:
@@ -31,7 +35,7 @@ def delete(revision: Revision, kind: str, name: str) -> Drawing:
             revision.enter(path, None)
     for body in [path[1] for path in gone if path[0] == "bodies"]:
         revision.places.pop(body, None)
-    taken = [".".join(path[1:]) if path[0] == "ground" else path[-1] for path in gone if path[0] != "initial"]
+    taken = [_named(path) for path in gone if path[0] != "initial"]
     try:
         more = f", with {', '.join(taken[1:])}" if len(taken) > 1 else ""
         return revision.finish(f"deleted {taken[0]}{more}")
@@ -46,9 +50,14 @@ def _path(kind: str, name: str) -> Path:
     return TABLES[kind], name
 
 
+def _named(path: Path) -> str:
+    """The name of an entry: "J1", "ground.O", "arm.P"."""
+    return f"ground.{path[2]}" if path[0] == "ground" else f"{path[1]}.{path[3]}" if len(path) == 4 else path[1]
+
+
 def _needs(document: Mapping[str, Any], path: Path) -> Iterator[Path]:
     """Entries that cannot be without this one."""
-    name = f"ground.{path[2]}" if path[0] == "ground" else f"{path[1]}.{path[3]}" if len(path) == 4 else path[1]
+    name = _named(path)
     if path[0] in ("bodies", "ground"):
         for table in ("joints", "loads"):
             for entry, value in document.get(table, {}).items():
@@ -75,7 +84,7 @@ def _is_at(end: str, name: str) -> bool:
 def rename(revision: Revision, kind: str, old: str, new: str) -> Drawing:
     """Give a body, joint, driver or load another name, wherever the text names it.  Raises InputError."""
     new = new.strip()
-    if not re.fullmatch(r"[A-Za-z_]\w*", new):
+    if not re.fullmatch(r"[A-Za-z_]\w*", new, re.ASCII):
         raise InputError(f"'{new}' is not a name: expected letters, digits and _, a letter first")
     table = TABLES[kind]
     taken = next((key for key in TABLES.values() if new in revision.document.get(key, {})), "")
@@ -84,7 +93,7 @@ def rename(revision: Revision, kind: str, old: str, new: str) -> Drawing:
     for path, value in texts_of(revision.document):
         whole = path[-1] in ("joint", "body", "at") or path[-2:-1] == ("connect",)
         new_text = new if whole and value == old else re.sub(rf"(?<![\w.]){re.escape(old)}(?=\.[A-Za-z_])", new, value)
-        if new_text != value and path[0] not in ("name", "picture"):
+        if new_text != value and path[0] not in ("name", "picture") and path[-1] not in FILES:
             revision.enter(path, new_text)
     revision.renaming = table, old, new
     if old in revision.places:

@@ -7,6 +7,7 @@ An act is checked by drawing the new text: where bodies would stand elsewhere th
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -17,13 +18,14 @@ from rattle.language.syntax import parse
 from rattle.mechanism import Mechanism
 from rattle.sketch.drawn import Drawn, Place, Spot, drawn, drawn_mechanism, reached
 from rattle.sketch.expressions import shifted, turned
-from rattle.sketch.model_text import renamed, revised
+from rattle.sketch.model_text import renamed, revised, texts_of
 from rattle.sketch.numbers import degrees, in_unit_of, length, number_of
 
 NAMES = ("bodies", "joints", "drivers", "signals", "states", "loads")  # they share their names
 MISSED = 1e-9  # share of the size by which a body may stand elsewhere than drawn
 SAME = 1e-12  # change of a coordinate below which a driver starts as before [m, rad]
 MOST_USES = 4  # entries that are named where a parameter changes
+SAME_LENGTH = 1e-12  # share of the size by which two values of a parameter are one
 
 
 class Drawing(NamedTuple):
@@ -63,6 +65,7 @@ class Revision:
         self.moved: list[str] = []  # bodies that stand elsewhere, or are new
         self.words: list[str] = []
         self.renaming: tuple[str, str, str] | None = None  # table, old and new name of an entry
+        self.parameters: dict[str, float] = {}  # parameters that get another value [SI]
 
     # ------------------------------------------------------------ entries
     def enter(self, path: Path, value: object) -> None:
@@ -180,12 +183,13 @@ class Revision:
         name, parameters = written.strip(), self.document.get("parameters", {})
         if name not in parameters:
             raise InputError(f"{what} is {written}: type a number to replace it")
-        entry = parameters[name]
-        path: Path = ("parameters", name, "value") if isinstance(entry, Mapping) else ("parameters", name)
-        old = entry.get("value") if isinstance(entry, Mapping) else entry
+        path = parameter_path(parameters, name)
+        old = _at_path(self.document, path)
         if isinstance(old, str) and number_of(old) is None:
             self._set_parameter(old, value, f"{what}, {name},")
             return
+        if abs(self.parameters.setdefault(name, value) - value) > SAME_LENGTH * max(abs(value), self.sketch.size):
+            raise InputError(f"{what} is {name}, which would have to be two lengths: type a number to replace it")
         new = in_unit_of(old, value)
         self.enter(path, new)
         unit = "" if isinstance(new, str) else " m"
@@ -201,15 +205,15 @@ class Revision:
     # ------------------------------------------------------------ the new text
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
         """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
-        if self.renaming is None:  # which moves nothing
+        if self.renaming is None:
             self._drive()
             self._hold()
-        if near:
-            self._close_near()
-        self._start(self.moved)
+            if near:
+                self._close_near()
+            self._start(self.moved)
         sketch = self._drawn()
         for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
-            if not (astray := self._astray(sketch)):
+            if self.renaming is not None or not (astray := self._astray(sketch)):
                 break
             start([*self.moved, *self._beside(astray)])
             sketch = self._drawn()
@@ -344,6 +348,11 @@ class Revision:
         """These bodies, and those that joints connect with them."""
         near = {other for body in bodies for other in reached(self.document, body, moving=True)}
         return [name for name in self.places if name in near or name in set(bodies)]
+
+
+def parameter_path(parameters: Mapping[str, Any], name: str) -> Path:
+    """Where the value of a parameter stands."""
+    return ("parameters", name, "value") if isinstance(parameters[name], Mapping) else ("parameters", name)
 
 
 def _at_path(document: Mapping[str, Any], path: Path) -> Any:
