@@ -343,6 +343,8 @@ def test_a_fourbar_is_drawn_with_keys_alone(sheet):
 # ---------------------------------------------------------------- changing
 def test_values_that_cannot_be_are_refused_with_a_word_and_the_text_stays(sheet):
     hand = sheet(FOURBAR)
+    (left, _), (right, _) = hand.screen(O1), hand.screen(O4)
+    assert right - left > 0.4 * hand.page.locator(".board").bounding_box()["width"]  # a model is shown as a whole
     hand.take("Select")
     hand.click(at(-2, 3))
     for value, words in (("abc", "abc"), ("-5 mm", "length"), ("3 kg", "length"), ("5 m", "closes between")):
