@@ -173,8 +173,35 @@ def _index(table: list[object], path: Sequence[str], n: int) -> int:
 
 # ---------------------------------------------------------------- plain or tomlkit
 def _enter(table: Any, key: str, value: object, short: bool) -> None:
-    """table[key] = value; in tomlkit, tables are written in one line if `short`."""
-    table[key] = plain(value) if type(table) is dict else item(value, short)
+    """table[key] = value; in tomlkit, tables are written in one line if `short`, and in tables of one line."""
+    if type(table) is dict:
+        table[key] = plain(value)
+        return
+    from tomlkit.items import InlineTable
+
+    one_line = isinstance(table, InlineTable)
+    if one_line and key not in table and _has_room(table):
+        _add_with_room(table, key, item(value, short=True))
+    else:
+        table[key] = item(value, short or one_line)
+
+
+def _has_room(table: Any) -> bool:
+    """True for a table of one line that is written with spaces inside of its braces."""
+    text = table.as_string()
+    return text.startswith("{ ") and text.endswith(" }") and "\n" not in text
+
+
+def _add_with_room(table: Any, key: str, value: Any) -> None:
+    """Add an entry to such a table, which tomlkit would write without the last space; the others stay as written."""
+    import tomlkit
+
+    parts = [(name, part) for name, part in table.value.body if name is not None]
+    written = [f"{name.as_string().strip()} = {part.as_string()}" for name, part in parts]
+    entry = f"{bare_key(key)} = {tomlkit.item(value).as_string()}"
+    fresh: Any = tomlkit.value(f"{{ {', '.join([*written, entry])} }}")
+    table._value = fresh.value
+    dict.__setitem__(table, key, fresh[key])
 
 
 def _section(table: Any, key: str) -> None:

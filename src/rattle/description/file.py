@@ -198,7 +198,13 @@ def dump(document: Table, text: str | None, changes: Sequence[Change]) -> str:
     kept = tomlkit.parse(text)
     for path, value in changes:
         put(kept, path, value)
-    return tomlkit.dumps(kept)
+    return with_line_ends_of(text, tomlkit.dumps(kept))
+
+
+def with_line_ends_of(text: str, renewed: str) -> str:
+    """A renewed text with the line ends of the text before, where those are CR LF throughout."""
+    ends = text.count("\r\n")
+    return re.sub(r"\r?\n", "\r\n", renewed) if ends and ends == text.count("\n") else renewed
 
 
 def dump_json(document: Table) -> str:

@@ -7,13 +7,13 @@ them; what is removed takes its own lines along, comments above the next entry s
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rattle.description import file as model_file
 from rattle.description.changes import NAMED, TABLES, Change, Path, bare_key, copied, literal, put
 from rattle.description.toml_locations import locate_all
+from rattle.errors import InputError
 
 WHOLE = 1e15  # numbers below that have no fraction are written without a point
 BY_LINES = ("parameters", "signals", "initial")  # tables whose entries are a line each
@@ -33,18 +33,26 @@ def revised(text: str, changes: Sequence[Change]) -> str:
     Raises ModelError for a text that cannot be read, or a path that leads nowhere.
     """
     document, changes = model_file.parse(text), [(path, tidy(value)) for path, value in changes]
+    if not changes:
+        return text
     if model_file.is_json(text):
         renewed = copied(document)
         for path, value in changes:
             _put_plain(renewed, path, value)
         return json.dumps(renewed, indent=2, ensure_ascii=False) + "\n"
+    before, text = text, text.replace("\r\n", "\n")
+    headed = {part.path for part in sections(text)}
     inside = [change for change in changes if not _of_lines(document, change)]
+    for path, _ in inside:
+        if path in headed:  # a table in a table: its lines go, what stands behind them stays
+            text = _without(text, path)
+    inside = [(path, value) for path, value in inside if value is not None or path not in headed]
     if inside:
         text = model_file.dump(document, text, inside)
     for path, value in changes:
         if _of_lines(document, (path, value)):
             text = _without(text, path) if value is None else _with_entry(text, path, value)
-    return text
+    return model_file.with_line_ends_of(before, text)
 
 
 def renamed(text: str, table: str, old: str, new: str) -> str:
@@ -54,21 +62,16 @@ def renamed(text: str, table: str, old: str, new: str) -> str:
         for key in {table, "initial"} & document.keys():
             document[key] = {new if name == old else name: value for name, value in document[key].items()}
         return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-    lines = text.split("\n")
-    for part in sections(text):
-        if part.path[:2] in ((table, old), ("initial", old)):
-            lines[part.start] = re.sub(
-                rf"""(\.\s*["']?){re.escape(old)}(?=["']?\s*[\].])""", rf"\g<1>{new}", lines[part.start]
-            )
-    text = "\n".join(lines)
     for path in ((table, old), ("initial", old)):
-        if _is_new(model_file.parse(text), path):
-            continue
-        place = locate_all(text, [(path, True)])[0]
-        assert place is not None
-        line, column = place[0] - 1, place[1] - 1
-        lines[line] = lines[line][:column] + lines[line][column:].replace(old, new, 1)
-        text = "\n".join(lines)
+        while not _is_new(model_file.parse(text), path):  # tables inside of it and dotted keys say the name again
+            place = locate_all(text, [(path, True)])[0]
+            assert place is not None
+            lines, (line, column) = text.split("\n"), place
+            after = lines[line - 1][column - 1 :]
+            if old not in after:
+                raise InputError(f"the text writes {old} with escapes: give it another name there")
+            lines[line - 1] = lines[line - 1][: column - 1] + after.replace(old, new, 1)
+            text = "\n".join(lines)
     return text
 
 
@@ -149,6 +152,9 @@ def _with_entry(text: str, path: Path, value: object) -> str:
         if not _is_new(document, home):  # a table in one line, or with dotted keys
             return model_file.dump(document, text, [(path, value)])
         return _with_block(text, every, home, _written(path, value))
+    place = locate_all(text, [(path[:1], False)])[0]
+    if place is not None and text.split("\n")[place[0] - 1].startswith("{", place[1] - 1):  # a table in one line
+        return model_file.dump(model_file.parse(text), text, [(path, value)])
     return _with_block(text, sections(text), path[:1], _written(path, value))
 
 
@@ -179,9 +185,8 @@ def _order(path: Path) -> int:
 def _spliced(lines: Sequence[str], at: int, block: Sequence[str], apart: bool) -> str:
     """The lines with a block in front of line `at`; apart: with an empty line before it."""
     more = [*([""] if apart else []), *block]
-    ends = "\r" if lines[0].endswith("\r") else ""
     after = list(lines[at:]) or [""]
-    return "\n".join([*lines[:at], *(line + ends for line in more), *after])
+    return "\n".join([*lines[:at], *more, *after])
 
 
 def _written(path: Path, value: object) -> list[str]:
