@@ -420,6 +420,24 @@ def test_a_body_is_turned_by_hand_and_the_motion_starts_there(sheet):
     assert hand.undo() == FOURBAR
 
 
+def test_a_measure_is_told_and_kept_as_a_signal(sheet):
+    hand = sheet(FOURBAR)
+    hand.take("Measure")
+    hand.click(O1)
+    hand.click(O4)
+    shows(hand.page.locator(".readings", has_text="0.2 m"))
+    hand.click(A)  # the third place makes an angle of it
+    shows(hand.page.locator(".readings", has_text="16.7 deg"))
+    before = hand.text
+    hand.page.get_by_role("button", name="Keep").first.click()
+    hand.acts += 1
+    hand.becomes_text(before)
+    (signal,) = hand.table["signals"]
+    angle = rt.loads(hand.text).simulate(1e-3)[signal][0]
+    assert abs(angle) == pytest.approx(math.atan2(0.06, 0.2), abs=EXACT)  # at O4, between the other two
+    assert hand.undo_all() == FOURBAR
+
+
 def test_a_photograph_lies_below_scaled_by_two_points(sheet):
     hand = sheet()
     before = hand.text

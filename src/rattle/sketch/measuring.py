@@ -98,4 +98,4 @@ def message_of(found: Sequence[Reading]) -> dict[str, Any]:
     rows = [{"words": reading.words, "signals": dict(reading.signals),
              "curves": [np.where(np.isfinite(curve), curve, np.nan).tolist() for curve in reading.curves]}
             for reading in found]  # fmt: skip
-    return {"kind": "measured", "rows": rows}
+    return {"kind": "readings", "rows": rows}

@@ -253,7 +253,7 @@ class Page {
 
   on_pulled(message) { this.edit.pulled(message); }
 
-  on_measured(message) { this.edit.measures(message); }
+  on_readings(message) { this.edit.measures(message); }
 
   on_picture_file(message) { this.edit.underlay.hear(message); }
 
