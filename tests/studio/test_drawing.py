@@ -343,6 +343,8 @@ def test_a_fourbar_is_drawn_with_keys_alone(sheet):
 # ---------------------------------------------------------------- changing
 def test_values_that_cannot_be_are_refused_with_a_word_and_the_text_stays(sheet):
     hand = sheet(FOURBAR)
+    (left, _), (right, _) = hand.screen(O1), hand.screen(O4)
+    assert right - left > 0.4 * hand.page.locator(".board").bounding_box()["width"]  # a model is shown as a whole
     hand.take("Select")
     hand.click(at(-2, 3))
     for value, words in (("abc", "abc"), ("-5 mm", "length"), ("3 kg", "length"), ("5 m", "closes between")):
@@ -416,6 +418,24 @@ def test_a_body_is_turned_by_hand_and_the_motion_starts_there(sheet):
     assert "# the short one" in text
     assert "# worn" in text
     assert hand.undo() == FOURBAR
+
+
+def test_a_measure_is_told_and_kept_as_a_signal(sheet):
+    hand = sheet(FOURBAR)
+    hand.take("Measure")
+    hand.click(O1)
+    hand.click(O4)
+    shows(hand.page.locator(".readings", has_text="0.2 m"))
+    hand.click(A)  # the third place makes an angle of it
+    shows(hand.page.locator(".readings", has_text="16.7 deg"))
+    before = hand.text
+    hand.page.get_by_role("button", name="Keep").first.click()
+    hand.acts += 1
+    hand.becomes_text(before)
+    (signal,) = hand.table["signals"]
+    angle = rt.loads(hand.text).simulate(1e-3)[signal][0]
+    assert abs(angle) == pytest.approx(math.atan2(0.06, 0.2), abs=EXACT)  # at O4, between the other two
+    assert hand.undo_all() == FOURBAR
 
 
 def test_a_photograph_lies_below_scaled_by_two_points(sheet):

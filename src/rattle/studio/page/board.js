@@ -20,6 +20,7 @@ export class Board {
     this.still = new MechanismView(this.canvas);
     this.moving = new MechanismView(this.canvas);
     this.view = null; // {scale, x, y}
+    this.begins = true; // the next drawing is of another model: it is shown as a whole
     this.drawing = null; // what the studio told last
     this.marks = []; // drawn in front: functions of a painter
     this.photo = null;
@@ -51,8 +52,9 @@ export class Board {
     this.motion = drawing.scene ? new Motion(drawing.scene.runs[0], drawing.scene) : null;
     if (this.motion) this.drawAsBefore(this.motion, drawing.scene);
     const away = this.view && this.outside();
-    if (!this.view || [...away].some((name) => !this.away?.has(name))) this.fit();
+    if (!this.view || this.begins || [...away].some((name) => !this.away?.has(name))) this.fit();
     else this.away = away;
+    this.begins = false;
     this.invalidate();
   }
 

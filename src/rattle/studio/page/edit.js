@@ -50,7 +50,7 @@ export class Edit {
       get tool() { return edit.tool; },
       get text() { return text(); },
       get selected() { return edit.things[0] ?? null; },
-      get snap() { return board.snap; },
+      get snap() { return edit.drawing ? board.snap : 0; }, // 0 until there is a drawing
       set snap(value) { board.snap = value; },
       get picture() { return edit.underlay.told; },
       toScreen: (at) => board.toScreen(at),
@@ -93,6 +93,7 @@ export class Edit {
       this.board.above.focus({ preventScroll: true });
     } else { this.hand.forget(); this.choose([]); }
     this.send({ do: "edit", on });
+    if (on && !this.drawing) this.status.textContent = "The drawing is on its way …";
     this.waits(on);
   }
 
@@ -171,7 +172,8 @@ export class Edit {
 
   // Another model is open: it is shown as a whole.
   fresh() {
-    this.board.view = this.began = null;
+    this.board.begins = true;
+    this.began = this.drawing = null;
     this.turned = null;
     this.choose([]);
     this.fail("");
