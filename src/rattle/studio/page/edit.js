@@ -74,7 +74,7 @@ export class Edit {
       resume: () => this.resume(),
       stop: (tool) => this.stop(tool),
       spots: (tool, spots) => this.spots(tool, spots),
-      grab: (body, at) => this.grab(body, at),
+      grab: (body, at, force) => this.grab(body, at, force),
       pull: (at) => this.pullTo(at),
       release: () => this.release(),
       letGo: () => this.show_still(),
@@ -121,8 +121,9 @@ export class Edit {
       this.show.rest();
       this.board.run(null);
     }
-    if (this.turned || this.expects) {
+    if (this.turned || this.expects || this.pulling) {
       this.turned = null;
+      this.pulling = false;
       this.expects = false;
       this.board.pull(null);
       this.panel.start.hidden = true;
@@ -140,6 +141,7 @@ export class Edit {
       this.follow.textContent = "";
       return;
     }
+    if (message.act !== "keep" && !same(message.drawing.points, this.drawing?.points)) this.lines = []; // measured on another drawing
     this.began ??= message.drawing.scene ? "with a model" : "empty";
     this.drawing = message.drawing;
     if (this.turned) { this.turned = null; this.panel.start.hidden = true; }
@@ -172,6 +174,7 @@ export class Edit {
 
   // Another model is open: it is shown as a whole.
   fresh() {
+    this.underlay.forget();
     this.board.begins = true;
     this.began = this.drawing = null;
     this.turned = null;
@@ -299,14 +302,16 @@ export class Edit {
     this.wasRunning = false;
   }
 
-  grab(body, at) {
+  // force: it is pulled with a force while the motors hold, and only play lets it follow.
+  grab(body, at, force = false) {
     const places = this.board.running ? Object.fromEntries(Object.entries(this.board.running.motion.pose(this.board.running.time))
       .filter(([name]) => name !== "ground").map(([name, place]) => [name, [place.x, place.y, place.angle]])) : this.turned;
     this.grabbedFrom = this.board.running;
     if (this.board.running) this.board.run(null);
     if (places) { this.turned = places; this.board.pull(places); }
     this.pulling = true;
-    this.send({ do: "grab", body, at, places });
+    this.forced = force;
+    this.send({ do: "grab", body, at, places, force });
   }
 
   pullTo(at) {
@@ -323,11 +328,11 @@ export class Edit {
     this.pulling = false;
     if (this.asking) this.send({ do: "pull", at: this.wanted }); // an answer may come after the hand has let go
     this.expects = true;
-    if (this.grabbedFrom && this.wasRunning) { this.show_still(); this.show.play(); }
+    if (this.grabbedFrom && this.wasRunning) { this.show_still(); this.say(""); this.show.play(); }
     else {
-      this.panel.start.hidden = false;
+      this.panel.start.hidden = this.forced;
       this.choose(this.things);
-      this.say("turned by hand; Start here begins the motion so, Escape takes it back");
+      if (!this.forced) this.say("turned by hand; Start here begins the motion so, Escape takes it back");
     }
     this.wasRunning = false;
   }
@@ -353,9 +358,9 @@ export class Edit {
   plainKey(event, target) {
     const { key } = event, onSheet = target === this.board.above || target === document.body;
     if (key === "Escape") return this.escape();
-    if (/^[0-9.]$/.test(key) && this.things.length && this.panel.focus(FIELDS_FIRST, key)) return true;
+    if (/^[-0-9.]$/.test(key) && onSheet && this.things.length && this.panel.focus(FIELDS_FIRST, key)) return true;
     if (key === "0") { this.board.fit(); return true; }
-    if ((key === "Delete" || key === "Backspace") && this.things.length) { this.remove(); return true; }
+    if ((key === "Delete" || key === "Backspace") && onSheet && this.things.length) { this.remove(); return true; }
     if (key in STEPS && onSheet) return this.arrow(STEPS[key], event.shiftKey ? 10 : 1);
     if (key === "Enter" && onSheet) return this.hand.enter();
     if (key === "Tab" && target === this.board.above) return this.next(event.shiftKey ? -1 : 1);
@@ -391,4 +396,5 @@ export class Edit {
   }
 }
 
+const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
 const distance = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);

@@ -63,6 +63,7 @@ export class Hand {
     if (this.down.size === 2) { this.cancel(); this.cancelled = true; this.told.resume(); return; }
     if (event.button > 0) { this.act = { pans: true }; return; }
     this.cancelled = false;
+    this.shift = event.shiftKey;
     if (event.pointerType === "touch") this.resting = setTimeout(() => this.rest(at), LONG);
     this.begin(at, event.altKey);
     event.preventDefault();
@@ -70,6 +71,7 @@ export class Hand {
 
   move(event) {
     const at = this.place(event), one = this.down.get(event.pointerId);
+    this.shift = event.shiftKey;
     if (!one) { this.hover(at, event.altKey); return; }
     if (this.down.size === 2) { this.pinch(event.pointerId, at); return; }
     const before = one.at;
@@ -154,8 +156,9 @@ export class Hand {
 
   beginSelect(at) {
     const point = this.catcher.points(at, this.within)[0], body = point ? null : this.catcher.body(at, this.within * 0.75);
-    const held = point?.name.split(".")[0] ?? body;
-    if ((body || (this.told.turned && held && held !== "ground"))) this.act = { tool: "Select", pulls: held, at: this.board.inPlane(at) };
+    const held = point ? this.catcher.joined(point.name).map((name) => name.split(".")[0]).find((name) => name !== "ground") : body;
+    const turns = body || this.told.turned || this.board.running || this.shift; // a point that is dragged otherwise is put elsewhere
+    if (held && turns) this.act = { tool: "Select", pulls: held, force: this.shift, at: this.board.inPlane(at) };
     else if (point) this.act = { tool: "Select", drags: point.name };
     else this.act = { pans: true, keeps: this.told.labelled(at) !== null }; // a label stands for what is chosen
   }
@@ -163,7 +166,7 @@ export class Hand {
   drag(at, free, from) {
     const { act } = this;
     if (act.pulls) {
-      if (!act.begun) this.told.grab(act.pulls, act.at);
+      if (!act.begun) this.told.grab(act.pulls, act.at, act.force);
       act.begun = true;
       this.told.pull(this.board.inPlane(at));
       return;
@@ -177,10 +180,23 @@ export class Hand {
       act.along = this.direction(act.to.at, this.board.inPlane(at), free);
     } else if (act.from && act.held === undefined) {
       act.to = this.catcher.catch(at, this.options(free, { lines: act.tool !== "Force", without: [act.from.point] }));
+      if (this.shift && !act.to.point) act.to = this.straight(act.from, at);
       const away = Math.hypot(act.to.at[0] - act.from.at[0], act.to.at[1] - act.from.at[1]);
-      this.told.point(`${act.to.words ? `joins ${act.to.words}, ` : ""}${act.tool === "Force" ? `${(away / this.board.snap).toPrecision(3)} N` : lengthText(away)}`);
+      this.told.point(`${act.to.point || act.to.line ? `joins ${act.to.words}, ` : ""}${act.tool === "Force" ? `${(away / this.board.snap).toPrecision(3)} N` : lengthText(away)}`);
     } else act.to = this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Slot", "Measure"].includes(act.tool) }));
     this.board.invalidate();
+  }
+
+  // With Shift: level, upright, or along or square to a bar that ends where the line began, in whole steps of the grid.
+  straight(from, at) {
+    const { board } = this, to = board.inPlane(at), way = Math.atan2(to[1] - from.at[1], to[0] - from.at[0]);
+    const bars = from.point ? this.catcher.joined(from.point).map((name) => name.split(".")[0]) : [from.line];
+    const slopes = [0, ...bars.filter((body) => board.drawing.bars[body]).map((body) => board.placeOf(body).angle)];
+    const ways = slopes.flatMap((slope) => [0, 1, 2, 3].map((k) => slope + k * Math.PI / 2));
+    const apart = (angle) => Math.abs(Math.atan2(Math.sin(angle - way), Math.cos(angle - way)));
+    const angle = ways.reduce((best, one) => (apart(one) < apart(best) - 1e-9 ? one : best)), { snap } = board;
+    const long = Math.round(Math.hypot(to[0] - from.at[0], to[1] - from.at[1]) * Math.cos(apart(angle)) / snap) * snap;
+    return { at: [from.at[0] + long * Math.cos(angle), from.at[1] + long * Math.sin(angle)], words: "straight" };
   }
 
   // The direction from one place to another, in steps of 15 degrees unless it is free.
