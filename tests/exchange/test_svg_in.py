@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from rattle.errors import ModelError
 from rattle.exchange.imported import Assumptions
 from rattle.exchange.svg.lengths import Matrix, transform_of
 from rattle.exchange.svg.paths import PathReader
@@ -142,6 +143,8 @@ def test_transforms_act_in_their_order():
         ("", 0.0254 / 96, True),
         ('width="100%" height="100%"', 0.0254 / 96, True),
         ('width="200mm" height="50mm" viewBox="0 0 100 100"', 5e-4, False),
+        ('width="200mm" height="50mm" viewBox="0 0 100 100" preserveAspectRatio="xMinYMin slice"', 2e-3, False),
+        ('width="200mm" height="200mm" viewBox="0 0 100 100" preserveAspectRatio="none"', 2e-3, False),
     ],
 )
 def test_lengths_have_the_scale_of_the_page(size, metres, told):
@@ -150,6 +153,12 @@ def test_lengths_have_the_scale_of_the_page(size, metres, told):
     assert any("96" in word for word in read.assumed) == told
     stated = imported('<rect width="10" height="10"/>', size, scale=0.5)
     assert stated.document["bodies"]["part"]["mass"] == pytest.approx(25 * SHEET, rel=1e-12)
+
+
+def test_a_drawing_that_is_stretched_unequally_is_refused():
+    size = 'width="200mm" height="100mm" viewBox="0 0 200 200" preserveAspectRatio="none"'
+    with pytest.raises(ModelError, match="stretch the drawing unequally"):
+        imported('<rect width="10" height="10"/>', size)
 
 
 def test_layers_of_inkscape_or_outermost_groups_are_bodies():

@@ -194,3 +194,14 @@ def test_a_text_that_is_written_otherwise_means_the_same_after_every_act(act):
         assert set(re.findall(r"\r?\n|\r", after)) <= ends, form
         kept = re.findall(r"# my four-bar" if "delete" in act else r"# (?:my four-bar|about J2|c[1-6])", text)
         assert all(comment in after for comment in kept), form
+
+
+def test_a_corner_of_a_plate_goes_where_it_is_dragged_in_json_too():
+    sheet = Sheet("format = 1\n")
+    sheet.do("plate", corners=[{"at": [0, 0]}, {"at": [0.3, 0]}, {"at": [0, 0.3]}])
+    plain = Sheet(json.dumps(sheet.table))
+    for drawing in (sheet, plain):
+        drawing.do("drop", point="plate1.C", to={"at": [0.1, 0.4]})
+        assert drawing.table["bodies"]["plate1"]["polygon"] == [[0, 0], [0.3, 0], [0.1, 0.4]]
+        assert drawing.place("plate1.C") == pytest.approx((0.1, 0.4), abs=1e-12)
+    assert plain.table == sheet.table

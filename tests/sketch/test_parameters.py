@@ -5,6 +5,7 @@ import math
 import pytest
 from sheet import Sheet
 
+import rattle as rt
 from rattle.errors import InputError
 
 PARALLELOGRAM = """format = 1
@@ -104,3 +105,16 @@ def test_a_point_of_the_ground_that_moves_goes_along_what_is_a_number():
     assert sheet.table["ground"]["points"]["O2"] == [0.12, "0.01*sin(t)"]
     with pytest.raises(InputError, match=r"ground.O2.y is 0.01\*sin\(t\): type a number to replace it"):
         sheet.do("drop", point="ground.O2", to={"at": [0.12, 0.01]})
+
+
+def test_a_driver_whose_function_has_the_parameter_starts_where_the_bar_was_put():
+    """The angles of both motors are functions of the lengths of arms and forearms."""
+    sheet = Sheet(rt.example("five_bar").to_toml())
+    other = sheet.place("right_arm.elbow")
+    origin, end = sheet.place("right_arm.E"), (-0.2053, 0.1636)
+    sheet.do("drop", point="left_arm.elbow", to={"at": list(end)})
+    assert sheet.place("left_arm.elbow") == pytest.approx(end, abs=1e-9)
+    arm = math.dist(end, (-0.1, 0.0))  # of both sides now: the other one keeps its angle
+    share = arm / math.dist(origin, other)
+    there = [a + share * (b - a) for a, b in zip(origin, other, strict=True)]
+    assert sheet.place("right_arm.elbow") == pytest.approx(there, abs=1e-9)

@@ -86,8 +86,10 @@ def _put_plain(document: dict[str, Any], path: Path, value: object) -> None:
     if value is None:
         _forget(document, path)
         return
-    table = document
+    table: Any = document
     for key in path[:-1] if _is_new(document, path) else ():
+        if not isinstance(table, dict):  # from here on there are lists, such as a polygon
+            break
         table = table.setdefault(key, {})
     put(document, path, value)
 

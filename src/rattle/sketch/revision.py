@@ -206,12 +206,14 @@ class Revision:
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
         """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
         if self.renaming is None:
-            self._drive()
+            self._drive(self.sketch.places)
             self._hold()
             if near:
                 self._close_near()
             self._start(self.moved)
         sketch = self._drawn()
+        if self.parameters and not sketch.trouble and self._drive(sketch.places):  # functions may depend on them
+            sketch = self._drawn()
         for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
             if self.renaming is not None or not (astray := self._astray(sketch)):
                 break
@@ -254,18 +256,20 @@ class Revision:
             self.places = {name: beside.places[name] for name in beside.bodies}
             self.moved += [name for name in self.document.get("initial", {}) if name in self.places]
 
-    def _drive(self) -> None:
-        """Let drivers start where their joints are meant to be."""
+    def _drive(self, places: Mapping[str, Place]) -> bool:
+        """Let drivers start where their joints are meant to be, from where these places have them; True if any does."""
+        before = len(self.changes)
         for name, driver in self.sketch.model.drivers.items():
             entry = self.document.get("drivers", {}).get(name)
             key = next((key for key in ("angle", "position") if isinstance(entry, Mapping) and key in entry), "")
             if not key or not driver.joint or driver.joint not in self.document.get("joints", {}):
                 continue
-            old, new = (self.coordinate(driver.joint, places) for places in (self.sketch.places, self.places))
+            old, new = self.coordinate(driver.joint, places), self.coordinate(driver.joint, self.places)
             change = turned(new - old) if key == "angle" else new - old
             if abs(change) > SAME:
                 assert entry is not None
                 self.enter(("drivers", name, key), shifted(entry[key], old, change, key == "angle"))
+        return len(self.changes) > before
 
     def _hold(self) -> None:
         """Let welds and guides hold the relative angles that are meant."""

@@ -22,6 +22,7 @@ from rattle.exchange.svg.lengths import PIXEL, UNITS, Matrix, length_of, numbers
 from rattle.exchange.svg.paths import Line, PathError, PathReader
 
 FINE = 5e-5  # distance from a curve of the chords of the arcs that it becomes, as a share of the page
+UNEQUAL = 1e-6  # share by which width and height may stretch the drawing differently: they have some six digits
 PASSED = {"defs", "title", "desc", "metadata", "style", "script", "clipPath", "mask", "marker", "pattern", "symbol",
           "linearGradient", "radialGradient", "filter", "animate", "set", "view"}  # fmt: skip
 GROUPS = {"svg", "g", "a"}
@@ -96,7 +97,7 @@ class _Reader:
         self.scopes.pop()
 
     def _open(self, attributes: Attributes) -> None:
-        page = _page(attributes)
+        page = _page(attributes, self.plan.name, self.line)
         self.plan.metres = page.metres
         if self.stated.scale is not None:
             self.plan.metres = Decimal(repr(self.stated.scale))
@@ -193,8 +194,11 @@ class _Reader:
         self._path({"d": f"M{x - rx!r},{y!r}{halves} {x + rx!r},{y!r}{halves} {x - rx!r},{y!r}z"}, scope)
 
 
-def _page(attributes: Attributes) -> Page:
-    """The size of the drawing from its width, height and the part of the plane that fills them."""
+def _page(attributes: Attributes, name: str, line: int) -> Page:
+    """The size of the drawing from its width, height and the part of the plane that fills them.
+
+    Raises ModelError for one that is stretched.
+    """
     box = numbers_of(attributes.get("viewBox", ""))
     sides = [length_of(attributes.get(key, "")) for key in ("width", "height")]
     stated = [(number * UNITS[unit or "px"], unit) for number, unit in filter(None, sides) if number > 0.0]
@@ -207,7 +211,11 @@ def _page(attributes: Attributes) -> Page:
         for length, part in zip(sides, box[2:], strict=True)
         if length and length[0] > 0.0
     ]
-    scale = min(shares, default=PIXEL)
+    fit = attributes.get("preserveAspectRatio", "")
+    if fit.strip().startswith("none") and max(shares, default=1.0) > (1.0 + UNEQUAL) * min(shares, default=1.0):
+        fault = "width and height stretch the drawing unequally (preserveAspectRatio none): circles are none"
+        raise refused(name, f"{fault}; give both the proportions of its viewBox", line)
+    scale = max(shares, default=PIXEL) if "slice" in fit else min(shares, default=PIXEL)
     return Page(_decimal(scale), max(box[2:]), assumed)
 
 
