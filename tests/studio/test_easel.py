@@ -147,7 +147,7 @@ def test_measures_are_told_and_kept_as_signals(session):
     assert 'distance = "hypot(' in session.text
     session.hear("measure", spots=[{"at": PINS[2], "point": "bar2.B"}])
     words = [row["words"].split(":")[0] for row in session.last("readings")["rows"]]
-    assert words == ["path of bar2.B", "transmission angle at J3", "force at bar2.B over torque of motor"]
+    assert words == ["path of bar2.B", "transmission angle at J3", "mechanical advantage of motor at bar2.B"]
     session.hear("measure", spots=[{"at": [0, 0]}, {"at": PINS[2]}, {"at": [0.1, 0]}])
     assert session.last("readings")["rows"][0]["words"].startswith("angle at ")
 

@@ -179,29 +179,27 @@ def _enter(table: Any, key: str, value: object, short: bool) -> None:
         return
     from tomlkit.items import InlineTable
 
-    one_line = isinstance(table, InlineTable)
-    if one_line and key not in table and _has_room(table):
-        _add_with_room(table, key, item(value, short=True))
+    if isinstance(table, InlineTable):
+        _enter_in_line(table, key, value)
     else:
-        table[key] = item(value, short or one_line)
+        table[key] = item(value, short)
 
 
-def _has_room(table: Any) -> bool:
-    """True for a table of one line that is written with spaces inside of its braces."""
-    text = table.as_string()
-    return text.startswith("{ ") and text.endswith(" }") and "\n" not in text
-
-
-def _add_with_room(table: Any, key: str, value: Any) -> None:
-    """Add an entry to such a table, which tomlkit would write without the last space; the others stay as written."""
+def _enter_in_line(table: Any, key: str, value: object) -> None:
+    """An entry of a table of one line, with the blanks about it that such a table has."""
     import tomlkit
+    from tomlkit.items import Whitespace
 
-    parts = [(name, part) for name, part in table.value.body if name is not None]
-    written = [f"{name.as_string().strip()} = {part.as_string()}" for name, part in parts]
-    entry = f"{bare_key(key)} = {tomlkit.item(value).as_string()}"
-    fresh: Any = tomlkit.value(f"{{ {', '.join([*written, entry])} }}")
-    table._value = fresh.value
-    dict.__setitem__(table, key, fresh[key])
+    entry, body, last = tomlkit.item(item(value, short=True)), table.value.body, None
+    if key in table:
+        table[key] = entry
+        return
+    while body and isinstance(body[-1][1], Whitespace):
+        last = body.pop()
+    entry.trivia.indent = " "
+    table[key] = entry
+    if last is not None or len(table) == 1:
+        body.append(last or (None, Whitespace(" ")))
 
 
 def _section(table: Any, key: str) -> None:

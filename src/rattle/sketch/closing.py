@@ -10,10 +10,12 @@ import numpy as np
 
 from rattle.analyses.assembly.assembly import ideal_system
 from rattle.description import file as model_file
+from rattle.description.changes import copied, put
 from rattle.equations.closure import close_position, open_by
 from rattle.errors import AssemblyError, ModelError
 from rattle.mechanism import Mechanism
 from rattle.sketch.drawn import SHUT, Drawn, Place, drawn_mechanism
+from rattle.sketch.revision import parameter_path
 
 ROUNDS = 40  # of Newton's method
 HALVINGS = 9  # of an interval in which the last length that closes lies
@@ -49,17 +51,20 @@ class _Attempt:
     """A mechanism whose bar is given one length after the other, each closed from where the last one closed."""
 
     def __init__(self, sketch: Drawn, bar: str, file: str) -> None:
-        self.sketch, self.bar, self.file = sketch, bar, file
+        self.sketch, self.file = sketch, file
+        written, parameters = sketch.document["bodies"][bar]["length"], sketch.document.get("parameters", {})
+        shared = isinstance(written, str) and written.strip() in parameters  # other bars may have this length, too
+        self.path = parameter_path(parameters, written.strip()) if shared else ("bodies", bar, "length")
         system = sketch.system
         assert system is not None
         self.first = self.q = np.array([sketch.places[name] for name in system.bodies]).ravel()
 
     def closes(self, length: float) -> bool:
         """True if the loops close with this length; the next one begins there."""
-        bodies = {**self.sketch.document["bodies"]}
-        bodies[self.bar] = {**bodies[self.bar], "length": length}
+        document = copied(self.sketch.document)
+        put(document, self.path, length)
         try:
-            m = Mechanism.from_text(model_file.dump_json({**self.sketch.document, "bodies": bodies}), self.file)
+            m = Mechanism.from_text(model_file.dump_json(document), self.file)
             system = ideal_system(m.model)
         except (ModelError, AssemblyError):
             return False

@@ -11,7 +11,9 @@ from rattle.language.units import parse_quantity
 from rattle.sketch.numbers import degrees, in_unit_of, length, plain, shortest
 
 _LEAD = re.compile(r"\s*([+-]?\s*[\d.]+(?:[eE][+-]?\d+)?(?:\s*[A-Za-z]+)?)\s*(?=[+-]|$)")
-_RATE = re.compile(r"(.*?)(?:^|(?<=[+-])\s*|\s+)([^+*/()]+?)\s*\*\s*t\s*$")
+_OF_TIME = re.compile(r"(.*\S)\s*\*\s*t\s*")
+_EXPONENT = re.compile(r"\d[eE]$")
+_NUMBER = re.compile(r"\d[\d.]*(?:[eE][+-]?\d+)?")
 _PRODUCT = re.compile(r"[\w.\s*/]+")
 
 
@@ -38,16 +40,24 @@ def shifted(written: object, start: float, change: float, turns: bool) -> str | 
 
 
 class Rate(NamedTuple):
-    """The factor of t in "start + rate*t"."""
+    """The factor of t in "start + rate*t", with its sign."""
 
-    before: str
+    before: str  # what stands in front of it, "" if nothing
     text: str
 
 
 def rate_of(written: object) -> Rate | None:
     """What stands before "*t" at the end of a function of time; None where it is written otherwise."""
-    match = _RATE.match(written) if isinstance(written, str) else None
-    return Rate(match[1], match[2].strip()) if match else None
+    match = _OF_TIME.fullmatch(written) if isinstance(written, str) else None
+    if match is None:
+        return None
+    head, depth = match[1], 0
+    for k in range(len(head) - 1, -1, -1):
+        depth += (head[k] == ")") - (head[k] == "(")
+        if head[k] in "+-" and depth == 0 and not _EXPONENT.search(head[:k]):
+            rate = head[k + 1 :].strip()
+            return Rate(head[:k].strip(), f"-{rate}" if head[k] == "-" else rate)
+    return Rate("", head.strip())
 
 
 def with_rate(written: object, rate: str) -> str:
@@ -55,9 +65,11 @@ def with_rate(written: object, rate: str) -> str:
     old = rate_of(written)
     if old is None:
         raise InputError(f"the function is {written!r}, not a start and a rate: write it under Text")
-    sign = old.before.rstrip()
-    factor = rate if re.fullmatch(r"[\w.\s/-]+", rate) else f"({rate})"
-    return f"{sign} {factor}*t" if sign else f"{factor}*t"
+    back, factor = rate.startswith("-"), rate.removeprefix("-").strip()
+    factor = f"({factor})" if re.search(r"[+-]", _NUMBER.sub("", factor)) else factor
+    if old.before:
+        return f"{old.before} {'-' if back else '+'} {factor}*t"
+    return f"{'-' if back else ''}{factor}*t"
 
 
 def turned(angle: float) -> float:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
+from rattle.description.changes import Path
 from rattle.description.read_contact import contact_models
 from rattle.description.switch_contact import contact_of, recontact
 from rattle.errors import InputError
@@ -13,9 +15,9 @@ from rattle.sketch.closing import closing_range
 from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
-from rattle.sketch.numbers import degrees, length, plain
+from rattle.sketch.numbers import degrees, length, plain, typed_number
 from rattle.sketch.removing import TABLES, rename
-from rattle.sketch.revision import Drawing, Revision
+from rattle.sketch.revision import Drawing, Revision, parameter_path
 
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
 
@@ -58,7 +60,7 @@ def _of_body(sketch: Drawn, name: str) -> Iterator[Field]:
     yield Field("Name", name)
     if "bar" in entry:
         yield Field("Length", _with_unit(entry["length"], "m"), "such as 180 mm, or an expression over parameters")
-    yield Field("Angle", degrees(sketch.places[name][2]), "at the start")
+    yield Field("Angle", degrees(sketch.places[name][2]), "at the start; a number alone is in degrees")
     if "mass" in entry:
         yield Field("Mass", _with_unit(entry["mass"], "kg"), "such as 0.3 kg")
 
@@ -141,10 +143,16 @@ def typed(revision: Revision, chosen: str, field: str, text: str) -> Drawing | N
 
 def value_of(text: str) -> float | str:
     """A plain number as a number, all else as it is typed."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    return float(text) if re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", text) else text
+
+
+def _number(revision: Revision, text: str, unit: str) -> float:
+    """What was typed [SI].  Raises InputError for a quantity of another kind, or a number that is not finite."""
+    typed = typed_number(text, unit)
+    value = revision.number(text) if typed is None else typed
+    if not math.isfinite(value):
+        raise InputError(f"'{text}' is not a finite number")
+    return value
 
 
 def _into_body(revision: Revision, name: str, field: str, text: str) -> Drawing:
@@ -166,16 +174,17 @@ def _into_body(revision: Revision, name: str, field: str, text: str) -> Drawing:
 
 def _enter_length(revision: Revision, name: str, text: str) -> None:
     """Write a length as typed, into the parameter that it is or into its place."""
-    old = revision.document["bodies"][name]["length"]
+    _enter_typed(revision, ("bodies", name, "length"), revision.document["bodies"][name]["length"], text)
+    revision.read()  # which says what is wrong with it
+
+
+def _enter_typed(revision: Revision, path: Path, old: object, text: str) -> None:
+    """Write a value as typed, into the parameter that stands at a path or else at the path."""
     parameters = revision.document.get("parameters", {})
     if isinstance(old, str) and old.strip() in parameters and text not in parameters:
-        key = old.strip()
-        whole = isinstance(parameters[key], Mapping)
-        revision.enter(("parameters", key, "value") if whole else ("parameters", key), value_of(text))
-        revision.words.append(f"parameter {key} is {text} now, wherever it is used")
-    else:
-        revision.enter(("bodies", name, "length"), value_of(text))
-    revision.read()  # which says what is wrong with it
+        path = parameter_path(parameters, old.strip())
+        revision.words.append(f"parameter {old.strip()} is {text} now{revision.uses(old.strip())}")
+    revision.enter(path, value_of(text))
 
 
 def _joined_ends(sketch: Drawn, name: str) -> list[str]:
@@ -204,6 +213,7 @@ def _close(revision: Revision, name: str, text: str, words: str) -> Drawing:
         if not drawing.sketch.open_joints and not (drawing.sketch.trouble and not revision.sketch.trouble):
             return drawing
     ends = f"between {_short(low)} and {_short(high)}" if low > 0.0 else f"up to {_short(high)}"
+    ends = f"from {_short(low)} on" if math.isinf(high) else ends
     closes = f"closes {ends}" if high > 0.0 else "does not close"
     raise InputError(f"length {text}: the loop of {name} {closes}")
 
@@ -214,7 +224,8 @@ def _short(value: float) -> str:
 
 def _turn(revision: Revision, name: str, text: str) -> Drawing:
     """Turn a body to an angle: the mechanism follows, and its motor starts there."""
-    wanted = revision.number(value_of(text))
+    text = f"{text} deg" if isinstance(value_of(text), float) else text  # as the field shows it
+    wanted = _number(revision, text, "rad")
     turned = turned_to(revision.sketch, name, wanted)
     if turned is None:
         raise InputError(f"{name} cannot be at {text}: the mechanism does not reach it, or joints hold it")
@@ -244,11 +255,12 @@ def turned_to(sketch: Drawn, name: str, angle: float) -> Mapping[str, Any] | Non
 def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing:
     k, (body, _, own) = "XY".index(field), name.partition(".")
     spot = list(revision.sketch.points[name])
-    spot[k] = revision.number(value_of(text))
+    spot[k] = _number(revision, text, "m")
     target: Spot = spot[0], spot[1]
-    carry(revision, name, target)
     if body == "ground":
-        revision.enter(("ground", "points", own, str(k)), value_of(text))
+        written = revision.document["ground"]["points"][own]
+        _enter_typed(revision, ("ground", "points", own, str(k)), written[k], text)
+    carry(revision, name, target, typed=name)
     return revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
 
 
@@ -259,7 +271,7 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
     if field == "Contact":
         revision.enter(("joints", name, "contact"), recontact(contact_of(revision.document, name), text))
         return revision.finish(f"{name}: contact {text}", f"joint {name}")
-    if text and revision.number(value_of(text)) != 0.0:
+    if text and _number(revision, text, "m") != 0.0:
         revision.enter(("joints", name, "clearance"), value_of(text))
         if "contact" not in entry:
             revision.enter(("joints", name, "contact"), CONTACTS[0])

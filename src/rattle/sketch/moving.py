@@ -24,13 +24,16 @@ def move(revision: Revision, point: str, to: Spot) -> Drawing | None:
     return revision.finish(f"{point} moved", f"point {point}")
 
 
-def carry(revision: Revision, point: str, to: Spot) -> None:
-    """Change what has to change so that a point, and what is pinned to it, is at another place [m]."""
+def carry(revision: Revision, point: str, to: Spot, typed: str = "") -> None:
+    """Change what has to change so that a point, and what is pinned to it, is at another place [m].
+
+    typed: a point of the ground whose own coordinates are written already.
+    """
     for name in revision.sketch.joined(point):
         body, _, own = name.partition(".")
         if body == "ground":
             for k, value in enumerate(to):
-                if abs(revision.sketch.points[name][k] - value) > 0.0:
+                if name != typed and abs(revision.sketch.points[name][k] - value) > 0.0:
                     revision.set_length(("ground", "points", own, str(k)), value, f"{name}.{'xy'[k]}")
         elif list(revision.sketch.model.bodies[body].points) == [own]:
             x, y, angle = revision.places[body]
@@ -65,6 +68,8 @@ def _stretch(revision: Revision, body: str, end: str, to: Spot) -> None:
 
 def _now(revision: Revision, body: str, end: str) -> Spot:
     """Where an end of a bar is after the changes so far."""
+    if body not in revision.moved:  # its length may be a parameter that has changed: it has not been drawn anew
+        return revision.sketch.points[f"{body}.{end}"]
     entry = revision.document["bodies"][body]
     span = revision.number(entry["length"])
     return revision.in_new_plane(body, (-span / 2 if entry["bar"][0] == end else span / 2, 0.0))

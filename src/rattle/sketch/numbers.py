@@ -5,10 +5,32 @@ from __future__ import annotations
 import math
 import re
 
-from rattle.language.units import parse_quantity
+from rattle.errors import InputError
+from rattle.language.units import dimension_of, parse_quantity
 
 MOST_DIGITS = 17
 AT_REST = 1e-13  # share of a length, or angle [rad], by which a written number may miss the drawn one
+
+
+def number_of(written: object) -> float | None:
+    """The number that a value says [SI]; None for an expression.  Raises InputError for a unit that is not known."""
+    if isinstance(written, int | float):
+        return float(written)
+    quantity = parse_quantity(str(written))
+    return None if quantity is None else quantity[0]
+
+
+def typed_number(text: str, unit: str) -> float | None:
+    """The number that was typed [SI], of a field with this unit; None for an expression.
+
+    Raises InputError for a quantity of another kind, and for one that is not finite.
+    """
+    quantity = parse_quantity(text)
+    if quantity is None:
+        return None
+    if quantity[1] not in (None, dimension_of(unit)):
+        raise InputError(f"'{text}' is not in {unit}: type a number with a unit of that kind")
+    return quantity[0]
 
 
 def shortest(value: float, within: float) -> float:

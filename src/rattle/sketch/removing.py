@@ -8,8 +8,10 @@ from typing import Any
 
 from rattle.description.changes import Path
 from rattle.errors import InputError, ModelError
+from rattle.sketch.model_text import texts_of
 from rattle.sketch.revision import Drawing, Revision
 
+FILES = ("file", "profile")  # names of files: what they say is no name of the model
 TABLES = {"body": "bodies", "joint": "joints", "driver": "drivers", "load": "loads", "signal": "signals"}
 
 
@@ -18,6 +20,9 @@ def delete(revision: Revision, kind: str, name: str) -> Drawing:
 
     Raises InputError where something else still uses it.
     """
+    body, _, own = name.partition(".")
+    if kind == "point" and own in revision.document.get("bodies", {}).get(body, {}).get("bar", ()):
+        raise InputError(f"{name} is an end of the bar {body}, which cannot be without it: delete {body}")
     gone = dict.fromkeys([_path(kind, name)])
     ahead = list(gone)
     while ahead:
@@ -30,7 +35,7 @@ def delete(revision: Revision, kind: str, name: str) -> Drawing:
             revision.enter(path, None)
     for body in [path[1] for path in gone if path[0] == "bodies"]:
         revision.places.pop(body, None)
-    taken = [".".join(path[1:]) if path[0] == "ground" else path[-1] for path in gone if path[0] != "initial"]
+    taken = [_named(path) for path in gone if path[0] != "initial"]
     try:
         more = f", with {', '.join(taken[1:])}" if len(taken) > 1 else ""
         return revision.finish(f"deleted {taken[0]}{more}")
@@ -45,9 +50,14 @@ def _path(kind: str, name: str) -> Path:
     return TABLES[kind], name
 
 
+def _named(path: Path) -> str:
+    """The name of an entry: "J1", "ground.O", "arm.P"."""
+    return f"ground.{path[2]}" if path[0] == "ground" else f"{path[1]}.{path[3]}" if len(path) == 4 else path[1]
+
+
 def _needs(document: Mapping[str, Any], path: Path) -> Iterator[Path]:
     """Entries that cannot be without this one."""
-    name = f"ground.{path[2]}" if path[0] == "ground" else f"{path[1]}.{path[3]}" if len(path) == 4 else path[1]
+    name = _named(path)
     if path[0] in ("bodies", "ground"):
         for table in ("joints", "loads"):
             for entry, value in document.get(table, {}).items():
@@ -74,28 +84,18 @@ def _is_at(end: str, name: str) -> bool:
 def rename(revision: Revision, kind: str, old: str, new: str) -> Drawing:
     """Give a body, joint, driver or load another name, wherever the text names it.  Raises InputError."""
     new = new.strip()
-    if not re.fullmatch(r"[A-Za-z_]\w*", new):
+    if not re.fullmatch(r"[A-Za-z_]\w*", new, re.ASCII):
         raise InputError(f"'{new}' is not a name: expected letters, digits and _, a letter first")
     table = TABLES[kind]
     taken = next((key for key in TABLES.values() if new in revision.document.get(key, {})), "")
     if taken:
         raise InputError(f"the name '{new}' is already used in [{taken}]; choose another")
-    for path, value in _texts(revision.document):
+    for path, value in texts_of(revision.document):
         whole = path[-1] in ("joint", "body", "at") or path[-2:-1] == ("connect",)
         new_text = new if whole and value == old else re.sub(rf"(?<![\w.]){re.escape(old)}(?=\.[A-Za-z_])", new, value)
-        if new_text != value and path[0] not in ("name", "picture"):
+        if new_text != value and path[0] not in ("name", "picture") and path[-1] not in FILES:
             revision.enter(path, new_text)
     revision.renaming = table, old, new
     if old in revision.places:
         revision.places[new] = revision.places.pop(old)
     return revision.finish(f"{old} is called {new} now", f"{kind} {new}")
-
-
-def _texts(value: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:
-    """All texts of a document with their paths."""
-    items = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, list) else ()
-    for key, part in items:
-        if isinstance(part, str):
-            yield (*path, str(key)), part
-        else:
-            yield from _texts(part, (*path, str(key)))

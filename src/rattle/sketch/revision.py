@@ -7,6 +7,7 @@ An act is checked by drawing the new text: where bodies would stand elsewhere th
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -14,17 +15,17 @@ from rattle.description.changes import Change, Path, copied
 from rattle.errors import InputError
 from rattle.language.expression import value
 from rattle.language.syntax import parse
-from rattle.language.units import parse_quantity
 from rattle.mechanism import Mechanism
 from rattle.sketch.drawn import Drawn, Place, Spot, drawn, drawn_mechanism, reached
 from rattle.sketch.expressions import shifted, turned
-from rattle.sketch.model_text import renamed, revised
-from rattle.sketch.numbers import degrees, in_unit_of, length
+from rattle.sketch.model_text import renamed, revised, texts_of
+from rattle.sketch.numbers import degrees, in_unit_of, length, number_of
 
 NAMES = ("bodies", "joints", "drivers", "signals", "states", "loads")  # they share their names
 MISSED = 1e-9  # share of the size by which a body may stand elsewhere than drawn
 SAME = 1e-12  # change of a coordinate below which a driver starts as before [m, rad]
-LEAST = 1e-9  # share of the size below which two spots are one
+MOST_USES = 4  # entries that are named where a parameter changes
+SAME_LENGTH = 1e-12  # share of the size by which two values of a parameter are one
 
 
 class Drawing(NamedTuple):
@@ -64,6 +65,7 @@ class Revision:
         self.moved: list[str] = []  # bodies that stand elsewhere, or are new
         self.words: list[str] = []
         self.renaming: tuple[str, str, str] | None = None  # table, old and new name of an entry
+        self.parameters: dict[str, float] = {}  # parameters that get another value [SI]
 
     # ------------------------------------------------------------ entries
     def enter(self, path: Path, value: object) -> None:
@@ -155,16 +157,13 @@ class Revision:
 
     def number(self, written: object) -> float:
         """The number that an entry says [SI]."""
-        if isinstance(written, int | float):
-            return float(written)
-        quantity = _quantity(str(written))
-        if quantity is not None:
-            return quantity
+        if (plain := number_of(written)) is not None:
+            return plain
         known = {name: parameter.value for name, parameter in self.sketch.model.parameters.items()}
         for name, entry in self.document.get("parameters", {}).items():  # those that this act has changed
             now = entry.get("value") if isinstance(entry, Mapping) else entry
-            if isinstance(now, int | float) or (isinstance(now, str) and _quantity(now) is not None):
-                known[name] = self.number(now)
+            if (plain := number_of(now)) is not None:
+                known[name] = plain
         return value(parse(str(written)), known)
 
     def set_length(self, path: Path, value: float, what: str) -> None:
@@ -175,7 +174,7 @@ class Revision:
         written: Any = self.document
         for key in path:
             written = written[int(key)] if isinstance(written, list) else written.get(key)
-        if isinstance(written, str) and _quantity(written) is None:
+        if isinstance(written, str) and number_of(written) is None:
             self._set_parameter(written, value, what)
             return
         self.enter(path, in_unit_of(written, value))
@@ -184,29 +183,37 @@ class Revision:
         name, parameters = written.strip(), self.document.get("parameters", {})
         if name not in parameters:
             raise InputError(f"{what} is {written}: type a number to replace it")
-        entry = parameters[name]
-        path: Path = ("parameters", name, "value") if isinstance(entry, Mapping) else ("parameters", name)
-        old = entry.get("value") if isinstance(entry, Mapping) else entry
-        if isinstance(old, str) and _quantity(old) is None:
+        path = parameter_path(parameters, name)
+        old = _at_path(self.document, path)
+        if isinstance(old, str) and number_of(old) is None:
             self._set_parameter(old, value, f"{what}, {name},")
             return
+        if abs(self.parameters.setdefault(name, value) - value) > SAME_LENGTH * max(abs(value), self.sketch.size):
+            raise InputError(f"{what} is {name}, which would have to be two lengths: type a number to replace it")
         new = in_unit_of(old, value)
         self.enter(path, new)
-        self.words.append(
-            f"parameter {name} is {new}{' m' if not isinstance(new, str) else ''} now, wherever it is used"
-        )
+        unit = "" if isinstance(new, str) else " m"
+        self.words.append(f"parameter {name} is {new}{unit} now{self.uses(name)}")
+
+    def uses(self, parameter: str) -> str:
+        """Where else a parameter is used, in words."""
+        sign = re.compile(rf"(?<![\w.]){re.escape(parameter)}(?!\w)")
+        paths = [".".join(path) for path, text in texts_of(self.document) if sign.search(text)]
+        more = f" and {len(paths) - MOST_USES} more" if len(paths) > MOST_USES else ""
+        return f", in {', '.join(paths[:MOST_USES])}{more}" if len(paths) > 1 else ""
 
     # ------------------------------------------------------------ the new text
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
         """The new text, drawn.  Raises ModelError, InputError where it would be wrong."""
-        self._drive()
-        self._hold()
-        if near:
-            self._close_near()
-        self._start(self.moved)
+        if self.renaming is None:
+            self._drive()
+            self._hold()
+            if near:
+                self._close_near()
+            self._start(self.moved)
         sketch = self._drawn()
         for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
-            if not (astray := self._astray(sketch)):
+            if self.renaming is not None or not (astray := self._astray(sketch)):
                 break
             start([*self.moved, *self._beside(astray)])
             sketch = self._drawn()
@@ -343,6 +350,11 @@ class Revision:
         return [name for name in self.places if name in near or name in set(bodies)]
 
 
+def parameter_path(parameters: Mapping[str, Any], name: str) -> Path:
+    """Where the value of a parameter stands."""
+    return ("parameters", name, "value") if isinstance(parameters[name], Mapping) else ("parameters", name)
+
+
 def _at_path(document: Mapping[str, Any], path: Path) -> Any:
     """What stands at a path of a document; None if nothing does."""
     part: Any = document
@@ -354,12 +366,6 @@ def _at_path(document: Mapping[str, Any], path: Path) -> Any:
 def _at(place: Place, spot: Spot) -> Spot:
     c, s = math.cos(place[2]), math.sin(place[2])
     return place[0] + c * spot[0] - s * spot[1], place[1] + s * spot[0] + c * spot[1]
-
-
-def _quantity(text: str) -> float | None:
-    """The number that a quantity says [SI]; None for an expression.  Raises InputError for a unit that is not known."""
-    quantity = parse_quantity(text)
-    return None if quantity is None else quantity[0]
 
 
 def _signs() -> Iterable[str]:
