@@ -168,7 +168,7 @@ def test_a_picture_lies_beside_the_model_and_is_scaled(session, tmp_path):
         session.act("scale-picture", **{"from": [0, 0], "to": [0.1, 0]}, text=text)
         assert "is not a distance" in session.last("trouble")["words"]
     session.act("scale-picture", **{"from": [0.1, 0], "to": [0.1, 0]}, text="0.25 m")
-    assert "both clicks are at one place" in session.last("trouble")["words"]
+    assert "the two points are one" in session.last("trouble")["words"]
     session.act("no-picture")
     assert session.text.strip() == EMPTY.strip()
 
