@@ -22,6 +22,7 @@ from rattle.sketch.revision import Drawing, Revision, parameter_path
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
 
 
+SHOWN = 1e-7  # by which an angle that is shown may be off [rad]
 STRAIGHT = 1e-12  # relative angle of welded bodies that is none [rad]
 
 
@@ -60,7 +61,7 @@ def _of_body(sketch: Drawn, name: str) -> Iterator[Field]:
     yield Field("Name", name)
     if "bar" in entry:
         yield Field("Length", _with_unit(entry["length"], "m"), "such as 180 mm, or an expression over parameters")
-    yield Field("Angle", degrees(sketch.places[name][2]), "at the start; a number alone is in degrees")
+    yield Field("Angle", degrees(sketch.places[name][2], SHOWN), "at the start; a number alone is in degrees")
     if "mass" in entry:
         yield Field("Mass", _with_unit(entry["mass"], "kg"), "such as 0.3 kg")
 

@@ -49,10 +49,10 @@ def length(value: float, size: float = 0.0) -> float:
     return shortest(value, AT_REST * max(abs(value), size))
 
 
-def degrees(angle: float) -> str:
-    """An angle [rad] as a text in degrees, between -180 and 180."""
+def degrees(angle: float, within: float = AT_REST) -> str:
+    """An angle [rad] as a text in degrees, between -180 and 180; within: by which it may be off [rad]."""
     turned = math.remainder(angle, math.tau)
-    return f"{plain(shortest(math.degrees(turned), math.degrees(AT_REST)))} deg"
+    return f"{plain(shortest(math.degrees(turned), math.degrees(within)))} deg"
 
 
 def plain(value: float) -> str:

@@ -48,7 +48,8 @@ export class Chosen {
     const spots = (ends ?? []).map((end) => board.position(end)).filter(Boolean);
     if (!spots.length) return;
     const middle = [0, 1].map((k) => spots.reduce((sum, at) => sum + at[k], 0) / spots.length);
-    this.box = p.tag(`${field.name === "Length" ? "" : `${field.name.toLowerCase()} `}${field.text}`, middle, { dx: 14, dy: -14, bold: true });
+    const text = field.text.replace(/\d+\.\d{5,}/g, (number) => String(Number(Number(number).toPrecision(5)))); // the field has all digits
+    this.box = p.tag(`${field.name === "Length" ? "" : `${field.name.toLowerCase()} `}${text}`, middle, { dx: 14, dy: -14, bold: true });
   }
 
   // What is chosen, where its label is at a place of the sheet; else null.
