@@ -81,6 +81,12 @@ def test_shapes_have_their_area(inside, wanted, tolerance):
     assert area(inside) == pytest.approx(wanted, rel=tolerance)
 
 
+@pytest.mark.parametrize("radii", ["0 10", "1e-308 10", "1e-200 1e-200", "10 1e-15"])
+def test_an_arc_with_a_radius_of_nothing_is_a_line(radii):
+    read = imported(f'<path d="M0 0h20v100a{radii} 0 0 1-20 0z"/>')
+    assert read.document["bodies"]["part"]["mass"] == pytest.approx(2000e-6 * SHEET, rel=1e-9)
+
+
 def test_arcs_go_where_their_flags_say():
     """All four arcs between two points, on an ellipse that is turned; their points fulfil its equation."""
     turn, rx, ry = 0.5, 5.0, 3.0

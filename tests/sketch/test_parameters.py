@@ -118,3 +118,32 @@ def test_a_driver_whose_function_has_the_parameter_starts_where_the_bar_was_put(
     share = arm / math.dist(origin, other)
     there = [a + share * (b - a) for a, b in zip(origin, other, strict=True)]
     assert sheet.place("right_arm.elbow") == pytest.approx(there, abs=1e-9)
+
+
+PLATE = """format = 1
+[parameters]
+b = 0.2
+h = 0.3
+[bodies.plate]
+polygon = [[0, 0], ["b", 0], ["b", "h"], [0, "h"]]
+holes = [[["b/2 - 0.01", 0.05], ["b/2 + 0.01", 0.05], ["b/2", 0.07]]]
+thickness = "5 mm"
+density = 1000
+points = { A = [0, 0], C = ["b", "h"], Q = ["b", 0.1] }
+[initial]
+plate = { x = 0.5, y = 0.4, angle = "30 deg" }
+"""
+
+
+@pytest.mark.parametrize(("point", "to"), [("C", (0.5, 0.7)), ("Q", (0.65, 0.45))])
+def test_a_plate_whose_corners_are_parameters_stands_at_its_corner_of_numbers(point, to):
+    """The mass centre moves in the plate, which stands where it was: A is [0, 0] of the text, C is [b, h]."""
+    sheet = Sheet(PLATE)
+    (x, y), angle = sheet.place("plate.A"), math.pi / 6
+    sheet.do("drop", point=f"plate.{point}", to={"at": list(to)})
+    assert sheet.place("plate.A") == pytest.approx((x, y), abs=1e-12)
+    b = (to[0] - x) * math.cos(angle) + (to[1] - y) * math.sin(angle)
+    h = -(to[0] - x) * math.sin(angle) + (to[1] - y) * math.cos(angle) if point == "C" else 0.3
+    assert sheet.table["parameters"] == {"b": pytest.approx(b, abs=1e-12), "h": pytest.approx(h, abs=1e-12)}
+    corner = x + b * math.cos(angle) - h * math.sin(angle), y + b * math.sin(angle) + h * math.cos(angle)
+    assert sheet.place("plate.C") == pytest.approx(corner, abs=1e-12)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rattle.description.polygon import figure_of
 from rattle.errors import InputError
 from rattle.sketch.drawn import Spot
 from rattle.sketch.revision import Drawing, Revision
@@ -94,11 +93,6 @@ def _shift_corner(revision: Revision, body: str, old: Spot, to: Spot, entry: dic
         return
     for k, value in enumerate(new):
         revision.set_length(("bodies", body, "polygon", str(corner), str(k)), value, f"corner {corner + 1} of {body}")
-    ring[corner] = new
-    holes = [[(revision.number(x), revision.number(y)) for x, y in hole] for hole in entry.get("holes", ())]
-    centre, before = figure_of(ring, holes).centre, revision.as_written(body, (0.0, 0.0))
-    x, y = sketch.in_plane(body, (centre[0] - before[0], centre[1] - before[1]))
-    revision.places[body] = x, y, revision.places[body][2]
 
 
 def drop(revision: Revision, point: str, target: str) -> Drawing | None:

@@ -212,6 +212,8 @@ class Revision:
                 self._close_near()
             self._start(self.moved)
         sketch = self._drawn()
+        if self.renaming is None and self._recentre(sketch):
+            sketch = self._drawn()
         if self.parameters and not sketch.trouble and self._drive(sketch.places):  # functions may depend on them
             sketch = self._drawn()
         for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
@@ -255,6 +257,21 @@ class Revision:
         if not beside.trouble:
             self.places = {name: beside.places[name] for name in beside.bodies}
             self.moved += [name for name in self.document.get("initial", {}) if name in self.places]
+
+    def _recentre(self, sketch: Drawn) -> bool:
+        """Let points of bodies stand whose mass centre is elsewhere in them now, by a corner or parameter; True if any.
+
+        sketch: of the new text.
+        """
+        new, before = Revision(sketch), len(self.moved)
+        for body in self.sketch.bodies:
+            if body in self.places and body in sketch.model.bodies:
+                (x, y), (u, v) = self._centre(body), new._centre(body)
+                if math.dist((x, y), (u, v)) > SAME * self.sketch.size:
+                    self.places[body] = (*_at(self.places[body], (u - x, v - y)), self.places[body][2])
+                    self.moved.append(body)
+        self._start(self.moved[before:])
+        return len(self.moved) > before
 
     def _drive(self, places: Mapping[str, Place]) -> bool:
         """Let drivers start where their joints are meant to be, from where these places have them; True if any does."""

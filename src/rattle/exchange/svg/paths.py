@@ -22,6 +22,7 @@ from rattle.exchange.svg.lengths import LARGEST, NUMBER, Matrix
 
 COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 MOST_CHORDS = 200  # of one curve
+FLAT = 1e-9  # of the larger radius or the chord: a radius below is none, and the arc a line
 SHARP = 0.6  # angle between two chords from which on there is no arc through their ends [rad]
 _TOKEN = re.compile(rf"[\s,]*(?:([MmLlHhVvCcSsQqTtAaZz])|({NUMBER.pattern}))")
 _FLAG = re.compile(r"[\s,]*([01])")
@@ -205,7 +206,7 @@ class PathReader:
         rx, ry, turn = abs(numbers[0]), abs(numbers[1]), math.radians(numbers[2])
         if end == self.at:
             return
-        if rx == 0.0 or ry == 0.0:
+        if min(rx, ry) <= FLAT * max(rx, ry, math.dist(self.at, end)):
             self._to(end)
             return
         frame, start, sweep = _ellipse(self.at, end, (rx, ry), turn, bool(numbers[3]), bool(numbers[4]))
