@@ -141,15 +141,15 @@ def test_a_force_on_what_a_motor_holds_shows_what_play_gives(session):
 def test_measures_are_told_and_kept_as_signals(session):
     session.fourbar()
     session.hear("measure", spots=[{"at": PINS[0], "point": "ground.O1"}, {"at": PINS[2], "point": "bar2.B"}])
-    (row,) = session.last("measured")["rows"]
+    (row,) = session.last("readings")["rows"]
     assert row["words"] == f"distance of ground.O1 and bar2.B: {math.dist(PINS[0], PINS[2]):.4g} m"
     session.act("keep", signals=row["signals"])
     assert 'distance = "hypot(' in session.text
     session.hear("measure", spots=[{"at": PINS[2], "point": "bar2.B"}])
-    words = [row["words"].split(":")[0] for row in session.last("measured")["rows"]]
-    assert words == ["path of bar2.B", "transmission angle at J3", "force at bar2.B over torque of motor"]
+    words = [row["words"].split(":")[0] for row in session.last("readings")["rows"]]
+    assert words == ["path of bar2.B", "transmission angle at J3", "mechanical advantage of motor at bar2.B"]
     session.hear("measure", spots=[{"at": [0, 0]}, {"at": PINS[2]}, {"at": [0.1, 0]}])
-    assert session.last("measured")["rows"][0]["words"].startswith("angle at ")
+    assert session.last("readings")["rows"][0]["words"].startswith("angle at ")
 
 
 def test_a_picture_lies_beside_the_model_and_is_scaled(session, tmp_path):
@@ -168,7 +168,7 @@ def test_a_picture_lies_beside_the_model_and_is_scaled(session, tmp_path):
         session.act("scale-picture", **{"from": [0, 0], "to": [0.1, 0]}, text=text)
         assert "is not a distance" in session.last("trouble")["words"]
     session.act("scale-picture", **{"from": [0.1, 0], "to": [0.1, 0]}, text="0.25 m")
-    assert "both clicks are at one place" in session.last("trouble")["words"]
+    assert "the two points are one" in session.last("trouble")["words"]
     session.act("no-picture")
     assert session.text.strip() == EMPTY.strip()
 

@@ -91,7 +91,10 @@ def _nudged(revision: Revision, message: Message) -> Drawing | None:
 
 def _kept(revision: Revision, message: Message) -> Drawing:
     """A measure becomes signals."""
-    names = []
+    names, kept = [], revision.document.get("signals", {})
+    there = [name for name, expression in kept.items() if expression in message["signals"].values()]
+    if there:
+        return revision.finish(f"signal {', '.join(there)} records it already")
     for wish, expression in message["signals"].items():
         names.append(revision.free_name(str(wish), ""))
         revision.enter(("signals", names[-1]), str(expression))

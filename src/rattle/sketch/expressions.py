@@ -11,9 +11,9 @@ from rattle.language.units import parse_quantity
 from rattle.sketch.numbers import degrees, in_unit_of, length, plain, shortest
 
 _LEAD = re.compile(r"\s*([+-]?\s*[\d.]+(?:[eE][+-]?\d+)?(?:\s*[A-Za-z]+)?)\s*(?=[+-]|$)")
-_FACTOR = r"(?:\d[\d.]*(?:[eE][+-]?\d+)?(?:\s*[A-Za-z][\w/]*)?|[A-Za-z_]\w*|\([^()]*\))"
-_RATE = re.compile(rf"(?P<start>.*?)\s*(?P<sign>(?<![\d.][eE])[+-])?\s*(?P<factor>{_FACTOR})\s*\*\s*t\s*")
-_SIMPLE = re.compile(rf"(?P<minus>-?)\s*(?P<factor>{_FACTOR})")
+_OF_TIME = re.compile(r"(.*\S)\s*\*\s*t\s*")
+_EXPONENT = re.compile(r"\d[eE]$")
+_NUMBER = re.compile(r"\d[\d.]*(?:[eE][+-]?\d+)?")
 _PRODUCT = re.compile(r"[\w.\s*/]+")
 
 
@@ -40,25 +40,24 @@ def shifted(written: object, start: float, change: float, turns: bool) -> str | 
 
 
 class Rate(NamedTuple):
-    """The factor of t in "start + rate*t"."""
+    """The factor of t in "start + rate*t", with its sign."""
 
-    start: str
-    text: str  # with its sign
+    before: str  # what stands in front of it, "" if nothing
+    text: str
 
 
 def rate_of(written: object) -> Rate | None:
-    """Start and rate of a function of time, "start + rate*t" or "rate*t"; None where it is written otherwise."""
-    match = _RATE.fullmatch(written) if isinstance(written, str) else None
-    if match is None or (match["start"] and (not match["sign"] or _is_no_start(match["start"]))):
+    """What stands before "*t" at the end of a function of time; None where it is written otherwise."""
+    match = _OF_TIME.fullmatch(written) if isinstance(written, str) else None
+    if match is None or re.search(r"\b(t|if)\b", match[1]):  # then it is not all of the rate
         return None
-    factor = match["factor"]
-    inner = factor[1:-1].strip() if factor.startswith("(") and match["sign"] != "-" else factor
-    return Rate(match["start"].strip(), f"-{inner}" if match["sign"] == "-" else inner)
-
-
-def _is_no_start(text: str) -> bool:
-    """True of what has the time in it, or a parenthesis or sign that goes on behind it."""
-    return re.search(r"\b(t|if)\b", text) is not None or text.count("(") != text.count(")") or text[-1] in "+-*/(,"
+    head, depth = match[1], 0
+    for k in range(len(head) - 1, -1, -1):
+        depth += (head[k] == ")") - (head[k] == "(")
+        if head[k] in "+-" and depth == 0 and not _EXPONENT.search(head[:k]):
+            rate = head[k + 1 :].strip()
+            return Rate(head[:k].strip(), f"-{rate}" if head[k] == "-" else rate)
+    return Rate("", head.strip())
 
 
 def with_rate(written: object, rate: str) -> str:
@@ -66,11 +65,11 @@ def with_rate(written: object, rate: str) -> str:
     old = rate_of(written)
     if old is None:
         raise InputError(f"the function is {written!r}, not a start and a rate: write it under Text")
-    simple = _SIMPLE.fullmatch(rate)
-    if old.start:
-        sign = "-" if simple and simple["minus"] else "+"
-        return f"{old.start} {sign} {simple['factor'] if simple else f'({rate})'}*t"
-    return f"{rate if simple else f'({rate})'}*t"
+    back, factor = rate.startswith("-"), rate.removeprefix("-").strip()
+    factor = f"({factor})" if re.search(r"[+-]", _NUMBER.sub("", factor)) else factor
+    if old.before:
+        return f"{old.before} {'-' if back else '+'} {factor}*t"
+    return f"{'-' if back else ''}{factor}*t"
 
 
 def turned(angle: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -14,13 +15,14 @@ from rattle.sketch.closing import closing_range
 from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
-from rattle.sketch.numbers import degrees, length, plain
+from rattle.sketch.numbers import degrees, length, plain, typed_number
 from rattle.sketch.removing import TABLES, rename
 from rattle.sketch.revision import Drawing, Revision, parameter_path
 
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
 
 
+SHOWN = 1e-7  # by which an angle that is shown may be off [rad]
 STRAIGHT = 1e-12  # relative angle of welded bodies that is none [rad]
 
 
@@ -59,7 +61,7 @@ def _of_body(sketch: Drawn, name: str) -> Iterator[Field]:
     yield Field("Name", name)
     if "bar" in entry:
         yield Field("Length", _with_unit(entry["length"], "m"), "such as 180 mm, or an expression over parameters")
-    yield Field("Angle", degrees(sketch.places[name][2]), "at the start")
+    yield Field("Angle", degrees(sketch.places[name][2], SHOWN), "at the start; a number alone is in degrees")
     if "mass" in entry:
         yield Field("Mass", _with_unit(entry["mass"], "kg"), "such as 0.3 kg")
 
@@ -142,10 +144,16 @@ def typed(revision: Revision, chosen: str, field: str, text: str) -> Drawing | N
 
 def value_of(text: str) -> float | str:
     """A plain number as a number, all else as it is typed."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    return float(text) if re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", text) else text
+
+
+def _number(revision: Revision, text: str, unit: str) -> float:
+    """What was typed [SI].  Raises InputError for a quantity of another kind, or a number that is not finite."""
+    typed = typed_number(text, unit)
+    value = revision.number(text) if typed is None else typed
+    if not math.isfinite(value):
+        raise InputError(f"'{text}' is not a finite number")
+    return value
 
 
 def _into_body(revision: Revision, name: str, field: str, text: str) -> Drawing:
@@ -176,7 +184,7 @@ def _enter_typed(revision: Revision, path: Path, old: object, text: str) -> None
     parameters = revision.document.get("parameters", {})
     if isinstance(old, str) and old.strip() in parameters and text not in parameters:
         path = parameter_path(parameters, old.strip())
-        revision.words.append(f"parameter {old.strip()} is {text} now, wherever it is used")
+        revision.words.append(f"parameter {old.strip()} is {text} now{revision.uses(old.strip())}")
     revision.enter(path, value_of(text))
 
 
@@ -217,7 +225,8 @@ def _short(value: float) -> str:
 
 def _turn(revision: Revision, name: str, text: str) -> Drawing:
     """Turn a body to an angle: the mechanism follows, and its motor starts there."""
-    wanted = revision.number(value_of(text))
+    text = f"{text} deg" if isinstance(value_of(text), float) else text  # as the field shows it
+    wanted = _number(revision, text, "rad")
     turned = turned_to(revision.sketch, name, wanted, revision.file)
     if turned is None:
         raise InputError(f"{name} cannot be at {text}: the mechanism does not reach it, or joints hold it")
@@ -247,7 +256,7 @@ def turned_to(sketch: Drawn, name: str, angle: float, file: str) -> Mapping[str,
 def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing:
     k, (body, _, own) = "XY".index(field), name.partition(".")
     spot = list(revision.sketch.points[name])
-    spot[k] = revision.number(value_of(text))
+    spot[k] = _number(revision, text, "m")
     target: Spot = spot[0], spot[1]
     if body == "ground":
         written = revision.document["ground"]["points"][own]
@@ -263,7 +272,7 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
     if field == "Contact":
         revision.enter(("joints", name, "contact"), recontact(contact_of(revision.document, name), text))
         return revision.finish(f"{name}: contact {text}", f"joint {name}")
-    if text and revision.number(value_of(text)) != 0.0:
+    if text and _number(revision, text, "m") != 0.0:
         revision.enter(("joints", name, "clearance"), value_of(text))
         if "contact" not in entry:
             revision.enter(("joints", name, "contact"), CONTACTS[0])

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.rank import nonunique_reactions, rank
+from rattle.analyses.assembly.rank import nonunique_reactions, rank, rank_of, scaled_rows
 from rattle.equations.closure import open_by
 from rattle.results.display import quantity
 from rattle.sketch.drawn import Drawn
@@ -35,7 +35,8 @@ def _counts(sketch: Drawn) -> str:
 class _Count(NamedTuple):
     left: int  # freedoms that neither joints nor drivers take
     too_many: int  # constraints that repeat others
-    spare: tuple[str, ...]  # whose constraints those may be
+    unsure: tuple[str, ...]  # whose constraints those may be
+    moves_by_joints: bool  # the joints alone leave a freedom: what is too much is a motor
 
 
 def _count(sketch: Drawn) -> _Count:
@@ -46,8 +47,10 @@ def _count(sketch: Drawn) -> _Count:
     open_by(workspace, 0.0, q, np.zeros_like(q))
     independent = rank(system, workspace)
     too_many = system.row_count - independent
-    spare = nonunique_reactions(system, workspace) if too_many else ()
-    return _Count(3 * system.body_count - independent, too_many, spare)
+    unsure = nonunique_reactions(system, workspace) if too_many else ()
+    of_joints = scaled_rows(system, workspace)[[not row.driver for row in system.rows]]
+    moves = 3 * system.body_count > rank_of(of_joints)
+    return _Count(3 * system.body_count - independent, too_many, unsure, moves)
 
 
 def freedoms_left(sketch: Drawn) -> int:
@@ -56,14 +59,16 @@ def freedoms_left(sketch: Drawn) -> int:
 
 
 def _mobility(sketch: Drawn) -> str:
-    left, too_many, unsure = _count(sketch)
-    spare = [name for name in unsure if name in sketch.model.joints][-1:] or unsure[-1:]
+    left, too_many, unsure, moves_by_joints = _count(sketch)
+    motors = [name for name in unsure if name in sketch.model.drivers]
+    joints = [name for name in unsure if name in sketch.model.joints]
+    spare = motors[-1:] if moves_by_joints and motors else (joints or unsure)[-1:]
     surplus = f"{too_many} constraint{'s' if too_many > 1 else ''} too many ({', '.join(spare)})" if too_many else ""
     if left:
         free = f"{left} {'freedom without a motor' if left == 1 else 'freedoms without a motor'}"
         return f"{free}, {surplus}" if surplus else free
     if not sketch.model.drivers or (too_many and sketch.trouble):
-        return f"cannot move: {surplus or 'nothing is left that could'}"
+        return f"cannot move: {surplus or 'no degree of freedom is left'}"
     if sketch.trouble:
         return f"cannot move: {sketch.trouble}"
     return f"moves, {surplus}" if surplus else "moves"

@@ -9,12 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.errors import ANSWERS
+from rattle.mechanism import Mechanism
 from rattle.results.display import quantity
 from rattle.sketch import measure, over_a_turn
 from rattle.sketch.drawn import Drawn
 from rattle.sketch.measure import Measure
 from rattle.sketch.revision import Caught
 from rattle.sketch.spots import Place
+
+PER_TORQUE = "1/m"  # unit of a force over a torque
 
 
 class Reading(NamedTuple):
@@ -51,7 +54,13 @@ def _told(read: Callable[[], Measure]) -> Reading:
         found = read()
     except ANSWERS as error:
         return Reading(str(error), refused=True)
-    return Reading(f"{found.label}: {quantity(found.value, found.unit)}", {found.name: found.expression})
+    value = quantity(found.value, found.unit) if found.unit != PER_TORQUE else f"{found.value:.4g} N for each N m"
+    return Reading(f"{found.label}: {value}", {found.name: found.expression})
+
+
+def _advantage(m: Mechanism, motor: str, place: Place, q: np.ndarray) -> Measure:
+    found = measure.mechanical_advantage(m, motor, place, q=q)
+    return found._replace(label=f"mechanical advantage of {motor} at {place}")
 
 
 def _over_a_turn(sketch: Drawn, spot: Caught, place: Place, q: np.ndarray) -> Iterator[Reading]:
@@ -67,7 +76,7 @@ def _over_a_turn(sketch: Drawn, spot: Caught, place: Place, q: np.ndarray) -> It
     motors = list(m.model.drivers)[:1]
     others = [
         *(partial(measure.transmission_angle, m, pin, q=q) for pin in pins),
-        *(partial(measure.mechanical_advantage, m, motor, place, q=q) for motor in motors),
+        *(partial(_advantage, m, motor, place, q) for motor in motors),
     ]
     yield _path(sketch, place)
     yield from (reading for reading in map(_told, others) if not reading.refused)
@@ -98,4 +107,4 @@ def message_of(found: Sequence[Reading]) -> dict[str, Any]:
     rows = [{"words": reading.words, "signals": dict(reading.signals),
              "curves": [np.where(np.isfinite(curve), curve, np.nan).tolist() for curve in reading.curves]}
             for reading in found]  # fmt: skip
-    return {"kind": "measured", "rows": rows}
+    return {"kind": "readings", "rows": rows}

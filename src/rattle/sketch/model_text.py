@@ -7,7 +7,8 @@ them; what is removed takes its own lines along, comments above the next entry s
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rattle.description import file as model_file
@@ -39,7 +40,7 @@ def revised(text: str, changes: Sequence[Change]) -> str:
         renewed = copied(document)
         for path, value in changes:
             _put_plain(renewed, path, value)
-        return json.dumps(renewed, indent=2, ensure_ascii=False) + "\n"
+        return as_json(renewed, text)
     before, text = text, text.replace("\r\n", "\n")
     headed = {part.path for part in sections(text)}
     inside = [change for change in changes if not _of_lines(document, change)]
@@ -55,13 +56,19 @@ def revised(text: str, changes: Sequence[Change]) -> str:
     return model_file.with_line_ends_of(before, text)
 
 
+def as_json(document: Mapping[str, Any], text: str) -> str:
+    """A document as JSON, indented as this text is."""
+    step = re.search(r"[{[]\r?\n([ \t]+)", text)
+    return json.dumps(document, indent=step[1] if step else 2, ensure_ascii=False) + "\n"
+
+
 def renamed(text: str, table: str, old: str, new: str) -> str:
     """The text in which an entry of a table has another name, there and in [initial]; what refers to it stays."""
     document = model_file.parse(text)
     if model_file.is_json(text):
         for key in {table, "initial"} & document.keys():
             document[key] = {new if name == old else name: value for name, value in document[key].items()}
-        return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+        return as_json(document, text)
     for path in ((table, old), ("initial", old)):
         while not _is_new(model_file.parse(text), path):  # tables inside of it and dotted keys say the name again
             place = locate_all(text, [(path, True)])[0]
@@ -237,3 +244,13 @@ def _without_value(text: str, document: dict[str, Any], path: Path) -> str:
     if len(parent) == 1 and len(path) > 1 and path[0] == "initial":
         return _without(text, path[:-1])
     return model_file.dump(document, text, [(path, None)])
+
+
+def texts_of(value: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:
+    """All texts of a document with their paths."""
+    items = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, list) else ()
+    for key, part in items:
+        if isinstance(part, str):
+            yield (*path, str(key)), part
+        else:
+            yield from texts_of(part, (*path, str(key)))

@@ -5,10 +5,32 @@ from __future__ import annotations
 import math
 import re
 
-from rattle.language.units import parse_quantity
+from rattle.errors import InputError
+from rattle.language.units import dimension_of, parse_quantity
 
 MOST_DIGITS = 17
 AT_REST = 1e-13  # share of a length, or angle [rad], by which a written number may miss the drawn one
+
+
+def number_of(written: object) -> float | None:
+    """The number that a value says [SI]; None for an expression.  Raises InputError for a unit that is not known."""
+    if isinstance(written, int | float):
+        return float(written)
+    quantity = parse_quantity(str(written))
+    return None if quantity is None else quantity[0]
+
+
+def typed_number(text: str, unit: str) -> float | None:
+    """The number that was typed [SI], of a field with this unit; None for an expression.
+
+    Raises InputError for a quantity of another kind, and for one that is not finite.
+    """
+    quantity = parse_quantity(text)
+    if quantity is None:
+        return None
+    if quantity[1] not in (None, dimension_of(unit)):
+        raise InputError(f"'{text}' is not in {unit}: type a number with a unit of that kind")
+    return quantity[0]
 
 
 def shortest(value: float, within: float) -> float:
@@ -27,10 +49,10 @@ def length(value: float, size: float = 0.0) -> float:
     return shortest(value, AT_REST * max(abs(value), size))
 
 
-def degrees(angle: float) -> str:
-    """An angle [rad] as a text in degrees, between -180 and 180."""
+def degrees(angle: float, within: float = AT_REST) -> str:
+    """An angle [rad] as a text in degrees, between -180 and 180; within: by which it may be off [rad]."""
     turned = math.remainder(angle, math.tau)
-    return f"{plain(shortest(math.degrees(turned), math.degrees(AT_REST)))} deg"
+    return f"{plain(shortest(math.degrees(turned), math.degrees(within)))} deg"
 
 
 def plain(value: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from rattle.results.trust import Trust
 from rattle.sketch.drawn import Drawn, Pin
 from rattle.sketch.fields import fields_of
 from rattle.sketch.freedoms import freedoms
+from rattle.sketch.numbers import number_of
 
 
 def picture_of(sketch: Drawn) -> dict[str, Any]:
@@ -28,8 +30,18 @@ def picture_of(sketch: Drawn) -> dict[str, Any]:
                   for name, load in ({} if sketch.stand_in else sketch.model.loads).items()},
         "fields": {chosen: [field._asdict() for field in fields_of(sketch, chosen)] for chosen in _things(sketch)},
         "status": freedoms(sketch),
-        "picture": sketch.document.get("picture"),
+        "picture": underlay_of(sketch.document),
     }  # fmt: skip
+
+
+def underlay_of(document: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The picture below a drawing, its numbers in SI units; None if there is none."""
+    entry = document.get("picture")
+    if entry is None:
+        return None
+    x, y = (number_of(part) or 0.0 for part in entry.get("origin", (0.0, 0.0)))
+    scale, angle = number_of(entry["scale"]) or 1.0, number_of(entry.get("angle", 0.0)) or 0.0
+    return {"file": entry["file"], "scale": scale, "origin": [x, y], "angle": angle}
 
 
 def _joint(sketch: Drawn, pin: Pin, driver: str) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from rattle.description.changes import Path
 from rattle.errors import InputError, ModelError
+from rattle.sketch.model_text import texts_of
 from rattle.sketch.revision import Drawing, Revision
 
 FILES = ("file", "profile")  # names of files: what they say is no name of the model
@@ -89,7 +90,7 @@ def rename(revision: Revision, kind: str, old: str, new: str) -> Drawing:
     taken = next((key for key in TABLES.values() if new in revision.document.get(key, {})), "")
     if taken:
         raise InputError(f"the name '{new}' is already used in [{taken}]; choose another")
-    for path, value in _texts(revision.document):
+    for path, value in texts_of(revision.document):
         whole = path[-1] in ("joint", "body", "at") or path[-2:-1] == ("connect",)
         new_text = new if whole and value == old else re.sub(rf"(?<![\w.]){re.escape(old)}(?=\.[A-Za-z_])", new, value)
         if new_text != value and path[0] not in ("name", "picture") and path[-1] not in FILES:
@@ -98,13 +99,3 @@ def rename(revision: Revision, kind: str, old: str, new: str) -> Drawing:
     if old in revision.places:
         revision.places[new] = revision.places.pop(old)
     return revision.finish(f"{old} is called {new} now", f"{kind} {new}")
-
-
-def _texts(value: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:
-    """All texts of a document with their paths."""
-    items = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, list) else ()
-    for key, part in items:
-        if isinstance(part, str):
-            yield (*path, str(key)), part
-        else:
-            yield from _texts(part, (*path, str(key)))

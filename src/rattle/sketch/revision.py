@@ -7,6 +7,7 @@ An act is checked by drawing the new text: where bodies would stand elsewhere th
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -14,18 +15,17 @@ from rattle.description.changes import Change, Path, copied
 from rattle.errors import InputError
 from rattle.language.expression import value
 from rattle.language.syntax import parse
-from rattle.language.units import parse_quantity
 from rattle.mechanism import Mechanism
 from rattle.sketch.drawn import Drawn, Place, Spot, drawn, drawn_mechanism, reached
 from rattle.sketch.expressions import shifted, turned
-from rattle.sketch.model_text import renamed, revised
-from rattle.sketch.numbers import degrees, in_unit_of, length
+from rattle.sketch.model_text import renamed, revised, texts_of
+from rattle.sketch.numbers import degrees, in_unit_of, length, number_of
 
 NAMES = ("bodies", "joints", "drivers", "signals", "states", "loads")  # they share their names
 MISSED = 1e-9  # share of the size by which a body may stand elsewhere than drawn
 SAME = 1e-12  # change of a coordinate below which a driver starts as before [m, rad]
+MOST_USES = 4  # entries that are named where a parameter changes
 SAME_LENGTH = 1e-12  # share of the size by which two values of a parameter are one
-LEAST = 1e-9  # share of the size below which two spots are one
 
 
 class Drawing(NamedTuple):
@@ -157,16 +157,13 @@ class Revision:
 
     def number(self, written: object) -> float:
         """The number that an entry says [SI]."""
-        if isinstance(written, int | float):
-            return float(written)
-        quantity = _quantity(str(written))
-        if quantity is not None:
-            return quantity
+        if (plain := number_of(written)) is not None:
+            return plain
         known = {name: parameter.value for name, parameter in self.sketch.model.parameters.items()}
         for name, entry in self.document.get("parameters", {}).items():  # those that this act has changed
             now = entry.get("value") if isinstance(entry, Mapping) else entry
-            if isinstance(now, int | float) or (isinstance(now, str) and _quantity(now) is not None):
-                known[name] = self.number(now)
+            if (plain := number_of(now)) is not None:
+                known[name] = plain
         return value(parse(str(written)), known)
 
     def set_length(self, path: Path, value: float, what: str) -> None:
@@ -177,7 +174,7 @@ class Revision:
         written: Any = self.document
         for key in path:
             written = written[int(key)] if isinstance(written, list) else written.get(key)
-        if isinstance(written, str) and _quantity(written) is None:
+        if isinstance(written, str) and number_of(written) is None:
             self._set_parameter(written, value, what)
             return
         self.enter(path, in_unit_of(written, value, self.sketch.size))
@@ -188,16 +185,22 @@ class Revision:
             raise InputError(f"{what} is {written}: type a number to replace it")
         path = parameter_path(parameters, name)
         old = _at_path(self.document, path)
-        if isinstance(old, str) and _quantity(old) is None:
+        if isinstance(old, str) and number_of(old) is None:
             self._set_parameter(old, value, f"{what}, {name},")
             return
         if abs(self.parameters.setdefault(name, value) - value) > SAME_LENGTH * max(abs(value), self.sketch.size):
             raise InputError(f"{what} is {name}, which would have to be two lengths: type a number to replace it")
         new = in_unit_of(old, value, self.sketch.size)
         self.enter(path, new)
-        self.words.append(
-            f"parameter {name} is {new}{' m' if not isinstance(new, str) else ''} now, wherever it is used"
-        )
+        unit = "" if isinstance(new, str) else " m"
+        self.words.append(f"parameter {name} is {new}{unit} now{self.uses(name)}")
+
+    def uses(self, parameter: str) -> str:
+        """Where else a parameter is used, in words."""
+        sign = re.compile(rf"(?<![\w.]){re.escape(parameter)}(?!\w)")
+        paths = [".".join(path) for path, text in texts_of(self.document) if sign.search(text)]
+        more = f" and {len(paths) - MOST_USES} more" if len(paths) > MOST_USES else ""
+        return f", in {', '.join(paths[:MOST_USES])}{more}" if len(paths) > 1 else ""
 
     # ------------------------------------------------------------ the new text
     def finish(self, words: str = "", chosen: str = "", field: str = "", near: bool = False) -> Drawing:
@@ -384,12 +387,6 @@ def _at_path(document: Mapping[str, Any], path: Path) -> Any:
 def _at(place: Place, spot: Spot) -> Spot:
     c, s = math.cos(place[2]), math.sin(place[2])
     return place[0] + c * spot[0] - s * spot[1], place[1] + s * spot[0] + c * spot[1]
-
-
-def _quantity(text: str) -> float | None:
-    """The number that a quantity says [SI]; None for an expression.  Raises InputError for a unit that is not known."""
-    quantity = parse_quantity(text)
-    return None if quantity is None else quantity[0]
 
 
 def _signs() -> Iterable[str]:

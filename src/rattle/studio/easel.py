@@ -22,7 +22,7 @@ from rattle.sketch.drawn import Drawn, Spot, drawn
 from rattle.sketch.measuring import message_of, readings
 from rattle.sketch.model_text import revised
 from rattle.sketch.numbers import length
-from rattle.sketch.picture import picture_of
+from rattle.sketch.picture import picture_of, underlay_of
 from rattle.sketch.pull import Pull, Pulled
 from rattle.studio.folder import Folder
 
@@ -88,6 +88,7 @@ class Easel:
         force: it pulls with a force while the motors hold, so that play alone lets the body follow.
         Raises InputError, ModelError, AssemblyError.
         """
+        self._pull = None  # of another text, perhaps
         sketch = self.drawing(text, file)
         m = sketch.mechanism
         now = dict(sketch.places) | {name: _place(place) for name, place in (places or {}).items()}
@@ -141,18 +142,16 @@ class Easel:
 
     def _scale_picture(self, text: str, message: Mapping[str, Any]) -> tuple[str, str]:
         """Let two points of the picture be at a distance; the first one stays."""
-        picture = model_file.parse(text).get("picture")
+        picture = underlay_of(model_file.parse(text))
         quantity = parse_quantity(str(message.get("text")))
-        if not isinstance(picture, dict):
+        if picture is None:
             raise InputError("there is no picture below the drawing")
         if quantity is None or not quantity[0] > 0.0 or quantity[1] not in (None, dimension_of("m")):
             raise InputError(f"'{message.get('text')}' is not a distance: type a length such as 0.5 m or 120 mm")
         (px, py), (qx, qy) = message["from"], message["to"]
-        between = math.hypot(qx - px, qy - py)
-        if not between > 0.0:
-            raise InputError("both clicks are at one place: click two points of the picture that are apart")
-        factor = quantity[0] / between
-        ox, oy = picture.get("origin", (0.0, 0.0))
+        if not (apart := math.hypot(qx - px, qy - py)) > 0.0:
+            raise InputError("the two points are one: click two points of the picture that are apart")
+        factor, (ox, oy) = quantity[0] / apart, picture["origin"]
         value = {
             **picture,
             "scale": length(picture["scale"] * factor),

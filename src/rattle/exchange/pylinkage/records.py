@@ -16,6 +16,7 @@ OLDER = ("Static", "Crank", "Revolute", "Fixed", "Prismatic", "Pivot", "Linear")
 TURN = math.tau / 360  # [rad] per step, of a driver that does not say
 HALF_TURN = 3.14159  # [rad] at which an arc ends that does not say: the program's own number
 MOST = 2000  # joints, links
+MOST_ENDS = 5000  # joints of all links together
 Spot = tuple[float, float]
 
 
@@ -89,11 +90,15 @@ class _Reader:
                 raise self.refused(("joints", n, "id"), f"two joints have the id {quoted(joint.id)}")
             joints[joint.id] = joint
         links: dict[str, Bar] = {}
+        ends = 0
         for n, entry in enumerate(self.entries("links")):
             link = self.link(entry, ("links", n), joints)
             if link.id in links:
                 raise self.refused(("links", n, "id"), f"two links have the id {quoted(link.id)}")
             links[link.id] = link
+            ends += len(link.joints)
+            if ends > MOST_ENDS:
+                raise self.refused(("links", n), f"more than {MOST_ENDS} joints in all links together")
         self.require_known(joints, links.values())
         still = {joint.id for joint in joints.values() if joint.kind == "ground"}
         still |= {joint for link in links.values() if link.kind == "ground" for joint in link.joints}

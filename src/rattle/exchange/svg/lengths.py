@@ -10,9 +10,10 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*(mm|cm|in|pt|pc|px|Q|m|)\s*")
-_TRANSFORM = re.compile(r"\s*,?\s*([A-Za-z]+)\s*\(([^()]*)\)")
+NUMBER = re.compile(r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?")
+_LENGTH = re.compile(rf"\s*+({NUMBER.pattern})\s*+(mm|cm|in|pt|pc|px|Q|m|)\s*+")
+_TRANSFORM = re.compile(r"\s*+,?\s*+([A-Za-z]++)\s*+\(([^()]*+)\)")
+LONGEST = 2000  # signs of a length, or of a list of transforms
 PIXEL = 0.0254 / 96  # [m]
 UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "px": PIXEL, "Q": 2.5e-4, "m": 1.0}
 LARGEST = 1e12  # a number of a drawing
@@ -28,7 +29,7 @@ def numbers_of(text: str) -> list[float] | None:
 
 def length_of(text: str) -> tuple[float, str] | None:
     """A number and its unit, "" without one; None for what is neither, such as a share."""
-    match = _LENGTH.fullmatch(text)
+    match = _LENGTH.fullmatch(text) if len(text) <= LONGEST else None
     return (float(match[1]), match[2]) if match and abs(float(match[1])) < LARGEST else None
 
 
@@ -74,6 +75,8 @@ class Matrix(NamedTuple):
 
 def transform_of(text: str) -> Matrix | None:
     """A list of transforms; None if it is none."""
+    if len(text) > LONGEST:
+        return None
     matrix, end = Matrix(), 0
     for match in _TRANSFORM.finditer(text):
         numbers = numbers_of(match[2])

@@ -17,9 +17,9 @@ export class MechanismView {
     this.own = null; // the view that a user chose: {scale, x, y}, or null where everything is shown
   }
 
-  // motion: what is shown; ghosts: [{motion, name}] with it, the ideal mechanism first.
-  setMotion(motion, scene, ghosts) {
-    this.stage = new Stage(motion, scene);
+  // motion: what is shown; ghosts: [{motion, name}] with it, the ideal mechanism first; size: see Stage.
+  setMotion(motion, scene, ghosts, size = null) {
+    this.stage = new Stage(motion, scene, size);
     this.units = scene.units;
     const { stage } = this;
     this.layers = Object.fromEntries(["drawn", "arrows", "pins", "names"].map((name) => [name, played(stage, stage.drawing[name])]));

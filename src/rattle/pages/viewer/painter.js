@@ -100,7 +100,7 @@ export class Painter {
     this.context.fillRect(this.X(x) - half, this.Y(y) - half, 2 * half, 2 * half);
   }
 
-  // Text beside a point, on a little paper so that lines do not cross it; offsets in pixels.
+  // Text beside a point, on a little paper so that lines do not cross it; offsets in pixels.  Returns the box of the paper: [left, top, width, height].
   tag(text, [x, y], { dx = 10, dy = -10, colour = this.theme.ink, size = 12, bold = false } = {}) {
     const { context } = this;
     context.font = `${bold ? 600 : 400} ${size}px ${FONT}`;
@@ -108,12 +108,14 @@ export class Painter {
     const left = this.X(x) + (room < width ? -dx - width : dx), base = this.Y(y) + dy;
     context.globalAlpha = 0.85;
     context.fillStyle = this.theme.paper;
-    context.fillRect(left - 2, base - size + 1, width + 4, size + 3);
+    const box = [left - 2, base - size + 1, width + 4, size + 3];
+    context.fillRect(...box);
     context.globalAlpha = 1;
     context.fillStyle = colour;
     context.textAlign = "left";
     context.textBaseline = "alphabetic";
     context.fillText(text, left, base);
+    return box;
   }
 
   // A line of the ground, hatched on its right hand; stroke: length of a hatch in pixels.

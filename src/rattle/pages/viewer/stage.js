@@ -7,7 +7,8 @@ import { Values } from "./values.js";
 const MOST_POSES = 400; // of those that tell how far things reach
 
 export class Stage {
-  constructor(motion, scene) {
+  // size: how large things are drawn [m], where that shall not follow from how far this motion reaches.
+  constructor(motion, scene, size = null) {
     this.motion = motion;
     this.geometry = motion.geometry;
     this.bodies = this.geometry.bodies;
@@ -21,7 +22,7 @@ export class Stage {
     this.values = new Values(this.drawing.numbers, this);
     for (let round = 0; round < 2; round++) {
       [this.low, this.high] = this.extent();
-      this.size = Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1;
+      this.size = size ?? (Math.max(this.high[0] - this.low[0], this.high[1] - this.low[1]) || 1);
       this.values.renew();
     }
   }

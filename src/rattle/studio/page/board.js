@@ -6,8 +6,9 @@ import { FONT, MechanismView, Motion, Painter, plain, sized, themeOf } from "./v
 
 const WIDE = 0.6; // of an empty sheet [m]
 const COARSEST = 0.01; // snap of an empty sheet [m]
-const LEAST = 8, MOST = 20; // pixels of a snap
+const MOST = 20; // pixels of a snap, which then has 8 at least
 const MARGIN = 0.15; // of a fitted drawing
+const STEADY = 1.6; // a drawing that is no more than so many times larger or smaller keeps the width of its bars
 
 export class Board {
   constructor() {
@@ -19,6 +20,7 @@ export class Board {
     this.still = new MechanismView(this.canvas);
     this.moving = new MechanismView(this.canvas);
     this.view = null; // {scale, x, y}
+    this.begins = true; // the next drawing is of another model: it is shown as a whole
     this.drawing = null; // what the studio told last
     this.marks = []; // drawn in front: functions of a painter
     this.photo = null;
@@ -35,9 +37,9 @@ export class Board {
   get width() { return this.el.clientWidth; }
   get height() { return this.el.clientHeight; }
 
-  // The sheet keeps its upper left corner, unless something would be outside of it then.
+  // The sheet keeps its upper left corner, unless something that was seen would be outside of it then.
   resized() {
-    if (this.view && this.drawing && this.isOutside()) this.fit();
+    if (this.view && this.drawing && [...this.outside()].some((name) => !this.away?.has(name))) this.fit();
     this.invalidate();
   }
 
@@ -48,9 +50,20 @@ export class Board {
     this.pulled = null;
     this.theme = themeOf(this.dark, drawing.scene?.colours ?? {});
     this.motion = drawing.scene ? new Motion(drawing.scene.runs[0], drawing.scene) : null;
-    if (this.motion) this.still.setMotion(this.motion, drawing.scene, []);
-    if (!this.view || this.isOutside()) this.fit();
+    if (this.motion) this.drawAsBefore(this.motion, drawing.scene);
+    const away = this.view && this.outside();
+    if (!this.view || this.begins || [...away].some((name) => !this.away?.has(name))) this.fit();
+    else this.away = away;
+    this.begins = false;
     this.invalidate();
+  }
+
+  // Bars keep their width from act to act, and in the motion that runs.
+  drawAsBefore(motion, scene) {
+    this.still.setMotion(motion, scene, []);
+    const { stage } = this.still, size = Math.max(stage.high[0] - stage.low[0], stage.high[1] - stage.low[1]) || 1;
+    if (!(size < STEADY * this.size && size > this.size / STEADY)) this.size = size;
+    this.still.setMotion(motion, scene, [], this.size);
   }
 
   // Bodies stand elsewhere while they are pulled by hand: {body: [x, y, angle]}, or null.
@@ -79,7 +92,7 @@ export class Board {
 
   // The motion runs on the sheet, or null where the drawing is shown: {motion, scene, time}.
   run(running) {
-    if (running && running.motion !== this.running?.motion) this.moving.setMotion(running.motion, running.scene, []);
+    if (running && running.motion !== this.running?.motion) this.moving.setMotion(running.motion, running.scene, [], this.size);
     this.running = running;
     this.invalidate();
   }
@@ -88,21 +101,27 @@ export class Board {
   get snap() { return this.own ?? this.snapOf(); }
   set snap(value) { this.own = value > 0 ? value : null; this.invalidate(); }
 
-  // 1, 2 or 5 times a power of ten, of 8 to 20 pixels.
+  // 1, 2 or 5 times a power of ten, of 8 to 20 pixels; on the sheet that was empty no coarser than a centimetre.
   snapOf() {
     if (!this.view) return COARSEST;
-    const least = LEAST / this.view.scale, power = 10 ** Math.floor(Math.log10(least));
-    const snap = [1, 2, 5, 10].map((k) => k * power).find((one) => one >= least * (1 - 1e-9));
-    const tidy = Number(snap.toPrecision(1));
-    return this.drawing?.scene || tidy < COARSEST ? tidy : COARSEST;
+    const most = MOST / this.view.scale * (1 + 1e-9), power = 10 ** Math.floor(Math.log10(most));
+    const snap = Number((power * [5, 2, 1].find((k) => k * power <= most)).toPrecision(1));
+    return this.unmoved ? Math.min(snap, COARSEST) : snap;
   }
 
-  isOutside() {
-    const points = Object.values(this.drawing.points);
-    return points.some((at) => {
+  // Names of the points that the sheet does not show.
+  outside() {
+    if (!(this.width > 0)) return new Set();
+    return new Set(Object.entries(this.drawing.points).filter(([, at]) => {
       const [x, y] = this.onCanvas(at);
       return x < 0 || y < 0 || x > this.width || y > this.height;
-    }) && this.width > 0;
+    }).map(([name]) => name));
+  }
+
+  // The user has moved the sheet: what is outside now is meant to be.
+  moved() {
+    this.away = this.drawing ? this.outside() : new Set();
+    this.invalidate();
   }
 
   fit() {
@@ -110,9 +129,13 @@ export class Board {
     if (!(this.width > 0)) { this.view = null; return; }
     if (!this.drawing?.scene) {
       this.view = { scale: this.width / WIDE, x: this.width / 2, y: this.height / 2 };
-      if (!points.length || !this.isOutside()) { this.invalidate(); return; }
+      this.unmoved = true;
+      if (!points.length || !this.outside().size) { this.away = new Set(); this.invalidate(); return; }
     }
-    const low = [0, 1].map((k) => Math.min(...points.map((at) => at[k]))), high = [0, 1].map((k) => Math.max(...points.map((at) => at[k])));
+    this.away = new Set();
+    this.unmoved = false;
+    const reach = this.running ? [this.moving.stage.low, this.moving.stage.high] : []; // of the motion that runs
+    const [low, high] = [Math.min, Math.max].map((extreme) => [0, 1].map((k) => extreme(...[...points, ...reach].map((at) => at[k]))));
     const spans = [0, 1].map((k) => high[k] - low[k]), size = Math.max(...spans) || WIDE / 4;
     const room = [this.width, this.height].map((one) => one * (1 - 2 * MARGIN));
     const scale = Math.min(...[0, 1].map((k) => room[k] / Math.max(spans[k], 0.2 * size)));
@@ -123,12 +146,13 @@ export class Board {
   zoom(x, y, factor) {
     const scale = Math.max(1e-2, Math.min(1e8, this.view.scale * factor)), f = scale / this.view.scale;
     this.view = { scale, x: x + (this.view.x - x) * f, y: y + (this.view.y - y) * f };
-    this.invalidate();
+    this.unmoved &&= f === 1;
+    this.moved();
   }
 
   pan(dx, dy) {
     this.view = { ...this.view, x: this.view.x + dx, y: this.view.y + dy };
-    this.invalidate();
+    this.moved();
   }
 
   // From metres to pixels of the canvas, and back; `toScreen` in pixels of the page.
@@ -187,8 +211,8 @@ export class Board {
       const left = Math.ceil(-view.x / step), top = Math.ceil(-view.y / step);
       for (let k = left; k * step + view.x <= width; k++) {
         for (let n = top; n * step + view.y <= height; n++) {
-          const strong = k % 10 === 0 && n % 10 === 0 ? 1.6 : k % 10 === 0 || n % 10 === 0 ? 1.1 : 0.7;
-          context.fillStyle = strong > 0.7 ? theme.grey : theme.lines;
+          const strong = k % 10 === 0 && n % 10 === 0 ? 1.8 : k % 10 === 0 || n % 10 === 0 ? 1.2 : 1;
+          context.fillStyle = strong > 1 ? theme.grey : theme.lines;
           context.fillRect(k * step + view.x - strong / 2, n * step + view.y - strong / 2, strong, strong);
         }
       }

@@ -1,6 +1,7 @@
 // What stands in front of the page: files, examples, questions, keys, the model as Python, and first hints.
 
 import { h, kept, replace } from "./dom.js";
+import { TOOLS } from "./telling.js";
 
 export const KEYS = [
   ["Space", "play or pause the motion"],
@@ -9,6 +10,7 @@ export const KEYS = [
   ["K", "to the first knob"],
   ["T", "to the model text; Escape leaves it"],
   ["Ctrl Space", "what may stand at the caret of the text; arrows, then Enter or Tab"],
+  ["E", "draw on the Motion tab, or end it"],
   ["G", "gallery of examples"],
   ["D", "light, dark, or as the system"],
   ["Ctrl O", "open a model file"],
@@ -16,6 +18,18 @@ export const KEYS = [
   ["Ctrl Z, Ctrl Y", "undo and redo, whatever changed the model"],
   ["Escape", "close what is in front"],
   ["?", "this list"],
+];
+
+export const DRAWING_KEYS = [
+  [TOOLS.map(([, key]) => key).join(", "), `tools: ${TOOLS.map(([name]) => name.toLowerCase()).join(", ")}`],
+  ["← → ↑ ↓", "move the chosen point by a step of the grid, with Shift by ten; with another tool, or nothing chosen, a cross hair"],
+  ["Enter", "press and let go where the cross hair is"],
+  ["Tab", "to the next point, joint, body or load, which is read out"],
+  ["0 … 9", "into the main field of what is chosen: Length, Play, Speed; Enter writes, Escape leaves"],
+  ["Delete", "remove what is chosen, with all that hangs on it"],
+  ["Escape", "end what was begun; then back to Select; then choose nothing"],
+  ["Alt", "held: nothing is caught and nothing put on the grid"],
+  ["0", "show everything, while nothing is chosen"],
 ];
 
 export class Dialogs {
@@ -85,8 +99,9 @@ export class Dialogs {
   }
 
   keys() {
-    const rows = KEYS.map(([key, what]) => h("tr", {}, h("td", {}, key.split(", ").map((one) => h("kbd", {}, one))), h("td", {}, what)));
-    this.front("Keys", [h("table", { class: "keys" }, rows),
+    const rows = (keys) => keys.map(([key, what]) => h("tr", {}, h("td", {}, key.split(", ").map((one) => h("kbd", {}, one))), h("td", {}, what)));
+    this.front("Keys", [h("div", { class: "all-keys" }, h("table", { class: "keys" }, rows(KEYS)),
+      h("table", { class: "keys" }, h("caption", {}, "While drawing"), rows(DRAWING_KEYS))),
       h("div", { class: "buttons" }, h("button", { onclick: () => { this.close(); kept("hints", ""); this.onhints?.(); } }, "Show the first hints again"))]);
   }
 
@@ -124,7 +139,7 @@ export function hints(above) {
   if (kept("hints") === "seen" || above.previousElementSibling?.matches(".hints")) return;
   const done = () => { kept("hints", "seen"); card.remove(); dispatchEvent(new Event("resize")); };
   const card = h("section", { class: "hints", "aria-label": "First hints" },
-    h("p", {}, h("b", {}, "Turn a knob"), ": the mechanism and its curves follow. ", h("b", {}, "Each tab"), " is computed when it is opened. ",
+    h("p", {}, h("b", {}, "Turn a knob"), ": the mechanism and its curves follow. ", h("b", {}, "Edit"), ": draw and change it by hand. ", h("b", {}, "Each tab"), " is computed when it is opened. ",
       h("b", {}, "The last line"), " says how far the result can be trusted."),
     h("button", { class: "quiet", onclick: done }, "Got it"));
   above.before(card);

@@ -2,21 +2,13 @@
 // the model text, which the studio makes; the sheet shows the text as it then is.
 
 import { Board, lengthText } from "./board.js";
+import { Chosen, FIELDS_FIRST } from "./chosen.js";
 import { h, icon, replace } from "./dom.js";
 import { Hand } from "./hand.js";
 import { Panel } from "./panel.js";
+import { TOOLS, headingOf, nextOf, titleOf, toolWords } from "./telling.js";
 import { Underlay } from "./underlay.js";
 
-const TOOLS = [
-  ["Select", "V", "choose, drag points, turn the mechanism by a body"], ["Ground", "O", "click: a point of the ground"],
-  ["Bar", "B", "drag from point to point"], ["Plate", "P", "click corners, the first one again to close"],
-  ["Pin", "J", "click where two bodies cross, or on a joint for its play"], ["Slider", "L", "click an end, drag for a direction"],
-  ["Slot", "U", "drag along a bar, then click the point that slides"], ["Gear", "W", "click two centres"],
-  ["Motor", "M", "click a pin on the ground, or a slider"], ["Spring", "S", "drag from point to point"],
-  ["Force", "F", "drag from a point: 1 N per step of the grid"], ["Measure", "R", "click a point for its path, a bar for its centrodes, two points, three for an angle"],
-  ["Picture", "I", "a photograph below the drawing, scaled by two points"],
-];
-const FIELDS_FIRST = ["Length", "Play", "Speed", "X", "Force", "Stiffness"]; // into which digits go
 const MOST_LINES = 24; // paths and centrodes on the sheet at once
 const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
@@ -29,7 +21,7 @@ export class Edit {
     this.panel = new Panel({
       write: (chosen, field, value) => (chosen === "picture" ? this.typedBeside(chosen, value) : this.act({ act: "type", chosen, field, text: value })),
       left: () => this.board.above.focus(),
-      start: () => this.act({ act: "start", places: this.turned }),
+      start: () => { if (this.turned) this.act({ act: "start", places: this.turned }); },
       remove: () => this.remove(),
     });
     this.underlay = new Underlay(this);
@@ -37,14 +29,16 @@ export class Edit {
       title: `${name} (${key}): ${what}`, onclick: () => this.take(name) }, icon(name), h("span", { "aria-hidden": "true" }, name))]));
     this.fit = h("button", { "aria-label": "Show all", title: "Show everything (0)", onclick: () => this.board.fit() }, icon("fit"), h("span", { "aria-hidden": "true" }, "All"));
     this.status = h("span", { class: "freedoms", role: "status" });
+    this.follow = h("span", { class: "next", role: "status" });
     this.word = h("span", { class: "word", role: "status" });
+    this.fails = h("span", { class: "fails", role: "status" });
     this.alert = h("span", { class: "refused", role: "alert", hidden: true });
     const help = h("p", { id: "edit-help", class: "unseen" }, "Arrow keys move a cross hair, Enter draws with the tool. Tab goes through points, joints and bodies; arrows then move the chosen point, Delete removes it.");
     this.el = h("div", { class: "edit", hidden: true },
       h("div", { class: "edit-tools", role: "toolbar", "aria-label": "Tools" }, [...this.buttons.values()], this.fit, this.underlay.input),
-      h("div", { class: "edit-sheet" }, this.board.el, this.panel.el),
-      h("div", { class: "edit-foot" }, this.status, this.word, this.alert, help));
-    this.board.marks.unshift((p) => this.drawChosen(p));
+      h("div", { class: "edit-sheet" }, this.board.el, this.panel.el, this.panel.none),
+      h("div", { class: "edit-foot" }, this.status, this.follow, this.word, this.fails, this.alert, help));
+    this.chosen = new Chosen(this);
     addEventListener("keydown", (event) => this.key(event), { capture: true });
     this.api = this.apiOf(text);
   }
@@ -56,7 +50,7 @@ export class Edit {
       get tool() { return edit.tool; },
       get text() { return text(); },
       get selected() { return edit.things[0] ?? null; },
-      get snap() { return board.snap; },
+      get snap() { return edit.drawing ? board.snap : 0; }, // 0 until there is a drawing
       set snap(value) { board.snap = value; },
       get picture() { return edit.underlay.told; },
       toScreen: (at) => board.toScreen(at),
@@ -70,14 +64,17 @@ export class Edit {
     return {
       get tool() { return edit.tool; },
       get turned() { return edit.turned !== null; },
-      get word() { return edit.word.textContent; },
+      get chosen() { return edit.things; },
       act: (message) => this.act(message),
       choose: (things) => this.choose(things),
       focus: (things) => { if (things.length) { this.choose(things); this.panel.focus(FIELDS_FIRST); } },
       say: (words) => this.say(words),
+      point: (words) => this.pointAt(words),
+      labelled: (at) => (edit.tool === "Select" ? edit.chosen.labelled(at) : null),
+      resume: () => this.resume(),
       stop: (tool) => this.stop(tool),
       spots: (tool, spots) => this.spots(tool, spots),
-      grab: (body, at) => this.grab(body, at),
+      grab: (body, at, force) => this.grab(body, at, force),
       pull: (at) => this.pullTo(at),
       release: () => this.release(),
       letGo: () => this.show_still(),
@@ -94,9 +91,14 @@ export class Edit {
       this.take("Select");
       this.board.run(null);
       this.board.above.focus({ preventScroll: true });
-    } else this.choose([]);
+    } else { this.hand.forget(); this.choose([]); }
     this.send({ do: "edit", on });
+    if (on && !this.drawing) this.status.textContent = "The drawing is on its way …";
+    this.waits(on);
   }
+
+  // The drawing is that of an earlier text until the studio has drawn the new one.
+  waits(waits) { this.board.above.setAttribute("aria-busy", String(waits)); }
 
   take(name) {
     this.tool = name;
@@ -108,15 +110,21 @@ export class Edit {
     this.panel.list([]);
     if (name !== "Select") this.choose([]);
     else this.choose(this.things.filter((thing) => thing !== "picture"));
-    this.say(TOOLS.find(([one]) => one === name)[2]);
+    this.say(toolWords(name));
     if (name === "Picture") this.underlay.ask();
   }
 
   // The drawing as the text has it: the motion rests, what was turned by hand goes back.
   show_still() {
-    if (this.board.running) { this.show.rest(); this.board.run(null); }
-    if (this.turned) {
+    if (this.board.running) {
+      this.ran = this.show.playing;
+      this.show.rest();
+      this.board.run(null);
+    }
+    if (this.turned || this.expects || this.pulling) {
       this.turned = null;
+      this.pulling = false;
+      this.expects = false;
       this.board.pull(null);
       this.panel.start.hidden = true;
       this.send({ do: "let-go" });
@@ -126,54 +134,94 @@ export class Edit {
   // ---------------------------------------------------------------- what the studio says
   // message: {drawing, words, chosen, field, number} or {trouble}.
   hear(message) {
+    if (message.number === undefined || message.number === this.count) this.waits(false);
+    this.breaks(Boolean(message.trouble));
     if (message.trouble) {
-      this.broken = true;
-      this.el.classList.add("broken");
       this.status.textContent = message.trouble;
+      this.follow.textContent = "";
       return;
     }
-    this.broken = false;
-    this.el.classList.remove("broken");
+    if (message.act !== "keep" && !same(message.drawing.points, this.drawing?.points)) this.lines = []; // measured on another drawing
+    this.began ??= message.drawing.scene ? "with a model" : "empty";
     this.drawing = message.drawing;
     if (this.turned) { this.turned = null; this.panel.start.hidden = true; }
+    this.expects = false;
     this.board.show(message.drawing);
     this.underlay.show(message.drawing.picture);
     this.status.textContent = message.drawing.status;
+    this.follow.textContent = this.began === "empty" ? nextOf(message.drawing) : "";
     const acted = message.number !== undefined;
+    if (!acted && !this.pulling) this.hand.forget(); // what was begun may be gone
+    this.fail();
     if (acted) {
       this.complain("");
       this.say(message.words);
+      if (message.act === "scale-picture") this.spots("Picture", []);
       if (message.chosen) this.choose(this.fullThings(message.chosen));
       else if (message.words) this.choose(this.things);
       if (!message.changed && message.field) this.panel.focus([message.field]);
-      this.runs = message.act === "motor" && message.changed;
+      this.runs = message.changed && (message.act === "motor" || (message.act === "type" && (this.ran || this.show.playing)));
     } else this.choose(this.things);
+  }
+
+  // While the text has an error there is nothing to draw on: the tools rest.
+  breaks(broken) {
+    if (broken && !this.broken) { this.hand.cancel(); this.show_still(); this.choose([]); this.say(""); this.complain(""); }
+    this.broken = broken;
+    this.el.classList.toggle("broken", broken);
+    for (const button of this.buttons.values()) button.disabled = broken;
+  }
+
+  // Another model is open: it is shown as a whole.
+  fresh() {
+    this.underlay.forget();
+    this.board.begins = true;
+    this.began = this.drawing = null;
+    this.turned = null;
+    this.choose([]);
+    this.fail("");
+  }
+
+  // Why there is no motion, unless the drawing says that already.
+  fail(words = this.failed) {
+    this.failed = words;
+    this.fails.textContent = words && !/cannot move|does not close/.test(this.drawing?.status ?? "") ? `no motion: ${words}` : "";
   }
 
   // A pin is chosen with its joints and its point.
   fullThings(chosen) {
     const [kind, name] = chosen.split(/ (.*)/s), joint = (this.drawing.joints ?? []).find((one) => (kind === "joint" && one.name === name) || (kind === "driver" && one.driver === name));
     if (joint) {
-      const things = this.hand.thingsOf(joint.ends[0]);
-      return [chosen, ...things.filter((one) => one !== chosen)];
+      const things = this.hand.from(this.hand.thingsOf(joint.ends[0]), `joint ${joint.name}`);
+      return [chosen, ...things.filter((thing) => thing !== chosen)];
     }
     return kind === "point" ? this.hand.thingsOf(name) : [chosen];
   }
 
   refuse(words) {
     this.hand.forget();
+    this.waits(false);
     if (this.panel.asked) this.panel.complain(words);
     else this.complain(words);
   }
 
   pulled(message) {
-    if (!this.pulling && !this.turned) return;
+    if (!this.pulling && !this.turned && !this.expects) return;
     this.turned = message.places;
     this.board.pull(message.places);
     this.say(message.words);
   }
 
-  say(words) { if (this.word.textContent !== words) this.word.textContent = words ?? ""; }
+  say(words) {
+    this.last = words ?? "";
+    this.pointAt("");
+  }
+
+  // What the hand is over; then again what was said last.
+  pointAt(words) {
+    const now = words || this.last;
+    if (this.word.textContent !== now) this.word.textContent = now;
+  }
 
   complain(words) {
     this.alert.textContent = words;
@@ -184,15 +232,17 @@ export class Edit {
   act(message) {
     if (this.broken) return;
     this.complain("");
+    this.waits(true);
     this.send({ do: "act", number: ++this.count, snap: this.board.snap, ...message });
   }
 
   choose(things) {
     const known = this.drawing?.fields ?? {};
     this.things = things.filter((thing) => thing in known || thing === "picture");
-    const first = this.things[0] ?? "", extra = this.extraFields();
-    this.panel.show(first ? titleOf(this.things, this.drawing) : this.turned ? "turned by hand" : "", this.things, { ...known, ...extra });
+    const extra = this.extraFields(), title = this.things.length ? titleOf(this.things, this.drawing) : this.turned ? "turned by hand" : "";
+    this.panel.show(title, this.things, { ...known, ...extra }, (thing) => headingOf(thing, this.things, this.drawing));
     if (!this.panel.asked) this.panel.complain("");
+    this.panel.dodge(this.board, this.drawing);
     this.board.invalidate();
   }
 
@@ -202,11 +252,12 @@ export class Edit {
   }
 
   typedBeside(chosen, text) {
-    if (chosen === "picture") this.act({ act: "scale-picture", from: this.underlay.spots[0], to: this.underlay.spots[1], text });
+    if (chosen === "picture" && this.underlay.spots?.length === 2) this.act({ act: "scale-picture", from: this.underlay.spots[0], to: this.underlay.spots[1], text });
   }
 
   remove() {
     const thing = this.things.find((one) => !one.startsWith("point ") || one.startsWith("point ground."));
+    if (!thing && this.things.length) this.say(`${this.things[0]} goes with its body: choose that to delete both`);
     if (thing && thing !== "picture") this.act({ act: "delete", chosen: thing });
     if (thing === "picture") this.act({ act: "no-picture" });
   }
@@ -214,7 +265,7 @@ export class Edit {
   // ---------------------------------------------------------------- measuring, a picture below
   spots(tool, spots) {
     if (tool === "Picture") {
-      if (spots.length > 2) { this.hand.act = null; this.underlay.spots = null; this.choose([]); return; }
+      if (spots.length > 2 || !spots.length) { this.hand.forget(); this.underlay.spots = null; this.choose([]); return; }
       this.underlay.spots = spots.map((one) => one.at);
       this.say(spots.length < 2 ? "click a second point of known distance" : "type the distance of the two points");
       if (spots.length === 2) { this.choose(["picture"]); this.panel.focus(["Distance"]); }
@@ -239,20 +290,28 @@ export class Edit {
   // A press while the motion runs: a body is grabbed where it is, any other tool stops it.
   stop(tool) {
     if (!this.board.running) return false;
-    this.wasRunning = this.show.playing;
+    this.wasRunning = tool === "Select" && this.show.playing;
     this.show.pause();
     if (tool !== "Select") this.show_still();
     return true;
   }
 
-  grab(body, at) {
+  // Nothing was grabbed: the motion that was stopped goes on.
+  resume() {
+    if (this.wasRunning && !this.pulling) this.show.play();
+    this.wasRunning = false;
+  }
+
+  // force: it is pulled with a force while the motors hold, and only play lets it follow.
+  grab(body, at, force = false) {
     const places = this.board.running ? Object.fromEntries(Object.entries(this.board.running.motion.pose(this.board.running.time))
       .filter(([name]) => name !== "ground").map(([name, place]) => [name, [place.x, place.y, place.angle]])) : this.turned;
     this.grabbedFrom = this.board.running;
     if (this.board.running) this.board.run(null);
     if (places) { this.turned = places; this.board.pull(places); }
     this.pulling = true;
-    this.send({ do: "grab", body, at, places });
+    this.forced = force;
+    this.send({ do: "grab", body, at, places, force });
   }
 
   pullTo(at) {
@@ -267,11 +326,13 @@ export class Edit {
 
   release() {
     this.pulling = false;
-    if (this.grabbedFrom && this.wasRunning) { this.show_still(); this.show.play(); }
+    if (this.asking) this.send({ do: "pull", at: this.wanted }); // an answer may come after the hand has let go
+    this.expects = true;
+    if (this.grabbedFrom && this.wasRunning) { this.show_still(); this.say(""); this.show.play(); }
     else {
-      this.panel.start.hidden = false;
+      this.panel.start.hidden = this.forced;
       this.choose(this.things);
-      this.say("turned by hand; Start here begins the motion so, Escape takes it back");
+      if (!this.forced) this.say("turned by hand; Start here begins the motion so, Escape takes it back");
     }
     this.wasRunning = false;
   }
@@ -286,7 +347,7 @@ export class Edit {
   // ---------------------------------------------------------------- keyboard
   key(event) {
     const target = event.composedPath()[0], writes = target.matches?.("input:not([type=range]), textarea, select");
-    if (!this.on || !this.show.seen || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!this.on || this.broken || !this.show.seen || event.ctrlKey || event.metaKey || event.altKey) return;
     if (writes || document.querySelector("dialog[open]")) return;
     if (this.plainKey(event, target)) {
       event.preventDefault();
@@ -297,9 +358,9 @@ export class Edit {
   plainKey(event, target) {
     const { key } = event, onSheet = target === this.board.above || target === document.body;
     if (key === "Escape") return this.escape();
-    if (/^[0-9.]$/.test(key) && this.things.length && this.panel.focus(FIELDS_FIRST, key)) return true;
+    if (/^[-0-9.]$/.test(key) && onSheet && this.things.length && this.panel.focus(FIELDS_FIRST, key)) return true;
     if (key === "0") { this.board.fit(); return true; }
-    if ((key === "Delete" || key === "Backspace") && this.things.length) { this.remove(); return true; }
+    if ((key === "Delete" || key === "Backspace") && onSheet && this.things.length) { this.remove(); return true; }
     if (key in STEPS && onSheet) return this.arrow(STEPS[key], event.shiftKey ? 10 : 1);
     if (key === "Enter" && onSheet) return this.hand.enter();
     if (key === "Tab" && target === this.board.above) return this.next(event.shiftKey ? -1 : 1);
@@ -310,7 +371,7 @@ export class Edit {
 
   escape() {
     if (this.hand.cancel()) { this.say(""); return true; }
-    if (this.turned || this.board.running) { this.show_still(); this.choose(this.things); return true; }
+    if (this.turned || this.expects || this.board.running) { this.show_still(); this.choose(this.things); return true; }
     if (this.tool !== "Select") { this.take("Select"); return true; }
     this.complain("");
     this.choose([]);
@@ -319,7 +380,7 @@ export class Edit {
 
   arrow([dx, dy], times) {
     const point = this.things.find((one) => one.startsWith("point "));
-    if (point && !this.hand.act) this.act({ act: "nudge", point: point.slice(6), by: [dx, dy].map((k) => k * times * this.board.snap) });
+    if (point && this.tool === "Select" && !this.hand.act) this.act({ act: "nudge", point: point.slice(6), by: [dx, dy].map((k) => k * times * this.board.snap) });
     else this.hand.step(dx * times, dy * times);
     return true;
   }
@@ -333,58 +394,7 @@ export class Edit {
     this.say(titleOf(this.things, this.drawing));
     return true;
   }
-
-  // ---------------------------------------------------------------- what is chosen, and what is open
-  drawChosen(p) {
-    const { board, drawing } = this, { theme } = board;
-    this.lines.forEach((line, k) => p.line(line.map((at) => (at[0] === null ? null : at)), { colour: theme.curve(k), width: 2 }));
-    if (!drawing || board.running) return;
-    for (const thing of this.things) {
-      const [kind, name] = thing.split(/ (.*)/s);
-      if (kind === "body") this.outlineOf(p, name);
-      if (kind === "point" && board.position(name)) p.dot(board.position(name), 11, { colour: theme.sky, width: 3, fill: null });
-    }
-    for (const name of Object.keys(drawing.points)) {
-      if (name.startsWith("ground.")) p.dot(drawing.points[name], 3.5, { colour: theme.black, fill: theme.paper, width: 1.6 });
-    }
-    for (const { apart, ends } of drawing.joints) {
-      if (!(apart > 0)) continue;
-      const [a, b] = ends.map((end) => board.position(end));
-      p.line([a, b], { colour: theme.red, width: 2.5, dash: [4, 4] });
-      for (const at of [a, b]) p.dot(at, 7, { colour: theme.red, width: 2.5, fill: null });
-    }
-    if (this.tool === "Select") this.label(p);
-  }
-
-  outlineOf(p, body) {
-    const { board } = this, ends = this.drawing.bars[body], place = board.placeOf(body), form = board.geometry.bodies[body];
-    const soft = { colour: board.theme.sky, width: 9, opacity: 0.45 };
-    if (ends) p.line(ends.map((end) => board.position(end)), soft);
-    else if (form?.outline && place) p.line(form.outline[0].map(([x, y]) => [place.x + place.cos * x - place.sin * y, place.y + place.sin * x + place.cos * y]), { ...soft, width: 4, closed: true });
-    else for (const point of Object.keys(form?.points ?? {})) p.dot(board.position(`${body}.${point}`), 14, { colour: board.theme.sky, width: 3, fill: null });
-  }
-
-  // The main value of what is chosen, beside it.
-  label(p) {
-    const thing = this.things[0], [kind, name] = (thing ?? "").split(/ (.*)/s), field = (this.drawing.fields[thing] ?? []).find((one) => FIELDS_FIRST.includes(one.name) && one.text);
-    if (!field || kind === "point") return;
-    const ends = kind === "body" ? this.drawing.bars[name] : this.drawing.joints.find((one) => one.name === name || one.driver === name)?.ends ?? this.drawing.loads[name];
-    const spots = (ends ?? []).map((end) => this.board.position(end)).filter(Boolean);
-    if (spots.length) p.tag(`${field.name === "Length" ? "" : `${field.name.toLowerCase()} `}${field.text}`, [0, 1].map((k) => spots.reduce((sum, at) => sum + at[k], 0) / spots.length), { dx: 14, dy: -14, bold: true });
-  }
 }
 
+const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
 const distance = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
-
-// What is chosen, in words: "joint J3, coupler and rocker, play 0.2 mm".
-function titleOf(things, drawing) {
-  const [kind, name] = (things[0] ?? "").split(/ (.*)/s);
-  if (kind === "joint") {
-    const joint = drawing.joints.find((one) => one.name === name), bodies = joint.ends.map((end) => end.split(".")[0]);
-    return `${joint.type === "revolute" ? "pin" : joint.type} ${name}, ${bodies.join(" and ")}${joint.play ? `, play ${joint.play}` : ""}`;
-  }
-  if (kind === "body") return `${drawing.bars[name] ? "bar" : "body"} ${name}`;
-  if (kind === "driver") return `${name} drives ${drawing.joints.find((one) => one.driver === name)?.name ?? "a coordinate"}`;
-  if (kind === "picture") return "picture below the drawing";
-  return things[0] ?? "";
-}

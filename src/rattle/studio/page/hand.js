@@ -3,16 +3,18 @@
 
 import { lengthText } from "./board.js";
 import { Catcher, NEAR } from "./catching.js";
+import { drawGhosts } from "./ghosts.js";
 
 const FAR = 5; // pixels from which on a press is a drag
+const EDGE = 24; // pixels between a cross hair and the edge of the sheet
 const LONG = 550; // a finger that rests so long chooses [ms]
 const LINES = new Set(["Bar", "Spring", "Force", "Slot"]); // from here to there
 
 export class Hand {
-  // told: {act(message), choose(things), say(words), pull(message), stop(), grabbed(), tool}
+  // told: what the hand asks and tells, see Edit.told.
   constructor(board, told) {
     Object.assign(this, { board, told, catcher: new Catcher(board), down: new Map(), act: null, cross: null, over: null });
-    board.marks.push((p) => this.draw(p));
+    board.marks.push((p) => drawGhosts(this, p));
     const el = board.above;
     for (const [name, call] of [["pointerdown", this.press], ["pointermove", this.move], ["pointerup", this.release], ["pointercancel", this.lose], ["pointerleave", this.leave], ["dblclick", this.twice]]) {
       el.addEventListener(name, (event) => call.call(this, event));
@@ -42,7 +44,7 @@ export class Hand {
   // Escape: what was begun ends; false if nothing was.
   cancel() {
     const begun = this.act !== null;
-    if (this.act?.pulls) this.told.letGo();
+    if (this.act?.begun) this.told.letGo();
     this.forget();
     this.cancelled = this.down.size > 0;
     return begun;
@@ -58,9 +60,10 @@ export class Hand {
     this.board.above.focus({ preventScroll: true });
     this.cross = null;
     clearTimeout(this.resting);
-    if (this.down.size === 2) { this.cancel(); this.cancelled = true; return; }
+    if (this.down.size === 2) { this.cancel(); this.cancelled = true; this.told.resume(); return; }
     if (event.button > 0) { this.act = { pans: true }; return; }
     this.cancelled = false;
+    this.shift = event.shiftKey;
     if (event.pointerType === "touch") this.resting = setTimeout(() => this.rest(at), LONG);
     this.begin(at, event.altKey);
     event.preventDefault();
@@ -68,6 +71,7 @@ export class Hand {
 
   move(event) {
     const at = this.place(event), one = this.down.get(event.pointerId);
+    this.shift = event.shiftKey;
     if (!one) { this.hover(at, event.altKey); return; }
     if (this.down.size === 2) { this.pinch(event.pointerId, at); return; }
     const before = one.at;
@@ -85,17 +89,23 @@ export class Hand {
     this.down.delete(event.pointerId);
     clearTimeout(this.resting);
     if (this.down.size || this.cancelled) return;
-    if (this.act?.pans) { if (!one.moved) this.told.choose([]); this.act = null; return; }
-    if (this.act) this.end(at, event.altKey, Boolean(one.moved));
+    if (this.act?.pans) {
+      if (!one.moved && event.button === 0 && !this.act.keeps) this.told.choose([]);
+      this.act = null;
+    } else if (this.act) this.end(at, event.altKey, Boolean(one.moved));
+    this.told.resume();
   }
 
   lose(event) {
     this.down.delete(event.pointerId);
     this.cancel();
+    this.told.resume();
   }
 
   leave() {
+    if (this.down.size) return;
     this.over = null;
+    this.told.point("");
     this.board.invalidate();
   }
 
@@ -117,11 +127,13 @@ export class Hand {
     this.act = null;
     this.cancelled = true;
     this.chooseAt(at);
+    this.told.resume();
   }
 
   twice(event) {
     const at = this.place(event);
-    if (this.told.tool === "Select") this.told.focus(this.thingsAt(at));
+    const things = this.thingsAt(at);
+    if (this.told.tool === "Select") this.told.focus(things.length ? things : this.told.labelled(at) ?? []);
     if (this.told.tool === "Plate" && this.act?.corners) this.closePlate();
   }
 
@@ -134,26 +146,27 @@ export class Hand {
     const { tool } = this.told;
     if (this.told.stop(tool, at) && tool !== "Select") return;
     if (this.act?.waits) { this.drag(at, free, at); return; } // the second click of two
-    if (tool === "Select") { this.begin_select(at); return; }
+    if (tool === "Select") { this.beginSelect(at); return; }
     if (LINES.has(tool)) this.act = { tool, from: this.catcher.catch(at, this.options(free, { lines: true })) };
     else if (this.act?.corners) this.drag(at, free, at);
     else this.act = { tool, to: this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Measure"].includes(tool) })), pressed: at };
-    this.told.say(this.act?.from?.words ? `from ${this.act.from.words}` : "");
+    this.told.point(this.act?.from?.words ? `from ${this.act.from.words}` : "");
     this.board.invalidate();
   }
 
-  begin_select(at) {
+  beginSelect(at) {
     const point = this.catcher.points(at, this.within)[0], body = point ? null : this.catcher.body(at, this.within * 0.75);
-    const held = point?.name.split(".")[0] ?? body;
-    if ((body || (this.told.turned && held && held !== "ground"))) this.act = { tool: "Select", pulls: held, at: this.board.inPlane(at) };
+    const held = point ? this.catcher.joined(point.name).map((name) => name.split(".")[0]).find((name) => name !== "ground") : body;
+    const turns = body || this.told.turned || this.board.running || this.shift; // a point that is dragged otherwise is put elsewhere
+    if (held && turns) this.act = { tool: "Select", pulls: held, force: this.shift, at: this.board.inPlane(at) };
     else if (point) this.act = { tool: "Select", drags: point.name };
-    else this.act = { pans: true };
+    else this.act = { pans: true, keeps: this.told.labelled(at) !== null }; // a label stands for what is chosen
   }
 
   drag(at, free, from) {
     const { act } = this;
     if (act.pulls) {
-      if (!act.begun) this.told.grab(act.pulls, act.at);
+      if (!act.begun) this.told.grab(act.pulls, act.at, act.force);
       act.begun = true;
       this.told.pull(this.board.inPlane(at));
       return;
@@ -162,15 +175,28 @@ export class Hand {
     else if (act.drags) {
       const own = this.catcher.joined(act.drags), bodies = own.map((name) => name.split(".")[0]);
       act.to = this.catcher.catch(at, this.options(free, { lines: true, without: own, bodies }));
-      this.told.say(act.to.point ? `joins ${act.to.words}` : act.to.line ? `joins ${act.to.line}` : "");
+      this.told.point(act.to.point ? `joins ${act.to.words}` : act.to.line ? `joins ${act.to.line}` : "");
     } else if (act.tool === "Slider") {
       act.along = this.direction(act.to.at, this.board.inPlane(at), free);
     } else if (act.from && act.held === undefined) {
       act.to = this.catcher.catch(at, this.options(free, { lines: act.tool !== "Force", without: [act.from.point] }));
+      if (this.shift && !act.to.point) act.to = this.straight(act.from, at);
       const away = Math.hypot(act.to.at[0] - act.from.at[0], act.to.at[1] - act.from.at[1]);
-      this.told.say(`${act.to.words ? `joins ${act.to.words}, ` : ""}${act.tool === "Force" ? `${(away / this.board.snap).toPrecision(3)} N` : lengthText(away)}`);
+      this.told.point(`${act.to.point || act.to.line ? `joins ${act.to.words}, ` : ""}${act.tool === "Force" ? `${(away / this.board.snap).toPrecision(3)} N` : lengthText(away)}`);
     } else act.to = this.catcher.catch(at, this.options(free, { lines: ["Pin", "Slider", "Slot", "Measure"].includes(act.tool) }));
     this.board.invalidate();
+  }
+
+  // With Shift: level, upright, or along or square to a bar that ends where the line began, in whole steps of the grid.
+  straight(from, at) {
+    const { board } = this, to = board.inPlane(at), way = Math.atan2(to[1] - from.at[1], to[0] - from.at[0]);
+    const bars = from.point ? this.catcher.joined(from.point).map((name) => name.split(".")[0]) : [from.line];
+    const slopes = [0, ...bars.filter((body) => board.drawing.bars[body]).map((body) => board.placeOf(body).angle)];
+    const ways = slopes.flatMap((slope) => [0, 1, 2, 3].map((k) => slope + k * Math.PI / 2));
+    const apart = (angle) => Math.abs(Math.atan2(Math.sin(angle - way), Math.cos(angle - way)));
+    const angle = ways.reduce((best, one) => (apart(one) < apart(best) - 1e-9 ? one : best)), { snap } = board;
+    const long = Math.round(Math.hypot(to[0] - from.at[0], to[1] - from.at[1]) * Math.cos(apart(angle)) / snap) * snap;
+    return { at: [from.at[0] + long * Math.cos(angle), from.at[1] + long * Math.sin(angle)], words: "straight" };
   }
 
   // The direction from one place to another, in steps of 15 degrees unless it is free.
@@ -184,7 +210,7 @@ export class Hand {
     if (act && (act.waits || act.corners)) { this.drag(at, free, at); return; }
     const before = JSON.stringify(this.over);
     this.over = tool === "Select" ? this.overThing(at) : this.catcher.catch(at, this.options(free, { lines: ["Bar", "Pin", "Slider", "Slot", "Spring", "Force"].includes(tool) }));
-    if (tool !== "Select" && this.over.words !== this.told.word) this.told.say(this.over.words);
+    this.told.point(tool === "Select" ? this.over?.point ?? this.over?.body ?? "" : this.over.words);
     this.board.above.style.cursor = tool === "Select" ? (this.over ? "grab" : "default") : "crosshair";
     if (JSON.stringify(this.over) !== before) this.board.invalidate();
   }
@@ -210,6 +236,7 @@ export class Hand {
     } else if (act.tool === "Plate") this.corner(act, at, free);
     else if (LINES.has(act.tool)) this.endLine(act, at, free, moved);
     else this.endClick(act);
+    if (!this.act) this.told.point("");
     this.board.invalidate();
   }
 
@@ -291,7 +318,18 @@ export class Hand {
     return null;
   }
 
-  chooseAt(at) { this.told.choose(this.thingsAt(at)); }
+  // A click where something is chosen already chooses the next joint there.
+  chooseAt(at) {
+    const things = this.thingsAt(at), joints = things.filter((thing) => thing.startsWith("joint "));
+    const now = this.told.chosen, again = joints.length > 1 && joints.indexOf(now[0]) >= 0 && things.every((thing) => now.includes(thing));
+    this.told.choose(again ? this.from(things, joints[(joints.indexOf(now[0]) + 1) % joints.length]) : things);
+  }
+
+  // The same things, this joint first.
+  from(things, joint) {
+    const start = things.indexOf(joint), end = things.length - 1; // the point is the last
+    return [...things.slice(start, end), ...things.slice(0, start), things[end]];
+  }
 
   // Everything that can be chosen, for the Tab key.
   everything() {
@@ -299,8 +337,9 @@ export class Hand {
     const seen = new Set(), things = [];
     for (const name of Object.keys(drawing?.points ?? {})) {
       if (seen.has(name)) continue;
-      for (const one of this.catcher.joined(name)) seen.add(one);
-      things.push(this.thingsOf(name));
+      for (const other of this.catcher.joined(name)) seen.add(other);
+      const here = this.thingsOf(name), joints = here.filter((thing) => thing.startsWith("joint "));
+      things.push(...(joints.length ? joints.map((joint) => this.from(here, joint)) : [here]));
     }
     return [...things, ...Object.keys(drawing?.places ?? {}).map((body) => [`body ${body}`]), ...Object.keys(drawing?.loads ?? {}).map((load) => [`load ${load}`])];
   }
@@ -310,58 +349,28 @@ export class Hand {
   step(dx, dy) {
     const { board } = this, at = this.cross ?? board.onGrid(board.inPlane([board.width / 2, board.height / 2]));
     this.cross = board.onGrid([at[0] + dx * board.snap, at[1] + dy * board.snap]);
+    this.reveal(this.cross);
     this.hover(board.onCanvas(this.cross), false);
-    this.told.say(`${this.cross.map((x) => lengthText(x)).join(", ")}${this.over?.words || this.over?.point ? `, ${this.over.words || this.over.point}` : ""}`);
+    this.told.point(`${this.cross.map((x) => lengthText(x)).join(", ")}${this.over?.words || this.over?.point ? `, ${this.over.words || this.over.point}` : ""}`);
     board.invalidate();
+  }
+
+  // The sheet follows a cross hair that leaves it.
+  reveal(place) {
+    const { board } = this, at = board.onCanvas(place), sides = [board.width, board.height];
+    const [dx, dy] = sides.map((side, k) => Math.max(0, EDGE - at[k]) + Math.min(0, side - EDGE - at[k]));
+    if (dx || dy) board.pan(dx, dy);
   }
 
   enter() {
     if (this.act?.corners && !this.cross) { this.closePlate(); return true; }
-    if (!this.cross) return false;
+    if (!this.cross) { this.step(0, 0); return true; }
     const at = this.board.onCanvas(this.cross), first = this.act?.corners?.[0];
     if (first && this.act.corners.length > 2 && Math.hypot(first.at[0] - this.cross[0], first.at[1] - this.cross[1]) < this.board.snap / 2) { this.closePlate(); return true; }
     if (!this.act) this.begin(at, false);
     else this.drag(at, false, at);
     if (this.act) this.end(at, false, false);
     return true;
-  }
-
-  // ---------------------------------------------------------------- ghosts
-  draw(p) {
-    const { act, board } = this, { theme } = board, soft = { colour: theme.sky, width: 2.5 };
-    const ring = (at) => { if (at) p.dot(at, 9, { colour: theme.sky, width: 2.5, fill: null }); };
-    if (this.over?.point || this.over?.line) ring(this.over.at);
-    if (this.over && !this.over.point && !this.over.line && this.over.at && this.told.tool !== "Select") p.dot(this.over.at, 3, { colour: theme.sky, fill: theme.sky });
-    if (this.cross) this.crossHair(p);
-    if (!act) return;
-    if (act.drags && act.to) {
-      for (const name of this.catcher.joined(act.drags)) {
-        for (const [body, ends] of Object.entries(board.drawing.bars)) {
-          if (ends.includes(name)) p.line([board.position(ends.find((end) => end !== name)), act.to.at], { ...soft, dash: [7, 5] });
-        }
-      }
-      p.dot(act.to.at, 6, { colour: theme.sky, fill: theme.paper, width: 2.5 });
-    }
-    if (act.from && act.to) p.line([act.from.at, act.to.at], { ...soft, width: act.tool === "Bar" ? 5 : 2.5, opacity: 0.7, dash: act.tool === "Slot" ? [8, 5] : null });
-    if (act.held === null && this.over) ring(this.over.at);
-    if (act.from) p.dot(act.from.at, 5, { colour: theme.sky, fill: theme.paper, width: 2.5 });
-    if (act.corners) p.line([...act.corners.map((one) => one.at), act.to.at, act.corners[0].at], { ...soft, dash: [7, 5] });
-    for (const spot of act.spots ?? []) p.dot(spot.at, 6, { colour: theme.pink, fill: theme.paper, width: 2.5 });
-    if (act.spots?.length > 1) p.line(act.spots.map((one) => one.at), { colour: theme.pink, width: 1.6, dash: [5, 4] });
-    if (act.along !== undefined) {
-      const [c, s] = [Math.cos(act.along), Math.sin(act.along)], long = p.metres(70), [x, y] = act.to.at;
-      p.line([[x - c * long, y - s * long], [x + c * long, y + s * long]], { ...soft, dash: [8, 5] });
-    }
-    if (act.to?.point || act.to?.line) ring(act.to.at);
-    if (act.from && act.to && act.tool === "Bar") {
-      const middle = [0, 1].map((k) => (act.from.at[k] + act.to.at[k]) / 2);
-      p.tag(lengthText(Math.hypot(act.to.at[0] - act.from.at[0], act.to.at[1] - act.from.at[1])), middle, { dy: -14 });
-    }
-  }
-
-  crossHair(p) {
-    const r = p.metres(14), [x, y] = this.cross;
-    p.line([[x - r, y], [x + r, y], null, [x, y - r], [x, y + r]], { colour: p.theme.ink, width: 1.6 });
   }
 }
 

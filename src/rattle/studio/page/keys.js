@@ -33,7 +33,7 @@ function plainKey(page, key, target) {
   if (/^[0-9]$/.test(key)) return () => page.choose(TABS[(Number(key) + 9) % 10][0]);
   if (key === "?") return () => page.dialogs.keys();
   if (key === "e") return () => page.draw();
-  if (key === "g") return () => page.header.el.querySelector("nav button").click();
+  if (key === "g") return () => page.tell({ do: "files", gallery: true });
   if (key === "d") return () => page.theme.next();
   if (key === "t") return () => { page.choose("text"); page.editor.focus(); };
   if (key === "k") return () => page.knobs.el.querySelector("input[type=range]")?.focus();

@@ -90,6 +90,10 @@ class Page {
     this.heard = performance.now();
     this.wire.listen((message) => this.hear(message), () => { this.heard = -Infinity; });
     setInterval(() => this.listen(), BEAT);
+    addEventListener("beforeinput", (event) => { // the undo of a browser's menu, or of a phone that is shaken
+      const way = { historyUndo: "undo", historyRedo: "redo" }[event.inputType];
+      if (way) { event.preventDefault(); this.step(way); }
+    }, { capture: true });
     addEventListener("beforeunload", (event) => { if (this.unsaved) event.preventDefault(); });
     this.wire.send({ do: "hello" });
   }
@@ -136,6 +140,7 @@ class Page {
     const text = this.history[way]();
     this.header.steps(this.history);
     if (text === null) return;
+    this.edit.waits(this.edit.on);
     this.editor.show(text, "change");
     this.show.otherwise = true;
     this.wire.send({ do: "text", text });
@@ -156,7 +161,7 @@ class Page {
   }
 
   on_text(message) {
-    if (message.fresh) { this.edit.board.view = null; this.history.start(message.text); this.show.clear(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } for (const sheet of this.sheets.values()) sheet.show([]); }
+    if (message.fresh) { this.history.start(message.text); this.show.clear(); this.edit.fresh(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } for (const sheet of this.sheets.values()) sheet.show([]); }
     else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
     else this.history.record(message.text, message.act ? `act ${message.act}` : "knob");
     this.header.steps(this.history);
@@ -180,6 +185,7 @@ class Page {
       return;
     }
     if (message.empty) { this.empty(message.facts); return; }
+    this.status.begins();
     this.facts = { output: this.facts.output, force: this.facts.force, ...message.facts }; // until its motion is there
     this.header.title.textContent = message.facts.title || "mechanism";
     document.title = `${message.facts.title || "mechanism"} – rattle studio`;
@@ -195,7 +201,7 @@ class Page {
     this.knobs.show(this.facts);
     this.show.clear();
     this.show.blank();
-    this.status.say("wait", ["nothing is drawn yet: press Edit, or write bodies under Text"]);
+    this.status.say("empty", ["Nothing is drawn yet: draw on the Motion tab (Edit), or write bodies under Text."]);
   }
 
   offer() {
@@ -247,7 +253,7 @@ class Page {
 
   on_pulled(message) { this.edit.pulled(message); }
 
-  on_measured(message) { this.edit.measures(message); }
+  on_readings(message) { this.edit.measures(message); }
 
   on_picture_file(message) { this.edit.underlay.hear(message); }
 

@@ -29,6 +29,7 @@ export class Show {
     this.latest = value;
     this.otherwise = false;
     this.badge.hidden = true;
+    this.edit?.fail("");
     const run = value.scene.runs[0];
     if (this.live && this.live.base === value.base && this.follows(run.parameters)) {
       if (this.lost) this.app.setRun(run); // what the page could not compute the studio could
@@ -89,7 +90,7 @@ export class Show {
 
   // Drawing begins or ends: the time line alone stays below the sheet.
   draws(on) {
-    this.el.classList.toggle("drawing", on);
+    this.el.classList.toggle("draws", on);
     if (!this.app) this.badge.hidden = on;
     this.offer();
   }
@@ -125,6 +126,7 @@ export class Show {
   }
 
   failed(words) {
+    this.edit?.fail(words);
     this.badge.hidden = false;
     this.badge.textContent = `${this.app ? "old; " : ""}no motion: ${words}`;
   }
@@ -159,6 +161,7 @@ export class Show {
 
   clear() {
     this.app?.destroy();
+    this.edit?.board.run(null);
     this.app = this.live = this.latest = null;
     this.place.replaceChildren();
     this.back.hidden = true;

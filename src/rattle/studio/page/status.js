@@ -26,9 +26,9 @@ export class Status {
     this.trust.setAttribute("aria-expanded", String(open));
   }
 
-  // state: "good", "check", "care", "bad", "old" or "wait".
+  // state: "good", "check", "care", "bad", "old", "wait" or "empty".
   say(state, lines) {
-    const names = { good: "Trusted", check: "Being checked", care: "With care", bad: "Not trusted", old: "Old", wait: "Wait" };
+    const names = { good: "Trusted", check: "Being checked", care: "With care", bad: "Not trusted", old: "Old", wait: "Wait", empty: "Empty" };
     this.el.dataset.state = state;
     replace(this.text, h("b", {}, names[state]), h("span", {}, answerFirst(lines).join(" · ").replaceAll(UNCHECKED, state === "check" ? "how long the curves can be trusted is computed now" : "how long the curves can be trusted was not computed")));
     this.last = [state, lines];
@@ -39,8 +39,13 @@ export class Status {
     if (this.last[0] === "check") this.say("care", this.last[1]);
   }
 
+  // There is something to compute now.
+  begins() {
+    if (this.last[0] === "empty") this.say("wait", ["nothing is computed yet"]);
+  }
+
   old() {
-    if (this.last[0] !== "wait") this.say("old", ["this is of the model before the change", ...this.last[1].filter((one) => !one.startsWith("this is of"))]);
+    if (!["wait", "empty"].includes(this.last[0])) this.say("old", ["this is of the model before the change", ...this.last[1].filter((one) => !one.startsWith("this is of"))]);
   }
 
   // What is computed at the moment, for how long, and how far it is; message: of a job.

@@ -12,6 +12,14 @@ export class Underlay {
     this.photo = null;
     this.spots = null;
     this.images = new Map(); // by the name of the file
+    this.asked = new Set(); // files that the studio was asked for: of one that is missing it says so once
+  }
+
+  // Another model: its pictures may have the names of others.
+  forget() {
+    this.images.clear();
+    this.asked.clear();
+    this.photo = this.spots = null;
   }
 
   ask() {
@@ -58,7 +66,11 @@ export class Underlay {
     else if (this.images.has(picture.file)) {
       const image = this.images.get(picture.file);
       this.photo = { image, width: image.naturalWidth, height: image.naturalHeight, scale: picture.scale, origin: picture.origin, angle: picture.angle };
-    } else this.edit.send({ do: "picture-file", name: picture.file });
+    } else if (!this.asked.has(picture.file)) {
+      this.photo = null;
+      this.asked.add(picture.file);
+      this.edit.send({ do: "picture-file", name: picture.file });
+    }
     this.edit.board.photo = this.photo;
     this.edit.board.invalidate();
   }
