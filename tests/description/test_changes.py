@@ -278,3 +278,12 @@ def test_the_command_line_leaves_out_by_name(tmp_path):
     refused = kept(tmp_path, "--without", "arm")
     assert refused.exit_code == 2
     assert "still needed by joints.pin and loads.M" in refused.stderr
+
+
+def test_line_ends_and_tables_of_one_line_stay():
+    """A new body goes into the table of one line, where a heading of its own would be no TOML."""
+    body = "{ points = { P = [0, 0] }, mass = 1, inertia = 1 }"
+    m = rt.loads(f"format = 1\r\nbodies = {{ a = {body} }} # all\r\n")
+    more = m.set({"bodies.b": {"points": {"P": [0, 0]}, "mass": 1, "inertia": 1}})
+    assert more.to_toml() == f"format = 1\r\nbodies = {{ a = {body}, b = {body} }} # all\r\n"
+    assert m.set({"name": "door"}).to_toml().count("\n") == m.set({"name": "door"}).to_toml().count("\r\n") == 3
