@@ -185,6 +185,10 @@ def test_pictures_stay_inside_of_the_folder(tmp_path):
     first, again, other = (folder.keep_picture("a.png", content) for content in (b"1", b"1", b"2"))
     assert (first, again, other) == ("a.png", "a.png", "a-2.png")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-2.png", "a.png"]
+    (tmp_path / "sub").mkdir()
+    assert folder.keep_picture("a.png", b"3", "sub/m.toml") == "a.png"  # beside its model
+    assert folder.picture("a.png", "sub/m.toml").endswith(base64.b64encode(b"3").decode())
+    assert folder.picture("a.png").endswith(base64.b64encode(b"1").decode())
 
 
 def test_nothing_is_held_without_a_grab(tmp_path):

@@ -162,7 +162,8 @@ class Desk:
         """The hand has done something with a tool."""
 
         def acted(text: str) -> Act | None:
-            return self.easel.acted(edits.require_turnable(text), self.draft.source()["file"], message)
+            told = {**message, "model": self.draft.name}
+            return self.easel.acted(edits.require_turnable(text), self.draft.source()["file"], told)
 
         self._errand(f"act {message.get('number')}", acted, lambda made: self._acted(made, message), of_text=True)
 
@@ -204,10 +205,11 @@ class Desk:
         self._errand("pull", lambda _: self.easel.let_go(), lambda _: None)
 
     def do_picture_file(self, name: str) -> None:
-        """The page shows a picture below the drawing, which is a file of the folder."""
+        """The page shows a picture below the drawing, which lies beside the model."""
+        model = self.draft.name
         self._errand(
             "picture",
-            lambda _: {"kind": "picture-file", "name": name, "data": self.folder.picture(name)},
+            lambda _: {"kind": "picture-file", "name": name, "data": self.folder.picture(name, model)},
             self.send,
         )
 

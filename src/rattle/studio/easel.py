@@ -134,7 +134,7 @@ class Easel:
             content = base64.b64decode(str(message.get("data")), validate=True)
         except (binascii.Error, ValueError):
             raise InputError("the picture has not arrived as a whole; choose it again") from None
-        file = self.folder.keep_picture(str(message.get("name")), content)
+        file = self.folder.keep_picture(str(message.get("name")), content, str(message.get("model", "")))
         value = {"file": file, **{key: message[key] for key in ("scale", "origin", "angle")}}
         return _with_picture(
             text, value

@@ -99,14 +99,18 @@ class Folder:
             raise Refused(f"{name}: there is no such folder; create it first, or leave it out of the name")
         model_file.save(place, text)
 
-    def keep_picture(self, name: str, content: bytes) -> str:
-        """Write a picture into the folder, under its name or the next free one; the name.  Raises Refused, OSError."""
+    def keep_picture(self, name: str, content: bytes, model: str = "") -> str:
+        """Write a picture beside a model of this name, under its own name or the next free one; that name.
+
+        Raises Refused, OSError.
+        """
+        folder = self._of(model)
         stem, suffix = PurePosixPath(PureWindowsPath(name).name).stem, PureWindowsPath(name).suffix.lower()
         plain = "".join(c if c.isalnum() or c in "-_" else "-" for c in stem)[:60].strip("-") or "picture"
         if suffix not in PICTURES or len(content) > LARGEST_PICTURE:
             raise Refused(f"{name}: a picture is one of {', '.join(PICTURES)}, of up to {LARGEST_PICTURE // 10**6} MB")
         for n in range(1, 1000):
-            place = self.root / f"{plain}{f'-{n}' if n > 1 else ''}{suffix}"
+            place = folder / f"{plain}{f'-{n}' if n > 1 else ''}{suffix}"
             if not place.exists():
                 with atomic(place) as file:
                     file.write_bytes(content)
@@ -115,9 +119,13 @@ class Folder:
                 return place.name
         raise Refused(f"{name}: there are a thousand pictures of this name; give it another one")
 
-    def picture(self, name: str) -> str:
-        """A picture of the folder as a data address.  Raises Refused."""
-        place = (self.root / PureWindowsPath(name).name).resolve()
+    def _of(self, model: str) -> Path:
+        """The folder of a model; the root for one that has no file yet."""
+        return self.place(model).parent if model else self.root
+
+    def picture(self, name: str, model: str = "") -> str:
+        """A picture beside a model as a data address.  Raises Refused."""
+        place = (self._of(model) / PureWindowsPath(name).name).resolve()
         kind = PICTURES.get(place.suffix.lower())
         if kind is None or PureWindowsPath(name).name != name or not place.is_relative_to(self.root):
             raise Refused(f"{name}: a picture lies beside the model and is one of {', '.join(PICTURES)}")
