@@ -26,6 +26,7 @@ from rattle.sketch.nearest_step import pressures
 from rattle.sketch.pull_words import why_not
 
 NEAR = 1e-6  # sizes of the mechanism: a distance or move that is none
+ASIDE = (0.0, 1e-3, -1e-3, 1e-2)  # shares of a force that are put across it, one after the other
 PASSES = 4  # times that a move begins anew where it has come, until the part held back by the masses is gone
 
 
@@ -97,7 +98,12 @@ class Pull:
         size = math.hypot(fx, fy)
         if not 0.0 < size < math.inf:
             raise InputError("pulling by a force needs one, finite and not zero")
-        self._go(Force(np.array([fx, fy]) / size))
+        along, start, number = np.array([fx, fy]) / size, self.q, self.movable.system.bodies.index(self.body)
+        for aside in ASIDE:  # from the very middle of a bush the force alone may lead nowhere
+            self.q, self.descent = start, Descent(self.movable, number, self.point)
+            self._go(Force(along + aside * np.array([-along[1], along[0]])))
+            if self.descent.end.settled:
+                break
         settled = self.descent.end.settled
         return Pulled(self.q.copy(), settled, "" if settled else "more than play gives way: hold it by a motor")
 
