@@ -125,7 +125,8 @@ def test_a_plate_has_its_mass_in_one_of_two_ways(validator):
     assert is_valid(thickness="5 mm", density="7850 kg/m^3", holes=[[[0, 0], [1, 0], [0, 1]]])
     assert not is_valid(thickness="5 mm", density=1, mass=1)
     assert not is_valid(thickness="5 mm")
-    assert not is_valid(mass=1, inertia=1)
+    assert is_valid(mass=1, inertia=1, center=[0, 0])  # of a part whose polygon is the picture alone
+    assert not is_valid(thickness="5 mm", density=1, inertia="nosuch kg", center=3)
     assert not is_valid(mass=1, polygon=[[0, 0], [1, 0]])
 
 
