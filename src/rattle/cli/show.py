@@ -94,28 +94,31 @@ def plot(
     _require_names(result, {"--orbit": orbit, "--xy": xy, "--over": (over or "",)})
     if output and not drawn:
         raise click.UsageError(f"name what to draw; `rattle plot {result}` lists all names")
-    _require_curves((*names, *measured), over, spectrum, bool(compare), robust)
-    if spectrum and measured:
-        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --with out")
-    if drawn:
-        check_pictures(result, target)
-    loaded = read_result(result, settings)
+    _require_curves(names, measured, over, spectrum, bool(compare), robust)
     if not drawn:
-        for name in loaded.names:
-            click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
+        _list_names(read_result(result, settings))
         return
+    check_pictures(result, target)
+    loaded = read_result(result, settings)
     others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
     beside = loaded.residuals(measured, names)
-    curves = partial(loaded.plot, *names, over=over, compare=others, robust=robust, measured=beside)
+    curves: Callable[[], Figure] | None = None
     if spectrum:
         curves = partial(loaded.plot_spectrum, *names, compare=others)
-    word = "spectrum" if spectrum else ""
-    figures = [*_figures(loaded, target, curves if names or measured else None, word, orbit, xy, output is not None)]
+    elif names or measured:
+        curves = partial(loaded.plot, *names, over=over, compare=others, robust=robust, measured=beside)
+    figures = [*_figures(loaded, target, curves, "spectrum" * spectrum, orbit, xy, output is not None)]
     for part in beside:
         say_residual(loaded, part)
     for figure, path in figures:  # nothing is written if one of them cannot be drawn
         save_figure(figure, path)
         say_written(path)
+
+
+def _list_names(loaded: Result) -> None:
+    """Print the names of all curves with their units."""
+    for name in loaded.names:
+        click.echo(f"{name}  [{loaded.unit(name) or '-'}]")
 
 
 def _figures(
@@ -146,14 +149,18 @@ def _require_names(result: str, chosen: dict[str, tuple[str, ...]]) -> None:
             raise click.UsageError(f"{option} needs a name; `rattle plot {result}` lists all names")
 
 
-def _require_curves(names: tuple[str, ...], over: str | None, spectrum: bool, compare: bool, robust: bool) -> None:
+def _require_curves(
+    names: tuple[str, ...], measured: tuple[str, ...], over: str | None, spectrum: bool, compare: bool, robust: bool
+) -> None:
     """Raise click.UsageError for options of curves without curves, and for those that do not go together."""
     options = {"--over": over is not None, "--spectrum": spectrum, "--compare": compare, "--robust": robust}
     for option, used in options.items():
-        if used and not names:
+        if used and not (names or measured):
             raise click.UsageError(f"{option} needs curves to draw: rattle plot RESULT NAME... {option}")
     if spectrum and (over is not None or robust):
         raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --over and --robust out")
+    if spectrum and measured:
+        raise click.UsageError("--spectrum has the frequency on its horizontal axis; leave --with out")
 
 
 def _labelled(text: str) -> tuple[str, str]:

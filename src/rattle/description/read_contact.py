@@ -14,7 +14,7 @@ from rattle import registry
 from rattle.description.model import Choice, Contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
-from rattle.description.read_values import quoted
+from rattle.description.read_values import Values, quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATERIAL, ROLLING
 from rattle.errors import suggest
@@ -332,16 +332,22 @@ def _stiffness_law(reader: FieldReader, table: Table, site: Site, path: Path) ->
         other = ", or bush_material, pin_material and geometry" if materials else ": corners have no radius"
         values.wrong(path, needs + other)
     elif name := reader.field(FORMULA, "geometry", {"geometry": "sphere", **table}, {}, path):
-        if site.leaf.from_materials or (site.curvature > 0.0 and name == POINT):
-            return str(name)
-        if math.isnan(site.curvature):  # its sizes are refused
-            return ""
-        if site.curvature > 0.0:
-            point = f'a disc on a surface touches in a point: geometry = "{POINT}", or give a stiffness'
-            values.wrong((*path, "geometry"), point)
-            return ""
-        needs = "needs stiffness and exponent: these formulas are for pins in bushes"
-        values.wrong((*path, next(key for key in GEOMETRY if key in table)), f"{site.leaf.wall} {needs}", at_key=True)
+        return _geometry_law(values, str(name), table, site, path)
+    return ""
+
+
+def _geometry_law(values: Values, name: str, table: Table, site: Site, path: Path) -> str:
+    """The law of a geometry where it fits the place of the contact, "" after a problem."""
+    if site.leaf.from_materials or (site.curvature > 0.0 and name == POINT):
+        return name
+    if math.isnan(site.curvature):  # its sizes are refused
+        return ""
+    if site.curvature > 0.0:
+        point = f'a disc on a surface touches in a point: geometry = "{POINT}", or give a stiffness'
+        values.wrong((*path, "geometry"), point)
+        return ""
+    needs = "needs stiffness and exponent: these formulas are for pins in bushes"
+    values.wrong((*path, next(key for key in GEOMETRY if key in table)), f"{site.leaf.wall} {needs}", at_key=True)
     return ""
 
 

@@ -22,14 +22,10 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
     Its inertia about the mass centre is the second moment of its area times its mass per area.
     """
     values, path = reader.values, ("bodies", name)
-    stated = [key for key in FOLLOW if key in table]
-    own = len(stated) == len(FOLLOW) and "mass" in table
-    for key in () if own else stated:
-        why = f"the polygon says {FOLLOW[key]}; leave this out, or give mass, center and inertia"
-        values.wrong((*path, key), why, at_key=True)
+    own = _states_its_own(values, table, path)
     read = reader.form(PLATE, {key: written for key, written in table.items() if own or key not in FOLLOW}, path)
-    outline, holes, points = read["polygon"], read["holes"], read["points"] or {}
-    holes = () if "holes" not in table else holes
+    outline, points = read["polygon"], read["points"] or {}
+    holes = read["holes"] if "holes" in table else ()
     sound = bool(outline) and holes is not None and _rings_fit(values, outline, holes, path)
     per_area, mass = _weight(values, table, read, path)
     if not sound:
@@ -38,10 +34,7 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
     figure = figure_of(outline, holes)
     mass = per_area * figure.area if math.isnan(bare(mass)) else mass
     inertia = read["inertia"] if own else mass / figure.area * figure.second
-    for what, number, unit in (("mass", mass, "kg"), ("inertia", inertia, "kg*m^2")):
-        if not is_computable(number) and not math.isnan(bare(number)):
-            values.wrong(path, f"its {what} = {number:g} {unit} is out of range")
-            break
+    _require_in_range(values, mass, inertia, path)
     cx, cy = (own and read["center"]) or figure.centre
 
     def of_centre(ring: list[Vector]) -> tuple[Vector, ...]:
@@ -49,6 +42,24 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
 
     placed = dict(zip(points, of_centre(list(points.values())), strict=True))
     return Body(name, mass, inertia, placed, outline=tuple(map(of_centre, (outline, *holes))))
+
+
+def _states_its_own(values: Values, table: Table, path: Path) -> bool:
+    """True if mass, mass centre and inertia are all given; one that is given alone is refused."""
+    stated = [key for key in FOLLOW if key in table]
+    own = len(stated) == len(FOLLOW) and "mass" in table
+    for key in () if own else stated:
+        why = f"the polygon says {FOLLOW[key]}; leave this out, or give mass, center and inertia"
+        values.wrong((*path, key), why, at_key=True)
+    return own
+
+
+def _require_in_range(values: Values, mass: float, inertia: float, path: Path) -> None:
+    """Note a mass or inertia with which nothing can be computed."""
+    for what, number, unit in (("mass", mass, "kg"), ("inertia", inertia, "kg*m^2")):
+        if not is_computable(number) and not math.isnan(bare(number)):
+            values.wrong(path, f"its {what} = {number:g} {unit} is out of range")
+            return
 
 
 def _rings_fit(values: Values, outline: Sequence[Vector], holes: Sequence[Sequence[Vector]], path: Path) -> bool:

@@ -256,7 +256,7 @@ def measured(recording: Recording, title: Title, curve: str, unit: str, offset: 
         and unit.startswith("rad/")
         and not si_unit(title.unit or "", dimension).startswith("rad/")
     ):
-        said = f"{quoted(title.text)} leaves open whether turns or radians are meant"
-        raise InputError(f"{recording.place}: {said}; {curve} is in {unit}: write rpm, rev/s, deg/s or rad/s")
+        why = f"{quoted(title.text)} leaves open whether turns or radians are meant"
+        raise InputError(f"{recording.place}: {why}; {curve} is in {unit}: write rpm, rev/s, deg/s or rad/s")
     values = scale * recording.values(title)
     return Measured(curve, title.name or title.text, recording.file, recording.t + offset, values, dimension is None)

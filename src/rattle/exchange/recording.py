@@ -74,10 +74,10 @@ class Title(NamedTuple):
         match = OTHERWISE.fullmatch(self.text)
         unit = (match["round"] or match["over"]) if match else None
         try:
-            known = unit is not None and parse_quantity(f"1 {unit}") is not None
+            is_unit = unit is not None and parse_quantity(f"1 {unit}") is not None
         except QuantityError:
-            known = False
-        if match and known:
+            is_unit = False
+        if match and is_unit:
             raise InputError(
                 f"{place}: {quoted(self.text)}: write the unit in square brackets, '{match['name']} [{unit}]'"
             )

@@ -44,16 +44,20 @@ class Residual:
         return len(self.measured.t)
 
     @property
+    def _within(self) -> np.ndarray:
+        """Values of the residual where the run has one."""
+        return self.residual[np.isfinite(self.residual)]
+
+    @property
     def rms(self) -> float:
         """Root mean square of the residual over the measured values within the run; nan without any."""
-        known = self.residual[np.isfinite(self.residual)]
-        return float(np.sqrt(np.mean(known * known))) if len(known) else math.nan
+        within = self._within
+        return float(np.sqrt(np.mean(within * within))) if len(within) else math.nan
 
     @property
     def largest(self) -> float:
         """Largest magnitude of the residual; nan without any."""
-        known = self.residual[np.isfinite(self.residual)]
-        return float(np.abs(known).max()) if len(known) else math.nan
+        return float(np.abs(self._within).max(initial=0.0)) if len(self._within) else math.nan
 
     def told(self, factor: float = 1.0, unit: str | None = None) -> list[str]:
         """How far it is, in words; factor: from SI to `unit`, default: in SI."""

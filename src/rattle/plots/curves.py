@@ -88,9 +88,7 @@ def plot(
     names = (*names, *(part.curve for part in beside))
     if not names:
         raise InputError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
-    panels: dict[str, list[str]] = {}
-    for name in dict.fromkeys(names):
-        panels.setdefault(result.unit(name), []).append(name)
+    panels = _by_unit(result, names)
     if ax is not None and len(panels) > 1:
         raise InputError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
     others = list(compare)
@@ -105,6 +103,23 @@ def plot(
         if unit in differing:
             below = next(left)
             legend_beside(below, draw_residuals(below, result, unit, curves, own, across))
+    _mark_horizon(axes, result, over)
+    if ax is None:
+        title_of(axes[0], result)
+    axes[-1].set_xlabel(along)
+    return drawn(axes[0], ax)
+
+
+def _by_unit(result: Result, names: Iterable[str]) -> dict[str, list[str]]:
+    """Names of curves by their unit, each once."""
+    panels: dict[str, list[str]] = {}
+    for name in dict.fromkeys(names):
+        panels.setdefault(result.unit(name), []).append(name)
+    return panels
+
+
+def _mark_horizon(axes: Sequence[Axes], result: Result, over: str | None) -> None:
+    """Shade the time after the horizon, or say when that is where the axis is not time."""
     for panel in axes:
         panel.margins(x=0.0)
         if over is None:
@@ -112,10 +127,6 @@ def plot(
     if shade_after_horizon(axes[0], result, draw=False):
         span = f"t = {result.t[0]:g} to {result.t[-1]:g} s; after t = {result.trust.horizon:.3g} s statistics only"
         note(axes[0], AFTER if over is None else span)
-    if ax is None:
-        title_of(axes[0], result)
-    axes[-1].set_xlabel(along)
-    return drawn(axes[0], ax)
 
 
 def _axes_for(panels: Iterable[str], differing: Sequence[str]) -> list[Axes]:

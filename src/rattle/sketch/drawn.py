@@ -182,7 +182,6 @@ def drawn(text: str, file: str = "", before: Mapping[str, Place] | None = None) 
 
 def drawn_mechanism(text: str, document: dict[str, Any], m: Mechanism, before: Mapping[str, Place]) -> Drawn:
     """Draw a mechanism whose text has been read.  Raises ModelError."""
-    m.model  # noqa: B018  reads it: problems of the text are problems here
     functions.start()  # one drawing follows the other: machine code pays
     guess = _Guess(m, before) if before else None
     if guess is not None and not guess.closes():  # to look everywhere for a closing would take seconds
@@ -199,7 +198,6 @@ def drawn_mechanism(text: str, document: dict[str, Any], m: Mechanism, before: M
 def _without_bodies(text: str, document: dict[str, Any], file: str) -> Drawn:
     body = {STAND_IN: {"points": {"P": [0, 0]}, "mass": 1, "inertia": 1}}
     m = Mechanism.from_text(model_file.dump_json({**document, "bodies": body}), file)
-    m.model  # noqa: B018
     return Drawn(text, document, m, {STAND_IN: (0.0, 0.0, 0.0)}, stand_in=True)
 
 

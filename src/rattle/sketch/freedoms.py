@@ -59,16 +59,25 @@ def freedoms_left(sketch: Drawn) -> int:
 
 
 def _mobility(sketch: Drawn) -> str:
-    left, too_many, unsure, moves_by_joints = _count(sketch)
-    motors = [name for name in unsure if name in sketch.model.drivers]
-    joints = [name for name in unsure if name in sketch.model.joints]
-    spare = motors[-1:] if moves_by_joints and motors else (joints or unsure)[-1:]
-    surplus = f"{too_many} constraint{'s' if too_many > 1 else ''} too many ({', '.join(spare)})" if too_many else ""
-    if left:
-        free = f"{left} {'freedom without a motor' if left == 1 else 'freedoms without a motor'}"
-        return f"{free}, {surplus}" if surplus else free
-    if not sketch.model.drivers or (too_many and sketch.trouble):
+    count = _count(sketch)
+    surplus = _surplus(sketch, count)
+    if count.left:
+        free = f"{count.left} {'freedom without a motor' if count.left == 1 else 'freedoms without a motor'}"
+    elif not sketch.model.drivers or (count.too_many and sketch.trouble):
         return f"cannot move: {surplus or 'no degree of freedom is left'}"
-    if sketch.trouble:
+    elif sketch.trouble:
         return f"cannot move: {sketch.trouble}"
-    return f"moves, {surplus}" if surplus else "moves"
+    else:
+        free = "moves"
+    return f"{free}, {surplus}" if surplus else free
+
+
+def _surplus(sketch: Drawn, count: _Count) -> str:
+    """How many constraints are too many, and whose the last of them may be; "" if none is."""
+    if not count.too_many:
+        return ""
+    motors, joints = (
+        [name for name in count.unsure if name in table] for table in (sketch.model.drivers, sketch.model.joints)
+    )
+    spare = motors if count.moves_by_joints and motors else joints or count.unsure
+    return f"{count.too_many} constraint{'s' if count.too_many > 1 else ''} too many ({', '.join(spare[-1:])})"

@@ -143,17 +143,7 @@ def _angle_of(m: Mechanism, label: str, name: str, lines: list[_Line], half: boo
 def _line_of(m: Mechanism, pin: Joint, side: int, other: str, q: np.ndarray) -> _Line:
     """The line of one of the bodies of a pin, from there to its other joint."""
     end = (pin.a, pin.b)[side]
-    others = {
-        joint.name: joint
-        for joint in m.model.joints.values()
-        if joint.name != pin.name and joint.places and end.body in (joint.a.body, joint.b.body)
-    }
-    if other and other not in others:
-        raise InputError(f"joint '{other}' is not one of '{end.body}'{suggest(other, list(others))}")
-    if not other and len(others) != 1:
-        which = f"it has {', '.join(others)}: say to which its line goes" if others else "it has no other"
-        raise InputError(f"the line of '{end.body}' goes from '{pin.name}' to its other joint, and {which}")
-    joint = others[other or next(iter(others))]
+    joint = _other_joint(m, pin, end.body, other)
     if joint.line is not None and joint.kept_angle is not None:  # a slider: normal to its guide
         guide, body = pose(m.system, q, joint.a.body)[2] + joint.line, joint.a.body
         turn = f"{joint.line!r}" if body == "ground" else f"({body}.angle + {joint.line!r})"
@@ -163,6 +153,21 @@ def _line_of(m: Mechanism, pin: Joint, side: int, other: str, q: np.ndarray) -> 
         spot(m, f"{point.body}.{point.name}" if point.name else (point.body, point.at)) for point in (end, far)
     )
     return _Line.between(m, here, there, q)
+
+
+def _other_joint(m: Mechanism, pin: Joint, body: str, other: str) -> Joint:
+    """The joint of a body besides a pin, or that of this name.  Raises InputError where that is not clear."""
+    others = {
+        joint.name: joint
+        for joint in m.model.joints.values()
+        if joint.name != pin.name and joint.places and body in (joint.a.body, joint.b.body)
+    }
+    if other and other not in others:
+        raise InputError(f"joint '{other}' is not one of '{body}'{suggest(other, list(others))}")
+    if not other and len(others) != 1:
+        which = f"it has {', '.join(others)}: say to which its line goes" if others else "it has no other"
+        raise InputError(f"the line of '{body}' goes from '{pin.name}' to its other joint, and {which}")
+    return others[other or next(iter(others))]
 
 
 def _speed(m: Mechanism, driver: str, end: Spot, q: np.ndarray) -> np.ndarray:

@@ -51,16 +51,17 @@ def _place(sketch: Drawn, spot: Caught) -> Place:
 def _told(read: Callable[[], Measure]) -> Reading:
     """A measure, or why there is none."""
     try:
-        found = read()
+        read_off = read()
     except ANSWERS as error:
         return Reading(str(error), refused=True)
-    value = quantity(found.value, found.unit) if found.unit != PER_TORQUE else f"{found.value:.4g} N for each N m"
-    return Reading(f"{found.label}: {value}", {found.name: found.expression})
+    number, unit = read_off.value, read_off.unit
+    value = quantity(number, unit) if unit != PER_TORQUE else f"{number:.4g} N for each N m"
+    return Reading(f"{read_off.label}: {value}", {read_off.name: read_off.expression})
 
 
 def _advantage(m: Mechanism, motor: str, place: Place, q: np.ndarray) -> Measure:
-    found = measure.mechanical_advantage(m, motor, place, q=q)
-    return found._replace(label=f"mechanical advantage of {motor} at {place}")
+    advantage = measure.mechanical_advantage(m, motor, place, q=q)
+    return advantage._replace(label=f"mechanical advantage of {motor} at {place}")
 
 
 def _over_a_turn(sketch: Drawn, spot: Caught, place: Place, q: np.ndarray) -> Iterator[Reading]:
@@ -94,17 +95,17 @@ def _path(sketch: Drawn, place: Place) -> Reading:
 def _centrodes(sketch: Drawn, body: str) -> Reading:
     """Both centrodes, the moving one where the body stands."""
     try:
-        found = over_a_turn.centrodes(sketch.mechanism, body)
+        polodes = over_a_turn.centrodes(sketch.mechanism, body)
     except ANSWERS as error:
         return Reading(str(error), refused=True)
-    moving = np.array([sketch.in_plane(body, (x, y)) for x, y in found.moving])
-    more = f" ({found.words})" if found.words else ""
-    return Reading(f"{found.label}{more}", found.signals, [found.fixed, moving])
+    moving = np.array([sketch.in_plane(body, (x, y)) for x, y in polodes.moving])
+    more = f" ({polodes.words})" if polodes.words else ""
+    return Reading(f"{polodes.label}{more}", polodes.signals, [polodes.fixed, moving])
 
 
-def message_of(found: Sequence[Reading]) -> dict[str, Any]:
+def message_of(measures: Sequence[Reading]) -> dict[str, Any]:
     """Readings as plain data for a page."""
     rows = [{"words": reading.words, "signals": dict(reading.signals),
              "curves": [np.where(np.isfinite(curve), curve, np.nan).tolist() for curve in reading.curves]}
-            for reading in found]  # fmt: skip
+            for reading in measures]  # fmt: skip
     return {"kind": "readings", "rows": rows}

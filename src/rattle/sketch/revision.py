@@ -110,8 +110,8 @@ class Revision:
     def body_point(self, body: str, at: Spot) -> str:
         """A new point of a body at a spot of the plane; "body.C"."""
         entry = self.document["bodies"][body]
-        known = {*entry.get("points", {}), *entry.get("bar", ())}
-        name = next(sign for sign in _signs() if sign not in known)
+        taken = {*entry.get("points", {}), *entry.get("bar", ())}
+        name = next(sign for sign in point_names() if sign not in taken)
         spot = [length(value, self.sketch.size) for value in self.as_written(body, self.sketch.in_frame(body, at))]
         if "points" in entry:
             self.enter(("bodies", body, "points", name), spot)
@@ -159,12 +159,12 @@ class Revision:
         """The number that an entry says [SI]."""
         if (plain := number_of(written)) is not None:
             return plain
-        known = {name: parameter.value for name, parameter in self.sketch.model.parameters.items()}
+        parameters = {name: parameter.value for name, parameter in self.sketch.model.parameters.items()}
         for name, entry in self.document.get("parameters", {}).items():  # those that this act has changed
             now = entry.get("value") if isinstance(entry, Mapping) else entry
             if (plain := number_of(now)) is not None:
-                known[name] = plain
-        return value(parse(str(written)), known)
+                parameters[name] = plain
+        return value(parse(str(written)), parameters)
 
     def set_length(self, path: Path, value: float, what: str) -> None:
         """Give a length or coordinate this value [m], in the text or in the parameter that it is.
@@ -355,15 +355,15 @@ class Revision:
 
     def _astray(self, sketch: Drawn) -> list[str]:
         """Bodies that would stand elsewhere than meant."""
-        size, found = max(sketch.size, self.sketch.size), []
+        size, astray = max(sketch.size, self.sketch.size), []
         for body, (x, y, angle) in self.places.items():
             place = sketch.places.get(body)
             if place is None:
                 continue
             gap = max(abs(place[0] - x), abs(place[1] - y), size * abs(turned(place[2] - angle)))
             if gap > MISSED * size:
-                found.append(body)
-        return found
+                astray.append(body)
+        return astray
 
     def _beside(self, bodies: Iterable[str]) -> list[str]:
         """These bodies, and those that joints connect with them."""
@@ -389,7 +389,7 @@ def _at(place: Place, spot: Spot) -> Spot:
     return place[0] + c * spot[0] - s * spot[1], place[1] + s * spot[0] + c * spot[1]
 
 
-def _signs() -> Iterable[str]:
+def point_names() -> Iterable[str]:
     """A, B, ... Z, A2, ..."""
     letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
     yield from letters

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from rattle.sketch.drawn import Drawn, Place, Spot
 from rattle.sketch.expressions import turned, two_digits
 from rattle.sketch.freedoms import freedoms_left
 from rattle.sketch.numbers import degrees, length, plain, shortest
-from rattle.sketch.revision import Caught, Drawing, Revision
+from rattle.sketch.revision import Caught, Drawing, Revision, point_names
 
 PER_METRE = 1.0  # mass of a new bar [kg/m]
 BLOCK = {"mass": 0.1, "inertia": 1e-5}  # of a new slider [kg, kg m^2]
@@ -50,9 +51,9 @@ def bar(revision: Revision, first: Caught, last: Caught, snap: float) -> Drawing
     revision.enter(("bodies", name), {"bar": ["A", "B"], "length": length(math.dist(p, q)), "mass": mass})
     revision.places[name] = (p[0] + q[0]) / 2, (p[1] + q[1]) / 2, math.atan2(q[1] - p[1], q[0] - p[0])
     revision.moved.append(name)
-    joined = [end for end in (_pinned(revision, first, f"{name}.A"), _pinned(revision, last, f"{name}.B")) if end]
+    joined = [_pinned(revision, first, f"{name}.A"), _pinned(revision, last, f"{name}.B")]
     weighs = "" if many else f", mass {plain(mass)} kg (1 kg per metre, change it at the bar)"
-    return revision.finish(f"{name}{f' joins {_and(joined)}' if joined else ''}{weighs}", f"body {name}", "Length")
+    return revision.finish(f"{name}{_joins(joined)}{weighs}", f"body {name}", "Length")
 
 
 def _pinned(revision: Revision, caught: Caught, end: str) -> str:
@@ -63,34 +64,39 @@ def _pinned(revision: Revision, caught: Caught, end: str) -> str:
     return point
 
 
+def _joins(points: Sequence[str]) -> str:
+    """What a new body joins, in words; points: "" for an end that joins nothing."""
+    joined = [point for point in points if point]
+    return f", joins {_and(joined)}" if joined else ""
+
+
 def _and(names: Sequence[str]) -> str:
     return " and ".join(names)
 
 
 def plate(revision: Revision, corners: Sequence[Caught]) -> Drawing | None:
     """A plate between corners, pinned where one caught a point; None with fewer than three."""
-    spots = [revision.spot(corner) for corner in corners]
-    kept = [k for k, spot in enumerate(spots) if k == 0 or math.dist(spot, spots[k - 1]) > 0.0]
-    if len(kept) > 3 and math.dist(spots[kept[0]], spots[kept[-1]]) == 0.0:
-        kept.pop()
-    if len(kept) < 3:
+    corners = _apart(revision, corners)
+    if len(corners) < 3:
         return None
-    spots, corners = [spots[k] for k in kept], [corners[k] for k in kept]
-    name, size = revision.free_name("plate"), revision.sketch.size
-    own = [[length(x - spots[0][0], size), length(y - spots[0][1], size)] for x, y in spots]
-    signs = [chr(ord("A") + k) if k < 26 else f"P{k + 1}" for k in range(len(own))]
-    points = dict(zip(signs, own, strict=True))
-    revision.enter(("bodies", name), {"polygon": own, **PLATE, "points": points})
-    if wrong := fault([(x, y) for x, y in own]):
+    (x0, y0), size = revision.spot(corners[0]), revision.sketch.size
+    ring = [(length(x - x0, size), length(y - y0, size)) for x, y in map(revision.spot, corners)]
+    if wrong := fault(ring):
         raise InputError(f"this is no plate: {wrong}")
-    x, y = figure_of([(x, y) for x, y in own]).centre
-    revision.places[name] = spots[0][0] + x, spots[0][1] + y, 0.0
+    name, signs = revision.free_name("plate"), list(islice(point_names(), len(ring)))
+    own = [list(corner) for corner in ring]
+    revision.enter(("bodies", name), {"polygon": own, **PLATE, "points": dict(zip(signs, own, strict=True))})
+    x, y = figure_of(ring).centre
+    revision.places[name] = x0 + x, y0 + y, 0.0
     revision.moved.append(name)
-    joined = [
-        end for end in (_pinned(revision, at, f"{name}.{sign}") for at, sign in zip(corners, signs, strict=True)) if end
-    ]
-    words = f"{name}, 5 mm of steel{f', joins {_and(joined)}' if joined else ''}"
-    return revision.finish(words, f"body {name}", "Name")
+    joined = [_pinned(revision, at, f"{name}.{sign}") for at, sign in zip(corners, signs, strict=True)]
+    return revision.finish(f"{name}, 5 mm of steel{_joins(joined)}", f"body {name}", "Name")
+
+
+def _apart(revision: Revision, corners: Sequence[Caught]) -> list[Caught]:
+    """Corners without those that are where the one before is, the first being behind the last."""
+    spots = [revision.spot(corner) for corner in corners]
+    return [corner for k, corner in enumerate(corners) if k == 0 or spots[k] not in (spots[k - 1], spots[0])]
 
 
 def pin(revision: Revision, at: Caught, within: float) -> Drawing:
@@ -99,7 +105,7 @@ def pin(revision: Revision, at: Caught, within: float) -> Drawing:
     within: how near a body has to be [m].
     """
     sketch, spot = revision.sketch, revision.spot(at)
-    there = [one for one in sketch.pins if one.kind == "revolute" and math.dist(one.at, spot) <= within]
+    there = [joint for joint in sketch.pins if joint.kind == "revolute" and math.dist(joint.at, spot) <= within]
     if there:
         return revision.finish(chosen=f"joint {there[0].name}", field="Play")
     bodies = [body for body in sketch.bodies if _reaches(sketch, body, spot, within)][:2]
@@ -237,17 +243,16 @@ def _turning(revision: Revision, caught: Caught, radius: float, bodies: Sequence
 def motor(revision: Revision, at: Caught, within: float) -> Drawing:
     """A motor of the joint at a spot, which begins where it is drawn."""
     sketch, spot = revision.sketch, revision.spot(at)
-    here = [one for one in sketch.pins if one.kind in DRIVEN and math.dist(one.at, spot) <= within]
-    here.sort(key=lambda one: not any(end.startswith("ground.") for end in one.ends))
+    here = [joint for joint in sketch.pins if joint.kind in DRIVEN and math.dist(joint.at, spot) <= within]
+    here.sort(key=lambda joint: not any(end.startswith("ground.") for end in joint.ends))
     if not here:
         raise InputError("there is no pin or slider here: click one to drive it")
     driven = {driver.joint: name for name, driver in sketch.model.drivers.items()}
-    free = [one for one in here if one.name not in driven]
+    free = [joint for joint in here if joint.name not in driven]
     if len(free) < len(here) and not (free and freedoms_left(sketch)):
-        name = next(driven[one.name] for one in here if one.name in driven)
+        name = next(driven[joint.name] for joint in here if joint.name in driven)
         return revision.finish(chosen=f"driver {name}", field="Speed")
-    here = free
-    joint = here[0]
+    joint = free[0]
     key, name = DRIVEN[joint.kind], revision.free_name("motor", "")
     start = revision.coordinate(joint.name, revision.places)
     if key == "angle":

@@ -165,18 +165,18 @@ class Desk:
             told = {**message, "model": self.draft.name}
             return self.easel.acted(edits.require_turnable(text), self.draft.source()["file"], told)
 
-        self._errand(f"act {message.get('number')}", acted, lambda made: self._acted(made, message), of_text=True)
+        self._errand(f"act {message.get('number')}", acted, lambda act: self._acted(act, message), of_text=True)
 
-    def _acted(self, made: Act | None, message: Message) -> None:
-        if made is None:
+    def _acted(self, act: Act | None, message: Message) -> None:
+        if act is None:
             self._show_drawing()
             return
-        if made.text != self.draft.text:
-            self.draft.text = made.text
+        if act.text != self.draft.text:
+            self.draft.text = act.text
             self.version += 1
             self._send_text(act=int(message.get("number") or 0))
             self._check()
-        self.send(made.message)
+        self.send(act.message)
 
     def do_grab(self, body: str, at: Sequence[float], places: Message | None = None, force: bool = False) -> None:
         """The hand takes a body, to turn the mechanism, or to pull with a force at what its motors hold."""

@@ -59,8 +59,8 @@ def read_dxf(text: str, name: str, assumptions: Assumptions) -> Imported:
     if assumptions.scale is not None:
         plan.metres = Decimal(repr(assumptions.scale))
     elif not sections.unit:
-        said = f"unknown unit {sections.units}" if sections.units else "no unit"
-        plan.assumed.append(f"lengths in mm: the drawing has {said} ($INSUNITS)")
+        unit = f"unknown unit {sections.units}" if sections.units else "no unit"
+        plan.assumed.append(f"lengths in mm: the drawing has {unit} ($INSUNITS)")
     _Reader(plan, sections.blocks).draw(sections.drawn, Placing(), ())
     return mechanism_of(plan, assumptions, f"from the DXF drawing {Path(name).name}")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -116,31 +116,50 @@ def shape_of(traced: Traced, pins: Collection[Circle]) -> Shape:
     pins: circles of it at joints, which the pins fill.  Other circles within its outline are holes.  Without an outline
     it is the band around its circles.
     """
-    outlines, assumed = list(traced.outlines), []
+    outlines, instead = _outlines(traced, pins)
+    pieces = _nested(outlines, traced.name)
+    pieces += [_Piece(circle.outline, depth=1) for circle in _holes(traced, pins, pieces)]
+    figure = together([(piece.figure, (-1.0) ** piece.depth) for piece in pieces])
+    polygon, holes = _seen(pieces, traced.name)
+    assumed = [*instead, *(f"{traced.name} {words}" for words in _not_seen(pieces, polygon, holes))]
+    return Shape(figure, polygon, holes, tuple(assumed))
+
+
+def _outlines(traced: Traced, pins: Collection[Circle]) -> tuple[list[Outline], list[str]]:
+    """The closed lines of a body, and what stands for them where there is none."""
+    outlines = list(traced.outlines)
     if traced.rim is not None and (not outlines or traced.rim not in pins):
-        if traced.rim in pins:
-            assumed.append(f"{traced.name} has no closed outline: it is the disc of its circle")
-        outlines.append(traced.rim.outline)
-    elif not outlines:
-        outlines.append(band(traced.circles))
-        assumed.append(f"{traced.name} has no closed outline: it is the band around its circles")
+        disc = f"{traced.name} has no closed outline: it is the disc of its circle"
+        return [*outlines, traced.rim.outline], [disc] if traced.rim in pins else []
+    if not outlines:
+        return [band(traced.circles)], [f"{traced.name} has no closed outline: it is the band around its circles"]
+    return outlines, []
+
+
+def _nested(outlines: Sequence[Outline], layer: str) -> list[_Piece]:
+    """Closed lines, the largest first, with the number of those that each is within."""
     pieces = sorted((_Piece(outline) for outline in outlines), key=lambda piece: -piece.figure.area)
     for k, piece in enumerate(pieces):
-        piece.depth = sum(_is_within(piece, other, traced.name) for other in pieces[:k])
+        piece.depth = sum(_is_within(piece, other, layer) for other in pieces[:k])
+    return pieces
+
+
+def _holes(traced: Traced, pins: Collection[Circle], pieces: Sequence[_Piece]) -> list[Circle]:
+    """Circles that are cut out of a body: those which no pin fills."""
     filled = [circle for circle in traced.circles if any(_concentric(circle, pin) for pin in pins)]
     others = [circle for circle in traced.circles if circle != traced.rim and circle not in filled]
-    cut = _apart_from_others([circle for circle in others if _is_cut(circle, pieces)])
-    pieces += [_Piece(circle.outline, depth=1) for circle in cut]
-    figure = together([(piece.figure, (-1.0) ** piece.depth) for piece in pieces])
-    solid = [piece for piece in pieces if piece.depth % 2 == 0]
-    if len(solid) > 1:
-        assumed.append(f"{traced.name} has {len(solid)} outlines apart: one body, of which the largest is shown")
-    polygon, holes = _seen(pieces, traced.name)
+    return _apart_from_others([circle for circle in others if _is_cut(circle, pieces)])
+
+
+def _not_seen(pieces: Sequence[_Piece], polygon: object, holes: object) -> Iterator[str]:
+    """What of a body its picture does not show, in words."""
+    solid = sum(piece.depth % 2 == 0 for piece in pieces)
+    if solid > 1:
+        yield f"has {solid} outlines apart: one body, of which the largest is shown"
     if not polygon:
-        assumed.append(f"{traced.name} is shown without its outline, which has too many corners or walls too thin")
+        yield "is shown without its outline, which has too many corners or walls too thin"
     elif not holes and any(piece.depth == 1 for piece in pieces):
-        assumed.append(f"{traced.name} is shown without its holes, which are too many")
-    return Shape(figure, polygon, holes, tuple(assumed))
+        yield "is shown without its holes, which are too many"
 
 
 def _is_within(piece: _Piece, other: _Piece, layer: str) -> bool:

@@ -7,7 +7,7 @@ the name of the file.  What circles about one centre are says `rattle.exchange.o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
@@ -206,17 +206,18 @@ def _page(attributes: Attributes, name: str, line: int) -> Page:
     assumed = "" if any(unit not in ("", "px") for _, unit in stated) else no_unit
     if box is None or len(box) != 4 or not (box[2] > 0.0 and box[3] > 0.0):
         return Page(_decimal(PIXEL), max((length for length, _ in stated), default=0.0) / PIXEL, assumed)
-    shares = [
-        length[0] * UNITS[length[1] or "px"] / part
-        for length, part in zip(sides, box[2:], strict=True)
-        if length and length[0] > 0.0
-    ]
+    pairs = [(length, part) for length, part in zip(sides, box[2:], strict=True) if length and length[0] > 0.0]
+    shares = [number * UNITS[unit or "px"] / part for (number, unit), part in pairs]
+    return Page(_decimal(_scale(shares, attributes, name, line)), max(box[2:]), assumed)
+
+
+def _scale(shares: Sequence[float], attributes: Attributes, name: str, line: int) -> float:
+    """Length of a unit of the drawing [m], from what width and height say of it.  Raises ModelError if they differ."""
     fit = attributes.get("preserveAspectRatio", "")
     if fit.strip().startswith("none") and max(shares, default=1.0) > (1.0 + UNEQUAL) * min(shares, default=1.0):
         fault = "width and height stretch the drawing unequally (preserveAspectRatio none): circles are none"
         raise refused(name, f"{fault}; give both the proportions of its viewBox", line)
-    scale = max(shares, default=PIXEL) if "slice" in fit else min(shares, default=PIXEL)
-    return Page(_decimal(scale), max(box[2:]), assumed)
+    return max(shares, default=PIXEL) if "slice" in fit else min(shares, default=PIXEL)
 
 
 def _decimal(number: float) -> Decimal:
