@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.results import archive
 from rattle.results.chosen_units import column_unit
@@ -28,25 +27,13 @@ TITLE = b"MATLAB 5.0 MAT-file, curves of rattle"
 TITLE_BYTES = 116  # of the text at the start of a file, in which scipy writes the date
 
 
-def require_mat(path: str | os.PathLike[str]) -> None:
-    """Raise InputError for a file name that is not that of a MATLAB file."""
-    if Path(path).suffix.lower() != SUFFIX:
-        raise InputError(f"{os.fspath(path)}: a MATLAB file needs a name ending in {SUFFIX}")
-
-
 def write_mat(
     result: Result, path: str | os.PathLike[str], *, fallback: str | os.PathLike[str] | None = None,
     units: str | Iterable[str] | None = None, names: Sequence[str] | None = None,
 ) -> Path:  # fmt: skip
     """`Result.to_mat`."""
-    require_mat(path)
-    content = mat_bytes(result, units, names)
-
-    def write(place: Path) -> None:
-        with atomic(place) as file:
-            file.write_bytes(content)
-
-    return archive.first_place(write, path, fallback)
+    archive.require_ending(path, "MATLAB file", SUFFIX)
+    return archive.write_content(mat_bytes(result, units, names), path, fallback)
 
 
 def mat_bytes(result: Result, units: str | Iterable[str] | None = None, names: Sequence[str] | None = None) -> bytes:

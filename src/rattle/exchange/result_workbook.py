@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.exchange.workbook import MOST_COLUMNS, MOST_ROWS, Cell, Sheet, workbook
 from rattle.language.units import QuantityError, parse_quantity, unit_of_quantity
@@ -35,8 +34,7 @@ _log = logging.getLogger("rattle")
 
 def require_workbook(path: str | os.PathLike[str]) -> None:
     """Raise InputError for a file name that is not that of a workbook."""
-    if Path(path).suffix.lower() != SUFFIX:
-        raise InputError(f"{os.fspath(path)}: a workbook needs a name ending in {SUFFIX}")
+    archive.require_ending(path, "workbook", SUFFIX)
 
 
 def write_workbook(
@@ -45,13 +43,7 @@ def write_workbook(
 ) -> Path:  # fmt: skip
     """`Result.to_excel`."""
     require_workbook(path)
-    content = workbook(sheets_of(result, units, names))
-
-    def write(place: Path) -> None:
-        with atomic(place) as file:
-            file.write_bytes(content)
-
-    return archive.first_place(write, path, fallback)
+    return archive.write_content(workbook(sheets_of(result, units, names)), path, fallback)
 
 
 def sheets_of(

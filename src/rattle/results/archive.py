@@ -344,6 +344,22 @@ def _require_in_order(t: Array) -> None:
         raise Damaged(f"{NO_RESULT}: its instants are not in order")
 
 
+def require_ending(path: str | os.PathLike[str], what: str, suffix: str) -> None:
+    """Raise InputError for a file name that does not end as a file of this kind does."""
+    if Path(path).suffix.lower() != suffix:
+        raise InputError(f"{os.fspath(path)}: a {what} needs a name ending in {suffix}")
+
+
+def write_content(content: bytes, path: str | os.PathLike[str], fallback: str | os.PathLike[str] | None = None) -> Path:
+    """Write a file completely or not at all, under `path` or in `fallback`; returns the file written."""
+
+    def write(place: Path) -> None:
+        with atomic(place) as file:
+            file.write_bytes(content)
+
+    return first_place(write, path, fallback)
+
+
 def first_place(
     write: Callable[[Path], None], path: str | os.PathLike[str], fallback: str | os.PathLike[str] | None
 ) -> Path:

@@ -1,7 +1,7 @@
 // The mechanism to scale: bodies and parts, paths of points, another motion behind it, forces, and a scale bar.
 
 import { pathOf, pointAt } from "./data.js";
-import { FONT, Painter, sized } from "./painter.js";
+import { Painter, sized } from "./painter.js";
 import { ghostPlayer, player } from "./play.js";
 import { Stage } from "./stage.js";
 import { handyUnit, niceStep, short } from "./units.js";
@@ -158,18 +158,7 @@ export class MechanismView {
   // The scale bar at the lower left, the scale of forces at the lower right.
   legend(p, show, side, pose, time) {
     const { context, theme } = p, y = this.height - 14, { length, text } = this.bar;
-    context.strokeStyle = context.fillStyle = theme.ink;
-    context.lineWidth = 1.6;
-    context.lineCap = "butt";
-    context.beginPath();
-    context.moveTo(16, y - 5);
-    context.lineTo(16, y);
-    context.lineTo(16 + length, y);
-    context.lineTo(16 + length, y - 5);
-    context.stroke();
-    context.font = `12px ${FONT}`;
-    context.textAlign = "center";
-    context.fillText(text, 16 + length / 2, y - 7);
+    p.scaleBar(text, length, this.height);
     if (!show.forces) return;
     const { values } = this.stage, { forces } = this;
     context.textAlign = "right";

@@ -118,6 +118,23 @@ export class Painter {
     return box;
   }
 
+  // The scale of a drawing at its lower left: a bar of this many pixels with its length in words.
+  scaleBar(text, long, height, colour = this.theme.ink) {
+    const { context } = this, [left, y] = [16, height - 14];
+    context.strokeStyle = context.fillStyle = colour;
+    context.lineWidth = 1.6;
+    context.lineCap = "butt";
+    context.beginPath();
+    context.moveTo(left, y - 5);
+    context.lineTo(left, y);
+    context.lineTo(left + long, y);
+    context.lineTo(left + long, y - 5);
+    context.stroke();
+    context.font = `12px ${FONT}`;
+    context.textAlign = "center";
+    context.fillText(text, left + long / 2, y - 7);
+  }
+
   // A line of the ground, hatched on its right hand; stroke: length of a hatch in pixels.
   wall(a, b, { stroke = 8, colour = this.theme.black, width = 1.4 } = {}) {
     const length = Math.hypot(b[0] - a[0], b[1] - a[1]);

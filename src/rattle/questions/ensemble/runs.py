@@ -19,7 +19,7 @@ from rattle.exchange.workbook import Cell, Sheet, workbook
 from rattle.questions.ensemble.pieces import OK, STATUS, WAITING, column_name
 from rattle.questions.ensemble.plans import Plan
 from rattle.questions.ensemble.store import Store
-from rattle.results.archive import package
+from rattle.results.archive import package, write_content
 from rattle.results.chosen_units import column_unit
 from rattle.results.result import UnknownName, require_table
 from rattle.studies.runs.columns import in_one_unit
@@ -153,9 +153,7 @@ class Samples(ABC):
         """Write the table of `to_csv` as a workbook (`.xlsx`) of one sheet.  Raises as `to_csv`."""
         require_workbook(path)
         rows = [*self._rows()]
-        content = workbook([Sheet("samples", self._titles(), rows, len(rows))])
-        with atomic(path) as file:
-            file.write_bytes(content)
+        write_content(workbook([Sheet("samples", self._titles(), rows, len(rows))]), path)
 
     def _titles(self) -> list[str]:
         names = [*self.parameters, *self.outputs]

@@ -2,7 +2,7 @@
 // below.  Places are in metres of the ground plane; the view says where they are on the screen.
 
 import { h } from "./dom.js";
-import { FONT, MechanismView, Motion, Painter, plain, sized, themeOf } from "./viewer.js";
+import { MechanismView, Motion, Painter, plain, sized, themeOf } from "./viewer.js";
 
 const WIDE = 0.6; // of an empty sheet [m]
 const COARSEST = 0.01; // snap of an empty sheet [m]
@@ -191,7 +191,7 @@ export class Board {
     else sized(this.canvas, width, height);
     const p = new Painter(sized(this.above, width, height), this.view, this.theme);
     for (const mark of this.marks) mark(p);
-    this.drawScale(p);
+    p.scaleBar(lengthText(10 * this.snap), 10 * this.snap * this.view.scale, this.height, this.theme.grey);
   }
 
   drawMechanism(view) {
@@ -231,21 +231,6 @@ export class Board {
     context.globalAlpha = 0.55;
     context.drawImage(image, 0, -height * size, width * size, height * size);
     context.restore();
-  }
-
-  drawScale(p) {
-    const { context } = p, step = this.snap * 10, long = step * this.view.scale, y = this.height - 12;
-    context.strokeStyle = context.fillStyle = this.theme.grey;
-    context.lineWidth = 1.4;
-    context.beginPath();
-    context.moveTo(14, y - 5);
-    context.lineTo(14, y);
-    context.lineTo(14 + long, y);
-    context.lineTo(14 + long, y - 5);
-    context.stroke();
-    context.font = `12px ${FONT}`;
-    context.textAlign = "left";
-    context.fillText(lengthText(step), 18, y - 4);
   }
 }
 
