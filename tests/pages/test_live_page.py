@@ -48,7 +48,7 @@ def short_fourbar(**simulate):
 def fourbar_page(tmp_path_factory):
     place = tmp_path_factory.mktemp("live") / "fourbar.html"
     assert page(short_fourbar(), place) == ""
-    assert place.stat().st_size < 450_000
+    assert place.stat().st_size < 260_000
     return place.as_uri()
 
 

@@ -207,9 +207,10 @@ def with_line_ends_of(text: str, renewed: str) -> str:
     return re.sub(r"\r?\n", "\r\n", renewed) if ends and ends == text.count("\n") else renewed
 
 
-def dump_json(document: Table) -> str:
-    """JSON text of a model."""
-    return json.dumps(plain(document), indent=2, ensure_ascii=False) + "\n"
+def dump_json(document: Table, text: str = "") -> str:
+    """JSON text of a model, indented as this text is."""
+    step = re.search(r"[{[]\r?\n([ \t]+)", text)
+    return json.dumps(plain(document), indent=step[1] if step else 2, ensure_ascii=False) + "\n"
 
 
 def wants_json(path: str | os.PathLike[str]) -> bool:

@@ -289,11 +289,15 @@ def read_points(place: FilePath, name: str) -> dict[str, object]:
     return {"x": [x for x, _ in points], "y": [y for _, y in points], "units": units}
 
 
+def parted_by(text: str) -> str:
+    """The sign that parts the cells of a text: the first of semicolon, tab and comma in its first line that counts."""
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    return next((sign for sign in (";", "\t", ",") if sign in first), ",")
+
+
 def _pairs(text: str, name: str) -> Iterator[tuple[int, list[str]]]:
     """The number of each line that holds something, and its two cells."""
-    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    split = next((sign for sign in (";", "	", ",") if sign in first), ",")
-    for line, row in enumerate(rows_of(text, name, split), start=1):
+    for line, row in enumerate(rows_of(text, name, parted_by(text)), start=1):
         cells = [cell.strip() for cell in row]
         if not any(cells) or cells[0].startswith("#"):
             continue

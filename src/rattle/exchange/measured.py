@@ -12,7 +12,7 @@ are shown.  A column without a unit is in the SI unit of its curve.
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -77,6 +77,17 @@ def measured_curves(wanted: str | Path, units: Mapping[str, str], shown: Sequenc
 
 
 # ---------------------------------------------------------------- what is asked for
+def require_readable(wanted: str | Path | Iterable[str | Path]) -> None:
+    """Refuse files of measured curves that cannot be read, before anything runs.  Raises InputError, OSError."""
+    for source in sources_of(wanted):
+        read_recording(read_wanted(source).path)
+
+
+def sources_of(wanted: str | Path | Iterable[str | Path]) -> list[str | Path]:
+    """One or several sources as a list."""
+    return [wanted] if isinstance(wanted, str | Path) else list(wanted)
+
+
 def read_wanted(text: str | Path) -> Wanted:
     """What a text asks for.  Raises InputError where there is no file, or for an offset that is no time."""
     if isinstance(text, Path):
@@ -251,11 +262,7 @@ def measured(recording: Recording, title: Title, curve: str, unit: str, offset: 
     if dimension is not None and dimension != _dimension(unit):
         is_a = f"{quoted(title.text)} is {describe(dimension)}"
         raise InputError(f"{recording.place}: {is_a}; {curve} is in {unit or 'no unit'}")
-    if (
-        dimension is not None
-        and unit.startswith("rad/")
-        and not si_unit(title.unit or "", dimension).startswith("rad/")
-    ):
+    if _leaves_turning_open(title, dimension, unit):
         why = f"{quoted(title.text)} leaves open whether turns or radians are meant"
         raise InputError(f"{recording.place}: {why}; {curve} is in {unit}: write rpm, rev/s, deg/s or rad/s")
     values = scale * recording.values(title)

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.description.read_tables import HEADER, LARGEST_FILE, rows_of, text_of
+from rattle.description.read_tables import HEADER, LARGEST_FILE, parted_by, rows_of, text_of
 from rattle.description.read_values import quoted
 from rattle.errors import InputError, suggest
 from rattle.language.units import DIMENSIONLESS, TIME, Dimension, QuantityError, describe, parse_quantity
@@ -207,8 +207,7 @@ def _delimiter(text: str) -> tuple[str, int]:
     first = start.splitlines()[0] if start else ""
     if re.fullmatch(r"sep=[;,\t]", first.strip(" \r\n").lower()):  # as Excel writes and reads it
         return first.strip(" \r\n")[-1], 1 + text[: len(text) - len(start)].count("\n")
-    told = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    return next((sign for sign in PARTED if sign in told), ","), 0
+    return parted_by(text), 0
 
 
 def _head(first: Head, comment: Head, file: str) -> Head:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
-from rattle.description.changes import NAMED
+from rattle.description.changes import NAMED, literal
 from rattle.exchange.imported import Imported
 
 NARROW = 100  # characters of a line from which on a table of points is written with a line for each
@@ -35,29 +35,15 @@ def _comment(imported: Imported) -> list[str]:
 
 def _heads(document: Mapping[str, object]) -> list[str]:
     """The values that belong to no table."""
-    return [f"{key} = {_value(value)}" for key, value in document.items() if not isinstance(value, Mapping)]
+    return [f"{key} = {literal(value)}" for key, value in document.items() if not isinstance(value, Mapping)]
 
 
 def _table(heading: str, entries: Mapping[str, object]) -> list[str]:
     lines = [f"[{heading}]"]
     for key, value in entries.items():
-        line = f"{key} = {_value(value)}"
+        line = f"{key} = {literal(value)}"
         if len(line) > NARROW and key == "points" and isinstance(value, Mapping):
-            lines += [f"{key}.{name} = {_value(at)}" for name, at in value.items()]
+            lines += [f"{key}.{name} = {literal(at)}" for name, at in value.items()]
         else:
             lines.append(line)
     return lines
-
-
-def _value(value: object) -> str:
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_value(part)}" for key, part in value.items()) + " }"
-    if isinstance(value, str):
-        import tomlkit
-
-        return tomlkit.string(value).as_string()
-    if isinstance(value, Sequence):
-        return "[" + ", ".join(_value(part) for part in value) + "]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return repr(value)

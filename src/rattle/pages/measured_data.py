@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from rattle.exchange.measured import Measured, measured_curves
+from rattle.exchange.measured import Measured, measured_curves, sources_of
 from rattle.pages.scene import packed
 from rattle.results.derived import rules, unit_of_rule
 from rattle.value_types import Tree
@@ -41,5 +41,4 @@ def measured_in(scene: Tree, wanted: str | Path | Iterable[str | Path], shown: S
     shown: the curves that are shown at first.  Raises InputError with file and line.
     """
     units = units_of(scene)
-    sources = [wanted] if isinstance(wanted, str | Path) else wanted
-    return [curve for source in sources for curve in measured_curves(source, units, shown)]
+    return [curve for source in sources_of(wanted) for curve in measured_curves(source, units, shown)]

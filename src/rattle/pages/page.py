@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rattle.errors import TraceError
+from rattle.exchange.measured import require_readable
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
@@ -43,7 +44,8 @@ def page(
     cannot compute, see `sweep_page.runs_of`.  title, curves, trust, language, measured: as of `Mechanism.page`.  Raises
     ModelError, AssemblyError, InputError, OSError.
     """
-    words_in(language)  # it is refused before anything runs
+    words_in(language)  # it is refused before anything runs, as files are that cannot be read
+    require_readable(measured)
     scene, why = None, "these values were asked for"
     if over is None:
         try:

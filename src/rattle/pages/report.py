@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
-from rattle.exchange.measured import read_wanted
-from rattle.exchange.recording import read_recording
+from rattle.exchange.measured import require_readable, sources_of
 from rattle.exchange.residuals import Source
 from rattle.pages import report_measured, report_model, report_summary
 from rattle.pages.print_pdf import print_pdf, require_browser
@@ -44,7 +43,7 @@ def report(
     paper: str = "A4", progress: bool = False, measured: Source | Iterable[Source] = (),
 ) -> Path:  # fmt: skip
     """Write a report of a mechanism; see `Mechanism.report`."""
-    sources = [measured] if isinstance(measured, str | Path) else list(measured)
+    sources = sources_of(measured)
     write_report(m, path, title=title, author=author, t_end=t_end, paper=paper, progress=progress, measured=sources)
     return Path(path)
 
@@ -56,8 +55,7 @@ def write_report(
     """As `report`; returns what was found out.  command: what was typed to make it; "" says how to make it again."""
     target = Path(path)
     require_name(target, paper)
-    for source in measured:  # a file that cannot be read is refused before anything runs
-        read_recording(read_wanted(source).path)
+    require_readable(measured)
     findings = study(m, t_end, progress, measured)
     _log.info("report: drawing and writing")
     page = page_of(findings, title, author, command)

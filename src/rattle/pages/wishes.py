@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from rattle.errors import InputError, suggest
+from rattle.pages.measured_data import units_of
 from rattle.pages.words import ENGLISH, in_language
-from rattle.results.derived import rules
 from rattle.value_types import Tree
 
 
@@ -35,8 +35,7 @@ AS_USUAL = Wishes()
 
 def _require_curves(scene: Tree, curves: Sequence[str]) -> None:
     """Raise InputError for a curve that the motions of a page do not have."""
-    stored = scene["runs"][0]["names"] if scene["runs"] else scene["live"]["names"]
-    present = [*stored, *rules(scene["geometry"], set(stored))]
+    present = list(units_of(scene))
     for name in curves:
         if name not in present:
             raise InputError(f"the motion has no curve '{name}'{suggest(name, present)}")

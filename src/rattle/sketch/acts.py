@@ -8,7 +8,7 @@ from typing import Any
 
 from rattle.errors import InputError, suggest
 from rattle.sketch import fields, moving, removing, tools
-from rattle.sketch.drawn import Drawn, Spot
+from rattle.sketch.drawn import Drawn, Place, Spot
 from rattle.sketch.numbers import length
 from rattle.sketch.revision import Caught, Drawing, Revision
 
@@ -57,6 +57,13 @@ def _spot(told: Any) -> Spot:
     raise InputError("expected a place [x, y] in m")
 
 
+def place_of(told: Any) -> Place:
+    """The place of a body from [x, y, angle].  Raises InputError."""
+    if isinstance(told, list | tuple) and len(told) == 3 and all(isinstance(x, int | float) for x in told):
+        return float(told[0]), float(told[1]), float(told[2])
+    raise InputError("expected the place of a body, [x, y, angle] in m and rad")
+
+
 def _number(message: Message, key: str) -> float:
     value = message.get(key, 0.0)
     return float(value) if isinstance(value, int | float) else 0.0
@@ -102,8 +109,12 @@ def _kept(revision: Revision, message: Message) -> Drawing:
 
 
 def _started(revision: Revision, message: Message) -> Drawing:
-    places = {name: tuple(map(float, place)) for name, place in message["places"].items() if name in revision.places}
-    return tools.start_here(revision, {name: (x, y, angle) for name, (x, y, angle) in places.items()})
+    told = message.get("places")
+    if not isinstance(told, Mapping):
+        raise InputError("expected the places of bodies, { body: [x, y, angle] }")
+    return tools.start_here(
+        revision, {name: place_of(place) for name, place in told.items() if name in revision.places}
+    )
 
 
 def _deleted(revision: Revision, message: Message) -> Drawing:

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from rattle.analyses.assembly.rank import RANK
+from rattle.analyses.assembly.rank import RANK, free_motions
 from rattle.sketch.movable import Movable
 from rattle.sketch.nearest_step import nearest_step, pressures
 
@@ -246,8 +246,7 @@ class Descent:
         size, pressed = self.movable.size, local.factors > 0.0
         along = np.eye(len(curve))
         if pressed.any():
-            _, values, right = np.linalg.svd(local.sides[pressed] @ local.free)
-            along = right[int((values > RANK * values[0]).sum()) :].T
+            along = free_motions(local.sides[pressed] @ local.free).T
         if not along.shape[1]:
             return None
         values, ways = np.linalg.eigh(along.T @ curve @ along)

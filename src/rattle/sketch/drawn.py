@@ -37,6 +37,18 @@ Place = tuple[float, float, float]  # x, y, angle [m, m, rad]
 Spot = tuple[float, float]  # [m]
 
 
+def placed(place: Place, spot: Spot) -> Spot:
+    """Where a spot of a body that stands at a place is in the plane [m]."""
+    c, s = math.cos(place[2]), math.sin(place[2])
+    return place[0] + c * spot[0] - s * spot[1], place[1] + s * spot[0] + c * spot[1]
+
+
+def framed(place: Place, spot: Spot) -> Spot:
+    """Where a spot of the plane is in the frame of a body that stands at a place [m]."""
+    c, s, dx, dy = math.cos(place[2]), math.sin(place[2]), spot[0] - place[0], spot[1] - place[1]
+    return c * dx + s * dy, -s * dx + c * dy
+
+
 class Pin(NamedTuple):
     """A joint as it is drawn."""
 
@@ -84,20 +96,11 @@ class Drawn:
 
     def in_plane(self, body: str, spot: Spot) -> Spot:
         """Where a spot in the frame of a body is in the plane [m]."""
-        if body == "ground":
-            return spot
-        x, y, angle = self.places[body]
-        c, s = math.cos(angle), math.sin(angle)
-        return x + c * spot[0] - s * spot[1], y + s * spot[0] + c * spot[1]
+        return spot if body == "ground" else placed(self.places[body], spot)
 
     def in_frame(self, body: str, spot: Spot) -> Spot:
         """Where a spot of the plane is in the frame of a body [m]."""
-        if body == "ground":
-            return spot
-        x, y, angle = self.places[body]
-        c, s = math.cos(angle), math.sin(angle)
-        dx, dy = spot[0] - x, spot[1] - y
-        return c * dx + s * dy, -s * dx + c * dy
+        return spot if body == "ground" else framed(self.places[body], spot)
 
     @cached_property
     def size(self) -> float:
@@ -130,15 +133,15 @@ class Drawn:
         while ahead:
             now = ahead.pop()
             for pin in self.pins:
-                if now in pin.ends and self._together(pin):
+                if now in pin.ends and self.together(pin):
                     other = pin.ends[1] if pin.ends[0] == now else pin.ends[0]
                     if other not in group:
                         group.append(other)
                         ahead.append(other)
         return group
 
-    def _together(self, pin: Pin) -> bool:
-        """True for a joint whose points are one place."""
+    def together(self, pin: Pin) -> bool:
+        """True for a joint whose points are one place, which a drag takes along."""
         if pin.kind == "prismatic":
             return math.dist(*(self.points[end] for end in pin.ends)) <= 1e-9 * self.size
         return pin.kind in PINS

@@ -11,7 +11,7 @@ from rattle.description.changes import Path
 from rattle.description.read_contact import contact_models
 from rattle.description.switch_contact import contact_of, recontact
 from rattle.errors import InputError
-from rattle.sketch.closing import closing_range
+from rattle.sketch.closing import closed_near, closing_range
 from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
 from rattle.sketch.moving import carry
@@ -88,8 +88,7 @@ def _of_joint(sketch: Drawn, name: str) -> Iterator[Field]:
         "bush radius minus pin radius, such as 0.2 mm; empty for none",
     )
     if "clearance" in entry:
-        contact = entry.get("contact", "massless-link")
-        model = contact if isinstance(contact, str) else contact.get("model", "")
+        model = _model({"contact": "massless-link", **entry})
         yield Field("Contact", model, "what happens when pin and bush meet", tuple(contact_models(entry["type"])))
 
 
@@ -237,8 +236,6 @@ def _turn(revision: Revision, name: str, text: str) -> Drawing:
 
 def turned_to(sketch: Drawn, name: str, angle: float, file: str) -> Mapping[str, Any] | None:
     """Places at which a body has this angle, near where they are; None where it cannot be."""
-    from rattle.sketch.closing import closed_near
-
     document = {key: value for key, value in sketch.document.items() if key not in ("drivers", "initial")}
     x, y, _ = sketch.places[name]
     start: dict[str, Any] = {name: {"angle": angle}}
@@ -292,9 +289,9 @@ def _another_kind(revision: Revision, name: str, text: str) -> Drawing:
     revision.enter(("joints", name, "type"), text)
     if text == "fixed":
         form = revision.sketch.model.joints[name]
-        a, b = (revision.places.get(end.body, (0.0, 0.0, 0.0))[2] for end in (form.a, form.b))
-        if abs(math.remainder(b - a, math.tau)) > STRAIGHT:
-            revision.enter(("joints", name, "angle"), degrees(b - a))
+        angle = revision.turn(form.a.body, form.b.body, revision.places)
+        if abs(math.remainder(angle, math.tau)) > STRAIGHT:
+            revision.enter(("joints", name, "angle"), degrees(angle))
     elif "angle" in revision.document["joints"][name]:
         revision.enter(("joints", name, "angle"), None)
     return revision.finish(f"{name} is {text}", f"joint {name}")

@@ -6,8 +6,6 @@ them; what is removed takes its own lines along, comments above the next entry s
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -40,7 +38,7 @@ def revised(text: str, changes: Sequence[Change]) -> str:
         renewed = copied(document)
         for path, value in changes:
             _put_plain(renewed, path, value)
-        return as_json(renewed, text)
+        return model_file.dump_json(renewed, text)
     before, text = text, text.replace("\r\n", "\n")
     headed = {part.path for part in sections(text)}
     inside = [change for change in changes if not _of_lines(document, change)]
@@ -56,19 +54,13 @@ def revised(text: str, changes: Sequence[Change]) -> str:
     return model_file.with_line_ends_of(before, text)
 
 
-def as_json(document: Mapping[str, Any], text: str) -> str:
-    """A document as JSON, indented as this text is."""
-    step = re.search(r"[{[]\r?\n([ \t]+)", text)
-    return json.dumps(document, indent=step[1] if step else 2, ensure_ascii=False) + "\n"
-
-
 def renamed(text: str, table: str, old: str, new: str) -> str:
     """The text in which an entry of a table has another name, there and in [initial]; what refers to it stays."""
     document = model_file.parse(text)
     if model_file.is_json(text):
         for key in {table, "initial"} & document.keys():
             document[key] = {new if name == old else name: value for name, value in document[key].items()}
-        return as_json(document, text)
+        return model_file.dump_json(document, text)
     for path in ((table, old), ("initial", old)):
         while not _is_new(model_file.parse(text), path):  # tables inside of it and dotted keys say the name again
             place = locate_all(text, [(path, True)])[0]

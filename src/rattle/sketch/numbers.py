@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
 
 from rattle.errors import InputError
-from rattle.language.units import dimension_of, parse_quantity
+from rattle.language.units import dimension_of, parse_quantity, unit_of_quantity
 
 MOST_DIGITS = 17
 AT_REST = 1e-13  # share of a length, or angle [rad], by which a written number may miss the drawn one
@@ -64,6 +63,5 @@ def in_unit_of(written: object, value: float, size: float = 0.0) -> float | str:
     """A length or coordinate [m] in the unit of the quantity that stood there, or as a number in m; size as above."""
     if not isinstance(written, str) or parse_quantity(written) is None:
         return length(value, size)
-    unit = re.sub(r"^[\s+\-\d.eE_]+", "", written).strip()
-    one = parse_quantity(f"1 {unit}") if unit else None
-    return length(value, size) if one is None else f"{plain(length(value / one[0], size / one[0]))} {unit}"
+    scale, unit = unit_of_quantity(written)
+    return f"{plain(length(value / scale, size / scale))} {unit}" if unit else length(value, size)

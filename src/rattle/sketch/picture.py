@@ -49,6 +49,7 @@ def _joint(sketch: Drawn, pin: Pin, driver: str) -> dict[str, Any]:
     apart = pin.apart if pin in sketch.open_joints else 0.0
     return {
         **pin._asdict(),
+        "together": sketch.together(pin),
         "type": pin.kind,
         "driver": driver,
         "play": str(entry.get("clearance", "")),

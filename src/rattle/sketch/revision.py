@@ -11,12 +11,13 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+from rattle.description import file as model_file
 from rattle.description.changes import Change, Path, copied
 from rattle.errors import InputError
 from rattle.language.expression import value
 from rattle.language.syntax import parse
 from rattle.mechanism import Mechanism
-from rattle.sketch.drawn import Drawn, Place, Spot, drawn, drawn_mechanism, reached
+from rattle.sketch.drawn import Drawn, Place, Spot, drawn, drawn_mechanism, framed, placed, reached
 from rattle.sketch.expressions import shifted, turned
 from rattle.sketch.model_text import renamed, revised, texts_of
 from rattle.sketch.numbers import degrees, in_unit_of, length, number_of
@@ -137,13 +138,11 @@ class Revision:
 
     def in_new_frame(self, body: str, spot: Spot) -> Spot:
         """Where a spot of the plane is in the frame of a body at the place where that is meant to be [m]."""
-        x, y, angle = self.places[body]
-        c, s = math.cos(angle), math.sin(angle)
-        return c * (spot[0] - x) + s * (spot[1] - y), -s * (spot[0] - x) + c * (spot[1] - y)
+        return framed(self.places[body], spot)
 
     def in_new_plane(self, body: str, spot: Spot) -> Spot:
         """Where a spot of a body is at the place where that is meant to be [m]."""
-        return _at(self.places[body], spot)
+        return placed(self.places[body], spot)
 
     def _centre(self, body: str) -> Spot:
         """The mass centre of a body in the frame of its text [m]."""
@@ -247,13 +246,10 @@ class Revision:
         return drawn(renamed(text, *self.renaming) if self.renaming else text, self.file, self.places)
 
     def _close_near(self) -> None:
-        """Mean the places at which the changed mechanism closes, near those where it was.
-
-        Raises InputError if it closes nowhere.
-        """
+        """Mean the places at which the changed mechanism closes, near those where it was, if it closes there."""
         text = self._text()
-        sketch = drawn(text, self.file, self.places)
-        beside = drawn_mechanism(text, sketch.document, sketch.mechanism.near(self.places), self.places)
+        m = Mechanism.from_text(text, self.file).near(self.places)
+        beside = drawn_mechanism(text, model_file.parse(text), m, self.places)
         if not beside.trouble:
             self.places = {name: beside.places[name] for name in beside.bodies}
             self.moved += [name for name in self.document.get("initial", {}) if name in self.places]
@@ -268,7 +264,7 @@ class Revision:
             if body in self.places and body in sketch.model.bodies:
                 (x, y), (u, v) = self._centre(body), new._centre(body)
                 if math.dist((x, y), (u, v)) > SAME * self.sketch.size:
-                    self.places[body] = (*_at(self.places[body], (u - x, v - y)), self.places[body][2])
+                    self.places[body] = (*placed(self.places[body], (u - x, v - y)), self.places[body][2])
                     self.moved.append(body)
         self._start(self.moved[before:])
         return len(self.moved) > before
@@ -294,13 +290,13 @@ class Revision:
             entry = self.document.get("joints", {}).get(name)
             if joint.kind not in ("fixed", "prismatic") or not isinstance(entry, Mapping):
                 continue
-            old, new = (self._turn(joint.a.body, joint.b.body, places) for places in (self.sketch.places, self.places))
+            old, new = (self.turn(joint.a.body, joint.b.body, places) for places in (self.sketch.places, self.places))
             if abs(turned(new - old)) > SAME:
                 written = entry.get("angle", degrees(old))
                 self.enter(("joints", name, "angle"), shifted(written, old, turned(new - old), turns=True))
 
     @staticmethod
-    def _turn(a: str, b: str, places: Mapping[str, Place]) -> float:
+    def turn(a: str, b: str, places: Mapping[str, Place]) -> float:
         """Angle of one body relative to another [rad]."""
         nowhere = (0.0, 0.0, 0.0)
         return places.get(b, nowhere)[2] - places.get(a, nowhere)[2]
@@ -311,7 +307,7 @@ class Revision:
         a, b = (places.get(point.body, (0.0, 0.0, 0.0)) for point in (form.a, form.b))
         if form.coordinate == "angle":
             return b[2] - a[2]
-        (ax, ay), (bx, by) = (_at(place, point.at) for place, point in ((a, form.a), (b, form.b)))
+        (ax, ay), (bx, by) = (placed(place, point.at) for place, point in ((a, form.a), (b, form.b)))
         along = a[2] + (form.line or 0.0)
         return (bx - ax) * math.cos(along) + (by - ay) * math.sin(along)
 
@@ -382,11 +378,6 @@ def _at_path(document: Mapping[str, Any], path: Path) -> Any:
     for key in path:
         part = part.get(key) if isinstance(part, Mapping) else part[int(key)] if isinstance(part, list) else None
     return part
-
-
-def _at(place: Place, spot: Spot) -> Spot:
-    c, s = math.cos(place[2]), math.sin(place[2])
-    return place[0] + c * spot[0] - s * spot[1], place[1] + s * spot[0] + c * spot[1]
 
 
 def point_names() -> Iterable[str]:

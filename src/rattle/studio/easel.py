@@ -15,13 +15,12 @@ import numpy as np
 
 from rattle.description import file as model_file
 from rattle.errors import InputError, ModelError, suggest
-from rattle.language.units import dimension_of, parse_quantity
 from rattle.results.display import quantity
-from rattle.sketch.acts import act, caught
-from rattle.sketch.drawn import Drawn, Spot, drawn
+from rattle.sketch.acts import act, caught, place_of
+from rattle.sketch.drawn import Drawn, Spot, drawn, framed
 from rattle.sketch.measuring import message_of, readings
 from rattle.sketch.model_text import revised
-from rattle.sketch.numbers import length
+from rattle.sketch.numbers import length, typed_number
 from rattle.sketch.picture import picture_of, underlay_of
 from rattle.sketch.pull import Pull, Pulled
 from rattle.studio.folder import Folder
@@ -91,15 +90,12 @@ class Easel:
         self._pull = None  # of another text, perhaps
         sketch = self.drawing(text, file)
         m = sketch.mechanism
-        now = dict(sketch.places) | {name: _place(place) for name, place in (places or {}).items()}
+        now = dict(sketch.places) | {name: place_of(place) for name, place in (places or {}).items()}
         if body not in now:
             raise InputError(f"there is no body '{body}' in the drawing{suggest(body, sketch.bodies)}")
         start = m.start.q.reshape(-1, 3)
         q = np.array([now.get(name, start[k]) for k, name in enumerate(m.system.bodies)], float).ravel()
-        x, y, angle = now[body]
-        c, s = math.cos(angle), math.sin(angle)
-        dx, dy = at[0] - x, at[1] - y
-        self._pull = Pull(m, body, (c * dx + s * dy, c * dy - s * dx), q, motors=force)
+        self._pull = Pull(m, body, framed(now[body], at), q, motors=force)
         self._held = self._pull.place if force else None
 
     def pulled(self, at: Spot) -> Message:
@@ -143,15 +139,19 @@ class Easel:
     def _scale_picture(self, text: str, message: Mapping[str, Any]) -> tuple[str, str]:
         """Let two points of the picture be at a distance; the first one stays."""
         picture = underlay_of(model_file.parse(text))
-        quantity = parse_quantity(str(message.get("text")))
+        text_typed = str(message.get("text"))
         if picture is None:
             raise InputError("there is no picture below the drawing")
-        if quantity is None or not quantity[0] > 0.0 or quantity[1] not in (None, dimension_of("m")):
-            raise InputError(f"'{message.get('text')}' is not a distance: type a length such as 0.5 m or 120 mm")
+        try:
+            distance = typed_number(text_typed, "m")
+        except InputError:
+            distance = None
+        if distance is None or not distance > 0.0:
+            raise InputError(f"'{text_typed}' is not a distance: type a length such as 0.5 m or 120 mm")
         (px, py), (qx, qy) = message["from"], message["to"]
         if not (apart := math.hypot(qx - px, qy - py)) > 0.0:
             raise InputError("the two points are one: click two points of the picture that are apart")
-        factor, (ox, oy) = quantity[0] / apart, picture["origin"]
+        factor, (ox, oy) = distance / apart, picture["origin"]
         value = {
             **picture,
             "scale": length(picture["scale"] * factor),
@@ -164,11 +164,6 @@ class Easel:
 
 
 PICTURES = {"picture": Easel._put_picture, "scale-picture": Easel._scale_picture, "no-picture": Easel._no_picture}
-
-
-def _place(told: Any) -> tuple[float, float, float]:
-    x, y, angle = told
-    return float(x), float(y), float(angle)
 
 
 def _with_picture(text: str, value: Mapping[str, Any]) -> str:

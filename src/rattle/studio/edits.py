@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -53,7 +52,7 @@ def _written(text: str, document: dict[str, Json], changes: Sequence[Change]) ->
     for path, value in changes:
         put(renewed, path, value)
     if model_file.is_json(text):
-        return json.dumps(renewed, indent=2, ensure_ascii=False) + "\n"
+        return model_file.dump_json(renewed, text)
     return model_file.dump(renewed, text, changes)
 
 

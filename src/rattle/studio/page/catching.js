@@ -65,11 +65,10 @@ export class Catcher {
 
   // All points that joints put at the place of this one; a block is where it is drawn on its guide.
   joined(name) {
-    const group = [name], { points, joints } = this.board.drawing;
-    const together = ({ type, ends: [a, b] }) => type !== "prismatic" || distance(points[a], points[b]) < 1e-9;
+    const group = [name];
     for (let k = 0; k < group.length; k++) {
-      for (const { type, ends } of joints.filter(together)) {
-        if (["revolute", "fixed", "prismatic"].includes(type) && ends.includes(group[k])) group.push(...ends.filter((end) => !group.includes(end)));
+      for (const { together, ends } of this.board.drawing.joints) {
+        if (together && ends.includes(group[k])) group.push(...ends.filter((end) => !group.includes(end)));
       }
     }
     return group;

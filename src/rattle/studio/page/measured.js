@@ -1,11 +1,10 @@
 // Measured curves beside the motion: a file is dropped on the Motion tab, or chosen; nothing of it goes into the model.
 
 import { h, replace } from "./dom.js";
-import { bytesOf } from "./viewer.js";
+import { bytesOf, typedValue } from "./viewer.js";
 
 const LARGEST = 8000000; // bytes of a file
 const TABLE = /\.(csv|tsv|txt|dat)$/i;
-const SECONDS = { s: 1, ms: 1e-3, us: 1e-6, "µs": 1e-6, min: 60, h: 3600 };
 
 export class Measured {
   // host: {send(message), app(): the viewer or null}; place: the element on which files are dropped
@@ -111,10 +110,9 @@ export class Measured {
   }
 
   shift(row, field) {
-    const [, number, unit] = /^\s*([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zµ]*)\s*$/.exec(field.value) ?? [], size = SECONDS[unit || "s"];
     row.written = field.value.trim();
-    row.wrong = !size || number === undefined;
-    if (!row.wrong) row.offset = Number(number) * size;
+    row.wrong = false;
+    try { row.offset = typedValue(row.written, "s", "s"); } catch { row.wrong = true; }
     this.apply();
   }
 }
