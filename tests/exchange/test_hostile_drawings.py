@@ -95,7 +95,9 @@ def test_broken_svg_is_read_or_refused():
 
 
 def bulges(n):
-    return outline("a", [(k % 1000, k // 1000, 0.7 + k % 3) for k in range(n)])
+    """A wheel with n small bulges on its rim."""
+    turns = [2 * np.pi * k / n for k in range(n)]
+    return outline("a", [(1000 * np.cos(turn), 1000 * np.sin(turn), 0.2) for turn in turns])
 
 
 LONG = "0\nLINE\n8\na\n10\n0\n20\n0\n11\n1\n21\n1\n"
@@ -124,11 +126,24 @@ HUGE = {
 }
 
 
+NO_BODY, FEWER = "no layer is a body", "more than 1000"
+REFUSED = {  # the others are read
+    "a million bulges": "more than 8 million", "lines that close nothing": NO_BODY, "a grid of lines": NO_BODY,
+    "too many lines": "more than 300000", "two million lines of text": "more than 300000",
+    "blocks of blocks of blocks": FEWER, "a row of a billion": FEWER, "an empty row of a billion": NO_BODY,
+    "many layers": FEWER, "too many outlines in outlines": "too many outlines", "many outlines": FEWER,
+    "many polylines": FEWER, "a spiral": "without crossing",
+}  # fmt: skip
+
+
 @pytest.mark.parametrize("name", HUGE)
 def test_huge_drawings_take_no_longer(name):
     text = HUGE[name]()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    settled(read_dxf, text)
+    assert settled(read_dxf, text) == ("refused" if name in REFUSED else "read")
+    if name in REFUSED:
+        with pytest.raises(rt.InputError, match=REFUSED[name]):
+            read_dxf(text, "x.drawing", Assumptions())
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 500_000  # kB
 
 
