@@ -2,12 +2,12 @@
 
 import json
 import math
-import time
 
 import numpy as np
 import pytest
 
 import rattle as rt
+from bounded import bounded
 from rattle.errors import ModelError
 from rattle.exchange.imported import Assumptions
 from rattle.exchange.svg.lengths import Matrix, transform_of
@@ -220,10 +220,8 @@ BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;
     ],
 )  # fmt: skip
 def test_what_is_no_plain_drawing_is_refused_with_its_place(text, words):
-    begin = time.perf_counter()
-    with pytest.raises(rt.InputError, match=f"(?s){words}"):
+    with bounded(), pytest.raises(rt.InputError, match=f"(?s){words}"):
         read_svg(text, "part.svg", Assumptions())
-    assert time.perf_counter() - begin < 2.0
 
 
 def test_the_plain_doctype_of_old_programs_is_let_pass_and_never_looked_up():

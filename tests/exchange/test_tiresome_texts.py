@@ -1,15 +1,15 @@
 """Texts that would take a search of signs minutes are refused at once."""
 
 import json
-import time
 
 import pytest
 
 import rattle as rt
+from bounded import bounded
 from rattle.errors import InputError, ModelError
 from rattle.exchange.svg.lengths import LONGEST, length_of, numbers_of, transform_of
 
-MOST = 1.0  # processor seconds: without limits they take nine and more
+MOST = 6.0  # processor seconds: without limits they take nine and more
 
 
 @pytest.mark.parametrize(
@@ -25,16 +25,13 @@ MOST = 1.0  # processor seconds: without limits they take nine and more
     ],
 )
 def test_numbers_of_svg_are_read_in_one_pass(read, text):
-    began = time.process_time()
-    assert read(text) is None
-    assert time.process_time() - began < MOST
+    with bounded(MOST):
+        assert read(text) is None
 
 
 def test_links_with_very_many_joints_are_refused(tmp_path):
     joints = [{"id": f"j{k}", "type": "revolute", "position": [k, 0]} for k in range(1999)]
     links = [{"id": f"l{k}", "type": "link", "joints": [joint["id"] for joint in joints]} for k in range(30)]
     (tmp_path / "p.json").write_text(json.dumps({"name": "many", "joints": joints, "links": links}))
-    began = time.process_time()
-    with pytest.raises((InputError, ModelError), match="more than 5000 joints"):
+    with bounded(MOST), pytest.raises((InputError, ModelError), match="more than 5000 joints"):
         rt.read(tmp_path / "p.json")
-    assert time.process_time() - began < MOST

@@ -21,6 +21,7 @@ FINE = 1e-5  # distance of a polygon from its outline, as a share of its size, w
 SEEN = (4e-4, 5e-5)  # the same of polygons that are shown; the second where the first cross
 MOST_SEEN = 400  # corners of polygons that are shown
 WORTH = 200  # corners that take as long to look at as an outline takes besides
+ALL = slice(None)
 SAMPLED = 100_000  # pairs of corners that are looked at to find out whether one outline is in another
 
 
@@ -189,6 +190,7 @@ class _Piece:
         self.polygon = np.array(flattened(outline, FINE * self.size))  # near enough to ask what is inside
         self.low, self.high = self.polygon.min(axis=0), self.polygon.max(axis=0)
         self.ends = np.roll(self.polygon, -1, axis=0)
+        self.longest = float(np.hypot(*(self.ends - self.polygon).T).max())
 
     def hold(self, points: Array) -> Array:
         """(n,) whether points (n, 2) are inside: a ray from them crosses the line an odd number of times."""
@@ -199,9 +201,20 @@ class _Piece:
         odd: Array = (spans & (at > x)).sum(axis=1) % 2 == 1
         return odd
 
-    def distances(self, points: Array) -> Array:
-        """(n,) how far points (n, 2) are from the line."""
-        chord, to = self.ends - self.polygon, points[:, None] - self.polygon
+    def is_clear(self, point: Vector, reach: float) -> bool:
+        """True if the line comes nowhere nearer to a point than reach."""
+        at = np.array(point)
+        if ((at > self.high + reach) | (at < self.low - reach)).any():
+            return True
+        near = ((self.polygon - at) ** 2).sum(axis=1) <= (
+            reach + self.longest
+        ) ** 2  # a chord begins so near, or is far
+        return not near.any() or bool(self.distances(at[None], near)[0] >= reach)
+
+    def distances(self, points: Array, chords: Array | slice = ALL) -> Array:
+        """(n,) how far points (n, 2) are from the line, or from some chords of it."""
+        begin = self.polygon[chords]
+        chord, to = self.ends[chords] - begin, points[:, None] - begin
         along = np.clip((chord * to).sum(axis=2) / np.maximum((chord**2).sum(axis=1), 1e-300), 0.0, 1.0)
         far: Array = np.hypot(*np.moveaxis(to - along[..., None] * chord, 2, 0)).min(axis=1)
         return far
@@ -228,9 +241,7 @@ def _is_cut(circle: Circle, pieces: Sequence[_Piece]) -> bool:
     """True if a circle is a hole in solid material: it crosses no outline and is in no hole of that kind."""
     if sum((-1) ** piece.depth for piece in pieces if piece.surrounds(circle[:2])) != 1:
         return False
-    centre, reach = np.array([circle[:2]]), circle.radius * (1.0 - 1e-6)
-    near = [piece for piece in pieces if not ((centre > piece.high + reach) | (centre < piece.low - reach)).any()]
-    return all(piece.distances(centre)[0] >= reach for piece in near)
+    return all(piece.is_clear(circle[:2], circle.radius * (1.0 - 1e-6)) for piece in pieces)
 
 
 def _concentric(circle: Circle, other: Circle) -> bool:

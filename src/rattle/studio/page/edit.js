@@ -102,6 +102,8 @@ export class Edit {
 
   take(name) {
     this.tool = name;
+    this.goesOn = true;
+    this.starts();
     for (const [one, button] of this.buttons) button.setAttribute("aria-pressed", String(one === name));
     this.hand.forget();
     this.show_still();
@@ -114,9 +116,17 @@ export class Edit {
     if (name === "Picture") this.underlay.ask();
   }
 
+  // True if the motion that comes now is to play.  Who draws on meanwhile is not disturbed: it plays after the next act.
+  starts() {
+    const { runs } = this, draws = this.goesOn || this.hand.act !== null;
+    this.runs = false;
+    if (runs && draws) this.ran = true;
+    return runs && !draws;
+  }
+
   // The drawing as the text has it: the motion rests, what was turned by hand goes back.
   show_still() {
-    if (this.board.running) {
+    if (this.board.running || this.show.playing) {
       this.ran = this.show.playing;
       this.show.rest();
       this.board.run(null);
@@ -161,6 +171,7 @@ export class Edit {
       else if (message.words) this.choose(this.things);
       if (!message.changed && message.field) this.panel.focus([message.field]);
       this.runs = message.changed && (message.act === "motor" || (message.act === "type" && (this.ran || this.show.playing)));
+      if (this.goesOn) this.starts();
     } else this.choose(this.things);
   }
 
@@ -233,6 +244,7 @@ export class Edit {
     if (this.broken) return;
     this.complain("");
     this.waits(true);
+    this.goesOn = false; // no tool was taken since
     this.send({ do: "act", number: ++this.count, snap: this.board.snap, ...message });
   }
 

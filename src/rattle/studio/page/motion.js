@@ -72,8 +72,7 @@ export class Show {
     }
     this.title = scene.title;
     this.shape = shape;
-    if (this.edit?.runs) this.play();
-    if (this.edit) this.edit.runs = false;
+    if (this.edit?.starts()) this.play();
   }
 
   // What scripts find as window.rattle: the viewer, and drawing.
