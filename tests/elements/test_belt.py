@@ -166,7 +166,7 @@ def test_a_belt_is_drawn_with_strands_that_touch_its_pulleys():
     [
         ('contact = "impact"', "stiffness and damping of its own"),
         ("clearance = 1e-3", "clearance"),
-        ("length = 2", "unknown key"),
+        ("length = 2", "no pin in a bush"),
     ],
 )
 def test_what_a_belt_cannot_have_is_refused(belt, says):

@@ -19,11 +19,13 @@ from rattle.interfaces.fields import LawValues, pair
 from rattle.interfaces.joints import DriverKind, JointKind, Motor
 from rattle.language.expression import Node
 from rattle.language.local_function import LocalFunction
+from rattle.language.materials import Material
 from rattle.language.recorded import as_number
 from rattle.language.tables import NO_TABLES, Tables
 
 DEFAULT_CONTACT = "massless-link"  # of a joint that says its clearance only
 DEFAULT_STOP = "impact"  # of a stop that says its ends only
+END_ROUNDING = 1e-12  # share of the mass of a bar by which a mass at its end may be negative by rounding
 Vector = tuple[float, float]
 Value = float | Node  # a number [SI], or an expression in t, state and signals
 
@@ -35,6 +37,35 @@ class Point:
     body: str
     name: str
     at: Vector
+
+
+@dataclass(frozen=True)
+class Section:
+    """The section of a bar, for bending in the plane."""
+
+    area: float  # [m^2]
+    inertia: float  # second moment of area [m^4]
+    modulus: float  # section modulus [m^3]
+    height: float = math.nan  # in the plane [m]
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class Beam:
+    """What a bar is made of: straight from end A to end B, x from A."""
+
+    ends: tuple[str, str]
+    length: float  # [m]
+    centre: float  # x of the mass centre [m]
+    section: Section | None
+    material: Material | None
+    line: tuple[Vector, ...]  # (x, mass per length) [m, kg/m], straight between
+    at_ends: Vector = (0.0, 0.0)  # masses there that mass and inertia need besides [kg]
+
+    @property
+    def physical(self) -> bool:
+        """False if such a mass would be negative: no distribution of mass along the bar is like that."""
+        return min(self.at_ends) >= -END_ROUNDING * sum(density for _, density in self.line) * self.length
 
 
 @dataclass(frozen=True)
@@ -50,6 +81,8 @@ class Body:
     points: Mapping[str, Vector]
     bar: bool = False
     outline: tuple[tuple[Vector, ...], ...] = ()  # of a plate: corners of its polygon, then those of each hole
+    beam: Beam | None = None  # of a bar
+    z: float = 0.0  # offset of its plane [m]
 
 
 GROUND = "ground"
@@ -197,6 +230,15 @@ class Wear:
 
 
 @dataclass(frozen=True)
+class WearLimit:
+    """How deep a pin and its bush may wear, with or without play, and how fast they do."""
+
+    rate: float  # k of both together: volume lost per force and sliding distance [m^2/N]
+    limit: float  # depth that is allowed [m]; nan: not said
+    band: Vector | None  # factors of the life that 10 and 90 % reach; None: those that are assumed
+
+
+@dataclass(frozen=True)
 class Stop:
     """The ends of the coordinate of a joint [m or rad], infinite where there is none, and what happens there."""
 
@@ -235,6 +277,10 @@ class Joint:
     counts: bool = True  # False: of such a kind only the rows act that do not count
     wear: Wear | None = None
     corners: Corners = field(default_factory=dict)  # points of B that may touch a surface
+    wears: WearLimit | None = None
+    radius: float = math.nan  # of its bush or pin [m]
+    length: float = math.nan  # of the bearing along its pin [m]
+    z: float = math.nan  # offset of its middle [m]
 
     @property
     def friction_path(self) -> tuple[str, ...]:
@@ -523,6 +569,15 @@ class Initial:
 
 
 @dataclass(frozen=True)
+class DutyCase:
+    """What a machine does for a share of its time."""
+
+    share: float  # of time, in proportion to the other cases
+    changes: Mapping[str, Any]  # values of parameters, as they are written
+    name: str = ""
+
+
+@dataclass(frozen=True)
 class Settings:
     """The [simulate] table; None means that the program decides."""
 
@@ -556,6 +611,8 @@ class Model:
     states: Mapping[str, State] = field(default_factory=dict)
     tables: Tables = NO_TABLES
     definitions: Mapping[str, Node] = field(default_factory=dict)  # what names of points, joints and loads stand for
+    materials: Mapping[str, Material] = field(default_factory=dict)  # of the model's own
+    duty: tuple[DutyCase, ...] = ()
     falling: tuple[Node, Node] | None = None  # gravity [m/s^2] as a function of t; None: it stays as it is
 
     @property

@@ -365,7 +365,8 @@ def _elastic(
         if not isinstance(material, str):
             reader.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {quoted(material)}")
             return "steel"
-        return material
+        own = reader.values.materials.get(material)
+        return material if own is None else {"E": own.E, "nu": own.nu}
     if key == "stiffness":
         exponent = reader.values.value(table.get("exponent", 1.5), "", (*path, "exponent"), "positive")
         force, length = site.unit("N"), site.unit("m")

@@ -292,8 +292,24 @@ def _version(values: Values, field: Field, written: object, path: Path) -> None:
         values.wrong(path, f"expected format = 1, {got}")
 
 
+def _line(values: Values, field: Field, written: object, path: Path) -> tuple[Vector, ...] | None:
+    """Pairs of a place [m] and a number per length [SI]; None after a problem."""
+    if not isinstance(written, list | tuple) or len(written) < 2:
+        values.wrong(path, f"expected pairs [[x, {field.unit}], [x, {field.unit}], ...], got {quoted(written)}")
+        return None
+    pairs = []
+    for n, pair in enumerate(written):
+        if not isinstance(pair, list | tuple) or len(pair) != 2:
+            values.wrong((*path, n), f"expected [x, {field.unit}], got {quoted(pair)}")
+            return None
+        place = values.value(pair[0], "m", (*path, n, 0), "not negative")
+        pairs.append((place, values.value(pair[1], field.unit, (*path, n, 1), "not negative")))
+    return tuple(pairs)
+
+
 OWN = (  # shapes that depend on other parts of the model: of expressions on names, of joints on their kind
-    "contact", "coordinate", "ends", "expression", "joint", "own friction", "place", "stop",
+    "cases", "contact", "coordinate", "ends", "expression", "joint", "material of a body", "own friction", "place",
+    "section", "stop",
 )  # fmt: skip
 MANY = {"pair": 2, "triple": 3}  # shapes of several numbers, and how many
 SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers
@@ -313,6 +329,7 @@ SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all sh
     "ring": _ring,
     "rings": _rings,
     "labels": _labels,
+    "line": _line,
     "stepper": _word("method", lambda: registry.names("stepper")),
     "table": _table,
     "text": _text,

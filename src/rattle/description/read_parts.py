@@ -24,6 +24,7 @@ from rattle.description.model import (
     Vector,
     is_ground,
 )
+from rattle.description.read_bars import read_bar
 from rattle.description.read_contact import (
     contact_models,
     read_contact,
@@ -34,16 +35,17 @@ from rattle.description.read_contact import (
 from rattle.description.read_fields import MANY, FieldReader
 from rattle.description.read_friction import joint_friction, rolling_friction
 from rattle.description.read_plates import read_plate
-from rattle.description.read_values import Values, is_computable, quoted
-from rattle.description.read_wear import read_wear
+from rattle.description.read_values import Values, quoted
+from rattle.description.read_wear import kind_wears, read_limit, read_wear
 from rattle.description.reading import Path, Table
-from rattle.description.tables import BAR, BODY, DRIVER, ENDS, JOINT, JOINT_TO_DRIVE, WHOLE_BODIES
+from rattle.description.tables import BODY, DRIVER, ENDS, JOINT, JOINT_TO_DRIVE, WHOLE_BODIES
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ClearanceKind, Corners
 from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.interfaces.loads import LoadKind
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
+from rattle.language.recorded import as_number
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
@@ -92,6 +94,23 @@ def same_angle(joints: Iterable[Joint], a: str, b: str) -> list[str]:
     return reached.get(b, []) if a != b else []
 
 
+def _radius(kind: registry.Kind[JointKind], contact: Contact | None, friction: JointFriction | None) -> float:
+    """Radius of the pin of a joint [m], by its bush or by its friction; nan if neither says it."""
+    if contact is not None and contact.bush_radius:
+        return contact.bush_radius
+    by_friction = friction is not None and not friction.stated and "pin_radius" in kind.leaf.rubs_with
+    return friction.arm if friction is not None and by_friction else math.nan
+
+
+def _length(own: float | None, contact: Contact | None) -> float:
+    """Length of a bearing along its pin [m], its own or that of its contact; nan if neither is known."""
+    if own is not None:
+        return own
+    law = None if contact is None else contact.film.law if contact.film is not None else contact.static
+    length = law.values.get("length") if law is not None else None
+    return math.nan if length is None else as_number(length)
+
+
 class Parts(FieldReader):
     """Reads parts one by one; later parts refer to those read before."""
 
@@ -109,38 +128,19 @@ class Parts(FieldReader):
     # ------------------------------------------------------------ bodies and points
     def add_body(self, name: str, table: Table) -> None:
         """Read a body in its general form, a bar, or a plate."""
-        values, path = self.values, ("bodies", name)
+        path = ("bodies", name)
         if "polygon" in table:
             self.bodies[name] = read_plate(self, name, table)
             return
-        bar = "bar" in table
-        read = self.form(BAR if bar else BODY, table, path)
-        mass, inertia, points = read["mass"], read["inertia"], read["points"] or {}
-        if bar:
-            length = read["length"]
-            points = {**self._ends(read["bar"], length, points, path), **points}
-            if inertia is None:
-                inertia = mass * length * length / 12
-                if not (is_computable(inertia) or mass == 0) and not math.isnan(inertia):
-                    values.wrong(path, f"its inertia m l^2/12 = {inertia:g} kg*m^2 is out of range")
-        else:
-            x, y = read["center"] or (0.0, 0.0)
-            points = {key: (px - x, py - y) for key, (px, py) in points.items()}
-        self.bodies[name] = Body(name, mass, inertia, points, bar)
-
-    def _ends(
-        self, ends: tuple[str, str] | None, length: float, points: Mapping[str, Vector], path: Path
-    ) -> dict[str, Vector]:
-        """The two end points of a bar [m]."""
-        if ends is None:
-            self.vague.add(str(path[-1]))
-            return {}
-        first, second = ends
-        for end in {first: 0, second: 0}:
-            if end in points or first == second:
-                self.values.wrong((*path, "bar"), f"the point name '{end}' is used twice")
-                self.vague.add(str(path[-1]))
-        return {first: (-length / 2, 0.0), second: (length / 2, 0.0)}
+        if "bar" in table:
+            self.bodies[name], sound = read_bar(self, name, table)
+            if not sound:
+                self.vague.add(name)
+            return
+        read = self.form(BODY, table, path)
+        x, y = read["center"] or (0.0, 0.0)
+        points = {key: (px - x, py - y) for key, (px, py) in (read["points"] or {}).items()}
+        self.bodies[name] = Body(name, read["mass"], read["inertia"], points, z=read["z"])
 
     def point(self, written: object, path: Path, alone: bool = False) -> Point:
         """The point named by "body.point"; with `alone` also by "body" (its mass centre; the origin of the ground)."""
@@ -199,14 +199,15 @@ class Parts(FieldReader):
         a, b = self.connect(table, path, alone=kind.leaf.bodies, bodies=kind.leaf.bodies)
         play = registry.play_of(kind.name)
         sizes: Mapping[str, Mapping[str, Field]] = play.leaf.dimensions if play else {}
-        values.keys(table, ["type", *JOINT.fields, *sizes, *kind.fields], path)
+        values.keys(table, dict.fromkeys(["type", *JOINT.fields, *sizes, *kind.fields]), path)
         fields = self.fields(kind, table, path)
         if len(values.problems) == before:  # of fields that are sound
             self._require_consistent(kind, table, fields, path)
-        named = kind.name
+        named, own = kind.name, self.read(JOINT, {key: table[key] for key in table if key not in kind.fields}, path)
+        bearing = self._bearing_length(table, kind, own["length"], path)
         if "contact" in table:
             kind, fields = self._lifting(kind, fields, path)
-        clearance = self.read(JOINT, table, path)["clearance"]
+        clearance = own["clearance"]
         contact = self._contact(table, kind, fields, clearance, path)
         clearance = 0.0 if clearance is None else clearance
         if len(values.problems) == before:
@@ -223,12 +224,28 @@ class Parts(FieldReader):
         if contact is not None and contact.rolling > 0.0:
             friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
+        radius = _radius(kind, contact, friction)
+        length = _length(bearing, contact)
+        wears = None
+        if wear is not None or not clearance > 0.0:
+            wears = read_limit(self, table, kind, wear, radius, (*path, "wear"))
         self.joints[name] = Joint(
             name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear, corners=corners,
             counts=not (friction is not None and kind.leaf.placing),
+            wears=wears, radius=radius, length=length, z=math.nan if own["z"] is None else own["z"],
         )  # fmt: skip
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _bearing_length(
+        self, table: Table, kind: registry.Kind[JointKind], length: float | None, path: Path
+    ) -> float | None:
+        """Length of the bearing of a joint [m]; None if it has none, or has another length of its own."""
+        if length is None or kind_wears(kind):
+            return length
+        why = f"a {kind.name} joint has no pin in a bush, whose length this would be; leave it out"
+        self.values.wrong((*path, "length"), why, at_key=True)
+        return None
 
     def _lifting(
         self, kind: registry.Kind[JointKind], fields: dict[str, float], path: Path

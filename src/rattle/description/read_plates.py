@@ -41,7 +41,7 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
         return tuple((x - cx, y - cy) for x, y in ring)
 
     placed = dict(zip(points, of_centre(list(points.values())), strict=True))
-    return Body(name, mass, inertia, placed, outline=tuple(map(of_centre, (outline, *holes))))
+    return Body(name, mass, inertia, placed, outline=tuple(map(of_centre, (outline, *holes))), z=read["z"])
 
 
 def _states_its_own(values: Values, table: Table, path: Path) -> bool:

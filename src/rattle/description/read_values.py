@@ -27,6 +27,7 @@ from rattle.language.expression import (
     value,
     walk,
 )
+from rattle.language.materials import Material
 from rattle.language.operation import Units
 from rattle.language.operations import OPERATIONS
 from rattle.language.recorded import as_number, bare
@@ -109,6 +110,8 @@ class Values:
         self.tables: Tables = NO_TABLES  # the same
         self.broken_tables: set[str] = set()  # whose definition has a problem
         self.later_tables: set[str] = set()  # those that are read after the parameters
+        self.materials: dict[str, Material] = {}  # of the model's own
+        self.broken_materials: set[str] = set()  # whose definition has a problem
         self.local: dict[str, Node] = {}  # names of the field at hand, and what they stand for
 
     def wrong(self, path: Path, message: str, at_key: bool = False, column: int | None = None) -> None:

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from rattle import registry
-from rattle.description.model import Contact, Wear
+from rattle.description.model import Contact, Wear, WearLimit
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import DEPTHS, LAYER, SIDES, WEAR
 from rattle.interfaces.joints import JointKind
-from rattle.language.recorded import as_number
+from rattle.language.recorded import as_number, bare
 
 FEWEST, MOST = 12, 20_000  # bins
 SUNK = 0.01  # penetration over clearance at which the foundation is fitted to the law of the contact
@@ -25,13 +25,42 @@ def read_wear(
 ) -> tuple[Wear | None, Contact | None]:  # fmt: skip
     """The wear of one joint, None if it has none or after a problem; and its contact, of which it uses the length.
 
-    clearance [m], 0 if there is none; table: the joint as it is written.
+    clearance [m], 0 if there is none; table: the joint as it is written.  Without clearance only its limit counts.
     """
-    if "wear" not in table:
+    if "wear" not in table or ("length" in table and not clearance > 0.0):
         return None, contact
     if contact is not None:
         contact = replace(contact, unused=tuple(key for key in contact.unused if key != "length"))
     return _wear(reader, table["wear"], joint, clearance, contact, table.get("contact"), path), contact
+
+
+def read_limit(
+    reader: FieldReader, table: Table, joint: registry.Kind[JointKind], wear: Wear | None, radius: float, path: Path
+) -> WearLimit | None:
+    """How far the pin of a joint may wear; None if it does not, or after a problem.
+
+    wear: that of a joint with clearance.  radius: of the pin of a joint without [m], nan if it is not known.
+    """
+    written, loose = table.get("wear"), wear is not None
+    if not isinstance(written, Mapping) or not kind_wears(joint) or not (loose or "length" in table):
+        return None
+    values, before = reader.values, len(reader.values.problems)
+    if wear is not None:
+        rates = [wear.bush, wear.pin]
+    else:
+        values.keys(written, WEAR.fields, path)
+        rates = [_rate(reader.part(WEAR.fields[side], side, written, path)) for side in SIDES]
+    read = {key: reader.part(WEAR.fields[key], key, written, path) for key in ("limit", "band")}
+    if not loose and math.isnan(bare(radius)):
+        values.wrong(
+            path, "needs the radius of the pin: friction = { model, mu, pin_radius }, or a contact with a bush"
+        )
+    if read["band"] is not None and not 0.0 < bare(read["band"][0]) < 1.0 < bare(read["band"][-1]):
+        values.wrong((*path, "band"), "expected a factor below 1 and one above 1, such as [0.3, 3]")
+    if len(values.problems) > before:
+        return None
+    band = None if read["band"] is None else (read["band"][0], read["band"][1])
+    return WearLimit(sum(rates), math.nan if read["limit"] is None else read["limit"], band)
 
 
 def _wear(
@@ -80,7 +109,7 @@ def _may_wear(reader: FieldReader, joint: registry.Kind[JointKind], clearance: f
         reader.values.wrong(path, fault, at_key=True)
         return False
     if not clearance > 0.0:
-        fault = "needs a clearance of the joint: a pin that fills its bush has no contact that moves"
+        fault = "needs a clearance of the joint, or for its life alone the length of the bearing: length in m"
         reader.values.wrong(path, fault)
         return False
     return True

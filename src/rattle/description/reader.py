@@ -12,7 +12,9 @@ from rattle.description.coordinates import declare, definitions, forces, named_i
 from rattle.description.massless import require_mass_at_contacts
 from rattle.description.model import Driver, Initial, Model, Settings, State, Value, Vector, is_ground
 from rattle.description.moving_points import drivers_of_point, moving_point
+from rattle.description.read_duty import read_duty
 from rattle.description.read_fields import FieldReader
+from rattle.description.read_materials import read_materials
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
 from rattle.description.read_states import declare_states, read_states
@@ -84,6 +86,7 @@ def _read(document: Table, values: Values) -> Model:
     read_tables(values, document, early=False)
     _tables_are_no_names(values, parameters, document)
     groups = read_groups(values, document)
+    materials = read_materials(values, document)
     _enter_motion(values, tables["bodies"])
     declare(values, document)
     starts = declare_states(values, document)
@@ -99,6 +102,7 @@ def _read(document: Table, values: Values) -> Model:
     _read_parts(parts, tables, moving_points)
     initial, settings = _initial(values, document, parts), _settings(parts, document)
     _picture(parts, document)
+    duty = read_duty(values, document, parameters)
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [state.rate for state in states.values()]
     pulls, of_pulls = forces(parts.loads)
@@ -120,7 +124,7 @@ def _read(document: Table, values: Values) -> Model:
     return Model(
         title, gravity, parameters, signals, units | of_pulls, parts.ground, parts.bodies, parts.joints, parts.drivers,
         parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
-        stand_for, falling,
+        stand_for, materials, duty, falling,
     )  # fmt: skip
 
 

@@ -31,18 +31,19 @@ def topics() -> dict[str, Topic]:
     """All topics by name."""
     tables: Schema = schema()["properties"]
     every = [_table(name, tables[name]) for name in TABLES]
-    every += [_wear(tables["joints"]), _names(), _functions(), _units(), _materials()]
+    every += [_wear(tables["joints"]), _names(), _functions(), _units(), _materials(tables["materials"])]
     return {topic.name: topic for topic in every}
 
 
-TABLES = tuple(key for key in MODEL.fields if key not in ("format", "name", "joints", "drivers", "loads"))
+TABLES = tuple(key for key in MODEL.fields if key not in ("format", "name", "materials", "joints", "drivers", "loads"))
 
 
 def common(family: str, kind: str) -> list[str]:
     """The keys that every entry of a family may have besides the fields of its kind, with their units."""
     if family == "joint":
         entry: Schema = joint_entry(registry.kinds("joint")[kind], JOINT)["properties"]
-        return [_line(key, entry[key]) for key in JOINT.fields if key in entry and key not in OWN_LINES] + (
+        without = {*OWN_LINES, *registry.kinds("joint")[kind].fields}
+        return [_line(key, entry[key]) for key in JOINT.fields if key in entry and key not in without] + (
             _dimensions(kind) + _stop(kind)
         )
     if family == "driver":
@@ -156,6 +157,14 @@ def _units() -> Topic:
     return Topic("units", meaning, tuple(lines))
 
 
-def _materials() -> Topic:
-    lines = tuple(f"{name}: E = {m.E / 1e9:g} GPa, nu = {m.nu:g} ({m.source})" for name, m in MATERIALS.items())
-    return Topic("materials", "materials of bushes and pins by name; others as { E = ..., nu = ... }", lines)
+def _materials(table: Schema) -> Topic:
+    lines = [f"{name}: E = {m.E / 1e9:g} GPa, nu = {m.nu:g} ({m.source})" for name, m in MATERIALS.items()]
+    lines += [f"{key} of your own: {line}" for key, line in _own_keys(table)]
+    meaning = "materials of bushes, pins and bars by name; of your own under [materials.NAME], or { E = ..., nu = ... }"
+    return Topic("materials", meaning, tuple(lines))
+
+
+def _own_keys(table: Schema) -> Iterator[tuple[str, str]]:
+    """The keys of a material that a model defines, with their meanings."""
+    for key, piece in _keys(table["additionalProperties"]):
+        yield key, str(piece.get("description", ""))

@@ -9,7 +9,7 @@ from typing import Any
 
 from rattle import registry
 from rattle.description.read_fields import geometries
-from rattle.description.tables import MATERIAL, Part
+from rattle.description.tables import DUTY_CASE, MATERIAL, SECTION_NUMBERS, SECTION_SHAPES, Part
 from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
@@ -72,6 +72,14 @@ def _material(field: Field) -> Schema:
     return {"anyOf": [{"type": "string"}, fields_of(MATERIAL.fields)]}
 
 
+def _section(field: Field) -> Schema:
+    shapes = (
+        table({"shape": {"const": shape}, **fields_of(sizes)["properties"]}, ("shape", *sizes))
+        for shape, sizes in SECTION_SHAPES.items()
+    )
+    return {"anyOf": [*shapes, fields_of(SECTION_NUMBERS)], "description": field.meaning}
+
+
 def _steppers(field: Field) -> Schema:
     kinds = registry.kinds("stepper")
     summaries = "; ".join(f"{name}: {kind.summary.removesuffix('.')}" for name, kind in kinds.items())
@@ -86,6 +94,7 @@ RING = array(vector("m", "corner"), 3)
 PLAIN: Schema = {"type": ["number", "string"]}  # a number or a text
 SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "body": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "bodies"},
+    "cases": lambda field: array(fields_of(DUTY_CASE.fields, DUTY_CASE.meaning), 1),
     "choice": lambda field: {"enum": [*field.choices, *([False, True] if field.flags else [])]},
     "connect": lambda field: connect({"type": "string", NAMES: "points"}),
     "bodies": lambda field: connect({"type": "string", "description": "a body", NAMES: "bodies"}, field.meaning),
@@ -99,7 +108,9 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "groups": _group,
     "joint": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "joints"},
     "labels": lambda field: array({"type": "string"}, field.fewest),
+    "line": lambda field: array(array(PLAIN, 2, 2), 2),
     "material": _material,
+    "material of a body": lambda field: {"type": "string", "description": field.meaning, NAMES: "materials"},
     "names": lambda field: array({"type": "string"}, 2, 2),
     "numbers": lambda field: array(PLAIN, field.fewest),
     "pair": lambda field: vector(field.unit, field.meaning),
@@ -107,6 +118,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "point": lambda field: point(field.meaning),
     "points": lambda field: points(field.meaning),
     "ring": lambda field: RING,
+    "section": _section,
     "rings": lambda field: array(RING),
     "stepper": _steppers,
     "table": lambda field: {"type": "object"},

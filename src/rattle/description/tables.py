@@ -78,15 +78,48 @@ def _points(meaning: str, live: bool = False) -> Field:
 
 
 # ---------------------------------------------------------------- bodies and ground
+SECTION_SHAPES: dict[str, dict[str, Field]] = {
+    "rectangle": {
+        "width": Field("m", "across the plane of the mechanism", least="positive"),
+        "height": Field("m", "in the plane", least="positive"),
+    },
+    "round": {"diameter": Field("m", "diameter", least="positive")},
+    "tube": {
+        "diameter": Field("m", "outer diameter", least="positive"),
+        "wall": Field("m", "thickness of its wall", least="positive"),
+    },
+}
+SECTION_NUMBERS = {
+    "area": Field("m^2", "area", least="positive"),
+    "inertia": Field("m^4", "second moment of area for bending in the plane", least="positive"),
+    "modulus": Field("m^3", "section modulus for bending in the plane", least="positive"),
+}
+PLANE = Field("m", "offset of its plane from that of the ground, for bearing moments", 0.0)
 BAR = Form(
     {
         "bar": Field("", "names of the ends", shape="names", like='two end names like ["A", "B"]'),
         "length": Field("m", "length", least="positive", missing="a bar needs a length in m"),
         "points": _points("more points, from the mass centre, x axis along the bar"),
-        "mass": Field("kg", "mass", least="not negative", missing="needs a mass in kg"),
+        "mass": Field("kg", "mass; default: by section and material", None, least="not negative"),
         "inertia": Field("kg*m^2", "about the mass centre; default m l^2/12", None, least="not negative"),
+        "section": Field(
+            "",
+            "its section, for stresses: "
+            + ", ".join(f"{{ shape = {name!r}, ... }}" for name in SECTION_SHAPES)
+            + ", or { area, inertia, modulus }",
+            None,
+            shape="section",
+        ),
+        "material": Field("", "of which it is: a name, of [materials] or known", None, shape="material of a body"),
+        "mass_per_length": Field(
+            "kg/m",
+            "[[x, mass per length], ...], x from the first end, straight between: says mass, centre, inertia",
+            None,
+            shape="line",
+        ),
+        "z": PLANE,
     },
-    "a uniform bar",
+    "a straight bar",
 )
 PLATE = Form(
     {
@@ -95,6 +128,7 @@ PLATE = Form(
         "points": _points("points in the same frame"),
         "center": Field("m", "mass centre in the same frame, with mass and inertia", None, shape="pair"),
         "inertia": Field("kg*m^2", "about the mass centre, with mass and center", None, least="not negative"),
+        "z": PLANE,
     },
     "a plate: its polygon says mass centre and inertia, unless mass, center and inertia are given",
     ways=(
@@ -114,6 +148,7 @@ BODY = Form(
             "kg*m^2", "about the mass centre", least="not negative",
             missing="needs an inertia about its mass centre in kg*m^2 (only a bar has a default)",
         ),
+        "z": PLANE,
     },
     "a rigid body",
 )  # fmt: skip
@@ -228,6 +263,25 @@ OIL = Form(
     }
 )
 MATERIAL = Form({"E": Field("Pa", "modulus", least="positive"), "nu": Field("", "Poisson's ratio", 0.3)})
+MATERIAL_OF_MODEL = Form(
+    {
+        "E": Field("Pa", "modulus", least="positive", missing="needs E, its modulus in Pa"),
+        "nu": Field("", "Poisson's ratio", 0.3),
+        "density": Field("kg/m^3", "density", None, least="positive"),
+        "expansion": Field("1/K", "thermal expansion", None),
+        "conductivity": Field("W/(m*K)", "thermal conductivity", None, least="positive"),
+        "yield": Field("Pa", "yield strength", None, least="positive"),
+        "ultimate": Field("Pa", "ultimate strength", None, least="positive"),
+        "endurance": Field(
+            "Pa", "amplitude that the part endures at mean stress 0, with notch, surface, size", None, least="positive"
+        ),
+        "endurance_cycles": Field(
+            "", "cycles for which it does, where the line of its lives bends", 1e6, least="positive"
+        ),
+        "exponent": Field("", "k of N = N_e (S_e/s)^k", None, least="positive"),
+    },
+    "a material; strengths are those of the part",
+)
 COEFFICIENT = Form(
     {
         "coefficient": Field("", "of Archard's law, K_a", least="not negative"),
@@ -265,6 +319,11 @@ WEAR = Form(
         ),
         "cycles": Field("", "how many", 1e4, least="positive"),
         "wall": Field("m", "depth at which the bush or the pin is worn through", math.inf, least="positive"),
+        "limit": Field("m", "depth that is allowed, for the life of the joint", None, least="positive"),
+        "band": Field(
+            "", "factors of the life that 10 and 90 % reach, for want of a scatter", None, shape="each",
+            least="positive", like="two factors of the life, such as [0.3, 3]",
+        ),
         "jump": Either(
             (Field("", "", None, shape="constant", choices=("auto",)), Field("", "cycles", None, least="positive")),
             "size of jumps",
@@ -300,6 +359,8 @@ JOINT = Form(
         "stop": Field("", "one-sided ends of its coordinate", None, shape="stop"),
         "friction": JOINT_FRICTION,
         "wear": WEAR,
+        "length": Field("m", "of the bearing along its pin, for pressures and edge loads", None, least="positive"),
+        "z": Field("m", "offset of its middle; default: half way between the planes of its bodies", None),
     }
 )
 DRIVER = Form(
@@ -328,6 +389,15 @@ SIMULATE = Form(  # of the meanings, {adaptive} are the steppers that choose the
     }
 )
 
+DUTY_CASE = Form(
+    {
+        "share": Field("", "share of the time, in proportion to the other cases", 1.0, least="positive"),
+        "set": Field("", "values of parameters", None, shape="table"),
+        "name": Field("", "what reports call it", None, shape="text", longest=LONGEST_LABEL),
+    },
+    "what the machine does for a share of its time",
+)
+DUTY = Form({"cases": Field("", "what the machine does, each with its share of the time", None, shape="cases")})
 PICTURE = Form(
     {
         "file": Field("", "picture beside the model file", shape="text", longest=200),
@@ -352,12 +422,14 @@ MODEL = Form(
         ),
         "states": Named(STATE, "first-order states of the model's own, usable like signals"),
         "ground": GROUND,
+        "materials": Named(MATERIAL_OF_MODEL, "materials by name, for bars and bushes"),
         "bodies": Named(Either((BAR, PLATE, BODY)), "rigid bodies"),
         "joints": Named(OfKinds("joint", common=JOINT), "joints"),
         "drivers": Named(OfKinds("driver", "", DRIVER), "degrees of freedom that follow a function of time"),
         "loads": Named(OfKinds("load"), "loads"),
         "initial": Named(Either((START, OFFSET)), "start of bodies and of clearance joints"),
         "simulate": SIMULATE,
+        "duty": DUTY,
         "picture": PICTURE,
     }
 )

@@ -1,4 +1,4 @@
-"""Elastic constants of common engineering materials."""
+"""Constants of common engineering materials: elastic ones, and for some what else a drawing needs."""
 
 from __future__ import annotations
 
@@ -12,19 +12,35 @@ from rattle.errors import InputError
 SHIGLEY = "Shigley's Mechanical Engineering Design, table A-5"
 TYPICAL = "typical data-sheet value; differs by grade"
 POLYMER = "typical data-sheet value at 23 C, dry; differs by grade, falls with temperature"
+HANDBOOK = "handbook, typical"  # density, expansion, conductivity: some per cent for metals, 30 % for plastics
+NO_NUMBER = math.nan
 
 
 class Material(NamedTuple):
-    """Young's modulus E [Pa] and Poisson's ratio nu [-] of one material, with where they come from."""
+    """Young's modulus E [Pa] and Poisson's ratio nu [-] of one material, with where they come from; and nan or
+
+    what else is known: density [kg/m^3], thermal expansion [1/K], conductivity [W/(m*K)].  Strengths belong to a grade
+    and a part, and are never known by the name of a family: yield and ultimate strength [Pa], the amplitude at R = -1
+    that the part endures for so many cycles [Pa], exponent k of its S-N line N = N_e (S_e / s)^k.
+    """
 
     E: float
     nu: float
     source: str = "given"
+    density: float = NO_NUMBER
+    expansion: float = NO_NUMBER
+    conductivity: float = NO_NUMBER
+    yield_strength: float = NO_NUMBER
+    ultimate: float = NO_NUMBER
+    endurance: float = NO_NUMBER
+    endurance_cycles: float = 1e6
+    exponent: float = NO_NUMBER
+    name: str = ""
 
 
 Given = str | Mapping[str, Any] | Material  # a material as written: its name or { E, nu }
 
-MATERIALS: Mapping[str, Material] = {
+ELASTIC: Mapping[str, Material] = {
     "steel": Material(207e9, 0.30, "common value for carbon and low-alloy steel; Shigley: 207 GPa, 0.292"),
     "stainless steel": Material(190e9, 0.305, SHIGLEY),
     "cast iron": Material(100e9, 0.211, SHIGLEY + " (gray)"),
@@ -44,6 +60,24 @@ MATERIALS: Mapping[str, Material] = {
     "acetal": Material(2.9e9, 0.37, POLYMER + " (POM)"),
     "peek": Material(3.7e9, 0.40, POLYMER),
     "uhmwpe": Material(0.8e9, 0.46, POLYMER),
+}
+TYPICAL_OF = {  # density [kg/m^3], expansion [1/K], conductivity [W/(m*K)] of a common grade, by handbooks
+    "steel": (7850.0, 11.5e-6, 42.0),
+    "stainless steel": (7900.0, 16.0e-6, 15.0),
+    "cast iron": (7200.0, 11.0e-6, 48.0),
+    "aluminium": (2700.0, 23.6e-6, 167.0),
+    "titanium": (4430.0, 8.6e-6, 6.7),
+    "brass": (8470.0, 20.9e-6, 123.0),
+    "bronze": (8800.0, 18.2e-6, 67.0),
+    "ptfe": (2170.0, 135e-6, 0.25),
+    "nylon": (1140.0, 80e-6, 0.25),
+    "acetal": (1410.0, 110e-6, 0.31),
+    "peek": (1300.0, 47e-6, 0.25),
+    "uhmwpe": (935.0, 180e-6, 0.41),
+}
+MATERIALS: Mapping[str, Material] = {
+    name: Material(*elastic[:3], *TYPICAL_OF.get(name, (NO_NUMBER,) * 3), name=name)
+    for name, elastic in ELASTIC.items()
 }
 ALIASES = {
     "pom": "acetal",

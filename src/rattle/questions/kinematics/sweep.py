@@ -33,10 +33,11 @@ class Sweep:
     spots: np.ndarray  # (SPOTS, 2) intervals of time [s] with a singular position
     probe: np.ndarray  # (k, 5) motors whose effort is computed in place of that of a driver
     line: np.ndarray
+    ports: bool = False  # rows with forces go on with the ports of all elements, see `solvers.ports`
 
     def go(self, times: np.ndarray, forces: bool) -> np.ndarray:
         """Output rows (k, width) [SI] at the first k of the times [s], as far as they can be reached."""
-        count = (width(self.system) + 2 * len(self.probe)) if forces else motion_width(self.system)
+        count = (width(self.system, self.ports) + 2 * len(self.probe)) if forces else motion_width(self.system)
         raw = np.zeros((len(times), count))
         done, onward = 0, 0.0
         size = max(2, PIECE // max(1, self.system.row_count))

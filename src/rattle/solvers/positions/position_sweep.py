@@ -21,6 +21,7 @@ from rattle.jit import layout as at
 from rattle.jit.families import call_joint
 from rattle.jit.functions import compiled
 from rattle.solvers.output_row import write
+from rattle.solvers.ports import first_port, write_ports
 
 Q, V, A, Q_NEW, V_NEW, A_NEW, Q_OLD, V_OLD, A_OLD = range(9)  # rows of `node`
 # clock: time of the node, allowed step, largest gap, root at the node, the roots before it, and their times
@@ -242,6 +243,9 @@ def put(m, t, q, v, a, forces, probe, line, row):
         for n in range(probe.shape[0]):
             exchange(m, probe[n], line, row[last + 2 * n :])
         write(m, 0.0, 0.0, row[:last])
+        first = first_port(m)
+        if last > first:
+            write_ports(m, t, row, first)
         return
     for i in range(1, body.shape[0]):
         c, n = at.PER_BODY * (i - 1), 3 * i - 3
@@ -394,9 +398,10 @@ def sweep(m, times, raw, node, clock, tally, spots, size, forces, probe, line, o
 
     node (9, 3 nb): the position reached with its rates and accelerations, and scratch; clock (6,); tally (4,);
     spots (n, 2): intervals [s] in which the root of the smallest pivot share has a minimum; size [m];
-    forces: with all reactions (rows as `output_row.write` writes them, then effort and power for each row of
-    `probe` (k, 5), see `exchange`), otherwise bodies and signals only; onward: 1 or -1 if these times continue a
-    sweep in this direction (it may have stepped beyond the first of them), 0 at its start.
+    forces: with all reactions (rows as `output_row.write` writes them, with ports if they have room, then effort and
+    power for each row of `probe` (k, 5), see `exchange`), otherwise bodies and signals only;
+    onward: 1 or -1 if these times continue a sweep in this direction (it may have stepped beyond the first of them),
+    0 at its start.
 
     Returns ARRIVED, or STUCK if no step succeeds from clock[NOW]; tally[COUNT] rows are written.
     """
