@@ -15,7 +15,7 @@ from rattle.description.tables import DISTRIBUTION, LIKELY, PARAMETER, TOLERANCE
 from rattle.description.tables import DISTRIBUTIONS as DISTRIBUTIONS  # ensembles take them from here
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
-from rattle.language.units import Dimension, QuantityError, describe, parse_quantity, unit_name
+from rattle.language.units import Dimension, QuantityError, as_difference, describe, parse_quantity, unit_name
 
 
 def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
@@ -166,7 +166,8 @@ def _dimensions_of_limits(entry: Table) -> list[Dimension]:
     dimensions: list[Dimension] = []
     for key in ("min", "max", "tol"):
         with suppress(QuantityError):
-            quantity = parse_quantity(entry[key]) if isinstance(entry.get(key), str) else None
+            written = entry.get(key)
+            quantity = parse_quantity(as_difference(written)) if isinstance(written, str) else None
             if quantity is not None and quantity[1] is not None:
                 dimensions.append(quantity[1])
     return dimensions
@@ -246,7 +247,12 @@ def _unit_of(limit: str) -> str:
 
 
 def _limit(values: Values, written: object, unit: str, seen: Dimension | None, path: Path) -> float | None:
-    """One of min, max, tol in SI units: a quantity of the parameter's dimension, or an expression."""
+    """One of min, max, tol in SI units: a quantity of the parameter's dimension, or an expression.
+
+    A tolerance in degC is a difference, in K.
+    """
+    if path[-1] == "tol" and isinstance(written, str):
+        written = as_difference(written)
     quantity = read_quantity(values, written, path)
     if quantity is None:
         return None

@@ -18,7 +18,7 @@ from rattle.language.expression import argument_of
 from rattle.language.recorded import bare
 from rattle.language.syntax import CALLABLE, call_name
 from rattle.language.tables import Curve, curve
-from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity
+from rattle.language.units import Dimension, QuantityError, describe, dimension_of, parse_quantity, zero_of
 
 MOST_POINTS = 100_000
 LARGEST_FILE = 8_000_000  # bytes
@@ -107,8 +107,8 @@ def _numbers(values: Values, written: Sequence[object], unit: str, path: Path) -
     numbers = []
     for n, entry in enumerate(written):
         number, dimension = values.any_number(entry, (*path, n))
-        if dimension is None and scale != 1.0:
-            number = number * scale
+        if dimension is None and (scale != 1.0 or zero_of(unit)):
+            number = number * scale + zero_of(unit)
         elif dimension is not None and common not in (None, dimension):
             values.wrong(
                 (*path, n), f"{quoted(entry)} is {describe(dimension)}, others are {describe(common or dimension)}"
@@ -125,7 +125,7 @@ def _scale(unit: str) -> tuple[float, Dimension | None]:
     quantity = parse_quantity(f"1 {unit}")
     if quantity is None:
         raise QuantityError(f"{quoted(unit)} is not a unit")
-    return quantity[0], dimension_of(unit)
+    return quantity[0] - zero_of(unit), dimension_of(unit)
 
 
 def _period(values: Values, written: Table, unit: str, of_x: Dimension | None, path: Path) -> float:

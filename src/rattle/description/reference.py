@@ -153,7 +153,10 @@ def _units() -> Topic:
         f"{describe(dimension) if dimension != DIMENSIONLESS else 'an angle'}: {' '.join(units)}"
         for dimension, units in by_dimension.items()
     ]
-    meaning = 'units of quantities; products and powers of them too: "N*s/m", "kg*m^2"'
+    meaning = (
+        'units of quantities; products and powers of them too: "N*s/m", "kg*m^2"; 60 degC is 333.15 K, in products and'
+        " quotients a degC is a kelvin"
+    )
     return Topic("units", meaning, tuple(lines))
 
 

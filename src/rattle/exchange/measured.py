@@ -23,7 +23,7 @@ from rattle.description.read_values import quoted
 from rattle.errors import InputError, WrongType, suggest
 from rattle.exchange.recording import Recording, Title, read_recording
 from rattle.language.times import seconds
-from rattle.language.units import DIMENSIONLESS, Dimension, describe, dimension_of
+from rattle.language.units import DIMENSIONLESS, Dimension, describe, dimension_of, zero_of
 from rattle.results.chosen_units import si_unit
 from rattle.user_paths import expanded
 
@@ -265,5 +265,5 @@ def measured(recording: Recording, title: Title, curve: str, unit: str, offset: 
     if _leaves_turning_open(title, dimension, unit):
         why = f"{quoted(title.text)} leaves open whether turns or radians are meant"
         raise InputError(f"{recording.place}: {why}; {curve} is in {unit}: write rpm, rev/s, deg/s or rad/s")
-    values = scale * recording.values(title)
+    values = scale * recording.values(title) + zero_of(title.unit or "")
     return Measured(curve, title.name or title.text, recording.file, recording.t + offset, values, dimension is None)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from rattle.description.read_tables import HEADER, LARGEST_FILE, parted_by, rows_of, text_of
 from rattle.description.read_values import quoted
 from rattle.errors import InputError, suggest
-from rattle.language.units import DIMENSIONLESS, TIME, Dimension, QuantityError, describe, parse_quantity
+from rattle.language.units import DIMENSIONLESS, TIME, Dimension, QuantityError, describe, parse_quantity, zero_of
 from rattle.user_paths import expanded
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ class Title(NamedTuple):
             raise InputError(f"{place}: {quoted(self.text)}: {error}") from None
         if quantity is None:
             raise InputError(f"{place}: {quoted(self.text)}: {quoted(self.unit)} is not a unit")
-        return quantity
+        return quantity[0] - zero_of(self.unit), quantity[1]
 
     def _require_brackets(self, place: str) -> None:
         """Raise InputError for a unit without brackets: it would be taken for a part of the name."""

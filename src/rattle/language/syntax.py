@@ -21,7 +21,7 @@ from rattle.language.operations import RESERVED as RESERVED_FUNCTIONS
 from rattle.language.operations import SAME
 from rattle.language.tokens import ExpressionError as ExpressionError
 from rattle.language.tokens import number_of, tokens
-from rattle.language.units import DIMENSIONLESS, UNITS, Dimension, scaled
+from rattle.language.units import DIMENSIONLESS, UNITS, Dimension, from_zero, scaled
 
 MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 50
@@ -80,7 +80,8 @@ class Number:
     """A number [SI], or pi.
 
     dimension: None if it was written without a unit.  others: names in its unit beyond the first.
-    implied: it stands in the formula of a function, so nobody gave it a unit.
+    implied: it stands in the formula of a function, so nobody gave it a unit.  zero: where the zero of its unit lies
+    [SI], if not at 0: a temperature in degC.
     """
 
     value: float
@@ -88,6 +89,7 @@ class Number:
     dimension: Dimension | None = None
     others: frozenset[str] = frozenset()
     implied: bool = False
+    zero: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -192,6 +194,17 @@ def _placed(name: str, arguments: Sequence[Node], column: int) -> Node:
     return stack[0]
 
 
+def _refuse_celsius(node: Node) -> None:
+    """Raise ExpressionError for a temperature in degC in a sum or product, where it may be meant as a difference."""
+    if isinstance(node, Number) and node.zero:
+        degrees = f"{node.value - node.zero:.9g}"
+        raise ExpressionError(
+            f"{degrees} degC in a sum or product: write {degrees} K for a difference,"
+            f" {node.value:.9g} K for the temperature",
+            node.column,
+        )
+
+
 class _Parser:
     """Operator-precedence parser; `expression(least)` reads operators of precedence `least` or higher."""
 
@@ -263,7 +276,7 @@ class _Parser:
         if kind == "name" and word != "not":
             return self.name(word, column)
         if word == "-":
-            return self.apply("neg", (self.expression(_SIGN),), column)
+            return self.negative(self.expression(_SIGN), column)
         if word == "+":
             return self.expression(_SIGN)
         if word == "not":
@@ -284,11 +297,17 @@ class _Parser:
 
     def quantity(self, word: str, column: int) -> Node:
         number, unit = number_of(word)
-        value = scaled(number, unit.scale)
+        value = from_zero(scaled(number, unit.scale), unit.zero)
         if not math.isfinite(value):
             raise ExpressionError("the number is too large", column)
         self.count(column)
-        return Number(value, column, unit.dimension, unit.others)
+        return Number(value, column, unit.dimension, unit.others, zero=unit.zero)
+
+    def negative(self, node: Node, column: int) -> Node:
+        """What stands behind a minus sign, negated; -5 degC are 268.15 K."""
+        if isinstance(node, Number) and node.zero:
+            return replace(node, value=from_zero(node.zero - node.value, node.zero), column=column)
+        return self.apply("neg", (node,), column)
 
     def name(self, word: str, column: int) -> Node:
         if self.tokens[self.at][1] == "(":
@@ -383,6 +402,8 @@ class _Parser:
 
     def apply(self, name: str, operands: tuple[Node, ...], column: int) -> Apply:
         for operand in operands:
+            if name in _BINDING and name not in COMPARISONS:
+                _refuse_celsius(operand)
             if name not in JOINING:
                 self.refuse_condition(operand)
             elif not _is_condition(operand):

@@ -3,7 +3,8 @@
 A quantity is `<number> <unit>`.  A unit is a product of the names below with `*`, `·` or a space, `/`,
 powers with `^` or `**`, and parentheses: "N*m", "kg*m^2", "1/s", "N/(m/s)".  It is read from left to
 right, so that "N/m*s" is (N/m)*s.  Angles have no dimension (1 deg = pi/180, 1 rev = 2 pi), and a Hz is
-1/s: write "rpm" or "rev/s" for a speed of rotation.
+1/s: write "rpm" or "rev/s" for a speed of rotation.  "60 degC" is the temperature 333.15 K; within a product or
+quotient a degC is a kelvin, as in "460 J/(kg*degC)".
 
 Source: BIPM, The International System of Units, 9th ed. (2019); NIST SP 811 for inch, foot, pound, psi.
 """
@@ -19,6 +20,9 @@ from rattle.errors import InputError, suggest
 
 MAX_LENGTH = 100  # characters of a quantity; a longer text is not read as one
 MAX_POWER = 12.0
+CELSIUS = "degC"  # the one unit whose zero is not that of the SI unit, where it stands alone
+FREEZING = 273.15  # 0 degC [K], by the definition of the degree Celsius
+ZERO_DIGITS = 9  # of a temperature [K] behind the point: beyond is rounding of binary numbers
 
 
 class QuantityError(InputError):
@@ -116,6 +120,7 @@ UNITS: dict[str, tuple[float, Dimension]] = {
     "St": (1e-4, KINEMATIC_VISCOSITY),
     "cSt": (1e-6, KINEMATIC_VISCOSITY),
     "K": (1.0, TEMPERATURE),
+    CELSIUS: (1.0, TEMPERATURE),
     "rad": (1.0, DIMENSIONLESS),
     "mrad": (1e-3, DIMENSIONLESS),
     "deg": (math.pi / 180.0, DIMENSIONLESS),
@@ -148,8 +153,12 @@ _NAMES: dict[Dimension, tuple[str, str]] = {
     Dimension(1, 1, -1): ("N*s", "an impulse"),
     DYNAMIC_VISCOSITY: ("Pa*s", "a dynamic viscosity"),
     KINEMATIC_VISCOSITY: ("m^2/s", "a kinematic viscosity"),
-    TEMPERATURE: ("K", "a difference of temperature"),
+    TEMPERATURE: ("K", "a temperature"),
     Dimension(2, 0, -2, -1): ("J/(kg*K)", "a specific heat"),
+    Dimension(2, 1, -3, -1): ("W/K", "a thermal conductance"),
+    Dimension(1, 1, -3, -1): ("W/(m*K)", "a thermal conductivity"),
+    Dimension(kelvin=-1): ("1/K", "a thermal expansion"),
+    Dimension(-1, 1, 0): ("kg/m", "a mass per length"),
     Dimension(3, 0, -1): ("m^3/s", "a volume flow"),
     Dimension(0, 1, -2): ("N/m", "a stiffness"),
     Dimension(-0.5, 1, -2): ("N/m^1.5", "a contact stiffness"),
@@ -170,7 +179,8 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
     """Value in SI units and dimension of a text such as "5 mm"; None if it is not a quantity but an expression.
 
     A number without a unit ("5") has the dimension None and is taken in SI units, like a number written without quotes.
-    Raises QuantityError for an unknown unit and for a number that is not finite.
+    A number of degC alone is a temperature: "60 degC" is 333.15 K.
+    Raises QuantityError for an unknown unit, for a number that is not finite and for a temperature below 0 K.
     """
     match = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
     if match is None:
@@ -189,10 +199,28 @@ def parse_quantity(text: str) -> tuple[float, Dimension | None] | None:
             product = f"if {word[0]} is a parameter write {match[1]}*{word[0]}" if word else ""
             hint = f"; `rattle kinds units` lists them; {product}" if plain and word else ""
             raise QuantityError(f"{error}{hint}") from None
-        value = scaled(number, scale)
+        value = from_zero(scaled(number, scale), zero_of(unit))
+        if value < 0.0 and zero_of(unit):
+            raise QuantityError(f"'{text.strip()}' is below the absolute zero of -{FREEZING:g} degC")
     if not math.isfinite(value):
         raise QuantityError(f"'{text.strip()}' is not a finite number")
     return value, dimension
+
+
+def zero_of(unit: str) -> float:
+    """Where the zero of a unit lies, in SI units: 273.15 K for "degC" alone, else 0."""
+    return FREEZING if unit.strip() == CELSIUS else 0.0
+
+
+def from_zero(value: float, zero: float) -> float:
+    """A value counted from the zero of its unit, from 0 [SI]: rounded, so that -30 degC are 243.15 K."""
+    return round(value + zero, ZERO_DIGITS) if zero and math.isfinite(value) else value
+
+
+def as_difference(text: str) -> str:
+    """A quantity as a difference: "5 degC" becomes "5 K", other texts stay as they are."""
+    match = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
+    return f"{match[1]} K" if match is not None and zero_of(match[2] or "") else text
 
 
 def scaled(number: float, scale: float) -> float:
@@ -208,12 +236,13 @@ def is_longer(unit: str) -> bool:
 
 
 class FoundUnit(NamedTuple):
-    """A unit in a text: where it ends, its size in SI units, its dimension, and its names beyond the first."""
+    """A unit in a text: where it ends, size and zero in SI units, dimension, and its names beyond the first."""
 
     end: int
     scale: float
     dimension: Dimension
     others: frozenset[str]
+    zero: float
 
 
 _WORD = re.compile(r"(?:[^\W\d]\w*+|°)(?!\s*+\(|\.[^\W\d])")
@@ -250,7 +279,7 @@ def unit_at(text: str, start: int) -> FoundUnit | None:
         scale, dimension = _read_unit(text[begin:end])
     except QuantityError:
         return None
-    return FoundUnit(end, scale, dimension, frozenset(words[1:]))
+    return FoundUnit(end, scale, dimension, frozenset(words[1:]), zero_of(text[begin:end]))
 
 
 def _further(text: str, end: int, words: list[str], depth: int) -> int | None:
@@ -285,9 +314,14 @@ def _factor_end(text: str, start: int, words: list[str], depth: int) -> int | No
 
 
 def unit_of_quantity(text: str) -> tuple[float, str]:
-    """Size in SI units and name of the unit of a text such as "5 mm"; 1 and "" if it has none or is no quantity."""
+    """Size in SI units and name of the unit of a text such as "5 mm"; 1 and "" if it has none or is no quantity.
+
+    A temperature in degC counts in K, because a size alone does not tell where its zero lies.
+    """
     match = _QUANTITY.fullmatch(text) if len(text) <= MAX_LENGTH else None
     unit = (match[2] or "").strip() if match else ""
+    if zero_of(unit):
+        unit = unit_name(TEMPERATURE)
     return (_read_unit(unit)[0], unit) if unit else (1.0, "")
 
 

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from importlib import resources
 
 from rattle.errors import InputError
-from rattle.language.units import UNITS
+from rattle.language.units import UNITS, zero_of
 from rattle.pages.compact import compact
 from rattle.plots.curves import CURVES, MORE
 from rattle.plots.scene import COLOURS
@@ -40,7 +40,7 @@ def viewer_files() -> dict[str, str]:
     folder = resources.files("rattle.pages") / "viewer"
     files = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir() if file.name.endswith(".js")}
     files[STYLE] = f"export const viewerStyle = {json.dumps(style_text(), ensure_ascii=False)};\n"
-    units = {name: (size, *dimension) for name, (size, dimension) in UNITS.items()}
+    units = {name: (size, *dimension) for name, (size, dimension) in UNITS.items() if not zero_of(name)}
     handy = {"units": HANDY, "least": LEAST, "most": MOST, "quantities": QUANTITY, "known": units}
     palette = {"named": COLOURS, "curves": [*CURVES, *MORE]}
     named = "// Colours of drawings and curves: rattle/plots/scene.py and curves.py.\n"

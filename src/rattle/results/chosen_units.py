@@ -7,7 +7,7 @@ from contextvars import ContextVar
 from typing import NamedTuple
 
 from rattle.errors import InputError, WrongType
-from rattle.language.units import Dimension, dimension_of, unit_name, unit_of_quantity
+from rattle.language.units import Dimension, dimension_of, unit_name, unit_of_quantity, zero_of
 
 
 class Shown(NamedTuple):
@@ -91,6 +91,8 @@ def _read(word: str) -> tuple[str, Shown]:
         dimension = dimension_of(word)
     except InputError as error:
         raise InputError(f"units: {error}; give units with commas between them, such as mm,deg,N") from None
+    if zero_of(word):
+        raise InputError(f"units: {word} has a zero of its own; temperatures are written in K")
     unit = si_unit(word, dimension)
     if not unit:
         raise InputError(f"units: {word} is a plain number, not a unit; give units such as mm,deg,N")
