@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 from rattle.version import __version__
 
 if TYPE_CHECKING:
+    from rattle.catalogue.fits import fit
+    from rattle.catalogue.oils import oil
     from rattle.elements.custom.contact_law import friction_law, normal_law
     from rattle.elements.custom.load_law import load_law
     from rattle.errors import AssemblyError, InputError, ModelError, SolverError
@@ -32,6 +34,7 @@ _HOME = {
     "Result": "results.result", "Event": "results.event", "Trust": "results.trust", "load_result": "results.result",
     "load_law": "elements.custom.load_law", "normal_law": "elements.custom.contact_law",
     "friction_law": "elements.custom.contact_law", "Film": "questions.film.bearing",
+    "fit": "catalogue.fits", "oil": "catalogue.oils",
 }  # fmt: skip
 
 __all__ = [
@@ -47,12 +50,14 @@ __all__ = [
     "__version__",
     "example",
     "examples",
+    "fit",
     "friction_law",
     "load",
     "load_law",
     "load_result",
     "loads",
     "normal_law",
+    "oil",
     "read",
 ]
 
