@@ -42,19 +42,14 @@ _NAME = re.compile(r"(?:ISO)?[\s-]*VG[\s-]*([0-9]+)", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Oil:
-    """An oil: its viscosity and density over temperature, which is a text with a unit or a number in K.
+    """An oil: its viscosity and density over temperature, which is a text with a unit or a number in K."""
 
-    title: what oil it is.  vi: its viscosity index [-], nan below 2 mm^2/s at 100 degC, where there is none.  nu40,
-    nu100: kinematic viscosity at 40 and 100 degC [m^2/s].  density15: density at 15 degC [kg/m^3].  assumed: what is
-    typical rather than of this oil, in words.
-    """
-
-    title: str
-    vi: float
-    nu40: float
-    nu100: float
-    density15: float
-    assumed: tuple[str, ...]
+    title: str  # what oil it is
+    vi: float  # viscosity index [-]; nan below 2 mm^2/s at 100 degC, where there is none
+    nu40: float  # kinematic viscosity at 40 degC [m^2/s]
+    nu100: float  # kinematic viscosity at 100 degC [m^2/s]
+    density15: float  # density at 15 degC [kg/m^3]
+    assumed: tuple[str, ...]  # what is typical rather than of this oil, in words
 
     def kinematic(self, T: str | float) -> float:
         """Kinematic viscosity [m^2/s] at a temperature.  Raises InputError outside -30 ... 200 degC."""
