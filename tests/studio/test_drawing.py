@@ -84,10 +84,11 @@ def drawn(tmp_path_factory):
 def sheet(open_page, drawn):
     """A function that opens a sheet with a model text on it, and gives the hand that draws there."""
 
-    def opened(text=EMPTY, **options):
+    def opened(text=EMPTY, script="", **options):
         (drawn.folder / "m.toml").write_text(text)
         page = open_page("about:blank", **options)
         page.add_init_script("localStorage.setItem('rattle-studio-hints', 'seen')")
+        page.add_init_script(script)
         if options.get("has_touch"):
             page.add_init_script(PATIENT)
         page.goto(drawn.new_address())
@@ -260,6 +261,76 @@ def test_a_mechanism_is_drawn_dragged_saved_and_undone_to_the_last_byte(sheet, d
     assert hand.text == finished
     hand.acts -= 1
     assert hand.undo_all() == EMPTY
+
+
+# ---------------------------------------------------------------- a slow connection
+# what the studio says is kept back while `held` is a list
+SLOW = """const Fast = window.WebSocket; window.WebSocket = class extends Fast {
+  addEventListener(name, call) {
+    const kept = (event) => (window.held ? window.held.push(() => call(event)) : call(event));
+    super.addEventListener(name, name === "message" ? kept : call);
+  }
+};
+window.letThrough = () => { const held = window.held; window.held = null; for (const call of held) call(); };"""
+SAID = "(count) => window.held.length >= count"
+
+
+def hold(hand):
+    hand.page.evaluate("window.held = []")
+
+
+def let_through(hand, said=3):
+    """Let through what the studio has said, when that is so much: text, name and drawing of an act."""
+    becomes(hand.page, SAID, said)
+    hand.page.evaluate("window.letThrough()")
+    hand.rests()
+
+
+def test_acts_before_the_answer_to_the_one_before_catch_what_that_has_drawn(sheet):
+    hand = sheet(script=SLOW)
+    hold(hand)
+    hand.take("Bar")
+    hand.drag(at(0, 0), at(4, 0))
+    hand.drag(at(4, 0), at(4, 4))
+    hand.drag(at(4, 4), at(0, 0))
+    let_through(hand)
+    ends = [joint["connect"] for joint in hand.table["joints"].values()]
+    assert ends == [["bar1.B", "bar2.A"], ["bar2.B", "bar3.A"], ["bar1.A", "bar3.B"]]
+    hand.acts = 3
+    assert hand.undo_all() == EMPTY
+
+
+def test_undo_takes_back_the_act_that_is_under_way_and_not_the_one_before(sheet):
+    hand = sheet(script=SLOW)
+    before = hand.act("Ground", at(-6, 0))
+    hold(hand)
+    hand.click(at(0, 0))
+    hand.click(at(4, 0))  # waits
+    hand.page.keyboard.press("Control+z")
+    hand.page.keyboard.press("Control+z")
+    let_through(hand)
+    assert hand.text == before
+    assert hand.page.evaluate("[window.rattle.edit.position('ground.O2')]") == [None]
+    hold(hand)
+    hand.page.keyboard.press("Control+Shift+z")
+    let_through(hand, 1)
+    assert list(hand.table["ground"]["points"]) == ["O1", "O2"]
+    assert hand.position("ground.O2") == at(0, 0)
+    assert hand.undo() == before
+    assert hand.undo() == EMPTY
+
+
+def test_undo_of_an_act_that_is_refused_leaves_the_one_before(sheet):
+    hand = sheet(script=SLOW)
+    before = hand.act("Ground", at(-6, 0))
+    hand.take("Pin")
+    hold(hand)
+    hand.click(at(4, 0))
+    hand.page.keyboard.press("Control+z")
+    let_through(hand, 1)
+    hand.says("there is no body here")
+    assert hand.text == before
+    assert hand.undo() == EMPTY
 
 
 # ---------------------------------------------------------------- fingers, keys
