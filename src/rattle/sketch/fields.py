@@ -14,7 +14,7 @@ from rattle.errors import InputError
 from rattle.sketch.closing import closed_near, closing_range
 from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, with_rate
-from rattle.sketch.moving import carry
+from rattle.sketch.moving import carry, is_at
 from rattle.sketch.numbers import degrees, length, plain, typed_number
 from rattle.sketch.removing import TABLES, rename
 from rattle.sketch.revision import Drawing, Revision, parameter_path
@@ -259,7 +259,10 @@ def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing
         written = revision.document["ground"]["points"][own]
         _enter_typed(revision, ("ground", "points", own, str(k)), written[k], text)
     carry(revision, name, target, typed=name)
-    return revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
+    made = revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
+    if not is_at(made.sketch, name, target):
+        raise InputError(f"{name}.{'xy'[k]} cannot be {text}: joints hold it elsewhere")
+    return made
 
 
 def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing:
