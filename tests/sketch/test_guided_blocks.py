@@ -1,11 +1,14 @@
 """Blocks in guides of the ground: where they are dropped, and what follows them."""
 
+import json
 import math
+import tomllib
 
 import pytest
 from sheet import Sheet
 
-from rattle.errors import InputError
+import rattle as rt
+from rattle.errors import InputError, ModelError
 
 GUIDED = """format = 1
 [ground.points]
@@ -81,3 +84,23 @@ def test_a_drop_that_joints_do_not_keep_is_told():
     sheet.do("drop", point="b.P", to=sheet.at(*on_guide(0.3)))
     assert sheet.place("b.P") == pytest.approx(stood, abs=1e-9)
     assert sheet.words.startswith("joints hold b.P elsewhere than there")
+
+
+@pytest.mark.parametrize("is_json", [False, True])
+def test_a_block_that_gets_play_gets_a_size_with_it_which_is_told(is_json):
+    text = GUIDED.replace("MORE", "")
+    sheet = Sheet(json.dumps(tomllib.loads(text)) if is_json else text)
+    sheet.type("joint G", "Play", "0.2 mm")
+    joint = sheet.table["joints"]["G"]
+    assert joint["clearance"] == "0.2 mm"
+    assert joint["block"] == {"length": 0.012, "height": 0.007}  # 0.12 and 0.07 of the 0.1 m of the drawing
+    assert sheet.words.endswith("its block is given a size of 0.012 m by 0.007 m: change it under Text")
+    assert rt.loads(sheet.sketch.text).simulate(1e-3).success
+    before = sheet.sketch.text
+    sheet.type("joint G", "Play", "")
+    assert sheet.sketch.trouble == ""
+    sheet.type("joint G", "Play", "0.2 mm")
+    assert "size" not in sheet.words
+    assert sheet.table == (json.loads(before) if is_json else tomllib.loads(before))
+    with pytest.raises(ModelError, match="clearance"):
+        sheet.type("joint G", "Play", "-0.3 mm")
