@@ -282,6 +282,7 @@ class Page {
     if (this.facts.settings) this.knobs.show(this.facts); // what was entered is taken back
     if (["act", "measure", "grab", "pull"].includes(message.about)) this.edit.refuse(message.words, message.about);
     else if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
+    else if (message.about === "sketch") this.edit.hear({ trouble: message.words, heard: this.texts }); // or acts would wait for it
     else if (message.about === "measured") this.show.measured.say(message.words);
     else this.say(message.words);
   }
