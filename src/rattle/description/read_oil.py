@@ -58,5 +58,5 @@ def _oil(reader: FieldReader, written: object, path: Path) -> Oil | None:
     try:
         return oil(dict(written) if isinstance(written, Mapping) else written)  # type: ignore[arg-type]  # it refuses
     except InputError as error:
-        reader.values.wrong(path, str(error))
+        reader.values.wrong(path, str(error).removeprefix("oil: "))
         return None
