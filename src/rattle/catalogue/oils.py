@@ -72,6 +72,11 @@ class Oil:
         return self.kinematic(T) * self.density(T)
 
 
+def grades() -> list[str]:
+    """Names of all oils by grade: "ISO VG 46"."""
+    return [f"ISO VG {float(row['grade']):g}" for row in rows("iso3448_grades")]
+
+
 def oil(written: str | Mapping[str, Any]) -> Oil:
     """An oil by its name or its figures: `oil("ISO VG 46").viscosity("60 degC")` is 0.0174 Pa s.
 
