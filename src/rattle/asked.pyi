@@ -26,6 +26,7 @@ from rattle.questions.modes.compute import Modes
 from rattle.questions.optimise.optimum import Optimum
 from rattle.questions.poincare.compute import Section
 from rattle.questions.power.compute import Power
+from rattle.questions.strength.compute import Strength
 from rattle.questions.sweep.compute import Sweep
 from rattle.questions.tolerance.largest import Largest
 from rattle.questions.tolerance.report import Tolerance
@@ -510,4 +511,14 @@ class OfResult:
         The run of a motion in time is repeated from the model that the result holds.
         Raises InputError for a result of another analysis or times outside of the run, ModelError for a model with laws
         in Python that are not known here."""
+        ...
+    def strength(self, body: str) -> Strength:
+        """What a bar bears: normal and shear force, moment, stress, deflection along it, buckling, safety and life.
+
+        body: a bar with `section` and `material`.  The motion, of `simulate` or `inverse_dynamics`, is repeated from
+        the model that the result holds; instants are those of the result.
+        Raises InputError for another body or a result of another analysis, SolverError if the forces on the bar do not
+        balance its inertia.
+
+        Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md."""
         ...
