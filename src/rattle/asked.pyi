@@ -9,8 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rattle.language.quantities import Quantity
 from rattle.language.times import Seconds
 from rattle.questions.accuracy.compute import Accuracy
+from rattle.questions.bearing_moments.compute import BearingMoments
 from rattle.questions.bifurcation.compute import Bifurcation
 from rattle.questions.check.compute import Check
 from rattle.questions.compare.compute import Comparison
@@ -521,4 +523,15 @@ class OfResult:
         balance its inertia.
 
         Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md."""
+        ...
+    def bearing_moments(self, joint: str, *, tilt_stiffness: Mapping[str, Quantity] | None = None) -> BearingMoments:
+        """Force and tilting moment of a bearing on body B about its middle, in the axes of the ground.
+
+        Planes of bodies and middles of joints are their `z`.  The motion is repeated from the model that the result
+        holds.  In a tree of joints moments follow from balance alone; in a loop three are redundant, and bearings share
+        them by their stiffness against tilting: equal, or tilt_stiffness [N m/rad] by joint (others: 1 N m/rad); along
+        z they are rigid.
+        Raises InputError for an unknown joint, one that is no bearing, or bodies that nothing holds against tipping.
+
+        Source: Newton and Euler, Castigliano; docs/theory.md."""
         ...

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.instants import span_times
 from rattle.cli.options import time
 from rattle.cli.question_command import Asked, Shown, Written, json_option, model_command
 from rattle.errors import InputError
+from rattle.questions.strength.moved import ANALYSES, by_suffix, moved
 
 if TYPE_CHECKING:
-    from rattle.mechanism import Mechanism
     from rattle.questions.strength.compute import Strength
-    from rattle.results.result import Result
 
-ANALYSES = ("simulate", "inverse-dynamics")
 CURVES = ("normal", "shear", "moment", "stress", "deflection", "elongation")
 
 
@@ -61,11 +57,11 @@ def strength(asked: Asked, body: str | None, analysis: str, t_end: float | None,
     """
     from rattle.questions.strength.compute import require_bar, strengths
 
-    asked = _by_suffix(asked)
+    asked = by_suffix(asked, "strength is")
     m = asked.model()
     if body is not None:
         require_bar(m.model, body)
-    result = _moved(asked, m, analysis, t_end, points)
+    result = moved(asked, m, analysis, t_end, points)
     bars = list(strengths(result, None if body is None else (body,)).values())
     if not bars:
         raise InputError("no bar has section and material: `rattle strength --help` shows what it needs")
@@ -74,23 +70,6 @@ def strength(asked: Asked, body: str | None, analysis: str, t_end: float | None,
         _files(asked, bars, body is not None),
         result=result,
     )  # fmt: skip
-
-
-def _by_suffix(asked: Asked) -> Asked:
-    """-o taken for a picture or a table.  Raises InputError for another file."""
-    from rattle.plots.curves import SUFFIXES
-
-    if asked.output is not None and Path(asked.output).suffix.lower() not in (*SUFFIXES, ".csv"):
-        raise InputError(f"{asked.output}: strength is written as .csv, or as a picture in .svg, .png or .pdf")
-    return asked.by_suffix()
-
-
-def _moved(asked: Asked, m: Mechanism, analysis: str, t_end: float | None, points: int) -> Result:
-    """The motion."""
-    instants = span_times(m, t_end, points)
-    if analysis == ANALYSES[0]:
-        return m.simulate(float(instants[-1]), t_eval=instants, progress=asked.progress)
-    return m.inverse_dynamics(instants)
 
 
 def _files(asked: Asked, bars: list[Strength], alone: bool) -> tuple[Written, ...]:

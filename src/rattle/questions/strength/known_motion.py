@@ -31,6 +31,19 @@ class MotorEffort(NamedTuple):
     joint: str
     values: Array  # (n,) [N m or N]
 
+    def force(self, motion: KnownMotion) -> Array:
+        """(n, 2) the force on B [N]: along the line of A; none of a motor that turns."""
+        joint = motion.system.model.joints[self.joint]
+        if joint.line is None:
+            return np.zeros((len(self.values), 2))
+        axis = joint.line + motion.angle(joint.a.body)
+        force: Array = self.values[:, None] * np.column_stack([np.cos(axis), np.sin(axis)])
+        return force
+
+    def couple(self, motion: KnownMotion) -> Array:
+        """(n,) the moment on B [N m]; none of a motor that pushes."""
+        return self.values if motion.system.model.joints[self.joint].line is None else np.zeros(len(self.values))
+
 
 class KnownMotion(NamedTuple):
     """A motion with all forces."""
@@ -50,6 +63,12 @@ class KnownMotion(NamedTuple):
     def gravity(self) -> Array:
         """(n, 2) [m/s^2]."""
         return gravity_over(self.system, self.t)[0]
+
+    def angle(self, body: str) -> Array:
+        """(n,) angle of a body [rad]."""
+        if body == "ground":
+            return np.zeros(len(self.t))
+        return self.bodies()[:, self.system.bodies.index(body), 0, 2]
 
     def place(self, body: str, spot: tuple[float, float]) -> Array:
         """(n, 2) where a point of a body or of the ground is [m]; spot: in the frame of the body."""

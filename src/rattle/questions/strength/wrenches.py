@@ -106,20 +106,7 @@ def _of_motors(motion: KnownMotion, body: str, number: int) -> list[Wrench]:
                 continue
             fixed, place = at_joint(motion, joint, side, body)
             sense = 1.0 if side else -1.0
-            force, couple = np.zeros((len(motion.t), 2)), np.zeros(len(motion.t))
-            if joint.line is None:
-                couple = sense * motor.values
-            else:
-                axis = joint.line + _angle(motion, joint.a.body)
-                force = sense * motor.values[:, None] * np.column_stack([np.cos(axis), np.sin(axis)])
-            acting.append(
-                Wrench(f"motor at {joint.name}", "motor", place - motion.place(body, (0, 0)), force, couple, fixed)
-            )
+            spot = place - motion.place(body, (0.0, 0.0))
+            force, couple = sense * motor.force(motion), sense * motor.couple(motion)
+            acting.append(Wrench(f"motor at {joint.name}", "motor", spot, force, couple, fixed))
     return acting
-
-
-def _angle(motion: KnownMotion, body: str) -> Array:
-    """(n,) angle of a body [rad]."""
-    if body == "ground":
-        return np.zeros(len(motion.t))
-    return motion.bodies()[:, motion.system.bodies.index(body), 0, 2]
