@@ -37,7 +37,7 @@ def bearing_moments(asked: Asked, joint: str, analysis: str, t_end: float | None
     length = "20 mm"
 
     \b
-    Example:  rattle bearing-moments F --of O -o moments.svg
+    Example:  rattle bearing-moments piston_engine --of A -o moments.svg
 
     In a closed loop bearings share the moments by their stiffness, taken as equal; then it says so.
     """

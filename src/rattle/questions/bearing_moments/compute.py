@@ -83,6 +83,7 @@ class BearingMoments:
         ]
         if self.length == self.length:
             rows.append(("largest load of an edge", quantity(float(np.nanmax(self.edge_load, initial=0.0)), "N")))
+        if self.tilt > 0.0:
             rows.append(("tilt that the play allows", f"{1e3 * self.tilt:.4g} mrad"))
         return rows
 

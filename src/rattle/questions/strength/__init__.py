@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rattle.question import question
+from rattle.question import Tab, question
 
 if TYPE_CHECKING:
     from rattle.questions.strength.compute import Strength
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     of="result",
     wants=(("whether a bar is strong enough: stress, buckling, life", "[strength](strength.md)"),),
     examples=(("rattle strength F --of rod", 'm.strength("rod")'),),
+    tab=Tab("strength", "Strength", 65),
 )
 def strength(r: Result, body: str) -> Strength:
     """What a bar bears: normal and shear force, moment, stress, deflection along it, buckling, safety and life.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -47,15 +46,16 @@ def strength(asked: Asked, body: str | None, analysis: str, t_end: float | None,
     material = "steel"
 
     \b
-    Examples: rattle strength F
-              rattle strength F --of rod -o rod.svg
-              rattle strength F --of rod --analysis inverse-dynamics --t-end "20 ms" -o rod.csv
+    Examples: rattle strength piston_engine
+              rattle strength piston_engine --of rod -o rod.svg
+              rattle strength piston_engine --of rod --t-end "80 ms" -o rod.csv
 
     Safety needs the material's yield; life its ultimate, endurance and exponent, under [materials] in the model: they
     belong to a grade and a part, and never follow from the word "steel". A life is in runs of this motion, which
     repeats.
     """
     from rattle.questions.strength.compute import require_bar, strengths
+    from rattle.questions.strength.words import NEEDS
 
     asked = by_suffix(asked, "strength is")
     m = asked.model()
@@ -64,7 +64,7 @@ def strength(asked: Asked, body: str | None, analysis: str, t_end: float | None,
     result = moved(asked, m, analysis, t_end, points)
     bars = list(strengths(result, None if body is None else (body,)).values())
     if not bars:
-        raise InputError("no bar has section and material: `rattle strength --help` shows what it needs")
+        raise InputError(f"no bar has section and material; {NEEDS}")
     return Shown(
         lambda: _words(bars, body is not None), lambda: {s.body: _record(s) for s in bars},
         _files(asked, bars, body is not None),
@@ -75,11 +75,11 @@ def strength(asked: Asked, body: str | None, analysis: str, t_end: float | None,
 def _files(asked: Asked, bars: list[Strength], alone: bool) -> tuple[Written, ...]:
     """The picture or the table, if there is to be one."""
     from rattle.questions.strength.pictures import draw_bars
+    from rattle.questions.strength.words import worst_of
 
     if alone:
         return (*asked.tabled(lambda: bars[0].table), *asked.drawn(bars[0].plot))
-    worst = max(bars, key=lambda s: -math.inf if math.isnan(s.peak) else s.peak)
-    return (*asked.tabled(lambda: _table(bars)), *asked.drawn(lambda: draw_bars(bars, worst.peak_at[0])))
+    return (*asked.tabled(lambda: _table(bars)), *asked.drawn(lambda: draw_bars(bars, worst_of(bars).peak_at[0])))
 
 
 def _table(bars: list[Strength]) -> Any:
@@ -91,19 +91,14 @@ def _table(bars: list[Strength]) -> Any:
 
 def _words(bars: list[Strength], alone: bool) -> str:
     """One bar with all that is known, or a row for each."""
+    from rattle.questions.strength.words import HEAD, in_rows, remarks_of
     from rattle.results.display import in_columns
 
     if alone:
         (s,) = bars
         lines = [f"{s.body}, {len(s.t)} instants", *in_columns(s.told()), *s.remarks]
         return "\n".join(lines)
-    head = ("bar", *(name for name, _ in bars[0].told()[: len(IN_A_ROW)]))
-    rows = [(s.body, *(words for _, words in s.told()[: len(IN_A_ROW)])) for s in bars]
-    remarks = dict.fromkeys(f"{s.body}: {remark}" for s in bars for remark in s.remarks)
-    return "\n".join([*in_columns([head, *rows]), *remarks])
-
-
-IN_A_ROW = ("stress", "safety", "life", "buckling")  # the first things that are told of a bar
+    return "\n".join([*in_columns([HEAD, *in_rows(bars)]), *remarks_of(bars)])
 
 
 def _record(s: Strength) -> dict[str, object]:
