@@ -522,7 +522,7 @@ class OfResult:
         Raises InputError for another body or a result of another analysis, SolverError if the forces on the bar do not
         balance its inertia.
 
-        Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md."""
+        Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md, section 12."""
         ...
     def bearing_moments(self, joint: str, *, tilt_stiffness: Mapping[str, Quantity] | None = None) -> BearingMoments:
         """Force and tilting moment of a bearing on body B about its middle, in the axes of the ground.
@@ -533,5 +533,5 @@ class OfResult:
         z they are rigid.
         Raises InputError for an unknown joint, one that is no bearing, or bodies that nothing holds against tipping.
 
-        Source: Newton and Euler, Castigliano; docs/theory.md."""
+        Source: Newton and Euler, Castigliano; docs/theory.md, section 12."""
         ...

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
     asks="Tilting moments and edge loads of bearings, from the offsets of the planes of bodies.",
     order=226,
     of="result",
-    wants=(("how bearings are tilted by bodies that move in planes beside each other", "[strength](strength.md)"),),
+    wants=(
+        (
+            "how bearings are tilted by bodies that move in planes beside each other",
+            "[bearing moments](strength.md#bearing-moments)",
+        ),
+    ),
     examples=(("rattle bearing-moments F --of pin", 'r.bearing_moments("pin")'),),
 )
 def bearing_moments(r: Result, joint: str, *, tilt_stiffness: Mapping[str, Quantity] | None = None) -> BearingMoments:
@@ -29,7 +34,7 @@ def bearing_moments(r: Result, joint: str, *, tilt_stiffness: Mapping[str, Quant
     z they are rigid.
     Raises InputError for an unknown joint, one that is no bearing, or bodies that nothing holds against tipping.
 
-    Source: Newton and Euler, Castigliano; docs/theory.md.
+    Source: Newton and Euler, Castigliano; docs/theory.md, section 12.
     """
     from rattle.questions.bearing_moments.compute import bearing_moments
 

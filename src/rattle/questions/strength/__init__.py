@@ -27,7 +27,7 @@ def strength(r: Result, body: str) -> Strength:
     Raises InputError for another body or a result of another analysis, SolverError if the forces on the bar do not
     balance its inertia.
 
-    Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md.
+    Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md, section 12.
     """
     from rattle.questions.strength.compute import strength
 

@@ -1,6 +1,6 @@
 """How much a bar bears in a motion: forces and stresses along it, deflection, buckling, safety and life.
 
-Source: docs/theory.md, "Strength of bars".
+Source: docs/theory.md, section 12.
 """
 
 from __future__ import annotations

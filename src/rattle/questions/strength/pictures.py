@@ -102,7 +102,7 @@ def draw_bars(bars: Sequence[Strength], t: float) -> Figure:
         ax.fill(*np.concatenate([line, pulled[::-1]]).T, facecolor=BLUE, alpha=0.18, linewidth=0, zorder=6)
         reached.append(pulled[np.isfinite(pulled).all(axis=1)])
         ax.plot(*pulled.T, color=BLUE, linewidth=1.0, zorder=7)
-        pieces = np.stack([line[:-1], line[1:]], axis=1)
+        pieces = np.stack([line[:-1], np.append(line[2:], line[-1:], axis=0)], axis=1)  # without gaps between them
         middle = factor * np.abs(0.5 * (s.stress[row, :-1] + s.stress[row, 1:]))
         shown = LineCollection(list(pieces), cmap=STRESSES, norm=norm, linewidths=6.0, zorder=8, capstyle="butt")
         shown.set_array(middle)
