@@ -78,6 +78,14 @@ PLAY = slider_crank().replace(
 )
 
 
+def test_impulses_of_rigid_contacts_are_said_to_be_left_out():
+    rigid = PLAY.replace('model = "hertz"', 'model = "impact"').replace(
+        ', bush_material = "steel", pin_material = "steel"', ""
+    )
+    s = rt.loads(rigid).simulate(0.02).strength("rod")
+    assert any("impulses" in remark and "B" in remark for remark in s.remarks)
+
+
 # ---------------------------------------------------------------- refusals
 @pytest.mark.parametrize(
     ("text", "body", "words"),

@@ -268,13 +268,16 @@ class Strength:
         if shared := sorted(mine & set(r.trust.nonunique)):
             yield f"reactions not unique (redundant constraints) at {', '.join(shared)}: the forces are one possibility"
         period = 1.0 / self.frequency
-        short = [event.joint for event in r.events if 0.0 < event.duration < FEW_PERIODS * period]
-        rigid = [event.joint for event in r.events if event.kind == "impact"]
-        if ringing := list(dict.fromkeys([*short, *rigid])):
+        short = dict.fromkeys(event.joint for event in r.events if 0.0 < event.duration < FEW_PERIODS * period)
+        if short:
             yield (
-                f"contacts in {', '.join(ringing)} are shorter than {FEW_PERIODS:g} periods of the first bending"
+                f"contacts in {', '.join(short)} are shorter than {FEW_PERIODS:g} periods of the first bending"
                 f" vibration ({quantity(period, 's')}): the bar rings, which is not computed"
             )
+        if rigid := dict.fromkeys(event.joint for event in r.events if event.kind == "impact"):
+            yield f"impacts of rigid contacts in {', '.join(rigid)} are impulses: the stress by them is not computed"
+        if r.trust.unread:
+            yield f"forces of rigid contacts in {', '.join(r.trust.unread)} tower without meaning: read no peak of them"
         if several := taken_together(self._motion, self.body):
             yield f"contacts of {', '.join(several)} at several points are taken as one force at the joint's point"
 

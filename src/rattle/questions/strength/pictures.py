@@ -35,6 +35,7 @@ PANELS = (
     ("normal", "normal force", "N"),
     ("shear", "shear force", "N"),
     ("moment", "moment", "N*m"),
+    ("deflection", "deflection", "m"),
     ("stress", "stress", "Pa"),
 )
 HIGHEST = 0.16  # of a moment diagram in the mechanism, as a share of its size
@@ -45,7 +46,7 @@ def plot_along(s: Strength) -> Figure:
     """Forces and stress along the bar when the stress is largest, and what they reach at any instant as a band."""
     when, where = s.peak_at
     row = int(np.argmin(np.abs(s.t - when)))
-    axes = new_axes(7.0, 1.0 + 1.7 * len(PANELS), rows=len(PANELS))
+    axes = new_axes(7.0, 1.0 + 1.5 * len(PANELS), rows=len(PANELS))
     length, unit = handy_unit("m", s.beam.length)
     x = length * s.x
     for ax, (name, words, si) in zip(axes, PANELS, strict=True):
@@ -62,7 +63,9 @@ def plot_along(s: Strength) -> Figure:
     first, last = s.beam.ends
     axes[-1].set_xlabel(axis_label(f"from {first} to {last}, along {s.body}", unit))
     title_of(axes[0], s.result)
-    return figure_of(axes[0])
+    figure = figure_of(axes[0])
+    figure.align_ylabels(axes)
+    return figure
 
 
 def _mark_peak(ax: Axes, s: Strength, place: float) -> None:
