@@ -139,6 +139,36 @@ def test_pictures_name_the_largest_stress_and_its_place():
     assert any("moment on the side that is pulled" in text.get_text() for text in drawn.texts)
 
 
+def test_bars_that_move_have_the_colours_of_their_stress(tmp_path):
+    from rattle.plots.animation import scene
+
+    r = rt.loads(slider_crank()).inverse_dynamics(np.linspace(0.001, 0.1, 5))
+    figure, update, count = scene(r, 5, stress=True)
+    (crank, rod) = [part for part in figure.axes[0].collections if part.get_array() is not None]
+    s = r.strength("rod")
+    for k in range(count):
+        update(k)
+        stress = np.abs(s.stress[k])
+        assert 1e6 * np.asarray(rod.get_array()) == pytest.approx((stress[1:] + stress[:-1]) / 2)
+        ends = np.array([rod.get_segments()[0][0], rod.get_segments()[-1][1]])
+        assert ends[0] == pytest.approx([r["rod.A.x"][k], r["rod.A.y"][k]])
+        assert np.hypot(*(ends[1] - ends[0])) == pytest.approx(0.12)
+        assert len(crank.get_segments()) == 100
+    r.animate(tmp_path / "a.gif", stress=True, frames=2)
+    with pytest.raises(rt.InputError, match="no bar"):
+        rt.example("fourbar").ideal().inverse_dynamics([0.0, 0.1]).animate(tmp_path / "b.gif", stress=True)
+
+
+def test_moments_are_drawn_on_the_side_that_is_pulled():
+    s = borne(beam(gravity=100.0))  # it sags: the lower side is pulled
+    drawn, _ = s.draw().axes
+    (area,) = [patch for patch in drawn.patches if patch.get_zorder() == 6]
+    assert area.get_xy()[:, 1].min() < -0.01
+    assert area.get_xy()[:, 1].max() == pytest.approx(0.0, abs=1e-12)
+    low, high = drawn.get_ylim()
+    assert low <= area.get_xy()[:, 1].min() < high
+
+
 def test_the_command_tells_of_one_bar_or_all(tmp_path, monkeypatch):
     from click.testing import CliRunner
 

@@ -114,6 +114,11 @@ class Strength:
         return self._motion.system.model.bodies[self.body]
 
     @property
+    def places(self) -> Array:
+        """Where x lies on the axis of the bar, from its mass centre (nx,) [m]."""
+        return self.x - self.beam.centre
+
+    @property
     def section(self) -> Section:
         """Area [m^2], second moment of area [m^4] and modulus [m^3] of the section."""
         assert self.beam.section is not None

@@ -21,7 +21,9 @@ from rattle.plots.curves import (
     tidy,
     title_of,
 )
+from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_at
+from rattle.plots.stress_colours import draw_stress, largest_of
 from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
@@ -38,8 +40,6 @@ PANELS = (
     ("deflection", "deflection", "m"),
     ("stress", "stress", "Pa"),
 )
-HIGHEST = 0.16  # of a moment diagram in the mechanism, as a share of its size
-STRESSES = "cividis_r"  # colours that grow darker with the stress
 
 
 def plot_along(s: Strength) -> Figure:
@@ -85,53 +85,21 @@ def _mark_peak(ax: Axes, s: Strength, place: float) -> None:
 
 def draw_bars(bars: Sequence[Strength], t: float) -> Figure:
     """The mechanism at the instant next to t [s], bars coloured by their stress, moments drawn on their pulled side."""
-    from matplotlib.collections import LineCollection
-    from matplotlib.colors import Normalize
+    from matplotlib.transforms import Bbox
 
     first = bars[0]
     row = int(np.argmin(np.abs(first.t - t)))
-    figure = new_figure(7.5, 5.4)
-    ax = tidy(figure.add_subplot())
+    ax = tidy(new_figure(7.5, 5.4).add_subplot())
     draw_at(ax, first.result, row)
     ax.set_axis_off()
-    size = float(np.diff(ax.get_xlim())[0])
-    stress = max(float(np.nanmax(np.abs(s.stress[row]), initial=0.0)) for s in bars)
-    moment = max(float(np.nanmax(np.abs(s.moment[row]), initial=0.0)) for s in bars)
-    factor, unit = handy_unit("Pa", stress)
-    norm = Normalize(0.0, factor * stress or 1.0)
-    reached = [np.array([ax.get_xlim(), ax.get_ylim()]).T]
-    for s in bars:
-        line, pulled = _placed(s, row, HIGHEST * size / moment if moment > 0.0 else 0.0)
-        ax.fill(*np.concatenate([line, pulled[::-1]]).T, facecolor=BLUE, alpha=0.18, linewidth=0, zorder=6)
-        reached.append(pulled[np.isfinite(pulled).all(axis=1)])
-        ax.plot(*pulled.T, color=BLUE, linewidth=1.0, zorder=7)
-        pieces = np.stack([line[:-1], np.append(line[2:], line[-1:], axis=0)], axis=1)  # without gaps between them
-        middle = factor * np.abs(0.5 * (s.stress[row, :-1] + s.stress[row, 1:]))
-        shown = LineCollection(list(pieces), cmap=STRESSES, norm=norm, linewidths=6.0, zorder=8, capstyle="butt")
-        shown.set_array(middle)
-        ax.add_collection(shown)
-    low, high = np.concatenate(reached).min(axis=0), np.concatenate(reached).max(axis=0)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    figure.colorbar(shown, ax=ax, shrink=0.8, pad=0.02).set_label(axis_label("magnitude of the stress", unit))
-    largest, moment_unit = handy_unit("N*m", moment)
-    words = f"moment on the side that is pulled, largest {largest * moment:.3g} {moment_unit.replace('*', '·')}"
-    ax.text(
-        0.0,
-        -0.02,
-        f"t = {first.t[row]:.6g} s; blue: {words}",
-        transform=ax.transAxes,
-        fontsize=8.5,
-        color=GREY,
-        va="top",
-    )
+    scene = Scene(first.result, np.array([row]), float(np.diff(ax.get_xlim())[0]))
+    draw_stress(ax, scene, bars)
+    limits = Bbox.union([ax.dataLim, ax.viewLim])  # with the moments
+    ax.set(xlim=limits.intervalx, ylim=limits.intervaly)
+    moment = largest_of(scene, bars)[1]
+    factor, unit = handy_unit("N*m", moment)
+    words = f"moment on the side that is pulled, largest {factor * moment:.3g} {unit.replace('*', '·')}"
+    caption = f"t = {first.t[row]:.6g} s; blue: {words}"
+    ax.text(0.0, -0.02, caption, transform=ax.transAxes, fontsize=8.5, color=GREY, va="top")
     title_of(ax, first.result)
     return figure_of(ax)
-
-
-def _placed(s: Strength, row: int, scale: float) -> tuple[Array, Array]:
-    """Points (nx, 2) [m] along a bar, and those of its moment diagram beside it; scale [m/(N m)]."""
-    x, y, angle = (float(s.result[f"{s.body}.{what}"][row]) for what in ("x", "y", "angle"))
-    along = np.array([np.cos(angle), np.sin(angle)])
-    across = np.array([-np.sin(angle), np.cos(angle)])
-    line = np.array([x, y]) + (s.x - s.beam.centre)[:, None] * along
-    return line, line - scale * s.moment[row][:, None] * across
