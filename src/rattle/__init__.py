@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rattle.loading import example, examples, load, loads
     from rattle.mechanism import Mechanism
     from rattle.questions.film.bearing import Film
+    from rattle.questions.strength.fatigue import rainflow
     from rattle.results.event import Event
     from rattle.results.result import Result, load_result
     from rattle.results.trust import Trust
@@ -34,7 +35,7 @@ _HOME = {
     "Result": "results.result", "Event": "results.event", "Trust": "results.trust", "load_result": "results.result",
     "load_law": "elements.custom.load_law", "normal_law": "elements.custom.contact_law",
     "friction_law": "elements.custom.contact_law", "Film": "questions.film.bearing",
-    "fit": "catalogue.fits", "oil": "catalogue.oils",
+    "fit": "catalogue.fits", "oil": "catalogue.oils", "rainflow": "questions.strength.fatigue",
 }  # fmt: skip
 
 __all__ = [
@@ -58,6 +59,7 @@ __all__ = [
     "loads",
     "normal_law",
     "oil",
+    "rainflow",
     "read",
 ]
 

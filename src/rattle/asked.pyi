@@ -9,8 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rattle.language.quantities import Quantity
 from rattle.language.times import Seconds
 from rattle.questions.accuracy.compute import Accuracy
+from rattle.questions.bearing_moments.compute import BearingMoments
 from rattle.questions.bifurcation.compute import Bifurcation
 from rattle.questions.check.compute import Check
 from rattle.questions.compare.compute import Comparison
@@ -26,6 +28,7 @@ from rattle.questions.modes.compute import Modes
 from rattle.questions.optimise.optimum import Optimum
 from rattle.questions.poincare.compute import Section
 from rattle.questions.power.compute import Power
+from rattle.questions.strength.compute import Strength
 from rattle.questions.sweep.compute import Sweep
 from rattle.questions.tolerance.largest import Largest
 from rattle.questions.tolerance.report import Tolerance
@@ -510,4 +513,25 @@ class OfResult:
         The run of a motion in time is repeated from the model that the result holds.
         Raises InputError for a result of another analysis or times outside of the run, ModelError for a model with laws
         in Python that are not known here."""
+        ...
+    def strength(self, body: str) -> Strength:
+        """What a bar bears: normal and shear force, moment, stress, deflection along it, buckling, safety and life.
+
+        body: a bar with `section` and `material`.  The motion, of `simulate` or `inverse_dynamics`, is repeated from
+        the model that the result holds; instants are those of the result.
+        Raises InputError for another body or a result of another analysis, SolverError if the forces on the bar do not
+        balance its inertia.
+
+        Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md, section 12."""
+        ...
+    def bearing_moments(self, joint: str, *, tilt_stiffness: Mapping[str, Quantity] | None = None) -> BearingMoments:
+        """Force and tilting moment of a bearing on body B about its middle, in the axes of the ground.
+
+        Planes of bodies and middles of joints are their `z`.  The motion is repeated from the model that the result
+        holds.  In a tree of joints moments follow from balance alone; in a loop three are redundant, and bearings share
+        them by their stiffness against tilting: equal, or tilt_stiffness [N m/rad] by joint (others: 1 N m/rad); along
+        z they are rigid.
+        Raises InputError for an unknown joint, one that is no bearing, or bodies that nothing holds against tipping.
+
+        Source: Newton and Euler, Castigliano; docs/theory.md, section 12."""
         ...

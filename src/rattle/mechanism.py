@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from rattle.analyses.analysed_model import AnalysedModel
 from rattle.asked import OfMechanism
-from rattle.errors import ModelError
-from rattle.language.times import Seconds, seconds_or_none
+from rattle.errors import InputError, ModelError
+from rattle.language.times import Seconds, seconds_or_none, times
 from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     import os
     from pathlib import Path
+
+    from rattle.results.result import Result
+
+POSITIONS = 1001  # of a driven motion whose instants are not given
 
 
 @answers_in_words
@@ -62,6 +68,32 @@ class Mechanism(OfMechanism, AnalysedModel):
         from rattle.pages.wishes import Wishes
 
         return view(self, seconds_or_none(t_end, "t_end"), Wishes(title, curves, language=language))
+
+    def strength(
+        self, body: str, t_eval: Sequence[Seconds] | np.ndarray | None = None, *, analysis: str = "simulate",
+        **options: Any,
+    ) -> Any:  # fmt: skip
+        """What a bar bears in a motion, see `Result.strength`.
+
+        t_eval: instants [s]; default: those of the model's run.  analysis: "simulate" or "inverse-dynamics".
+        options: of that analysis.  Raises InputError for another analysis or no such bar, and what it raises.
+        """
+        return self._followed(t_eval, analysis, options).strength(body)
+
+    def _followed(
+        self, t_eval: Sequence[Seconds] | np.ndarray | None, analysis: str, options: dict[str, Any]
+    ) -> Result:
+        """The motion by this analysis, with all forces."""
+        instants = None if t_eval is None else np.atleast_1d(np.asarray(times(t_eval, "t_eval"), float))
+        if analysis == "simulate":
+            if instants is not None and len(instants):
+                options = {"t_end": float(instants[-1]), **options}
+            return self.simulate(t_eval=instants, **options)
+        if analysis.replace("_", "-").replace(" ", "-") != "inverse-dynamics":
+            raise InputError(f"analysis: expected 'simulate' or 'inverse-dynamics', got {analysis!r}")
+        if instants is None:
+            instants = np.linspace(0.0, self.model.settings.t_end, POSITIONS)
+        return self.inverse_dynamics(instants, **options)
 
     def report(
         self, path: str | os.PathLike[str], *, title: str = "", author: str = "", t_end: Seconds | None = None,

@@ -198,6 +198,7 @@ def _labelled(text: str) -> tuple[str, str]:
 @page_options
 @click.option("--names", is_flag=True, help="Label the bodies with their names.")
 @click.option("--power", is_flag=True, help="Arrows through joints, drivers and loads, as wide as their power.")
+@click.option("--stress", is_flag=True, help="Bars with section and material in the colour of their stress.")
 def animate(
     result: str,
     output: str,
@@ -207,6 +208,7 @@ def animate(
     settings: tuple[str, ...],
     names: bool,
     power: bool,
+    stress: bool,
     title: str,
     curves: tuple[str, ...],
     language: str,
@@ -214,7 +216,8 @@ def animate(
     """Animate a saved result, with the pin in its bush magnified beside it.
 
     A page (.html) is one file that needs no network: play, stop, go back, choose curves and forces, in any browser and
-    on a phone.  --title, --curves and --language are for pages, --frames and --power for .gif and .mp4.
+    on a phone.  --title, --curves and --language are for pages, --frames, --power and --stress
+    for .gif and .mp4.
 
     \b
     Example:  rattle animate out.nc -o out.html
@@ -226,7 +229,8 @@ def animate(
         require_film(output)
     check_files(result, output)
     read_result(result, settings).animate(
-        output, frames=frames, trace=trace, speed=speed, names=names, power=power, title=title,
+        output, frames=frames, trace=trace, speed=speed, names=names, power=power, stress=stress,
+        title=title,
         curves=listed(*curves), language=language,
     )  # fmt: skip
     say_written(output)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from collections.abc import Iterable, Mapping
@@ -21,6 +22,7 @@ from rattle.plots.orbit import require_point
 from rattle.plots.power_arrows import draw_power
 from rattle.plots.scene import Scene
 from rattle.plots.sketch import draw_layers, draw_shapes, extent
+from rattle.plots.stress_colours import HIGHEST, draw_stress
 from rattle.results.handy_units import handy_unit, units_of_result
 
 if TYPE_CHECKING:
@@ -33,6 +35,7 @@ Array = NDArray[np.float64]
 MOST_INSETS = 4
 ACROSS = 136.0  # pixels of an inset in a page, in which marks have these sizes
 MOST_FRAMES = 3000
+MARGIN = 0.08  # around what moves, as a share of the mechanism's size
 
 
 def animate(
@@ -46,12 +49,14 @@ def animate(
     speed: float | None = None,
     names: bool = False,
     power: bool = False,
+    stress: bool = False,
 ) -> None:
     """Write the motion as .gif, or as .mp4 if ffmpeg is installed.
 
     At most `frames` pictures, evenly spaced in time, shown at `fps` [1/s].
     trace: names of points ("coupler.P") whose paths are drawn.  names: label the bodies with their names.
     power: arrows through joints, and from drivers and loads, whose width is the power.
+    stress: bars with section and material have the colour of their stress, and their moments beside them.
     speed: of the animation relative to the motion, 0.1 for ten times slower; it sets the number of frames.
     dpi: resolution [1/inch].
 
@@ -73,7 +78,7 @@ def animate(
                 f" and {MOST_FRAMES} frames are allowed: choose a larger speed or a smaller output interval"
             )
     write = {".gif": write_gif, ".mp4": write_mp4}[Path(path).suffix.lower()]
-    figure, update, count = scene(result, frames, trace, fps=fps, names=names, power=power)
+    figure, update, count = scene(result, frames, trace, fps=fps, names=names, power=power, stress=stress)
     figure.set_dpi(dpi)
     with atomic(path) as file:
         write(figure, update, count, file, fps)
@@ -81,7 +86,7 @@ def animate(
 
 def scene(
     result: Result, frames: int = 120, trace: Iterable[str] = (), *, fps: int = 20, names: bool = False,
-    power: bool = False,
+    power: bool = False, stress: bool = False,
 ) -> tuple[Figure, Update, int]:  # fmt: skip
     """The figure, the function that changes it to frame k, and the number of frames; arguments as of `animate`."""
     if not len(result.t):
@@ -93,7 +98,8 @@ def scene(
     stage = Scene(result, pick, 1.0)
     low, high = extent(stage._replace(pick=np.arange(len(result.t))))  # of all instants: paths go on between frames
     stage = stage._replace(size=float(max(high - low)) or 1.0)
-    low, high = low - 0.08 * stage.size, high + 0.08 * stage.size
+    margin = MARGIN + (HIGHEST if stress else 0.0)
+    low, high = low - margin * stage.size, high + margin * stage.size
 
     written = display_list(result.geometry)
     loose = [picture for picture in written["magnified"] if _has_play(result, picture["joint"])][:MOST_INSETS]
@@ -106,6 +112,8 @@ def scene(
     updates += draw_layers(ax, stage, drawn, ("drawn", "pins", "names") if names else ("drawn", "pins"))
     if power:
         updates += draw_power(ax, stage, result.power())
+    if stress:
+        updates += draw_stress(ax, stage, [result.strength(name) for name in _bars(result)])
     small = Stage(written, result.geometry, stage, 1.0, ACROSS)
     for inset, picture in zip(insets, loose, strict=True):
         updates += _inset(inset, stage, small, picture)
@@ -118,6 +126,15 @@ def scene(
     figure.canvas.draw()
     figure.set_layout_engine("none")  # laid out once: half the time of a frame
     return figure, update, len(pick)
+
+
+def _bars(result: Result) -> list[str]:
+    """Names of the bars with section and material in the model of a result.  Raises InputError without any."""
+    bodies = json.loads(str(result.provenance.get("document") or "{}")).get("bodies", {})
+    names = [name for name, body in bodies.items() if {"bar", "section", "material"} <= set(body)]
+    if not names:
+        raise InputError("stress: no bar of this result has a section and a material")
+    return names
 
 
 def _has_play(result: Result, joint: str) -> bool:

@@ -108,6 +108,7 @@ class Provenance(TypedDict):
     changes: NotRequired[dict[str, Change]]
     parameters: NotRequired[dict[str, float]]
     document: NotRequired[str]
+    effort_at: NotRequired[str | dict[str, str]]
 
 
 def misfit(value: object, wanted: Any, where: str) -> str:

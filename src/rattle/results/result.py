@@ -452,17 +452,18 @@ class Result(OfResult):
     def animate(
         self, path: str | os.PathLike[str], *, frames: int = 120, fps: int = 20, trace: Iterable[str] = (),
         dpi: float = 90.0, speed: float | None = None, names: bool = False, power: bool = False,
-        title: str = "", curves: Iterable[str] = (), language: str = "en",
+        stress: bool = False, title: str = "", curves: Iterable[str] = (), language: str = "en",
     ) -> Picture:  # fmt: skip
         """Write the motion of the mechanism as a page (.html), or as .gif or .mp4; a notebook shows it.
 
-        A page is one file without need of a network, in which one plays, stops, goes back and chooses curves; `frames`,
-        `fps`, `dpi` and `power` are for .gif and .mp4.  At most `frames` pictures, evenly spaced in time, shown at
-        `fps` [1/s].  trace: points ("coupler.P") whose paths are drawn.  dpi: resolution [1/inch].  speed: of the
-        animation relative to the motion, 0.1 for ten times slower; of a .gif or .mp4 it sets the number of frames.
-        names: label the bodies with their names.  power: arrows show the power that goes through joints, and from
-        drivers and loads, by their width.  Of a page: title stands above it, instead of the name of the model; curves
-        are those shown at first; language is that of its labels: "en", "de", "fr", "es" or "zh".
+        A page is one file without need of a network, in which one plays, stops, goes back and chooses curves;
+        `frames`, `fps`, `dpi`, `power` and `stress` are for .gif and .mp4.  At most `frames` pictures, evenly spaced
+        in time, shown at `fps` [1/s].  trace: points ("coupler.P") whose paths are drawn.  dpi: resolution [1/inch].
+        speed: of the animation relative to the motion, 0.1 for ten times slower; of a .gif or .mp4 it sets the number
+        of frames.  names: label the bodies with their names.  power: arrows show the power that goes through joints,
+        and from drivers and loads, by their width.  stress: bars with section and material have the colour of their
+        stress, and their moments beside them.  Of a page: title stands above it, instead of the name of the model;
+        curves are those shown at first; language is that of its labels: "en", "de", "fr", "es" or "zh".
         Raises InputError for another suffix, a result without instants, an unknown curve or language, UnknownName,
         MissingProgram without ffmpeg.
         """
@@ -472,7 +473,7 @@ class Result(OfResult):
 
             replay.animate(
                 self, path, trace=trace, names=names, speed=speed, wishes=Wishes(title, tuple(curves), True, language),
-                film={"frames": frames != 120, "fps": fps != 20, "dpi": dpi != 90.0, "power": power},
+                film={"frames": frames != 120, "fps": fps != 20, "dpi": dpi != 90.0, "power": power, "stress": stress},
             )  # fmt: skip
             return Picture(Path(path))
         from rattle.plots import animation
@@ -480,8 +481,9 @@ class Result(OfResult):
         if title or tuple(curves) or language != "en":
             raise InputError("title, curves and language: only pages (.html) have them, leave them out")
         animation.animate(
-            self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names, power=power
-        )
+            self, path, frames=frames, fps=fps, trace=trace, dpi=dpi, speed=speed, names=names, power=power,
+            stress=stress,
+        )  # fmt: skip
         return Picture(Path(path))
 
 

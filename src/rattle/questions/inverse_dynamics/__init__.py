@@ -45,6 +45,11 @@ def inverse_dynamics(
     """
     from rattle.questions.kinematics import compute as kinematics
 
-    return kinematics.analyse(
+    result = kinematics.analyse(
         m.system, m._start_or_none(), times(t_eval, "t_eval"), forces=True, effort_at=effort_at, strict=strict
     )
+    if m._told:
+        result.provenance["document"] = m.to_json()
+        if effort_at is not None:
+            result.provenance["effort_at"] = effort_at if isinstance(effort_at, str) else dict(effort_at)
+    return result

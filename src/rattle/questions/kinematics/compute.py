@@ -151,6 +151,25 @@ def analyse(
     return result
 
 
+def rows_with_ports(
+    system: System, start: Assembled | None, times: np.ndarray, effort_at: str | Mapping[str, str] | None
+) -> tuple[System, np.ndarray, tuple[str, ...]]:
+    """Inverse dynamics at increasing times (n,) [s] once more, with the forces of all elements: the system that is
+
+    followed, its rows (n, width with ports, then effort and power of each motor) [SI], and the joints of the motors.
+    Raises SolverError where the motion does not come that far.
+    """
+    functions.start()
+    system, start = _as_driven(system, start)
+    motors = _motors(system, effort_at)
+    sweep = _begun(system, start if start is not None else _assembled(system, float(times[0])), motors, times)
+    sweep.ports = True
+    rows = sweep.go(times, True)
+    if len(rows) < len(times):
+        raise SolverError(why_stuck(sweep), None)
+    return system, rows, tuple(joint for _, joint in motors)
+
+
 def _as_driven(system: System, start: Assembled | None) -> tuple[System, Assembled | None]:
     """The system without stops, which do not hold what drivers move, and with belts that cannot stretch; its start."""
     if with_stops(system.model):

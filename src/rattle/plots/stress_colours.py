@@ -1,0 +1,96 @@
+"""Bars in a drawing that moves, coloured by their stress, with their moments beside them on the side that is pulled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from rattle.plots.curves import BLUE, MORE, axis_label, figure_of
+from rattle.plots.movie_file import Update
+from rattle.plots.scene import Array, Scene
+from rattle.results.handy_units import handy_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HIGHEST = 0.16  # of a moment diagram, as a share of the mechanism's size
+PALE, DARK = 0.9, MORE[0]  # colours grow darker with the stress, from so much white on: tints that a .gif holds
+WIDE = 6.0  # width of a coloured bar [pt]
+
+
+class LoadedBar(Protocol):
+    """What is drawn of a bar: see `Result.strength`."""
+
+    @property
+    def body(self) -> str:
+        """Its name."""
+
+    @property
+    def places(self) -> Array:
+        """Points (nx,) along its axis, from the mass centre [m]."""
+
+    @property
+    def stress(self) -> Array:
+        """(n, nx) [Pa]."""
+
+    @property
+    def moment(self) -> Array:
+        """(n, nx) [N m]."""
+
+
+def draw_stress(ax: Axes, scene: Scene, bars: Sequence[LoadedBar]) -> list[Update]:
+    """Bars at every frame, with a bar of colours beside the axes; what has no value is left out."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
+
+    largest = largest_of(scene, bars)
+    dark = np.array(to_rgb(DARK))
+    colours = LinearSegmentedColormap.from_list("stress", [tuple(dark + PALE * (1.0 - dark)), tuple(dark)])
+    factor, unit = handy_unit("Pa", largest[0])
+    shades = ScalarMappable(Normalize(0.0, factor * largest[0] or 1.0), colours)
+    scale = HIGHEST * scene.size / largest[1] if largest[1] > 0.0 else 0.0
+    updates = [_draw_bar(ax, scene, bar, shades, factor, scale) for bar in bars]
+    label = axis_label("magnitude of the stress", unit)
+    figure_of(ax).colorbar(shades, ax=ax, shrink=0.8, pad=0.02).set_label(label)
+    return updates
+
+
+def largest_of(scene: Scene, bars: Sequence[LoadedBar]) -> tuple[float, float]:
+    """The largest magnitudes of stress [Pa] and moment [N m] at all frames."""
+    stress, moment = (
+        max(float(np.nanmax(np.abs(getattr(bar, name)[scene.pick]), initial=0.0)) for bar in bars)
+        for name in ("stress", "moment")
+    )
+    return stress, moment
+
+
+def _draw_bar(ax: Axes, scene: Scene, bar: LoadedBar, shades: object, factor: float, scale: float) -> Update:
+    """A bar and its moment; scale [m/(N m)], factor: on stresses."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import Polygon
+
+    x, y, angle = (scene.curve(f"{bar.body}.{name}")[:, None, None] for name in ("x", "y", "angle"))
+    along = np.concatenate([np.cos(angle), np.sin(angle)], axis=2)
+    across = np.concatenate([-np.sin(angle), np.cos(angle)], axis=2)
+    axis = np.concatenate([x, y], axis=2) + bar.places[:, None] * along  # (frames, nx, 2)
+    pulled = axis - scale * np.nan_to_num(bar.moment[scene.pick])[:, :, None] * across
+    outline = np.concatenate([axis, pulled[:, ::-1]], axis=1)
+    stress = factor * np.abs(np.nan_to_num(bar.stress[scene.pick]))
+    area = Polygon(outline[0], facecolor=BLUE, alpha=0.2, linewidth=0, zorder=6)
+    ax.add_patch(area)
+    (edge,) = ax.plot([], [], color=BLUE, linewidth=1.0, zorder=7)
+    line = LineCollection([], cmap=shades.cmap, norm=shades.norm, linewidths=WIDE, zorder=8)  # type: ignore[attr-defined]
+    ax.add_collection(line, autolim=False)
+
+    def update(k: int) -> None:
+        area.set_xy(outline[k])
+        edge.set_data(*pulled[k].T)
+        # each piece reaches over the next one, so that there are no gaps between them
+        beyond = np.append(axis[k, 2:], axis[k, -1:], axis=0)
+        line.set_segments(list(np.stack([axis[k, :-1], beyond], axis=1)))
+        line.set_array(0.5 * (stress[k, :-1] + stress[k, 1:]))
+
+    update(0)
+    return update

@@ -1,0 +1,34 @@
+"""What a bar bears in a motion: forces and stresses along it, deflection, buckling, safety, life."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rattle.question import Tab, question
+
+if TYPE_CHECKING:
+    from rattle.questions.strength.compute import Strength
+    from rattle.results.result import Result
+
+
+@question(
+    asks="What a bar bears in a motion: forces and stresses along it, deflection, buckling, life.",
+    order=225,
+    of="result",
+    wants=(("whether a bar is strong enough: stress, buckling, life", "[strength](strength.md)"),),
+    examples=(("rattle strength F --of rod", 'm.strength("rod")'),),
+    tab=Tab("strength", "Strength", 65),
+)
+def strength(r: Result, body: str) -> Strength:
+    """What a bar bears: normal and shear force, moment, stress, deflection along it, buckling, safety and life.
+
+    body: a bar with `section` and `material`.  The motion, of `simulate` or `inverse_dynamics`, is repeated from
+    the model that the result holds; instants are those of the result.
+    Raises InputError for another body or a result of another analysis, SolverError if the forces on the bar do not
+    balance its inertia.
+
+    Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md, section 12.
+    """
+    from rattle.questions.strength.compute import strength
+
+    return strength(r, body)

@@ -1,0 +1,110 @@
+"""The command `rattle strength`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rattle.cli.options import time
+from rattle.cli.question_command import Asked, Shown, Written, json_option, model_command
+from rattle.errors import InputError
+from rattle.questions.strength.moved import ANALYSES, by_suffix, moved
+
+if TYPE_CHECKING:
+    from rattle.questions.strength.compute import Strength
+
+CURVES = ("normal", "shear", "moment", "stress", "deflection", "elongation")
+
+
+@model_command
+@click.option("--of", "body", metavar="BODY", help="The bar; default: a row for every bar with section and material.")
+@click.option(
+    "--analysis", type=click.Choice(ANALYSES), default=ANALYSES[0], show_default=True,
+    help="Which motion: in time, or as driven with all joints closed.",
+)  # fmt: skip
+@click.option("--t-end", type=time, help="End of the motion, in s or as '20 ms'; default: as in the model.")
+@click.option(
+    "--points", type=click.IntRange(2, 10_000_000), default=1001, show_default=True,
+    help="Number of instants, evenly spaced in time.",
+)  # fmt: skip
+@click.option(
+    "-o", "--output", metavar="FILE",
+    help="Picture (.svg, .png, .pdf): along the bar of --of, or of the mechanism; or table (.csv) in SI units.",
+)  # fmt: skip
+@json_option("The numbers, and all curves along the bar at the instant of its largest stress, as JSON in SI units.")
+def strength(asked: Asked, body: str | None, analysis: str, t_end: float | None, points: int) -> Shown:
+    """Whether bars are strong enough: stress, safety against yield, life, buckling, deflection.
+
+    FILE is a model file or the name of a shipped example. A bar needs length, section and material:
+
+    \b
+    [bodies.rod]
+    bar = ["A", "B"]
+    length = "0.12 m"
+    section = { shape = "rectangle", width = "10 mm", height = "20 mm" }
+    material = "steel"
+
+    \b
+    Examples: rattle strength piston_engine
+              rattle strength piston_engine --of rod -o rod.svg
+              rattle strength piston_engine --of rod --t-end "80 ms" -o rod.csv
+
+    Safety needs the material's yield; life its ultimate, endurance and exponent, under [materials] in the model: they
+    belong to a grade and a part, and never follow from the word "steel". A life is in runs of this motion, which
+    repeats.
+    """
+    from rattle.questions.strength.compute import require_bar, strengths
+    from rattle.questions.strength.words import NEEDS
+
+    asked = by_suffix(asked, "strength is")
+    m = asked.model()
+    if body is not None:
+        require_bar(m.model, body)
+    result = moved(asked, m, analysis, t_end, points)
+    bars = list(strengths(result, None if body is None else (body,)).values())
+    if not bars:
+        raise InputError(f"no bar has section and material; {NEEDS}")
+    return Shown(
+        lambda: _words(bars, body is not None), lambda: {s.body: _record(s) for s in bars},
+        _files(asked, bars, body is not None),
+        result=result,
+    )  # fmt: skip
+
+
+def _files(asked: Asked, bars: list[Strength], alone: bool) -> tuple[Written, ...]:
+    """The picture or the table, if there is to be one."""
+    from rattle.questions.strength.pictures import draw_bars
+    from rattle.questions.strength.words import worst_of
+
+    if alone:
+        return (*asked.tabled(lambda: bars[0].table), *asked.drawn(bars[0].plot))
+    return (*asked.tabled(lambda: _table(bars)), *asked.drawn(lambda: draw_bars(bars, worst_of(bars).peak_at[0])))
+
+
+def _table(bars: list[Strength]) -> Any:
+    """A pandas.DataFrame with a row for every bar."""
+    from rattle.results.archive import package
+
+    return package("pandas", "a table of bars").DataFrame([{"bar": s.body, **s.numbers()} for s in bars])
+
+
+def _words(bars: list[Strength], alone: bool) -> str:
+    """One bar with all that is known, or a row for each."""
+    from rattle.questions.strength.words import HEAD, in_rows, remarks_of
+    from rattle.results.display import in_columns
+
+    if alone:
+        (s,) = bars
+        lines = [f"{s.body}, {len(s.t)} instants", *in_columns(s.told()), *s.remarks]
+        return "\n".join(lines)
+    return "\n".join([*in_columns([HEAD, *in_rows(bars)]), *remarks_of(bars)])
+
+
+def _record(s: Strength) -> dict[str, object]:
+    """Numbers of a bar, and its curves when the stress is largest."""
+    import numpy as np
+
+    row = int(np.argmin(np.abs(s.t - s.peak_at[0])))
+    curves = {name: getattr(s, name)[row] for name in CURVES}
+    return {"told": dict(s.told()), **s.numbers(), "x": s.x, **curves, "remarks": list(s.remarks)}
