@@ -287,7 +287,8 @@ def _compliant(reader: FieldReader, table: Table, model: str, site: Site, path: 
     elastic_keys = ["geometry" if by_geometry else "stiffness", *law.fields, *own]
     used = ["model", "rolling", "friction", "bush_radius", *elastic_keys]
     unused = _unused(reader, table, used, site, path)
-    needed = "friction" if "friction" in table else "the stiffness" if by_geometry else ""
+    by_radius = by_geometry and "bush_radius" in static.fields
+    needed = "friction" if "friction" in table else "the stiffness" if by_radius else ""
     radius = _radius(reader, table, site, needed, path)
     elastic: dict[str, float | str | Mapping[str, float]] = {"clearance": site.clearance, "bush_radius": radius}
     for key in own:
