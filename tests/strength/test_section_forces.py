@@ -244,9 +244,9 @@ def test_random_trees_and_loops_bear_what_slow_integration_gives(seed):
                     a = centre + np.array([-(rate**2) * arm, r[f"{bar.name}.alpha"][k] * arm])
                     total -= w * bar.density(u) * a
                     moment -= w * bar.density(u) * a[1] * (x - u)
-                found = [np.interp(x, s.x, part[k]) for part in (s.normal, s.shear, s.moment)]
+                along = [np.interp(x, s.x, part[k]) for part in (s.normal, s.shear, s.moment)]
                 wanted = [-total[0], total[1], moment]
-                for value, other, size in zip(found, wanted, scale, strict=True):
+                for value, other, size in zip(along, wanted, scale, strict=True):
                     assert value == pytest.approx(other, abs=2e-4 * size)  # straight between stations
 
 

@@ -177,9 +177,9 @@ def test_the_command_tells_of_one_bar_or_all(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.toml").write_text(slider_crank())
     run = CliRunner().invoke
-    one = run(main, ["strength", "m.toml", "--of", "rod", "-o", "rod.svg"])
-    assert one.exit_code == 0, one.output
-    assert all(word in one.output for word in ("largest stress", "buckling", "MPa", "rod"))
+    alone = run(main, ["strength", "m.toml", "--of", "rod", "-o", "rod.svg"])
+    assert alone.exit_code == 0, alone.output
+    assert all(word in alone.output for word in ("largest stress", "buckling", "MPa", "rod"))
     assert (tmp_path / "rod.svg").stat().st_size > 10_000
     every = run(main, ["strength", "m.toml", "--analysis", "inverse-dynamics", "--points", "51", "-o", "bars.csv"])
     assert [line.split()[0] for line in every.output.splitlines()[1:3]] == ["crank", "rod"]
