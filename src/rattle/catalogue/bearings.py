@@ -23,6 +23,8 @@ KINDS = {BALL: "deep_groove_ball", ROLLER: "cylindrical_roller"}  # tables by th
 WORDS = {BALL: "deep-groove ball bearing", ROLLER: "cylindrical roller bearing"}
 ROLLER_SOURCE = "maker's table of radial internal clearance, read in one place"
 KEYS = ("bore", "group", "kind")
+USUAL = ("608", "6000", "6001", "6002", "6003", "6004", "6005", "6200", "6201", "6202", "6203", "6204", "6205", "6206",
+         "6208", "6208 C3", "6304", "6305", "6306")  # fmt: skip
 FIRST_BORES = {"00": 10.0, "01": 12.0, "02": 15.0, "03": 17.0}  # [mm] by the last digits; from 04 on 5 mm times them
 STEP = 5.0  # [mm]
 LONGEST = 40  # characters of a text that is quoted
@@ -36,21 +38,16 @@ _GLUED = re.compile(r"([0-9]+)([A-Z].*)")  # 6208ZZ, 6208C3
 
 @dataclass(frozen=True, slots=True)
 class BearingPlay:
-    """The radial play of a rolling bearing; all lengths in m.
+    """The radial play of a rolling bearing before mounting."""
 
-    radial, tol: mean radial play, and by how much bearings may differ from it.  bore: diameter of the inner ring.
-    group: "C2" to "C5", CN the normal one.  least, largest: the whole radial movement, as tables have it.  title: what
-    bearing it is.  source: where the figures are from.
-    """
-
-    radial: float
-    tol: float
-    bore: float
-    group: str
-    least: float
-    largest: float
-    title: str
-    source: str
+    radial: float  # mean radial play [m]
+    tol: float  # by how much bearings may differ from it [m]
+    bore: float  # of the inner ring, its diameter [m]
+    group: str  # of play: "C2" to "C5", CN the normal one
+    least: float  # the whole radial movement as tables have it [m]
+    largest: float  # of bearings with much play [m]
+    title: str  # what bearing it is
+    source: str  # where the figures are from
 
 
 def bearing(written: str | Mapping[str, Any]) -> BearingPlay:

@@ -23,25 +23,25 @@ BEYOND = ("j", "k", "m", "n", "p", "r", "s", "t", "u", "v", "x", "y", "z", "za",
 DIGITS = 15  # of a deviation [m] behind the point: tables have 1e-7 m, beyond is rounding of binary numbers
 LONGEST = 40  # characters of a text that is quoted
 EXPECTED = "expected hole and shaft, such as 'H7/g6'"
+USUAL = (  # fits that drawings use most, from little play to much
+    "H6/h5", "H7/h6", "H6/g5", "H7/g6", "G7/h6", "H7/f7", "H8/f7", "F8/h6", "H8/e8", "E9/h9", "H8/d9", "H9/d9",
+    "D10/h9", "H11/c11",
+)  # fmt: skip
 _HALF = re.compile(r"([A-Za-z]+)([0-9]+)")
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """A fit of ISO 286 at one diameter; all lengths in m.
+    """A fit of ISO 286 at one diameter."""
 
-    text: "H7/g6".  diameter: nominal size.  hole: deviations EI and ES.  shaft: ei and es.  least, largest: play as the
-    difference of the diameters.  radial, tol: mean radial play, and by how much parts may differ from it.
-    """
-
-    text: str
-    diameter: float
-    hole: tuple[float, float]
-    shaft: tuple[float, float]
-    least: float
-    largest: float
-    radial: float
-    tol: float
+    text: str  # such as "H7/g6"
+    diameter: float  # nominal size [m]
+    hole: tuple[float, float]  # deviations EI and ES from it [m]
+    shaft: tuple[float, float]  # deviations ei and es [m]
+    least: float  # play as the difference of the diameters [m]
+    largest: float  # the same where the bore is largest and the pin smallest [m]
+    radial: float  # mean radial play, a quarter of the sum of these [m]
+    tol: float  # by how much the radial play of parts may differ from it [m]
 
     @property
     def bore(self) -> tuple[float, float]:

@@ -8,8 +8,10 @@ from dataclasses import replace
 from typing import Any
 
 from rattle import registry
+from rattle.catalogue import bearings, oils
 from rattle.description.read_fields import geometries
-from rattle.description.tables import DUTY_CASE, MATERIAL, SECTION_NUMBERS, SECTION_SHAPES, Part
+from rattle.description.tables import DISTRIBUTIONS, DUTY_CASE, MATERIAL, SECTION_NUMBERS, SECTION_SHAPES, Part
+from rattle.language.materials import MATERIALS
 from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
@@ -69,7 +71,16 @@ def array(entry: Schema, fewest: int = 0, most: int = 0) -> Schema:
 
 
 def _material(field: Field) -> Schema:
-    return {"anyOf": [{"type": "string"}, fields_of(MATERIAL.fields)]}
+    return {"anyOf": [_material_by_name(), fields_of(MATERIAL.fields)]}
+
+
+def _material_by_name() -> Schema:
+    return {"type": "string", NAMES: "materials", "examples": list(MATERIALS)}
+
+
+def _by_name(usual: Iterable[str], field: Field) -> Schema:
+    """A name, some of which are told, or a table."""
+    return {"anyOf": [{"type": "string", "examples": list(usual)}, {"type": "object"}], "description": field.meaning}
 
 
 def _section(field: Field) -> Schema:
@@ -93,6 +104,7 @@ def _group(field: Field) -> Schema:
 RING = array(vector("m", "corner"), 3)
 PLAIN: Schema = {"type": ["number", "string"]}  # a number or a text
 SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
+    "bearing": lambda field: _by_name(bearings.USUAL, field),
     "body": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "bodies"},
     "cases": lambda field: array(fields_of(DUTY_CASE.fields, DUTY_CASE.meaning), 1),
     "choice": lambda field: {"enum": [*field.choices, *([False, True] if field.flags else [])]},
@@ -100,6 +112,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "bodies": lambda field: connect({"type": "string", "description": "a body", NAMES: "bodies"}, field.meaning),
     "constant": lambda field: {"const": field.choices[0]},
     "ends": lambda field: connect(point(field.meaning)),
+    "distribution": lambda field: {"enum": list(DISTRIBUTIONS), "description": field.meaning},
     "each": lambda field: array(PLAIN, 2, 2),
     "file": lambda field: {"type": "string"},
     "flag": lambda field: {"type": "boolean"},
@@ -110,9 +123,10 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "labels": lambda field: array({"type": "string"}, field.fewest),
     "line": lambda field: array(array(PLAIN, 2, 2), 2),
     "material": _material,
-    "material of a body": lambda field: {"type": "string", "description": field.meaning, NAMES: "materials"},
+    "material of a body": lambda field: {**_material_by_name(), "description": field.meaning},
     "names": lambda field: array({"type": "string"}, 2, 2),
     "numbers": lambda field: array(PLAIN, field.fewest),
+    "oil": lambda field: _by_name(oils.grades(), field),
     "pair": lambda field: vector(field.unit, field.meaning),
     "place": lambda field: {"type": "string", "description": 'a body, or a point of it: "body.point"', NAMES: "points"},
     "point": lambda field: point(field.meaning),
@@ -123,7 +137,9 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "stepper": _steppers,
     "table": lambda field: {"type": "object"},
     "text": lambda field: (
-        {"type": "string", "description": field.meaning} | ({"maxLength": field.longest} if field.longest else {})
+        {"type": "string", "description": field.meaning}
+        | ({"maxLength": field.longest} if field.longest else {})
+        | ({"examples": list(field.choices)} if field.choices else {})
     ),
     "texts": lambda field: array({"type": "string"}, 2, 2),
     "title": lambda field: {"type": "string"},
