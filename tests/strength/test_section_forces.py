@@ -341,3 +341,15 @@ torque = "3*sin(5*t)"
         if port.column >= 0:
             left[:, port.body - 1] += motion.rows[:, port.column : port.column + 3]
     assert np.abs(left).max() < 1e-9 * np.abs(mass * bodies[:, :, 2]).max()
+
+
+def test_a_body_that_rests_on_a_bar_presses_it_where_it_touches():
+    ball = """bodies.ball = { points = { M = [0, 0], P = [0, -0.01] }, center = [0, 0], mass = 2, inertia = 0.01 }
+joints.on = { type = "surface", connect = ["bar.A", "ball.M"], axis = 0, corners = ["P"], contact = "impact" }
+joints.up = { type = "prismatic", connect = ["ground.S", "ball.M"], axis = "90 deg", angle = 0 }
+initial = { ball = { x = 0.1, y = 0.01, angle = 0 } }
+"""
+    s = rt.loads(beam(ball, gravity=10.0, body="mass = 1e-9")).strength("bar", [0.0, 0.01])
+    wanted = 20 * np.where(s.x < 0.1, s.x * 2 / 3, (0.3 - s.x) / 3)
+    assert s.moment[-1] == pytest.approx(wanted, abs=1e-6)
+    assert s.peak == pytest.approx(20 * 0.2 / 3 * 6e6, rel=1e-6)  # where it touches, between two stations
