@@ -1,5 +1,7 @@
 """Play of rolling bearings against makers' tables, and what is refused."""
 
+import math
+
 import pytest
 
 import rattle as rt
@@ -74,5 +76,31 @@ def test_ranges_of_bores_join_and_groups_follow_each_other(kind):
     ],
 )
 def test_what_is_no_bearing_with_a_table_is_refused_with_the_reason(written, words):
+    with pytest.raises(rt.InputError, match=words):
+        bearing(written)
+
+
+def test_turns_that_nine_of_ten_survive_are_those_of_iso_281():
+    """C/P = 3.07 gives 28.9 million turns: 482 h at 1000 rpm."""
+    ball = bearing({"number": "6208 C3", "capacity": "30.7 kN"})
+    assert (ball.radial, ball.capacity) == (bearing("6208 C3").radial, 30.7e3)
+    assert ball.turns(10e3) == pytest.approx(1e6 * 3.07**3)
+    assert ball.turns(10e3) / 1000 / 60 == pytest.approx(482.2, abs=0.1)
+    roller = bearing({"bore": "40 mm", "kind": "roller", "capacity": 50e3})
+    assert roller.turns(25e3) == pytest.approx(1e6 * 2 ** (10 / 3))
+    assert bearing("6208").turns(1.0) != bearing("6208").turns(1.0)  # nan: no capacity is known
+    assert ball.turns(0.0) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        ({"number": "6208", "bore": "40 mm"}, "number says the bore"),
+        ({"number": "6208", "capacity": "30 kg"}, "30 kg"),
+        ({"number": "6208", "capacity": -1}, "must be positive"),
+        ({"capacity": "30 kN"}, "the bore is missing"),
+    ],
+)
+def test_capacities_that_are_none_are_refused(written, words):
     with pytest.raises(rt.InputError, match=words):
         bearing(written)
