@@ -177,9 +177,9 @@ def test_the_command_tells_of_one_bar_or_all(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.toml").write_text(slider_crank())
     run = CliRunner().invoke
-    one = run(main, ["strength", "m.toml", "--of", "rod", "-o", "rod.svg"])
-    assert one.exit_code == 0, one.output
-    assert all(word in one.output for word in ("largest stress", "buckling", "MPa", "rod"))
+    alone = run(main, ["strength", "m.toml", "--of", "rod", "-o", "rod.svg"])
+    assert alone.exit_code == 0, alone.output
+    assert all(word in alone.output for word in ("largest stress", "buckling", "MPa", "rod"))
     assert (tmp_path / "rod.svg").stat().st_size > 10_000
     every = run(main, ["strength", "m.toml", "--analysis", "inverse-dynamics", "--points", "51", "-o", "bars.csv"])
     assert [line.split()[0] for line in every.output.splitlines()[1:3]] == ["crank", "rod"]
@@ -194,3 +194,34 @@ def test_a_notebook_shows_numbers_and_remarks():
     s = borne(beam(gravity=10.0, material=IRON.replace("yield", "expansion").replace('"300 MPa"', "1e-5")))
     assert "largest stress" in s._repr_html_()
     assert "does not say its yield" in s._repr_html_()
+
+
+def test_reports_and_the_studio_show_every_bar():
+    from rattle.pages.report_study import Study
+    from rattle.questions.strength import section, tab
+    from rattle.studio.shelf import Shelf
+
+    m = rt.loads(slider_crank())
+    study = Study(m)
+    study.run = m.simulate(0.02)
+    section.gather(study)
+    page = section.section(study).body
+    assert "<td>crank</td>" in page
+    assert "<td>rod</td>" in page
+    assert "out of the plane" in page
+    shown = tab.tab(Shelf(), {"text": slider_crank(), "file": ""})
+    (rows,) = [block["rows"] for block in shown["blocks"] if block["kind"] == "table"]
+    assert [row[0] for row in rows] == ["crank", "rod"]
+
+
+def test_reports_and_the_studio_say_that_there_is_no_bar():
+    from rattle.pages.report_study import Study
+    from rattle.questions.strength import section, tab
+    from rattle.studio.shelf import Shelf
+
+    m = rt.example("double_pendulum")
+    study = Study(m)
+    study.run = m.simulate(0.02)
+    section.gather(study)
+    assert "no bar" in section.section(study).reason
+    assert "no bar" in tab.tab(Shelf(), {"text": m.to_toml(), "file": ""})["told"]

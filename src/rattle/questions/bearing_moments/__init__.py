@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     wants=(
         (
             "how bearings are tilted by bodies that move in planes beside each other",
-            "[bearing moments](strength.md#bearing-moments)",
+            "[bearing moments](strength.md#bearings-that-are-tilted)",
         ),
     ),
     examples=(("rattle bearing-moments F --of pin", 'r.bearing_moments("pin")'),),

@@ -11,6 +11,7 @@ taken (Castigliano: bearings that give way to tilting by k_j and are rigid along
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -81,7 +82,7 @@ class BearingMoments:
             ("largest force", quantity(float(np.nanmax(force, initial=0.0)), "N")),
             ("largest tilting moment", quantity(float(np.nanmax(moment, initial=0.0)), "N*m")),
         ]
-        if self.length == self.length:
+        if not math.isnan(self.length):
             rows.append(("largest load of an edge", quantity(float(np.nanmax(self.edge_load, initial=0.0)), "N")))
         if self.tilt > 0.0:
             rows.append(("tilt that the play allows", f"{1e3 * self.tilt:.4g} mrad"))
@@ -170,8 +171,8 @@ def plane_of(model: Model, body: str) -> float:
 
 def middle_of(model: Model, joint: Joint) -> float:
     """Offset of the middle of a joint [m]: its z, else half way between the planes of its bodies."""
-    given = float(joint.z)
-    return given if given == given else 0.5 * (plane_of(model, joint.a.body) + plane_of(model, joint.b.body))
+    own = float(joint.z)
+    return own if not math.isnan(own) else 0.5 * (plane_of(model, joint.a.body) + plane_of(model, joint.b.body))
 
 
 def _balance(motion: KnownMotion) -> Known:
@@ -235,7 +236,7 @@ def _shares(balance: Known, stiffness: Array, size: float) -> Array:
     load = balance.load * equation
     rows, columns = matrix.shape[1:]
     cost = np.diag(np.ravel([[0.0, k, k] for k in stiffness.mean() / stiffness]))
-    found = np.zeros((len(matrix), columns))
+    solved = np.zeros((len(matrix), columns))
     for first in range(0, len(matrix), PIECE):
         part = slice(first, first + PIECE)
         whole = np.zeros((len(matrix[part]), columns + rows, columns + rows))
@@ -245,9 +246,9 @@ def _shares(balance: Known, stiffness: Array, size: float) -> Array:
         right = np.concatenate([np.zeros((len(whole), columns)), load[part]], axis=1)
         whole, right = np.nan_to_num(whole), np.nan_to_num(right)
         solution = (np.linalg.pinv(whole, SINGULAR, hermitian=True) @ right[:, :, None])[:, :, 0]
-        found[part] = solution[:, :columns]
-    _require_held(balance, np.nan_to_num(matrix @ found[:, :, None])[:, :, 0], np.nan_to_num(load))
-    shares: Array = found / unit
+        solved[part] = solution[:, :columns]
+    _require_held(balance, np.nan_to_num(matrix @ solved[:, :, None])[:, :, 0], np.nan_to_num(load))
+    shares: Array = solved / unit
     return shares
 
 

@@ -54,17 +54,17 @@ def strength(asked: Asked, body: str | None, analysis: str, t_end: float | None,
     belong to a grade and a part, and never follow from the word "steel". A life is in runs of this motion, which
     repeats.
     """
-    from rattle.questions.strength.compute import require_bar, strengths
+    from rattle.questions.strength.compute import bars_of, require_bar, strengths
     from rattle.questions.strength.words import NEEDS
 
     asked = by_suffix(asked, "strength is")
     m = asked.model()
     if body is not None:
         require_bar(m.model, body)
+    elif not bars_of(m.model):
+        raise InputError(f"no bar has section and material; {NEEDS}")
     result = moved(asked, m, analysis, t_end, points)
     bars = list(strengths(result, None if body is None else (body,)).values())
-    if not bars:
-        raise InputError(f"no bar has section and material; {NEEDS}")
     return Shown(
         lambda: _words(bars, body is not None), lambda: {s.body: _record(s) for s in bars},
         _files(asked, bars, body is not None),

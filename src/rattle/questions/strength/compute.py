@@ -69,7 +69,7 @@ def require_bar(model: Model, name: str) -> None:
     beam = model.bodies[name].beam
     if beam is None:
         raise InputError(f'strength: body \'{name}\' is no bar; it needs bar = ["A", "B"], length, section, material')
-    missing = [key for key, given in (("section", beam.section), ("material", beam.material)) if given is None]
+    missing = [key for key, part in (("section", beam.section), ("material", beam.material)) if part is None]
     if missing:
         raise InputError(f"strength: the bar '{name}' needs {' and '.join(missing)} in the model")
 

@@ -13,8 +13,8 @@ NEEDS = 'a bar needs length, section = { shape = "round", diameter = "10 mm" } a
 
 def in_rows(bars: Sequence[Strength]) -> list[tuple[str, ...]]:
     """A row for each bar, below `HEAD`."""
-    told = {s.body: dict(s.told()) for s in bars}
-    return [(name, *(said[column] for column in HEAD[1:])) for name, said in told.items()]
+    rows = {s.body: dict(s.told()) for s in bars}
+    return [(name, *(row[column] for column in HEAD[1:])) for name, row in rows.items()]
 
 
 def remarks_of(bars: Sequence[Strength]) -> list[str]:
