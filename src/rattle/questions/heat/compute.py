@@ -65,10 +65,10 @@ def heat(m: Mechanism, ambient: Quantity | None, cooling: Cooling, conduction: C
     return _answer(ways, steady(m, ways, t_end))
 
 
-def _answer(ways: Network, found: Steady) -> Heat:
-    temperature = dict(zip(ways.joints, found.temperatures.tolist(), strict=True))
-    loss = dict(zip(ways.joints, found.losses.tolist(), strict=True))
-    to_air = dict(zip(ways.joints, _to_air(ways, found), strict=True))
+def _answer(ways: Network, state: Steady) -> Heat:
+    temperature = dict(zip(ways.joints, state.temperatures.tolist(), strict=True))
+    loss = dict(zip(ways.joints, state.losses.tolist(), strict=True))
+    to_air = dict(zip(ways.joints, _to_air(ways, state), strict=True))
     shown = [name for k, name in enumerate(ways.joints) if ways.cooled[k]]
     rows = [
         (
@@ -77,7 +77,7 @@ def _answer(ways: Network, found: Steady) -> Heat:
         )
         for name in shown
     ]  # fmt: skip
-    remarks = _remarks(found)
+    remarks = _remarks(state)
     hottest = max(temperature, key=lambda name: temperature[name])
     numbers = {f"{name}.temperature": Number(temperature[name], "K") for name in ways.joints}
     numbers |= {f"{name}.loss": Number(loss[name], "W") for name in ways.joints}
@@ -95,7 +95,7 @@ def _answer(ways: Network, found: Steady) -> Heat:
     )
     return Heat(
         answer.told, answer.blocks, answer.numbers, ambient=ways.ambient, temperature=temperature, loss=loss,
-        to_air=to_air, iterations=found.runs, mechanism=found.mechanism, remarks=remarks,
+        to_air=to_air, iterations=state.runs, mechanism=state.mechanism, remarks=remarks,
     )  # fmt: skip
 
 
@@ -104,16 +104,16 @@ def celsius(kelvin: float) -> str:
     return f"{kelvin - FREEZING:.1f} degC"
 
 
-def _to_air(ways: Network, found: Steady) -> list[float]:
+def _to_air(ways: Network, state: Steady) -> list[float]:
     """What flows off to the air at every joint [W]: the sum of a row of G is its conductance to the air."""
-    flows: list[float] = (ways.conductance.sum(axis=1) * (found.temperatures - ways.ambient)).tolist()
+    flows: list[float] = (ways.conductance.sum(axis=1) * (state.temperatures - ways.ambient)).tolist()
     return flows
 
 
-def _remarks(found: Steady) -> tuple[str, ...]:
+def _remarks(state: Steady) -> tuple[str, ...]:
     """What a user should know of these temperatures."""
-    if not found.dependents:
+    if not state.dependents:
         return ("no oil and no play depends on temperature: what joints lose is that of one run",)
-    named = ", ".join(joint.joint for joint in found.dependents)
-    count = f"{found.runs} run{'s' if found.runs > 1 else ''}"
+    named = ", ".join(joint.joint for joint in state.dependents)
+    count = f"{state.runs} run{'s' if state.runs > 1 else ''}"
     return (f"oil and play of {named} are those at these temperatures, found by {count}",)
